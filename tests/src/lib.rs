@@ -1,0 +1,1 @@
+//! Scenes, reference data, claims and charts: the proof of the workspace.

@@ -1,0 +1,3 @@
+//! The `verification` command: verify, run, chart.
+
+fn main() {}

@@ -1,1 +1,23 @@
 #![doc = include_str!("../README.md")]
+
+mod cloud;
+mod error;
+mod method;
+mod metric;
+mod parallel;
+mod report;
+pub mod score;
+mod simulation;
+mod stage;
+mod start;
+mod step;
+pub mod systems;
+
+pub use cloud::{AxisNeighbours, Cloud};
+pub use error::Error;
+pub use method::{Combination, Estimator, InitialSmoothing, Method, Scheme, StepRule};
+pub use metric::{Metric, Whitening};
+pub use report::{StepReport, Work};
+pub use score::ScoreEstimator;
+pub use simulation::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS, Simulation};
+pub use start::{DEFAULT_REACH, InitialLattice};

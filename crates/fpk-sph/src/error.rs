@@ -1,0 +1,256 @@
+//! What can go wrong, with the value and its limit.
+
+/// Why a simulation could not be set up, go on, or be observed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter is NaN or infinite.
+    #[error("{name} is {value}; it must be finite")]
+    NotFinite {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter must be greater than zero.
+    #[error("{name} is {value}; it must be greater than 0")]
+    NotPositive {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter must not be negative.
+    #[error("{name} is {value}; it must be 0 or greater")]
+    Negative {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// Two parameters must stand in an order.
+    #[error("{name} is {value}; it must be greater than {other}, which is {limit}")]
+    OutOfOrder {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// The parameter it must exceed.
+        other: &'static str,
+        /// The value of that one.
+        limit: f64,
+    },
+    /// The lattice holds too few particles to carry a density.
+    #[error("the lattice holds {count} particles; at least {limit} are needed in {dimension}-D")]
+    TooFewParticles {
+        /// How many there are.
+        count: usize,
+        /// How many are needed.
+        limit: usize,
+        /// The dimension.
+        dimension: usize,
+    },
+    /// The support holds too few lattice neighbours for the estimator, whatever the flow does later.
+    #[error(
+        "support_radius/spacing is {ratio}: a support holds {count} neighbours of the undisturbed lattice; \
+         the fit needs {limit} in {dimension}-D"
+    )]
+    SupportTooSmall {
+        /// `support_radius / spacing`.
+        ratio: f64,
+        /// Neighbours of an interior particle on the undisturbed lattice, itself excluded.
+        count: usize,
+        /// How many are needed.
+        limit: usize,
+        /// The dimension.
+        dimension: usize,
+    },
+    /// The particles of the cloud have too few neighbours on average: they have run apart or clumped.
+    #[error(
+        "step {step}, t = {time}: the particles have {mean:.1} neighbours with themselves on average; \
+         the estimator needs {limit:.1}"
+    )]
+    CloudTooSparse {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// Mean number of neighbours, the particle itself included.
+        mean: f64,
+        /// The least that the estimator needs.
+        limit: f64,
+    },
+    /// A particle has fewer neighbours than the local fit has unknowns.
+    #[error(
+        "step {step}, t = {time}: particle {particle} has {count} neighbours with itself; the fit has {limit} unknowns"
+    )]
+    TooFewNeighbours {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The particle.
+        particle: usize,
+        /// Its neighbours, itself included.
+        count: usize,
+        /// Unknowns of the fit.
+        limit: usize,
+    },
+    /// The neighbours of a particle lie so that they do not determine the local fit.
+    #[error(
+        "step {step}, t = {time}: the fit at particle {particle} is singular: relative pivot {pivot:e} is below {limit:e} \
+         ({count} neighbours with itself)"
+    )]
+    SingularFit {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The particle.
+        particle: usize,
+        /// Its neighbours, itself included.
+        count: usize,
+        /// Smallest pivot of the normal matrix over its diagonal entry.
+        pivot: f64,
+        /// The limit of that.
+        limit: f64,
+    },
+    /// The covariance of the cloud does not span the state space.
+    #[error(
+        "step {step}, t = {time}: the covariance of the cloud is singular along axis {axis}: \
+         relative pivot {pivot:e} is below {limit:e}"
+    )]
+    SingularCovariance {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The axis of the failing pivot.
+        axis: usize,
+        /// The pivot over the variance of that axis.
+        pivot: f64,
+        /// The limit of that.
+        limit: f64,
+    },
+    /// The Courant rule asks for steps that lead nowhere: particles have clumped.
+    #[error(
+        "step {step}, t = {time}: the step collapsed to {dt:e} at particle {particle}, below {limit:e} (1e-6 of a period)"
+    )]
+    StepCollapsed {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The step that the rule asks for.
+        dt: f64,
+        /// The particle that asks for it.
+        particle: usize,
+        /// The floor.
+        limit: f64,
+    },
+    /// A fixed step exceeds the diffusion limit.
+    #[error(
+        "step {step}, t = {time}: the fixed step {dt:e} exceeds the diffusion limit {limit:e} at particle {particle}: \
+         lower the step or the particle count"
+    )]
+    StepExceedsDiffusionLimit {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The step.
+        dt: f64,
+        /// The particle that sets the limit.
+        particle: usize,
+        /// The largest stable step.
+        limit: f64,
+    },
+    /// A position, velocity or density is no longer finite, or a density is no longer positive.
+    #[error("step {step}, t = {time}: {quantity} of particle {particle} is {value}")]
+    LeftStableRange {
+        /// Steps taken.
+        step: u64,
+        /// Time.
+        time: f64,
+        /// The particle.
+        particle: usize,
+        /// What it is of the particle.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The run took as many steps as it was allowed.
+    #[error("t = {time}: {limit} steps taken without reaching t = {target}")]
+    WorkLimit {
+        /// Time reached.
+        time: f64,
+        /// The time asked for.
+        target: f64,
+        /// The limit of steps.
+        limit: u64,
+    },
+    /// A time lies before the state of the simulation, or is not a number.
+    #[error("time {value} was asked for, but the simulation stands at {now}")]
+    TimeInThePast {
+        /// What was asked for.
+        value: f64,
+        /// Where the simulation stands.
+        now: f64,
+    },
+    /// Volumes of deformed lattice cells were asked for, but the cloud carries no lattice.
+    #[error("the cloud of {count} particles carries no lattice; use the kernel sum for the volumes")]
+    NoLattice {
+        /// Particles of the cloud.
+        count: usize,
+    },
+    /// An index names no component of the state.
+    #[error("component {value} was asked for, but the state has {limit}")]
+    NoSuchComponent {
+        /// What was asked for.
+        value: usize,
+        /// Components of the state.
+        limit: usize,
+    },
+    /// Edges of bins must increase, and there must be two at least.
+    #[error("{count} bin edges, not strictly increasing at {position}")]
+    BinEdges {
+        /// How many edges were given.
+        count: usize,
+        /// The first edge that does not exceed the one before it.
+        position: usize,
+    },
+    /// A snapshot is of another simulation.
+    #[error("the snapshot holds {found} particles, the simulation {expected}")]
+    ForeignSnapshot {
+        /// Particles of the snapshot.
+        found: usize,
+        /// Particles of the simulation.
+        expected: usize,
+    },
+    /// The initial law or the system was refused.
+    #[error(transparent)]
+    Sde(#[from] sde_integrators::Error),
+    /// The neighbour search refused its input.
+    #[error(transparent)]
+    Neighbours(#[from] neighbour_search::Error),
+    /// The store or the lattice refused its input.
+    #[error(transparent)]
+    Store(#[from] particle_store::Error),
+}
+
+/// Refuses NaN and infinity.
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { name, value }) }
+}
+
+/// Refuses what is not finite and greater than zero.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { name, value }) }
+}
+
+/// Refuses what is not finite and at least zero.
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if value >= 0.0 { Ok(()) } else { Err(Error::Negative { name, value }) }
+}

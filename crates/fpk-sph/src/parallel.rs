@@ -1,0 +1,82 @@
+//! Loops over particles whose every output bit is the same for any number of threads: each particle writes its own
+//! entry, and nothing is summed across particles here.
+
+use crate::error::Error;
+use crate::score::Estimates;
+
+/// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
+#[cfg(feature = "rayon")]
+const GRAIN: usize = 128;
+
+/// `out[i] = value(i)`.
+pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        out.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(|(i, entry)| *entry = value(i));
+    }
+    #[cfg(not(feature = "rayon"))]
+    for (i, entry) in out.iter_mut().enumerate() {
+        *entry = value(i);
+    }
+}
+
+/// `(score, density, volume)[i] = value(i)`.
+pub(crate) fn for_each_particle<const D: usize>(
+    out: &mut Estimates<'_, D>,
+    value: impl Fn(usize) -> ([f64; D], f64, f64) + Sync,
+) {
+    let write = |i: usize, score: &mut [f64; D], density: &mut f64, volume: &mut f64| {
+        (*score, *density, *volume) = value(i);
+    };
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        out.score
+            .par_iter_mut()
+            .zip(out.density.par_iter_mut())
+            .zip(out.volume.par_iter_mut())
+            .enumerate()
+            .with_min_len(GRAIN)
+            .for_each(|(i, ((score, density), volume))| write(i, score, density, volume));
+    }
+    #[cfg(not(feature = "rayon"))]
+    for i in 0..out.score.len() {
+        write(i, &mut out.score[i], &mut out.density[i], &mut out.volume[i]);
+    }
+}
+
+/// `out[i] = value(scratch, i)`; of several errors, that of the lowest particle, whatever the threads did.
+pub(crate) fn for_each_particle_with<T: Send, W>(
+    out: &mut [T],
+    scratch: impl Fn() -> W + Sync + Send,
+    value: impl Fn(&mut W, usize) -> Result<T, Error> + Sync + Send,
+) -> Result<(), Error> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        let first_error = out
+            .par_chunks_mut(GRAIN)
+            .enumerate()
+            .filter_map(|(chunk, entries)| {
+                let mut scratch = scratch();
+                (chunk * GRAIN..).zip(entries).find_map(|(i, entry)| match value(&mut scratch, i) {
+                    Ok(computed) => {
+                        *entry = computed;
+                        None
+                    }
+                    Err(error) => Some((i, error)),
+                })
+            })
+            .min_by_key(|(i, _)| *i);
+        first_error.map_or(Ok(()), |(_, error)| Err(error))
+    }
+    #[cfg(not(feature = "rayon"))]
+    {
+        let mut scratch = scratch();
+        for (i, entry) in out.iter_mut().enumerate() {
+            *entry = value(&mut scratch, i)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! What can go wrong, with the value and its limit.
+
+/// Why a step could not be taken. Explicit methods never fail; what they return is checked by the caller.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// An implicit equation was not solved.
+    #[error("residual {residual:e} after {iterations} iterations, the limit is {limit:e}")]
+    NotConverged {
+        /// How many iterations were made.
+        iterations: usize,
+        /// What was left of the equation.
+        residual: f64,
+        /// What would have been accepted.
+        limit: f64,
+    },
+    /// The method cannot take a step of this length.
+    #[error("step length {dt} exceeds its limit {limit}")]
+    StepTooLong {
+        /// The step length asked for.
+        dt: f64,
+        /// The largest one.
+        limit: f64,
+    },
+}
+
+/// Why a law, an estimate or an ensemble could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There are fewer of something than its least number.
+    #[error("{value} {quantity}, at least {limit} needed")]
+    TooFew {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there are.
+        value: u64,
+        /// How many there must be.
+        limit: u64,
+    },
+    /// There are more of something than can be.
+    #[error("{value} {quantity}, at most {limit} possible")]
+    TooMany {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there would be.
+        value: f64,
+        /// How many there may be.
+        limit: f64,
+    },
+    /// A quantity is infinite, not a number, or not above zero.
+    #[error("{quantity} is {value}, must be finite and positive")]
+    NotPositive {
+        /// Which one.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity is infinite or not a number.
+    #[error("{quantity} {index} is {value}, must be finite")]
+    NotFinite {
+        /// Which one.
+        quantity: &'static str,
+        /// Its place among its like.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The weights of a mixture do not add up to one.
+    #[error("weights of the components sum to {sum}, must be 1 within {tolerance:e}")]
+    WeightSum {
+        /// Their sum.
+        sum: f64,
+        /// How far it may be from 1.
+        tolerance: f64,
+    },
+    /// A covariance is not symmetric.
+    #[error(
+        "covariance of component {component} differs by {difference:e} between ({row}, {column}) and ({column}, {row}), the limit is {limit:e}"
+    )]
+    NotSymmetric {
+        /// Which component of the mixture.
+        component: usize,
+        /// The row of the entry.
+        row: usize,
+        /// The column of the entry.
+        column: usize,
+        /// By how much the two entries differ.
+        difference: f64,
+        /// By how much they may differ.
+        limit: f64,
+    },
+    /// A covariance is not positive definite.
+    #[error(
+        "covariance of component {component} is not positive definite: pivot {pivot:e} in row {row}, must exceed {limit:e}"
+    )]
+    NotPositiveDefinite {
+        /// Which component of the mixture.
+        component: usize,
+        /// The row where the factorisation failed.
+        row: usize,
+        /// The pivot found there: the variance of this state given those before it.
+        pivot: f64,
+        /// What it must exceed: roundoff.
+        limit: f64,
+    },
+    /// An output time is before the start, not after the one before it, or not a number.
+    #[error("output time {index} is {value}, must be finite and {relation} {limit}")]
+    OutputTime {
+        /// Which one.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// How it must compare: "at least" or "above".
+        relation: &'static str,
+        /// With what.
+        limit: f64,
+    },
+    /// A method could not take a step.
+    #[error("path {realisation}, step {step}, time {t}: no step was possible")]
+    Step {
+        /// The realisation with the lowest number that failed.
+        realisation: u64,
+        /// The step, counted from 0.
+        step: u64,
+        /// The time at its start.
+        t: f64,
+        /// Why.
+        source: StepError,
+    },
+    /// A path left the numbers.
+    #[error(
+        "path {realisation} is non-finite after {steps} steps, at time {t}: state {component} is {value}"
+    )]
+    NonFiniteState {
+        /// The realisation with the lowest number that failed.
+        realisation: u64,
+        /// How many steps it had taken; none where the initial law is to blame.
+        steps: u64,
+        /// The time after them.
+        t: f64,
+        /// Which component of the state.
+        component: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An observable of a finite state is not finite.
+    #[error("observable {observable} of path {realisation} at time {t} is {value}, must be finite")]
+    NonFiniteObservable {
+        /// Which observable.
+        observable: usize,
+        /// The realisation with the lowest number that failed.
+        realisation: u64,
+        /// The output time.
+        t: f64,
+        /// Its value.
+        value: f64,
+    },
+}

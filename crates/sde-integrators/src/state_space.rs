@@ -1,0 +1,76 @@
+//! A system of second order in first-order form.
+
+use crate::system::{Additive, Sde, SecondOrder};
+
+/// A [`SecondOrder`] system with 1, 2 or 3 degrees of freedom as an [`Sde`] of the state `(q_1.., v_1..)`,
+///
+/// $$ dq = v\,dt, \qquad dv = (r - c v - \omega^2 q)\,dt + s\,dB . $$
+///
+/// It is still a [`SecondOrder`] system, so that one declaration serves every method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StateSpace<S>(
+    /// The system of second order.
+    pub S,
+);
+
+impl<S, const N: usize, const M: usize> SecondOrder<N, M> for StateSpace<S>
+where
+    S: SecondOrder<N, M>,
+{
+    #[inline]
+    fn natural_frequency(&self) -> [f64; N] {
+        self.0.natural_frequency()
+    }
+
+    #[inline]
+    fn linear_damping(&self) -> [f64; N] {
+        self.0.linear_damping()
+    }
+
+    #[inline]
+    fn remaining_acceleration(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        self.0.remaining_acceleration(t, q, v)
+    }
+
+    #[inline]
+    fn remaining_flow(&self, t: f64, dt: f64, q: &[f64; N], v: &mut [f64; N]) {
+        self.0.remaining_flow(t, dt, q, v);
+    }
+
+    #[inline]
+    fn noise_intensity(&self, t: f64) -> [[f64; M]; N] {
+        self.0.noise_intensity(t)
+    }
+
+    #[inline]
+    fn acceleration(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [f64; N] {
+        self.0.acceleration(t, q, v)
+    }
+}
+
+macro_rules! first_order_form {
+    ($($n:literal => $d:literal),+) => { $(
+        impl<S, const M: usize> Sde<$d, M> for StateSpace<S>
+        where
+            S: SecondOrder<$n, M>,
+        {
+            type Noise = Additive;
+
+            #[inline]
+            fn drift(&self, t: f64, x: &[f64; $d]) -> [f64; $d] {
+                let q = std::array::from_fn(|k| x[k]);
+                let v = std::array::from_fn(|k| x[$n + k]);
+                let acceleration: [f64; $n] = self.0.acceleration(t, &q, &v);
+                std::array::from_fn(|i| if i < $n { v[i] } else { acceleration[i - $n] })
+            }
+
+            #[inline]
+            fn noise(&self, t: f64, _x: &[f64; $d]) -> [[f64; M]; $d] {
+                let intensity: [[f64; M]; $n] = self.0.noise_intensity(t);
+                std::array::from_fn(|i| if i < $n { [0.0; M] } else { intensity[i - $n] })
+            }
+        }
+    )+ };
+}
+
+first_order_form!(1 => 2, 2 => 4, 3 => 6);

@@ -4,6 +4,7 @@ mod cloud;
 mod error;
 mod method;
 mod metric;
+pub mod observables;
 mod parallel;
 mod report;
 pub mod score;

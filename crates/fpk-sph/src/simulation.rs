@@ -7,8 +7,10 @@ use sde_integrators::{GaussianMixture, Sde};
 
 use crate::error::{Error, positive};
 use crate::method::{Combination, InitialSmoothing, Method, StepRule};
+use crate::metric::{Metric, Whitening};
 use crate::report::Work;
-use crate::score::ScoreEstimator;
+use crate::cloud::AxisNeighbours;
+use crate::score::{LocalFit, LogDensityFit, ScoreEstimator, determinant, lattice_jacobian};
 use crate::start::{InitialLattice, Start, initial_spacing};
 use crate::stage::{Field, Stage};
 use crate::step::Stages;
@@ -235,7 +237,44 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     }
 }
 
+impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
+    /// An evaluation at the present state, apart from the buffers of the steps.
+    pub(crate) fn evaluated(&self) -> Result<Stage<D>, Error> {
+        let mut stage = Stage::new(self.n_particles());
+        stage.estimate(&self.field, &self.state, self.state.time, &self.state.positions)?;
+        Ok(stage)
+    }
+
+    /// Local fits of log density in whitened coordinates, whatever the method: with the method's own smoothing lengths
+    /// where it whitens, else with lengths that hold as many neighbours as the method's support at the start.
+    pub(crate) fn local_fits(&self) -> Result<(Stage<D>, Vec<LocalFit<D>>), Error> {
+        let fit = LogDensityFit::default();
+        let combination = Method::LogDensityFit.combination();
+        let field = Field { system: (), estimator: Box::new(fit), combination, lattice: self.field.lattice.clone() };
+        let mut state = self.state.clone();
+        let mut stage = Stage::new(self.n_particles());
+        if self.field.combination.metric == Metric::Isotropic {
+            let support = <LogDensityFit as ScoreEstimator<D>>::support(&fit);
+            state.whitened_smoothing_lengths(&field.lattice, combination.support_over_spacing / support)?;
+        }
+        stage.find_neighbours(&field, &state, state.time, &state.positions)?;
+        let fits = fit.local_fits(&stage.cloud(&field, &state, state.time))?;
+        Ok((stage, fits))
+    }
+}
+
 impl<const D: usize> State<D> {
+    /// Smoothing lengths in whitened coordinates from the deformed lattice.
+    fn whitened_smoothing_lengths(&mut self, lattice: &[AxisNeighbours<D>], ratio: f64) -> Result<(), Error> {
+        let at = (self.n_steps, self.time);
+        let whitening = Whitening::of(Metric::Whitened, &self.positions, &self.masses, at)?;
+        for (i, h) in self.smoothing_lengths.iter_mut().enumerate() {
+            let edges = lattice_jacobian(&self.positions, lattice, i).ok_or(Error::NoLattice { count: lattice.len() })?;
+            *h = ratio * (determinant(&edges).abs() / whitening.determinant()).powf(1.0 / D as f64);
+        }
+        Ok(())
+    }
+
     /// `h_i = h_0i (V_i / V_0i)^(1/D)` (eq 20), and the largest relative change.
     pub(crate) fn update_smoothing_lengths(&mut self, volume: &[f64]) -> f64 {
         let mut largest_change = 0.0_f64;

@@ -51,7 +51,7 @@ impl<const D: usize> Stage<D> {
     }
 
     /// Whitens the positions and finds who is near whom.
-    fn find_neighbours<S>(
+    pub(crate) fn find_neighbours<S>(
         &mut self,
         field: &Field<S, D>,
         state: &State<D>,

@@ -14,7 +14,7 @@ pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::Criterion;
 pub use summation_density::SummationDensity;
 
-pub(crate) use cell_geometry::lattice_jacobian;
+pub(crate) use cell_geometry::{determinant, lattice_jacobian};
 
 use crate::cloud::Cloud;
 use crate::error::Error;

@@ -1,0 +1,111 @@
+//! Sums over particles: moments, total mass, entropy, and the two estimators of exceedance that only count masses.
+
+use sde_integrators::Sde;
+
+use crate::error::{Error, finite};
+use crate::simulation::Simulation;
+
+impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
+    /// `E[x_1^a_1 .. x_D^a_D] = sum_i mu_i prod_k x_ik^a_k` (Canor & Denoël 2013, eq 22, where `psi_i dV_i` is `mu_i` by
+    /// definition). Not divided by the total mass.
+    pub fn raw_moment(&self, powers: [u32; D]) -> f64 {
+        let monomial = |x: &[f64; D]| -> f64 {
+            x.iter().zip(&powers).map(|(x_k, &a)| x_k.powi(i32::try_from(a).unwrap_or(i32::MAX))).product()
+        };
+        self.expectation(monomial)
+    }
+
+    /// `E[f(x)] = sum_i mu_i f(x_i)`.
+    pub fn expectation(&self, f: impl Fn(&[f64; D]) -> f64) -> f64 {
+        self.positions().iter().zip(self.masses()).map(|(x, mu)| mu * f(x)).sum()
+    }
+
+    /// `sum mu_i`: 1 less what lay beyond the lattice at the start.
+    pub fn total_mass(&self) -> f64 {
+        self.masses().iter().sum()
+    }
+
+    /// Density at the particles, in the units of the state, by the method's own estimator.
+    ///
+    /// # Errors
+    /// Those of the metric and of the estimator.
+    pub fn density(&self) -> Result<Vec<f64>, Error> {
+        let stage = self.evaluated()?;
+        let determinant = stage.whitening.determinant();
+        Ok(stage.density.iter().map(|psi| psi / determinant).collect())
+    }
+
+    /// `E[-log psi] = -sum mu_i log psi_i`, in nats.
+    ///
+    /// # Errors
+    /// Those of [`Self::density`].
+    pub fn entropy(&self) -> Result<f64, Error> {
+        let density = self.density()?;
+        Ok(density.iter().zip(self.masses()).map(|(psi, mu)| -mu * psi.ln()).sum())
+    }
+
+    /// Relative L2 error against a density that is known,
+    /// `sqrt(sum V_i (psi_i - psi(x_i))^2 / sum V_i psi(x_i)^2)`, with the particles' volumes as weights.
+    ///
+    /// # Errors
+    /// Those of [`Self::density`].
+    pub fn density_error(&self, exact: impl Fn(&[f64; D]) -> f64) -> Result<f64, Error> {
+        let stage = self.evaluated()?;
+        let determinant = stage.whitening.determinant();
+        let (mut square_error, mut square) = (0.0, 0.0);
+        for ((x, psi), volume) in self.positions().iter().zip(&stage.density).zip(&stage.volume) {
+            let reference = exact(x);
+            square_error += volume * (psi / determinant - reference).powi(2);
+            square += volume * reference * reference;
+        }
+        Ok((square_error / square).sqrt())
+    }
+
+    /// `P(y > T) = sum mu_i I(y(x_i) > T)`: the paper's estimator (Canor & Denoël 2013, eq 25). A staircase in `T`.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the threshold.
+    pub fn exceedance_indicator(
+        &self,
+        demand: impl Fn(&[f64; D]) -> f64,
+        threshold: f64,
+    ) -> Result<f64, Error> {
+        finite("threshold", threshold)?;
+        Ok(self.expectation(|x| f64::from(u8::from(demand(x) > threshold))))
+    }
+
+    /// `P(y > T)` by interpolating the logarithm of the particles' complementary distribution linearly in `y`, a
+    /// particle's own mass counted half at its place. Zero beyond the last particle.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the threshold or a demand.
+    pub fn exceedance_log_interpolated(
+        &self,
+        demand: impl Fn(&[f64; D]) -> f64,
+        threshold: f64,
+    ) -> Result<f64, Error> {
+        finite("threshold", threshold)?;
+        let mut particles: Vec<(f64, f64)> =
+            self.positions().iter().map(demand).zip(self.masses().iter().copied()).collect();
+        if let Some(&(value, _)) = particles.iter().find(|(y, _)| !y.is_finite()) {
+            return Err(Error::NotFinite { name: "demand", value });
+        }
+        particles.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let mut above: Option<(f64, f64)> = None;
+        let mut mass_beyond = 0.0;
+        for level in particles.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()) {
+            let y = level[0].0;
+            let mass: f64 = level.iter().map(|(_, mu)| mu).sum();
+            let exceeded = mass_beyond + 0.5 * mass;
+            if y <= threshold {
+                return Ok(above.map_or(0.0, |(y_above, exceeded_above)| {
+                    let fraction = (threshold - y) / (y_above - y);
+                    (exceeded.ln() + fraction * (exceeded_above / exceeded).ln()).exp()
+                }));
+            }
+            above = Some((y, exceeded));
+            mass_beyond += mass;
+        }
+        Ok(mass_beyond)
+    }
+}

@@ -1,0 +1,55 @@
+//! What can be wrong with a question.
+
+use crate::radii::{MAX_RADIUS, MIN_RADIUS};
+
+/// Why a neighbour list could not be built or read.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A coordinate is NaN or infinite.
+    #[error("point {particle} has coordinate {value} along axis {axis}, which is not finite")]
+    CoordinateNotFinite {
+        /// Index of the point.
+        particle: usize,
+        /// Axis of the coordinate, from 0.
+        axis: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// The common radius is NaN, infinite, not positive, or has no square in double precision.
+    #[error("radius {value} is not between {MIN_RADIUS:e} and {MAX_RADIUS:e}")]
+    UniformRadius {
+        /// The radius.
+        value: f64,
+    },
+    /// A point's radius is NaN, infinite, not positive, or has no square in double precision.
+    #[error("radius {value} of point {particle} is not between {MIN_RADIUS:e} and {MAX_RADIUS:e}")]
+    Radius {
+        /// Index of the point.
+        particle: usize,
+        /// Its radius.
+        value: f64,
+    },
+    /// There are not as many radii as points.
+    #[error("{radii} radii were given for {points} points")]
+    RadiiLength {
+        /// Number of points.
+        points: usize,
+        /// Number of radii.
+        radii: usize,
+    },
+    /// A list is read with points that are not those it was built of.
+    #[error("a list of {listed} points is read with {points} points")]
+    ListLength {
+        /// Number of points the list was built of.
+        listed: usize,
+        /// Number of points it is read with.
+        points: usize,
+    },
+    /// There are more points than a 32-bit index counts.
+    #[error("{points} points are more than the {} that a list can index", u32::MAX)]
+    TooManyPoints {
+        /// Number of points.
+        points: usize,
+    },
+}

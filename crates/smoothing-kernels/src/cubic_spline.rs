@@ -1,0 +1,97 @@
+//! The cubic B-spline.
+
+use crate::geometry::{beta, power, unit_sphere_surface};
+use crate::kernel::Kernel;
+
+/// The cubic B-spline, on two smoothing lengths: the usual kernel of smoothed particle hydrodynamics.
+///
+/// $$ w(q) = \tfrac14 (2 - q)_+^3 - (1 - q)_+^3, \qquad
+///    \sigma_D = \frac{D(D+1)(D+2)(D+3)}{6\,(2^{D+1} - 1)\, S_D} $$
+///
+/// which is 2/3, 10/(7π), 1/π for D = 1, 2, 3.
+/// Symbols: `q = r/h`; support `2 h`. Smoothness: continuous second derivative.
+/// Its Fourier transform changes sign, so with many neighbours particles pair (Dehnen & Aly 2012 `[@dehnen2012]`).
+///
+/// Source: Monaghan & Lattanzio 1985 `[@monaghan1985]`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CubicSpline;
+
+impl<const D: usize> Kernel<D> for CubicSpline {
+    #[inline]
+    fn support(&self) -> f64 {
+        2.0
+    }
+
+    #[inline]
+    fn shape(&self, q: f64) -> f64 {
+        if q >= 2.0 {
+            return 0.0;
+        }
+        let to_edge = 2.0 - q;
+        if q >= 1.0 {
+            return 0.25 * (to_edge * to_edge * to_edge);
+        }
+        1.0 - 0.75 * (q * q) * to_edge
+    }
+
+    #[inline]
+    fn shape_derivative(&self, q: f64) -> f64 {
+        if q >= 2.0 {
+            return 0.0;
+        }
+        let to_edge = 2.0 - q;
+        if q >= 1.0 {
+            return -0.75 * (to_edge * to_edge);
+        }
+        q * (2.25 * q - 3.0)
+    }
+
+    #[inline]
+    fn shape_derivative_over_q(&self, q: f64) -> f64 {
+        if q >= 1.0 {
+            return Kernel::<D>::shape_derivative(self, q) / q;
+        }
+        2.25 * q - 3.0
+    }
+
+    #[inline]
+    fn normalisation(&self) -> f64 {
+        const {
+            let integral = beta(D, 4) * (2.0 * power::<D>(2.0) - 1.0);
+            1.0 / (unit_sphere_surface::<D>() * integral)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn normalisation_is_the_published_one() {
+        // Monaghan & Lattanzio 1985.
+        let ours = [
+            Kernel::<1>::normalisation(&CubicSpline),
+            Kernel::<2>::normalisation(&CubicSpline),
+            Kernel::<3>::normalisation(&CubicSpline),
+        ];
+        let published = [2.0 / 3.0, 10.0 / (7.0 * PI), 1.0 / PI];
+        for (ours, published) in ours.into_iter().zip(published) {
+            assert!((ours / published - 1.0).abs() < 1e-14, "{ours} {published}");
+        }
+    }
+
+    #[test]
+    fn pieces_meet_at_one_with_value_and_both_derivatives() {
+        // From either side: w = 1/4, w' = -3/4, w'' = 3/2 at q = 1.
+        let (below, above) = (1.0 - 1e-6, 1.0 + 1e-6);
+        let derivative = |q| Kernel::<3>::shape_derivative(&CubicSpline, q);
+        for q in [below, 1.0, above] {
+            assert!((Kernel::<3>::shape(&CubicSpline, q) - 0.25).abs() < 1e-6);
+            assert!((derivative(q) + 0.75).abs() < 2e-6);
+        }
+        assert!(((derivative(above) - derivative(below)) / (above - below) - 1.5).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,127 @@
+//! What a kernel is, and everything that follows from it.
+
+use core::fmt::Debug;
+
+use crate::geometry::power;
+
+/// Below this `q` the ratio `shape'(q) / q` is taken at this `q`: the ratio has a limit at 0, and moves from it by less
+/// than about 1e-8 of itself here.
+const SMALLEST_Q: f64 = 1e-8;
+
+/// A radial smoothing kernel in `D` dimensions,
+///
+/// $$ W(r, h) = \frac{\sigma_D}{h^D}\, w(q), \qquad q = r / h, \qquad S_D\,\sigma_D \int_0^{s} w(q)\, q^{D-1} dq = 1. $$
+///
+/// Symbols: `r` the distance between two points, `h` the smoothing length (both in the unit of length of the points),
+/// `w` the [`shape`](Self::shape), `s` the [`support`](Self::support) in units of `h`, `sigma_D` the
+/// [`normalisation`](Self::normalisation), `S_D` the surface of the unit sphere
+/// ([`unit_sphere_surface`](crate::unit_sphere_surface)).
+/// Domain: `r >= 0`, `h > 0`, `q >= 0`. A NaN argument gives NaN.
+///
+/// Four functions are required; the others are derived from them once.
+/// The trait is object-safe; solvers take a `K: Kernel<D>` and compile to the kernel itself.
+pub trait Kernel<const D: usize>: Debug + Send + Sync {
+    /// Where the kernel ends, in units of `h`: `shape(q) = 0` for `q >= support`.
+    #[must_use]
+    fn support(&self) -> f64;
+
+    /// `w(q)`, without its normalisation.
+    #[must_use]
+    fn shape(&self, q: f64) -> f64;
+
+    /// `w'(q)`.
+    #[must_use]
+    fn shape_derivative(&self, q: f64) -> f64;
+
+    /// `sigma_D`, so that the kernel integrates to one over `D`-dimensional space.
+    #[must_use]
+    fn normalisation(&self) -> f64;
+
+    /// `w'(q) / q`, finite at 0 for a kernel that is flat there.
+    ///
+    /// Provided as the quotient, taken at `q = 1e-8` below that. A kernel that knows the quotient in closed form gives
+    /// it here and saves the division. For a kernel with a cusp at 0 the limit does not exist; the provided value is
+    /// then large and finite, and the gradient of a point with itself is still zero.
+    #[inline]
+    #[must_use]
+    fn shape_derivative_over_q(&self, q: f64) -> f64 {
+        let q = if q < SMALLEST_Q { SMALLEST_Q } else { q };
+        self.shape_derivative(q) / q
+    }
+
+    /// Distance at which the kernel ends, `support * h`: the radius to search neighbours with.
+    #[inline]
+    #[must_use]
+    fn support_radius(&self, h: f64) -> f64 {
+        self.support() * h
+    }
+
+    /// `W(r, h)`, per `D`-dimensional volume.
+    #[inline]
+    #[must_use]
+    fn value(&self, r: f64, h: f64) -> f64 {
+        self.normalisation() / power::<D>(h) * self.shape(r / h)
+    }
+
+    /// `dW/dr = sigma_D / h^(D+1) w'(q)`.
+    #[inline]
+    #[must_use]
+    fn radial_derivative(&self, r: f64, h: f64) -> f64 {
+        self.normalisation() / (power::<D>(h) * h) * self.shape_derivative(r / h)
+    }
+
+    /// `(dW/dr) / r = sigma_D / h^(D+2) w'(q)/q`: the gradient is this times `x_ij`.
+    #[inline]
+    #[must_use]
+    fn gradient_factor(&self, r: f64, h: f64) -> f64 {
+        self.normalisation() / (power::<D>(h) * (h * h)) * self.shape_derivative_over_q(r / h)
+    }
+
+    /// Gradient of `W(|x_i - x_j|, h)` with respect to the first point, with `x_ij = x_i - x_j` and `r = |x_ij|`.
+    ///
+    /// With respect to the second point it is the negative. Zero for coincident points.
+    #[inline]
+    #[must_use]
+    fn gradient(&self, x_ij: &[f64; D], r: f64, h: f64) -> [f64; D] {
+        let factor = self.gradient_factor(r, h);
+        x_ij.map(|component| factor * component)
+    }
+
+    /// `dW/dh = -sigma_D / h^(D+1) (D w(q) + q w'(q))` at fixed `r`: what a variable smoothing length needs.
+    #[inline]
+    #[must_use]
+    fn smoothing_length_derivative(&self, r: f64, h: f64) -> f64 {
+        let q = r / h;
+        let bracket = D as f64 * self.shape(q) + q * self.shape_derivative(q);
+        -self.normalisation() / (power::<D>(h) * h) * bracket
+    }
+}
+
+/// A kernel behind a pointer is that kernel.
+macro_rules! forward {
+    ($($pointer:ty),*) => {$(
+        impl<const D: usize, K: Kernel<D> + ?Sized> Kernel<D> for $pointer {
+            #[inline]
+            fn support(&self) -> f64 {
+                (**self).support()
+            }
+            #[inline]
+            fn shape(&self, q: f64) -> f64 {
+                (**self).shape(q)
+            }
+            #[inline]
+            fn shape_derivative(&self, q: f64) -> f64 {
+                (**self).shape_derivative(q)
+            }
+            #[inline]
+            fn normalisation(&self) -> f64 {
+                (**self).normalisation()
+            }
+            #[inline]
+            fn shape_derivative_over_q(&self, q: f64) -> f64 {
+                (**self).shape_derivative_over_q(q)
+            }
+        }
+    )*};
+}
+forward!(&K, Box<K>);

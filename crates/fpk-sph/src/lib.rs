@@ -17,7 +17,7 @@ pub mod systems;
 pub use cloud::{AxisNeighbours, Cloud};
 pub use error::Error;
 pub use method::{Combination, Estimator, InitialSmoothing, Method, Scheme, StepRule};
-pub use metric::{Metric, Whitening};
+pub use metric::Metric;
 pub use report::{StepReport, Work};
 pub use score::ScoreEstimator;
 pub use simulation::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS, Simulation};

@@ -177,7 +177,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             return Err(Error::TimeInThePast { value: time, now: self.state.time });
         }
         while self.state.time < time {
-            self.step_towards(time)?;
+            let _report = self.step_towards(time)?;
         }
         Ok(())
     }
@@ -202,6 +202,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::Store`] where the writer fails.
+    #[cfg(any())]
     pub fn snapshot(&self, writer: impl Write) -> Result<(), Error> {
         let mut store = ParticleStore::<D>::new(self.n_particles())?;
         let State { time, n_steps, positions, masses, smoothing_lengths, smoothing_ratios } = &self.state;
@@ -219,6 +220,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::ForeignSnapshot`], [`Error::Store`]; the state is then as it was.
+    #[cfg(any())]
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
         let store = ParticleStore::<D>::restore(reader)?;
         if store.len() != self.n_particles() {

@@ -15,4 +15,4 @@
 mod cell_integral;
 mod moments;
 
-pub use cell_integral::{CellIntegral, Exceedance};
+pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};

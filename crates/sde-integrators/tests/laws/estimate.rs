@@ -1,0 +1,77 @@
+//! Numbers with their errors.
+
+use sde_integrators::{Accumulator, Error, Estimate, Noise, Purpose, Uncertainty, reduce_blocks};
+
+fn sample(n: usize) -> Vec<f64> {
+    let mut values = vec![0.0; n];
+    Noise::new(1).stream(Purpose::Field, 0).fill_normal(&mut values);
+    values
+}
+
+/// A mean of 1e8 with a spread of 1: the sum of squares would lose all digits. Tolerance: `eps` times the mean, relative
+/// to the spread.
+#[test]
+fn mean_and_variance_survive_a_large_offset_however_the_sample_is_cut() {
+    let values = sample(1000);
+    let direct_mean = values.iter().sum::<f64>() / 1000.0;
+    let direct = values.iter().map(|x| (x - direct_mean).powi(2)).sum::<f64>() / 999.0;
+    for cut in [0, 1, 7, 500, 999, 1000] {
+        let (mut head, mut tail) = (Accumulator::default(), Accumulator::default());
+        values[..cut].iter().for_each(|x| head.push(1e8 + x));
+        values[cut..].iter().for_each(|x| tail.push(1e8 + x));
+        head.merge(&tail);
+        assert_eq!(head.count(), 1000);
+        assert!((head.mean() - 1e8 - direct_mean).abs() < 1e-6);
+        assert!((head.variance().unwrap() / direct - 1.0).abs() < 1e-7, "cut {cut}");
+        let standard_error = head.estimate().unwrap().standard_error().unwrap();
+        assert!((standard_error - (direct / 1000.0).sqrt()).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn a_probability_has_the_binomial_standard_error_or_the_rule_of_three() {
+    let some = Estimate::probability(3, 12).unwrap();
+    assert_eq!(some, Estimate { value: 0.25, uncertainty: Uncertainty::StandardError(0.125) });
+    let none = Estimate::probability(0, 300).unwrap();
+    assert_eq!(none, Estimate { value: 0.0, uncertainty: Uncertainty::Bound(0.01) });
+    let all = Estimate::probability(300, 300).unwrap();
+    assert_eq!(all, Estimate { value: 1.0, uncertainty: Uncertainty::Bound(0.01) });
+    // A true probability at the bound stays unseen in at most 5 % of the studies.
+    assert!((1.0_f64 - 0.01).powi(300) < 0.05);
+    assert_eq!(none.to_string(), "0 +- 1.00e-2 (bound)");
+    assert_eq!(none.standard_error(), None);
+}
+
+#[test]
+fn an_estimate_without_a_sample_is_refused() {
+    let too_few = Err(Error::TooFew { quantity: "values", value: 1, limit: 2 });
+    let mut one = Accumulator::default();
+    one.push(2.0);
+    assert_eq!(one.estimate(), too_few);
+    assert!(Estimate::probability(0, 0).is_err() && Estimate::probability(2, 1).is_err());
+}
+
+/// Joining ranges as text shows the shape of the tree.
+#[test]
+fn blocks_are_joined_in_a_tree_that_depends_on_their_number_alone() {
+    let tree = |n: u64| {
+        let leaf = |ids: std::ops::Range<u64>| Ok::<_, Error>(format!("{}-{}", ids.start, ids.end));
+        reduce_blocks(n, leaf, |a, b| format!("({a} {b})")).unwrap()
+    };
+    assert_eq!(tree(0), None);
+    assert_eq!(tree(5).unwrap(), "0-5");
+    assert_eq!(tree(4097).unwrap(), "(0-4096 4096-4097)");
+    assert_eq!(
+        tree(5 * 4096).unwrap(),
+        "(((0-4096 4096-8192) (8192-12288 12288-16384)) 16384-20480)"
+    );
+}
+
+#[test]
+fn the_error_of_the_lowest_block_wins() {
+    for _ in 0..50 {
+        let block =
+            |ids: std::ops::Range<u64>| if ids.start >= 3 * 4096 { Err(ids.start) } else { Ok(()) };
+        assert_eq!(reduce_blocks(40 * 4096, block, |(), ()| ()), Err(3 * 4096));
+    }
+}

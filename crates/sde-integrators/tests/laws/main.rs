@@ -1,0 +1,10 @@
+//! What must hold of every draw, law, method and ensemble.
+
+mod ensemble;
+mod estimate;
+mod initial_law;
+mod methods;
+mod moments;
+mod noise;
+mod stability;
+mod system;

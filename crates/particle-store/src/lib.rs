@@ -1,1 +1,13 @@
 #![doc = include_str!("../README.md")]
+
+mod bytes;
+mod column;
+mod error;
+mod lattice;
+mod snapshot;
+mod store;
+
+pub use column::{Element, Handle, Kind};
+pub use error::Error;
+pub use lattice::Lattice;
+pub use store::{Attribute, ParticleStore};

@@ -1,0 +1,194 @@
+//! Values as little-endian bytes, hashed on their way in and out.
+
+use std::io::{ErrorKind, Read, Write};
+
+use crate::error::Error;
+
+/// Values moved between buffer and stream at a time: what a false length can make the reader allocate.
+const CHUNK: usize = 4096;
+
+/// A value with a fixed number of bytes. Floating point numbers keep every bit, NaN included.
+pub trait Bytes: Copy {
+    /// Number of bytes.
+    const SIZE: usize;
+    /// Appends the bytes.
+    fn put(self, out: &mut Vec<u8>);
+    /// Reads the first `SIZE` bytes.
+    fn take(bytes: &[u8]) -> Self;
+}
+
+macro_rules! little_endian {
+    ($($number:ty),*) => {$(
+        impl Bytes for $number {
+            const SIZE: usize = size_of::<$number>();
+            fn put(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+            fn take(bytes: &[u8]) -> Self {
+                Self::from_le_bytes(core::array::from_fn(|k| bytes[k]))
+            }
+        }
+    )*};
+}
+little_endian!(u8, u32, u64, i32, i64, f64);
+
+impl<T: Bytes, const D: usize> Bytes for [T; D] {
+    const SIZE: usize = D * T::SIZE;
+    fn put(self, out: &mut Vec<u8>) {
+        for value in self {
+            value.put(out);
+        }
+    }
+    fn take(bytes: &[u8]) -> Self {
+        core::array::from_fn(|k| T::take(&bytes[k * T::SIZE..]))
+    }
+}
+
+/// FNV-1a, 64 bits (Fowler, Noll & Vo): every step is a bijection of the state, so that one wrong byte is always seen.
+#[derive(Debug, Clone, Copy)]
+struct Fnv1a(u64);
+
+impl Fnv1a {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn update(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
+
+/// Writes values and hashes what it wrote.
+#[derive(Debug)]
+pub(crate) struct HashingWriter<W> {
+    inner: W,
+    hash: Fnv1a,
+    buffer: Vec<u8>,
+}
+
+impl<W: Write> HashingWriter<W> {
+    pub(crate) fn new(inner: W) -> Self {
+        Self { inner, hash: Fnv1a::new(), buffer: Vec::new() }
+    }
+
+    pub(crate) fn put<T: Bytes>(&mut self, value: T) -> Result<(), Error> {
+        self.put_all(&[value])
+    }
+
+    pub(crate) fn put_all<T: Bytes>(&mut self, values: &[T]) -> Result<(), Error> {
+        for chunk in values.chunks(CHUNK) {
+            self.buffer.clear();
+            for &value in chunk {
+                value.put(&mut self.buffer);
+            }
+            self.hash.update(&self.buffer);
+            self.inner.write_all(&self.buffer)?;
+        }
+        Ok(())
+    }
+
+    /// A text, its length first.
+    pub(crate) fn put_text(&mut self, text: &str) -> Result<(), Error> {
+        self.put(text.len() as u64)?;
+        self.put_all(text.as_bytes())
+    }
+
+    pub(crate) fn hash(&self) -> u64 {
+        self.hash.0
+    }
+
+    /// Writes the hash of all that came before, and flushes.
+    pub(crate) fn finish(mut self) -> Result<(), Error> {
+        let hash = self.hash();
+        self.put(hash)?;
+        Ok(self.inner.flush()?)
+    }
+}
+
+/// Reads values and hashes what it read.
+#[derive(Debug)]
+pub(crate) struct HashingReader<R> {
+    inner: R,
+    hash: Fnv1a,
+    buffer: Vec<u8>,
+}
+
+impl<R: Read> HashingReader<R> {
+    pub(crate) fn new(inner: R) -> Self {
+        Self { inner, hash: Fnv1a::new(), buffer: Vec::new() }
+    }
+
+    pub(crate) fn take<T: Bytes>(&mut self) -> Result<T, Error> {
+        self.fill(T::SIZE)?;
+        Ok(T::take(&self.buffer))
+    }
+
+    /// Reads `count` values. Memory grows with what is there, not with what the count promises.
+    pub(crate) fn take_all<T: Bytes>(&mut self, count: u64) -> Result<Vec<T>, Error> {
+        let mut left = usize::try_from(count).map_err(|_| Error::Truncated)?;
+        let mut values = Vec::new();
+        while left > 0 {
+            let now = left.min(CHUNK);
+            self.fill(now * T::SIZE)?;
+            values.extend(self.buffer.chunks_exact(T::SIZE).map(T::take));
+            left -= now;
+        }
+        Ok(values)
+    }
+
+    pub(crate) fn take_text(&mut self) -> Result<String, Error> {
+        let length = self.take()?;
+        String::from_utf8(self.take_all(length)?)
+            .map_err(|_| Error::Corrupt { what: "a name is not UTF-8" })
+    }
+
+    /// Compares the hash of all that came before with the one that follows.
+    pub(crate) fn finish(mut self) -> Result<(), Error> {
+        let computed = self.hash.0;
+        let stored = self.take()?;
+        if stored == computed { Ok(()) } else { Err(Error::HashMismatch { stored, computed }) }
+    }
+
+    fn fill(&mut self, length: usize) -> Result<(), Error> {
+        self.buffer.resize(length, 0);
+        self.inner.read_exact(&mut self.buffer).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => Error::Truncated,
+            _ => Error::Io(error),
+        })?;
+        self.hash.update(&self.buffer);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hash_is_the_published_one() {
+        // FNV test vectors: the empty string, "a" and "foobar".
+        for (text, expected) in [
+            ("", 0xcbf2_9ce4_8422_2325),
+            ("a", 0xaf63_dc4c_8601_ec8c),
+            ("foobar", 0x8594_4171_f739_67e8),
+        ] {
+            let mut hash = Fnv1a::new();
+            hash.update(text.as_bytes());
+            assert_eq!(hash.0, expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_little_endian_and_keep_nan_payloads() {
+        let mut out = Vec::new();
+        [1_i32, -2].put(&mut out);
+        assert_eq!(out, [1, 0, 0, 0, 254, 255, 255, 255]);
+        assert_eq!(<[i32; 2]>::take(&out), [1, -2]);
+        let nan = 0x7ff8_dead_beef_0001_u64;
+        out.clear();
+        f64::from_bits(nan).put(&mut out);
+        assert_eq!(f64::take(&out).to_bits(), nan);
+    }
+}

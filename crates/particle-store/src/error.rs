@@ -1,0 +1,128 @@
+//! What can go wrong with columns, snapshots and lattices.
+
+use crate::column::Kind;
+
+/// Why a store, a snapshot or a lattice could not do what was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No column has this name.
+    #[error("there is no column named {name:?}")]
+    UnknownColumn {
+        /// The name.
+        name: String,
+    },
+    /// A handle points beyond the columns of this store: it comes from another.
+    #[error("a handle to column {index} is used on a store of {n_columns} columns")]
+    UnknownHandle {
+        /// The column the handle points to.
+        index: usize,
+        /// Number of columns of the store.
+        n_columns: usize,
+    },
+    /// A column holds another kind of values.
+    #[error("column {name:?} holds {found:?} values, not {expected:?}")]
+    KindMismatch {
+        /// Name of the column.
+        name: String,
+        /// What was asked for.
+        expected: Kind,
+        /// What it holds.
+        found: Kind,
+    },
+    /// A column of this name exists.
+    #[error("there is a column named {name:?} already")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// One column was asked for twice, both times to be written.
+    #[error("column {name:?} cannot be written through two handles at once")]
+    SameColumn {
+        /// Name of the column.
+        name: String,
+    },
+    /// A column, a permutation or a mask does not have one entry for each particle.
+    #[error("{what} has {length} entries for {n_particles} particles")]
+    LengthMismatch {
+        /// Name of the column, or `permutation`, or `mask`.
+        what: String,
+        /// Its number of entries.
+        length: usize,
+        /// Number of particles.
+        n_particles: usize,
+    },
+    /// An order names a particle twice, or one that is not there.
+    #[error(
+        "entry {position} of the order is {value}: out of range of {n_particles} or named before"
+    )]
+    NotAPermutation {
+        /// Where in the order.
+        position: usize,
+        /// The entry.
+        value: u32,
+        /// Number of particles.
+        n_particles: usize,
+    },
+    /// The bytes do not begin as a snapshot does.
+    #[error("not a snapshot: it begins with {found:02x?}")]
+    NotASnapshot {
+        /// The first eight bytes.
+        found: [u8; 8],
+    },
+    /// The snapshot is of a format this version does not read.
+    #[error("snapshot format {found} is not the supported {supported}")]
+    UnsupportedVersion {
+        /// Format of the snapshot.
+        found: u32,
+        /// The format this version reads and writes.
+        supported: u32,
+    },
+    /// The snapshot holds particles of another dimension.
+    #[error("a snapshot of {found} dimensions is restored in {expected}")]
+    DimensionMismatch {
+        /// Dimension of the snapshot.
+        found: u32,
+        /// Dimension of the store.
+        expected: usize,
+    },
+    /// The bytes end before the snapshot does.
+    #[error("the snapshot ends too early")]
+    Truncated,
+    /// The snapshot contradicts itself.
+    #[error("corrupt snapshot: {what}")]
+    Corrupt {
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// The content is not what was written.
+    #[error("corrupt snapshot: content hash {computed:016x}, {stored:016x} was written")]
+    HashMismatch {
+        /// Hash in the snapshot.
+        stored: u64,
+        /// Hash of what was read.
+        computed: u64,
+    },
+    /// The reader or writer failed.
+    #[error("snapshot could not be read or written")]
+    Io(#[from] std::io::Error),
+    /// A width, radius or spacing is not a positive number.
+    #[error("{what} along axis {axis} is {value}, not positive and finite")]
+    InvalidLength {
+        /// `half width`, `radius` or `spacing`.
+        what: &'static str,
+        /// The axis; 0 where all axes share the value.
+        axis: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A lattice has no points along an axis.
+    #[error("a lattice needs at least one point along axis {axis}")]
+    ZeroCount {
+        /// The axis.
+        axis: usize,
+    },
+    /// A lattice has more points than a 32-bit index counts, or more along an axis than a signed one.
+    #[error("a lattice of more than {} points cannot be indexed", u32::MAX)]
+    TooManyPoints,
+}

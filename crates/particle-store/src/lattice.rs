@@ -1,0 +1,261 @@
+//! Regular lattices to start from.
+
+use std::collections::HashMap;
+
+use crate::error::Error;
+
+/// A lattice differs from its ideal by rounding; points this near to the surface of a ball, relatively, are in it.
+const ON_THE_SURFACE: f64 = 1e-12;
+
+/// Points of a rectangular lattice centred on 0, the first axis fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lattice<const D: usize> {
+    /// The points, unit of length of what the lattice was made of.
+    pub points: Vec<[f64; D]>,
+    /// Steps of each point along each axis: from the lower corner of a box lattice, from the centre of a ball lattice.
+    pub indices: Vec<[i32; D]>,
+    /// Distance of neighbouring points along each axis.
+    pub spacing: [f64; D],
+}
+
+impl<const D: usize> Lattice<D> {
+    /// The box `[-half_width, half_width]`, its end points included: `count` points along each axis.
+    ///
+    /// Point `k` along an axis of `n` points is at `half_width (2k - n + 1) / (n - 1)`, exactly antisymmetric; the spacing is
+    /// `2 half_width / (n - 1)`. A single point is at the centre, and its spacing is the whole width.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidLength`] unless every half width is positive and finite, [`Error::ZeroCount`],
+    /// [`Error::TooManyPoints`].
+    pub fn box_lattice(half_width: [f64; D], count: [usize; D]) -> Result<Self, Error> {
+        let mut counts = [0_i32; D];
+        let mut total: usize = 1;
+        for axis in 0..D {
+            check_length("half width", axis, half_width[axis])?;
+            if count[axis] == 0 {
+                return Err(Error::ZeroCount { axis });
+            }
+            counts[axis] = i32::try_from(count[axis]).map_err(|_| Error::TooManyPoints)?;
+            total = total.checked_mul(count[axis]).ok_or(Error::TooManyPoints)?;
+        }
+        check_total(total)?;
+        let along = |axis: usize, index: i32| {
+            let steps = f64::from(counts[axis]) - 1.0;
+            if steps > 0.0 {
+                half_width[axis] * ((2.0 * f64::from(index) - steps) / steps)
+            } else {
+                0.0
+            }
+        };
+        let (mut points, mut indices) = (Vec::with_capacity(total), Vec::with_capacity(total));
+        let mut index = [0; D];
+        for _ in 0..total {
+            points.push(core::array::from_fn(|axis| along(axis, index[axis])));
+            indices.push(index);
+            for axis in 0..D {
+                index[axis] += 1;
+                if index[axis] < counts[axis] {
+                    break;
+                }
+                index[axis] = 0;
+            }
+        }
+        let spacing = core::array::from_fn(|axis| {
+            2.0 * half_width[axis] / (f64::from(counts[axis]) - 1.0).max(1.0)
+        });
+        Ok(Self { points, indices, spacing })
+    }
+
+    /// The points `k spacing`, `k` whole numbers, at `radius` or less from the centre.
+    ///
+    /// Points within 1e-12 of the surface, relatively, are in it, so that rounding of `radius / spacing` loses none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidLength`] unless radius and spacing are positive and finite, [`Error::TooManyPoints`].
+    pub fn ball_lattice(radius: f64, spacing: f64) -> Result<Self, Error> {
+        check_length("radius", 0, radius)?;
+        check_length("spacing", 0, spacing)?;
+        let in_spacings = radius / spacing * (1.0 + ON_THE_SURFACE);
+        // Beyond this the points on one axis alone are too many.
+        if in_spacings >= f64::from(i32::MAX) {
+            return Err(Error::TooManyPoints);
+        }
+        let squared = in_spacings * in_spacings;
+        check_total(count_ball::<D>(D - 1, squared, 0))?;
+        let mut indices = Vec::new();
+        push_ball(D - 1, squared, &mut [0; D], &mut indices);
+        let points =
+            indices.iter().map(|index: &[i32; D]| index.map(|k| f64::from(k) * spacing)).collect();
+        Ok(Self { points, indices, spacing: [spacing; D] })
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there are no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Volume that belongs to a point: the product of the spacings.
+    #[must_use]
+    pub fn cell_volume(&self) -> f64 {
+        self.spacing.iter().product()
+    }
+
+    /// For each point and axis the points one step below and one step above, where there are such.
+    ///
+    /// Found by the indices, so a lattice from which points were taken, or whose points have moved, keeps its neighbours.
+    #[must_use]
+    pub fn axis_neighbours(&self) -> Vec<[[Option<u32>; 2]; D]> {
+        let ids: HashMap<[i32; D], u32> = self.indices.iter().copied().zip(0_u32..).collect();
+        let beside = |index: &[i32; D], axis: usize, step: i32| {
+            let mut beside = *index;
+            beside[axis] = beside[axis].checked_add(step)?;
+            ids.get(&beside).copied()
+        };
+        self.indices
+            .iter()
+            .map(|index| core::array::from_fn(|axis| [-1, 1].map(|step| beside(index, axis, step))))
+            .collect()
+    }
+}
+
+fn check_length(what: &'static str, axis: usize, value: f64) -> Result<(), Error> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::InvalidLength { what, axis, value })
+    }
+}
+
+fn check_total(total: usize) -> Result<(), Error> {
+    if u32::try_from(total).is_ok() { Ok(()) } else { Err(Error::TooManyPoints) }
+}
+
+/// Largest `k >= 0` with `k^2 <= squared`; the caller keeps it within range.
+#[expect(clippy::cast_possible_truncation, reason = "below i32::MAX by the check on the radius")]
+fn whole_steps(squared: f64) -> i32 {
+    // What is left for the inner axes may be below zero by a rounding.
+    squared.max(0.0).sqrt() as i32
+}
+
+/// `counted` and the points of the ball over axes 0 to `axis`, given up once they are too many.
+fn count_ball<const D: usize>(axis: usize, squared: f64, counted: usize) -> usize {
+    let steps = whole_steps(squared);
+    if axis == 0 {
+        return counted + 2 * steps.unsigned_abs() as usize + 1;
+    }
+    let mut counted = counted;
+    for k in -steps..=steps {
+        counted = count_ball::<D>(axis - 1, squared - f64::from(k).powi(2), counted);
+        if counted > u32::MAX as usize {
+            break;
+        }
+    }
+    counted
+}
+
+/// Points of the ball over axes 0 to `axis`, the others as they are in `index`.
+fn push_ball<const D: usize>(
+    axis: usize,
+    squared: f64,
+    index: &mut [i32; D],
+    indices: &mut Vec<[i32; D]>,
+) {
+    let steps = whole_steps(squared);
+    for k in -steps..=steps {
+        index[axis] = k;
+        if axis == 0 {
+            indices.push(*index);
+        } else {
+            push_ball(axis - 1, squared - f64::from(k).powi(2), index, indices);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn box_lattice_includes_its_ends_and_runs_along_the_first_axis() {
+        let lattice = Lattice::box_lattice([1.0, 0.5], [3, 2]).unwrap();
+        let expected =
+            [[-1.0, -0.5], [0.0, -0.5], [1.0, -0.5], [-1.0, 0.5], [0.0, 0.5], [1.0, 0.5]];
+        assert_eq!(lattice.points, expected);
+        assert_eq!(lattice.indices, [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]);
+        // 2/(3-1) by 1/(2-1).
+        assert!((lattice.cell_volume() - 1.0).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn single_point_is_the_centre_of_its_width() {
+        let lattice = Lattice::box_lattice([0.4, 2.0, 1.0], [1, 1, 1]).unwrap();
+        assert_eq!(lattice.points, [[0.0; 3]]);
+        assert!((lattice.cell_volume() - 0.8 * 4.0 * 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn ball_lattice_holds_as_many_points_as_lattice_sums_say() {
+        // Points of Z^D with norm^2 <= R^2: OEIS A000328 (D = 2, R = 5), A000605 (D = 3, R = 2: 1+6+12+8+6), and for D = 4,
+        // R^2 = 4 the sums of r_4(k): 1 + 8 + 24 + 32 + 24.
+        assert_eq!(Lattice::<1>::ball_lattice(7.0, 1.0).unwrap().len(), 15);
+        assert_eq!(Lattice::<2>::ball_lattice(5.0, 1.0).unwrap().len(), 81);
+        assert_eq!(Lattice::<3>::ball_lattice(2.0, 1.0).unwrap().len(), 33);
+        assert_eq!(Lattice::<4>::ball_lattice(2.0, 1.0).unwrap().len(), 89);
+        // 1 + 12 + 4 * 15 for D = 6, R^2 = 2.
+        assert_eq!(Lattice::<6>::ball_lattice(1.5, 1.0).unwrap().len(), 73);
+    }
+
+    #[test]
+    fn points_on_the_surface_are_in_the_ball_whatever_the_rounding() {
+        // 0.3 / 0.1 is below 3 in double precision; N(3) = 29 points in the plane (OEIS A000328).
+        assert_eq!(Lattice::<2>::ball_lattice(0.3, 0.1).unwrap().len(), 29);
+        assert_eq!(Lattice::<2>::ball_lattice(0.299, 0.1).unwrap().len(), 25);
+    }
+
+    #[test]
+    fn neighbours_along_axes_are_one_step_away_or_absent() {
+        let lattice = Lattice::box_lattice([1.0, 1.0], [3, 3]).unwrap();
+        let neighbours = lattice.axis_neighbours();
+        assert_eq!(neighbours[4], [[Some(3), Some(5)], [Some(1), Some(7)]]);
+        assert_eq!(neighbours[0], [[None, Some(1)], [None, Some(3)]]);
+        let ball = Lattice::<2>::ball_lattice(1.0, 1.0).unwrap();
+        assert_eq!(ball.indices, [[0, -1], [-1, 0], [0, 0], [1, 0], [0, 1]]);
+        assert_eq!(ball.axis_neighbours()[2], [[Some(1), Some(3)], [Some(0), Some(4)]]);
+        assert_eq!(ball.axis_neighbours()[3], [[Some(2), None], [None, None]]);
+    }
+
+    #[test]
+    fn what_is_no_lattice_is_refused() {
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let half_width = Lattice::box_lattice([1.0, value], [2, 2]);
+            assert!(matches!(half_width, Err(Error::InvalidLength { axis: 1, .. })));
+            assert!(matches!(
+                Lattice::<2>::ball_lattice(value, 1.0),
+                Err(Error::InvalidLength { what: "radius", .. })
+            ));
+            assert!(matches!(
+                Lattice::<2>::ball_lattice(1.0, value),
+                Err(Error::InvalidLength { what: "spacing", .. })
+            ));
+        }
+        let zero = Lattice::box_lattice([1.0, 1.0], [2, 0]);
+        assert!(matches!(zero, Err(Error::ZeroCount { axis: 1 })));
+        for count in [[70_000, 70_000], [usize::MAX, 2], [1, 1 << 32]] {
+            let absurd = Lattice::box_lattice([1.0, 1.0], count);
+            assert!(matches!(absurd, Err(Error::TooManyPoints)));
+        }
+        for spacing in [1e-300, 1e-9, 1e-5] {
+            let absurd = Lattice::<3>::ball_lattice(1.0, spacing);
+            assert!(matches!(absurd, Err(Error::TooManyPoints)), "{spacing}");
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Particles as named columns in one order.
+
+use std::collections::BTreeMap;
+
+use crate::column::{Element, Handle, Kind, Scratch, Values, permute, retain};
+use crate::error::Error;
+
+/// A named value of the whole store: time, step count, seed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Attribute {
+    /// A real number, kept bit for bit.
+    Real(f64),
+    /// A count or a word of bits.
+    Count(u64),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Column<const D: usize> {
+    pub(crate) name: String,
+    pub(crate) values: Values<D>,
+}
+
+/// Named columns of particle data in `D` dimensions, a structure of arrays kept in one order.
+///
+/// Every particle has an id, 0 to n - 1 at first, which stays with it whatever its place. Reordering and removal move all
+/// columns together and change the [`generation`](Self::generation), by which a stale neighbour list is known.
+#[derive(Debug, Clone)]
+pub struct ParticleStore<const D: usize> {
+    pub(crate) ids: Vec<u64>,
+    pub(crate) columns: Vec<Column<D>>,
+    pub(crate) attributes: BTreeMap<String, Attribute>,
+    pub(crate) generation: u64,
+    id_scratch: Vec<u64>,
+    named: Vec<bool>,
+    scratch: Scratch<D>,
+}
+
+impl<const D: usize> ParticleStore<D> {
+    /// Particles without columns, ids 0 to `n_particles - 1`.
+    #[must_use]
+    pub fn new(n_particles: usize) -> Self {
+        Self::of_ids((0..n_particles as u64).collect(), 0)
+    }
+
+    pub(crate) fn of_ids(ids: Vec<u64>, generation: u64) -> Self {
+        const { assert!(D >= 1, "particles need at least one dimension") };
+        Self {
+            ids,
+            columns: Vec::new(),
+            attributes: BTreeMap::new(),
+            generation,
+            id_scratch: Vec::new(),
+            named: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether there are no particles.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Id of the particle in each place.
+    #[must_use]
+    pub fn ids(&self) -> &[u64] {
+        &self.ids
+    }
+
+    /// Place of a particle now, found by looking through all.
+    #[must_use]
+    pub fn index_of(&self, id: u64) -> Option<usize> {
+        self.ids.iter().position(|&other| other == id)
+    }
+
+    /// Changes whenever a place may hold another particle than before; never otherwise.
+    #[must_use]
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Adds a column: `f64`, `[f64; D]`, `i64` or `[i32; D]`, one value for each particle in the present order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DuplicateName`] and [`Error::LengthMismatch`].
+    pub fn add<T: Element<D>>(&mut self, name: &str, values: Vec<T>) -> Result<Handle<T>, Error> {
+        if self.position(name).is_some() {
+            return Err(Error::DuplicateName { name: name.to_owned() });
+        }
+        self.check_length(name, values.len())?;
+        self.columns.push(Column { name: name.to_owned(), values: T::wrap(values) });
+        Ok(handle(self.columns.len() - 1))
+    }
+
+    /// Handle of a column by its name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownColumn`], and [`Error::KindMismatch`] if it holds something else than `T`.
+    pub fn handle<T: Element<D>>(&self, name: &str) -> Result<Handle<T>, Error> {
+        let index =
+            self.position(name).ok_or_else(|| Error::UnknownColumn { name: name.to_owned() })?;
+        self.get(handle(index)).map(|_: &[T]| handle(index))
+    }
+
+    /// Values of a column, in the present order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownHandle`] or [`Error::KindMismatch`] for a handle of another store.
+    pub fn get<T: Element<D>>(&self, handle: Handle<T>) -> Result<&[T], Error> {
+        let column = self.columns.get(handle.index).ok_or_else(|| self.unknown(handle.index))?;
+        T::of(&column.values).ok_or_else(|| kind_mismatch(column, T::KIND))
+    }
+
+    /// Values of a column, to be written.
+    ///
+    /// # Errors
+    ///
+    /// As [`get`](Self::get).
+    pub fn get_mut<T: Element<D>>(&mut self, handle: Handle<T>) -> Result<&mut [T], Error> {
+        let unknown = self.unknown(handle.index);
+        typed_mut(self.columns.get_mut(handle.index).ok_or(unknown)?)
+    }
+
+    /// Values of two columns at once, both to be written.
+    ///
+    /// # Errors
+    ///
+    /// As [`get`](Self::get); [`Error::SameColumn`] if the handles are one.
+    pub fn get_pair_mut<A: Element<D>, B: Element<D>>(
+        &mut self,
+        a: Handle<A>,
+        b: Handle<B>,
+    ) -> Result<(&mut [A], &mut [B]), Error> {
+        if a.index == b.index && a.index < self.columns.len() {
+            return Err(Error::SameColumn { name: self.columns[a.index].name.clone() });
+        }
+        let unknown = self.unknown(a.index.max(b.index));
+        let [first, second] =
+            self.columns.get_disjoint_mut([a.index, b.index]).map_err(|_| unknown)?;
+        Ok((typed_mut(first)?, typed_mut(second)?))
+    }
+
+    /// Names and kinds of the columns, in the order they were added.
+    pub fn columns(&self) -> impl ExactSizeIterator<Item = (&str, Kind)> {
+        self.columns.iter().map(|column| (column.name.as_str(), column.values.kind()))
+    }
+
+    /// Puts the particles in another order: place `k` gets the particle that is now in place `order[k]`.
+    ///
+    /// The generation changes unless the order is the present one. After the first call nothing is allocated.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::LengthMismatch`] and [`Error::NotAPermutation`]; the store is then as it was.
+    pub fn permute(&mut self, order: &[u32]) -> Result<(), Error> {
+        self.check_length("permutation", order.len())?;
+        let n_particles = self.len();
+        self.named.clear();
+        self.named.resize(n_particles, false);
+        for (position, &value) in order.iter().enumerate() {
+            match self.named.get_mut(value as usize) {
+                Some(named) if !*named => *named = true,
+                _ => return Err(Error::NotAPermutation { position, value, n_particles }),
+            }
+        }
+        if order.iter().enumerate().all(|(place, &old)| place == old as usize) {
+            return Ok(());
+        }
+        permute(&mut self.ids, order, &mut self.id_scratch);
+        for column in &mut self.columns {
+            column.values.permute(order, &mut self.scratch);
+        }
+        self.generation = self.generation.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Keeps the particles whose entry in the mask is true, in their order, and returns how many were removed.
+    ///
+    /// The generation changes if any was.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::LengthMismatch`]; the store is then as it was.
+    pub fn retain(&mut self, keep: &[bool]) -> Result<usize, Error> {
+        self.check_length("mask", keep.len())?;
+        let removed = keep.iter().filter(|&&keep| !keep).count();
+        if removed > 0 {
+            retain(&mut self.ids, keep);
+            for column in &mut self.columns {
+                column.values.retain(keep);
+            }
+            self.generation = self.generation.wrapping_add(1);
+        }
+        Ok(removed)
+    }
+
+    /// Sets a named value of the whole store, and returns what it was.
+    pub fn set_attribute(&mut self, name: &str, value: Attribute) -> Option<Attribute> {
+        self.attributes.insert(name.to_owned(), value)
+    }
+
+    /// A named value of the whole store.
+    #[must_use]
+    pub fn attribute(&self, name: &str) -> Option<Attribute> {
+        self.attributes.get(name).copied()
+    }
+
+    /// All named values, by name.
+    pub fn attributes(&self) -> impl ExactSizeIterator<Item = (&str, Attribute)> {
+        self.attributes.iter().map(|(name, &value)| (name.as_str(), value))
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column.name == name)
+    }
+
+    fn check_length(&self, what: &str, length: usize) -> Result<(), Error> {
+        let n_particles = self.len();
+        if length == n_particles {
+            return Ok(());
+        }
+        Err(Error::LengthMismatch { what: what.to_owned(), length, n_particles })
+    }
+
+    fn unknown(&self, index: usize) -> Error {
+        Error::UnknownHandle { index, n_columns: self.columns.len() }
+    }
+}
+
+fn handle<T>(index: usize) -> Handle<T> {
+    Handle { index, holds: core::marker::PhantomData }
+}
+
+fn typed_mut<T: Element<D>, const D: usize>(column: &mut Column<D>) -> Result<&mut [T], Error> {
+    let Column { name, values } = column;
+    let found = values.kind();
+    let mismatch = || Error::KindMismatch { name: name.clone(), expected: T::KIND, found };
+    T::of_mut(values).ok_or_else(mismatch)
+}
+
+fn kind_mismatch<const D: usize>(column: &Column<D>, expected: Kind) -> Error {
+    Error::KindMismatch { name: column.name.clone(), expected, found: column.values.kind() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn store() -> (ParticleStore<2>, Handle<f64>, Handle<[f64; 2]>) {
+        let mut store = ParticleStore::new(3);
+        let mass = store.add("mass", vec![1.0, 2.0, 3.0]).unwrap();
+        let position = store.add("position", vec![[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]).unwrap();
+        store.add("flag", vec![7_i64, 8, 9]).unwrap();
+        store.add("cell", vec![[1_i32, 1], [2, 2], [3, 3]]).unwrap();
+        (store, mass, position)
+    }
+
+    #[test]
+    fn permutation_moves_every_column_and_the_ids_together() {
+        let (mut store, mass, position) = store();
+        store.permute(&[2, 0, 1]).unwrap();
+        assert_eq!(store.ids(), [2, 0, 1]);
+        assert_eq!(store.get(mass).unwrap(), [3.0, 1.0, 2.0]);
+        assert_eq!(store.get(position).unwrap(), [[4.0, 5.0], [0.0, 1.0], [2.0, 3.0]]);
+        let (flag, cell) = (store.handle::<i64>("flag").unwrap(), store.handle("cell").unwrap());
+        assert_eq!(store.get(flag).unwrap(), [9, 7, 8]);
+        assert_eq!(store.get::<[i32; 2]>(cell).unwrap()[0], [3, 3]);
+        assert_eq!(store.index_of(1), Some(2));
+    }
+
+    #[test]
+    fn generation_changes_when_the_order_does_and_only_then() {
+        let (mut store, mass, _) = store();
+        store.permute(&[0, 1, 2]).unwrap();
+        store.retain(&[true; 3]).unwrap();
+        store.get_mut(mass).unwrap()[0] = 5.0;
+        assert_eq!(store.generation(), 0);
+        store.permute(&[1, 0, 2]).unwrap();
+        assert_eq!(store.generation(), 1);
+        assert_eq!(store.retain(&[true, false, true]).unwrap(), 1);
+        assert_eq!(store.generation(), 2);
+        assert_eq!(store.ids(), [1, 2]);
+        assert_eq!(store.get(mass).unwrap(), [2.0, 3.0]);
+    }
+
+    #[test]
+    fn what_is_no_permutation_is_refused_and_changes_nothing() {
+        let (mut store, mass, _) = store();
+        let twice = store.permute(&[0, 1, 1]).unwrap_err();
+        assert!(matches!(twice, Error::NotAPermutation { position: 2, value: 1, .. }));
+        let beyond = store.permute(&[0, 3, 1]).unwrap_err();
+        assert!(matches!(beyond, Error::NotAPermutation { position: 1, value: 3, .. }));
+        let short = store.permute(&[0, 1]).unwrap_err();
+        assert!(matches!(short, Error::LengthMismatch { length: 2, n_particles: 3, .. }));
+        assert!(matches!(store.retain(&[true]), Err(Error::LengthMismatch { length: 1, .. })));
+        assert_eq!((store.generation(), store.get(mass).unwrap()), (0, &[1.0, 2.0, 3.0][..]));
+    }
+
+    #[test]
+    fn columns_are_refused_by_name_by_length_and_by_kind() {
+        let (mut store, mass, position) = store();
+        assert!(matches!(store.add("mass", vec![0_i64; 3]), Err(Error::DuplicateName { .. })));
+        assert!(matches!(store.add("new", vec![0.0; 2]), Err(Error::LengthMismatch { .. })));
+        assert!(matches!(store.handle::<f64>("new"), Err(Error::UnknownColumn { .. })));
+        assert!(matches!(
+            store.handle::<i64>("mass"),
+            Err(Error::KindMismatch { expected: Kind::Integer, found: Kind::Scalar, .. })
+        ));
+        assert!(matches!(store.get_pair_mut(mass, mass), Err(Error::SameColumn { .. })));
+        let (masses, positions) = store.get_pair_mut(mass, position).unwrap();
+        positions[1][0] = 10.0 * masses[1];
+        assert_eq!(store.get(position).unwrap(), [[0.0, 1.0], [20.0, 3.0], [4.0, 5.0]]);
+        let other = ParticleStore::<2>::new(3);
+        assert!(matches!(other.get(mass), Err(Error::UnknownHandle { index: 0, n_columns: 0 })));
+        let mut other = other;
+        assert!(matches!(other.get_pair_mut(mass, mass), Err(Error::UnknownHandle { .. })));
+        other.add("flag", vec![0_i64; 3]).unwrap();
+        assert!(matches!(other.get_mut(mass), Err(Error::KindMismatch { .. })));
+    }
+
+    #[test]
+    fn attributes_are_kept_by_name() {
+        let mut store = ParticleStore::<1>::new(0);
+        assert_eq!(store.set_attribute("time", Attribute::Real(0.5)), None);
+        assert_eq!(store.set_attribute("step", Attribute::Count(7)), None);
+        assert_eq!(store.set_attribute("step", Attribute::Count(8)), Some(Attribute::Count(7)));
+        assert_eq!(store.attribute("time"), Some(Attribute::Real(0.5)));
+        assert_eq!(store.attributes().map(|(name, _)| name).collect::<Vec<_>>(), ["step", "time"]);
+    }
+}

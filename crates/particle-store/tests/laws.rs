@@ -1,0 +1,253 @@
+//! A store behaves as a table of rows does; a snapshot comes back bit for bit or not at all; lattices are lattices.
+
+#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
+
+use particle_store::{Attribute, Error, Lattice, ParticleStore};
+use proptest::prelude::*;
+
+/// A particle as a row: what the columns must agree with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Row {
+    id: u64,
+    mass: u64,
+    position: [u64; 3],
+    flag: i64,
+    cell: [i32; 3],
+}
+
+/// Any bits: NaN with payloads, infinities, subnormals and both zeros among them.
+fn rows(n: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = Vec<Row>> {
+    let row = (any::<u64>(), any::<[u64; 3]>(), any::<i64>(), any::<[i32; 3]>());
+    prop::collection::vec(row, n).prop_map(|rows| {
+        let numbered = (0..).zip(rows);
+        numbered
+            .map(|(id, (mass, position, flag, cell))| Row { id, mass, position, flag, cell })
+            .collect()
+    })
+}
+
+fn store_of(rows: &[Row]) -> ParticleStore<3> {
+    let mut store = ParticleStore::new(rows.len());
+    store.add("mass", rows.iter().map(|row| f64::from_bits(row.mass)).collect()).unwrap();
+    store
+        .add("position", rows.iter().map(|row| row.position.map(f64::from_bits)).collect())
+        .unwrap();
+    store.add("flag", rows.iter().map(|row| row.flag).collect()).unwrap();
+    store.add("cell", rows.iter().map(|row| row.cell).collect()).unwrap();
+    store.set_attribute("time", Attribute::Real(f64::from_bits(0x7ff8_0000_0000_0123)));
+    store.set_attribute("step", Attribute::Count(u64::MAX));
+    store
+}
+
+fn rows_of(store: &ParticleStore<3>) -> Vec<Row> {
+    let mass = store.get::<f64>(store.handle("mass").unwrap()).unwrap();
+    let position = store.get::<[f64; 3]>(store.handle("position").unwrap()).unwrap();
+    let flag = store.get::<i64>(store.handle("flag").unwrap()).unwrap();
+    let cell = store.get::<[i32; 3]>(store.handle("cell").unwrap()).unwrap();
+    (0..store.len())
+        .map(|k| Row {
+            id: store.ids()[k],
+            mass: mass[k].to_bits(),
+            position: position[k].map(f64::to_bits),
+            flag: flag[k],
+            cell: cell[k],
+        })
+        .collect()
+}
+
+fn snapshot_of(store: &ParticleStore<3>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    store.snapshot(&mut bytes).unwrap();
+    bytes
+}
+
+/// An order of `n` made by sorting random keys.
+fn order(keys: &[u64], n: usize) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..).take(n).collect();
+    order.sort_by_key(|&k| keys[k as usize % keys.len()].rotate_left(k));
+    order
+}
+
+proptest! {
+    #[test]
+    fn store_is_a_table_of_rows_under_reordering_and_removal(
+        mut table in rows(0..40),
+        steps in prop::collection::vec((any::<bool>(), any::<[u64; 4]>()), 1..6),
+    ) {
+        let mut store = store_of(&table);
+        for (reorder, keys) in steps {
+            let (generation, ids) = (store.generation(), store.ids().to_vec());
+            if reorder {
+                let order = order(&keys, table.len());
+                store.permute(&order).unwrap();
+                table = order.iter().map(|&k| table[k as usize]).collect();
+            } else {
+                let keep: Vec<bool> = (0..table.len()).map(|k| keys[k % 4] >> (k % 64) & 3 != 0).collect();
+                let removed = store.retain(&keep).unwrap();
+                let kept = table.iter().zip(&keep).filter(|(_, keep)| **keep);
+                table = kept.map(|(row, _)| *row).collect();
+                prop_assert_eq!(removed, keep.len() - table.len());
+            }
+            prop_assert_eq!(&rows_of(&store), &table);
+            prop_assert_eq!(store.generation() != generation, store.ids() != ids);
+            for (place, row) in table.iter().enumerate() {
+                prop_assert_eq!(store.index_of(row.id), Some(place));
+            }
+        }
+    }
+
+    #[test]
+    fn snapshot_comes_back_bit_for_bit(table in rows(0..40), keys in any::<[u64; 4]>()) {
+        let mut store = store_of(&table);
+        store.permute(&order(&keys, table.len())).unwrap();
+        let mut bytes = snapshot_of(&store);
+        bytes.extend(b"what follows is not read");
+        let mut rest = bytes.as_slice();
+        let restored = ParticleStore::<3>::restore(&mut rest).unwrap();
+        prop_assert_eq!(rest, b"what follows is not read");
+        prop_assert_eq!(rows_of(&restored), rows_of(&store));
+        prop_assert_eq!(restored.generation(), store.generation());
+        prop_assert_eq!(restored.content_hash(), store.content_hash());
+        prop_assert!(restored.columns().eq(store.columns()));
+        let bits = |value| match value {
+            Some(Attribute::Real(value)) => value.to_bits(),
+            Some(Attribute::Count(value)) => value,
+            _ => 0,
+        };
+        prop_assert_eq!(bits(restored.attribute("time")), 0x7ff8_0000_0000_0123);
+        prop_assert_eq!(bits(restored.attribute("step")), u64::MAX);
+    }
+
+    #[test]
+    fn content_hash_tells_stores_apart(table in rows(1..20), place in any::<prop::sample::Index>(), bit in 0..64_u32) {
+        let store = store_of(&table);
+        let mut changed = store.clone();
+        let mass = changed.handle::<f64>("mass").unwrap();
+        let masses = changed.get_mut(mass).unwrap();
+        let place = place.index(masses.len());
+        masses[place] = f64::from_bits(masses[place].to_bits() ^ (1 << bit));
+        prop_assert_ne!(changed.content_hash(), store.content_hash());
+    }
+
+    #[test]
+    fn lattice_neighbours_are_mutual_and_one_spacing_apart(radius in 0.5..3.0_f64, spacing in 0.3..1.0_f64) {
+        let ball = Lattice::<3>::ball_lattice(radius, spacing).unwrap();
+        let mut n_links = 0;
+        let all = ball.axis_neighbours();
+        for (id, (neighbours, x)) in all.iter().zip(&ball.points).enumerate() {
+            for (axis, [below, above]) in neighbours.iter().enumerate() {
+                prop_assert!(below.is_none_or(|below| below < u32::try_from(id).unwrap()));
+                let Some(above) = *above else { continue };
+                n_links += 1;
+                let there = all[above as usize][axis][0];
+                prop_assert_eq!(there, u32::try_from(id).ok());
+                let step = ball.points[above as usize][axis] - x[axis];
+                // Two roundings of coordinates below the radius.
+                prop_assert!((step - spacing).abs() <= f64::EPSILON * radius);
+            }
+        }
+        prop_assert!(n_links > 0 || radius < spacing);
+    }
+
+    #[test]
+    fn ball_lattice_is_the_part_of_the_box_lattice_within_the_radius(steps in 1..8_u8, part in 0.0..0.9_f64) {
+        // A radius between whole numbers of spacings, so that no point is on the surface to within rounding.
+        let radius = (f64::from(steps).powi(2) + part + 0.05).sqrt();
+        let ball = Lattice::<3>::ball_lattice(radius, 1.0).unwrap();
+        let half_width = f64::from(steps);
+        let cube = Lattice::box_lattice([half_width; 3], [2 * usize::from(steps) + 1; 3]).unwrap();
+        let inside = |x: &&[f64; 3]| x.iter().map(|value| value * value).sum::<f64>() <= radius * radius;
+        let expected: Vec<[f64; 3]> = cube.points.iter().filter(inside).copied().collect();
+        prop_assert_eq!(ball.points, expected);
+    }
+
+    #[test]
+    fn box_lattice_is_centred_and_fills_its_box(
+        half_width in prop::array::uniform3(0.1..10.0_f64),
+        count in prop::array::uniform3(2..9_usize),
+    ) {
+        let lattice = Lattice::box_lattice(half_width, count).unwrap();
+        prop_assert_eq!(lattice.len(), count.iter().product::<usize>());
+        let (first, last) = (lattice.points[0], lattice.points[lattice.len() - 1]);
+        prop_assert_eq!(first.map(f64::to_bits), half_width.map(|half_width| (-half_width).to_bits()));
+        prop_assert_eq!(last.map(f64::to_bits), half_width.map(f64::to_bits));
+        for (x, mirrored) in lattice.points.iter().zip(lattice.points.iter().rev()) {
+            prop_assert!(x.iter().zip(mirrored).all(|(value, mirrored)| (value + mirrored).abs() == 0.0));
+        }
+        let volume: f64 = (0..3).map(|axis| 2.0 * half_width[axis] / (count[axis] - 1) as f64).product();
+        // Nine roundings.
+        prop_assert!((lattice.cell_volume() / volume - 1.0).abs() < 1e-14);
+    }
+}
+
+fn small_store() -> ParticleStore<3> {
+    let row = |id| Row { id, mass: id, position: [id; 3], flag: -1, cell: [1, 2, 3] };
+    store_of(&[row(0), row(1)])
+}
+
+#[test]
+fn no_wrong_bit_anywhere_is_taken_for_a_snapshot() {
+    let bytes = snapshot_of(&small_store());
+    for place in 0..bytes.len() {
+        for bit in 0..8 {
+            let mut wrong = bytes.clone();
+            wrong[place] ^= 1 << bit;
+            assert!(ParticleStore::<3>::restore(&wrong[..]).is_err(), "byte {place}, bit {bit}");
+        }
+    }
+}
+
+#[test]
+fn snapshot_cut_short_says_so() {
+    let bytes = snapshot_of(&small_store());
+    for length in 0..bytes.len() {
+        let cut = ParticleStore::<3>::restore(&bytes[..length]);
+        assert!(matches!(cut, Err(Error::Truncated)), "{length} bytes of {}", bytes.len());
+    }
+}
+
+#[test]
+fn foreign_snapshots_are_refused_by_what_is_foreign() {
+    let bytes = snapshot_of(&small_store());
+    let restored = |place: usize, value: u8| {
+        let mut foreign = bytes.clone();
+        foreign[place] = value;
+        ParticleStore::<3>::restore(&foreign[..])
+    };
+    assert!(matches!(restored(0, b'x'), Err(Error::NotASnapshot { .. })));
+    assert!(matches!(restored(8, 2), Err(Error::UnsupportedVersion { found: 2, supported: 1 })));
+    let other = ParticleStore::<2>::restore(&bytes[..]);
+    assert!(matches!(other, Err(Error::DimensionMismatch { found: 3, expected: 2 })));
+    // The highest byte of the number of particles: absurdly many are found missing without memory for them.
+    assert!(matches!(restored(31, 0x7f), Err(Error::Truncated)));
+    // The last byte of the hash itself, and one of the last column's.
+    let last = bytes.len() - 1;
+    assert!(matches!(restored(last, !bytes[last]), Err(Error::HashMismatch { .. })));
+    assert!(matches!(restored(last - 8, !bytes[last - 8]), Err(Error::HashMismatch { .. })));
+}
+
+/// The layout is a promise: this is the whole snapshot of one particle with one column and one attribute, by hand.
+#[test]
+fn layout_is_the_documented_one() {
+    let mut store = ParticleStore::<1>::new(1);
+    store.add("m", vec![1.0]).unwrap();
+    store.set_attribute("t", Attribute::Count(5)).unwrap_or(Attribute::Count(0));
+    let mut bytes = Vec::new();
+    store.snapshot(&mut bytes).unwrap();
+    let word = |value: u64| value.to_le_bytes();
+    let mut expected = Vec::new();
+    expected.extend(b"PARTSTOR");
+    expected.extend([1, 0, 0, 0, 1, 0, 0, 0]);
+    expected.extend([word(0), word(1), word(1), word(1)].concat());
+    expected.push(1);
+    expected.extend(word(1));
+    expected.push(b't');
+    expected.extend(word(5));
+    expected.extend(word(0));
+    expected.push(0);
+    expected.extend(word(1));
+    expected.push(b'm');
+    expected.extend(word(1.0_f64.to_bits()));
+    assert_eq!(bytes[..bytes.len() - 8], expected);
+    assert_eq!(bytes[bytes.len() - 8..], word(store.content_hash()));
+}

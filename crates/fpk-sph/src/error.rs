@@ -1,7 +1,7 @@
 //! What can go wrong, with the value and its limit.
 
 /// Why a simulation could not be set up, go on, or be observed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A parameter is NaN or infinite.
@@ -198,7 +198,9 @@ pub enum Error {
         now: f64,
     },
     /// Volumes of deformed lattice cells were asked for, but the cloud carries no lattice.
-    #[error("the cloud of {count} particles carries no lattice; use the kernel sum for the volumes")]
+    #[error(
+        "the cloud of {count} particles carries no lattice; use the kernel sum for the volumes"
+    )]
     NoLattice {
         /// Particles of the cloud.
         count: usize,
@@ -227,6 +229,9 @@ pub enum Error {
         /// Particles of the simulation.
         expected: usize,
     },
+    /// A snapshot does not say how far its simulation had come.
+    #[error("the snapshot holds no `time` and `n_steps`; it is not of a density simulation")]
+    SnapshotWithoutTime,
     /// The initial law or the system was refused.
     #[error(transparent)]
     Sde(#[from] sde_integrators::Error),

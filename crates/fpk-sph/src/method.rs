@@ -156,7 +156,9 @@ impl Combination {
             StepRule::Courant { number } => positive("courant number", number),
             StepRule::Fixed { dt } => positive("dt", dt),
             StepRule::DiffusionLimited { longest } => positive("longest step", longest),
-            StepRule::PeriodFraction { steps_per_period } => positive("steps_per_period", steps_per_period),
+            StepRule::PeriodFraction { steps_per_period } => {
+                positive("steps_per_period", steps_per_period)
+            }
         }
     }
 }

@@ -20,7 +20,7 @@ const SMALLEST_RELATIVE_PIVOT: f64 = 1e-12;
 
 /// The affine map `x = mean + L y` with lower triangular `L`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Whitening<const D: usize> {
+pub(crate) struct Whitening<const D: usize> {
     mean: [f64; D],
     /// `L`, lower triangular.
     factor: [[f64; D]; D],
@@ -69,7 +69,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `y = L^-1 (x - mean)`.
-    pub fn whiten(&self, x: &[f64; D]) -> [f64; D] {
+    pub(crate) fn whiten(&self, x: &[f64; D]) -> [f64; D] {
         let mut offset = *x;
         for (value, mean) in offset.iter_mut().zip(&self.mean) {
             *value -= mean;
@@ -78,7 +78,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `L^-1 u`, for a velocity or a difference of positions.
-    pub fn whiten_vector(&self, u: &[f64; D]) -> [f64; D] {
+    pub(crate) fn whiten_vector(&self, u: &[f64; D]) -> [f64; D] {
         let mut y = *u;
         for i in 0..D {
             for j in 0..i {
@@ -90,7 +90,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `x = mean + L y`.
-    pub fn unwhiten(&self, y: &[f64; D]) -> [f64; D] {
+    pub(crate) fn unwhiten(&self, y: &[f64; D]) -> [f64; D] {
         let mut x = self.mean;
         for (i, value) in x.iter_mut().enumerate() {
             for j in 0..=i {
@@ -101,7 +101,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `L^-T s`: a gradient with respect to `y` becomes one with respect to `x`.
-    pub fn unwhiten_gradient(&self, s: &[f64; D]) -> [f64; D] {
+    pub(crate) fn unwhiten_gradient(&self, s: &[f64; D]) -> [f64; D] {
         let mut gradient = *s;
         for i in (0..D).rev() {
             for j in i + 1..D {
@@ -113,7 +113,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `det L`: a density in `y` is this times the density in `x`.
-    pub fn determinant(&self) -> f64 {
+    pub(crate) fn determinant(&self) -> f64 {
         (0..D).map(|k| self.factor[k][k]).product()
     }
 

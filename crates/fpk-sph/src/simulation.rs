@@ -2,17 +2,17 @@
 
 use std::io::{Read, Write};
 
-use particle_store::ParticleStore;
+use particle_store::{Attribute, ParticleStore};
 use sde_integrators::{GaussianMixture, Sde};
 
+use crate::cloud::AxisNeighbours;
 use crate::error::{Error, positive};
 use crate::method::{Combination, InitialSmoothing, Method, StepRule};
 use crate::metric::{Metric, Whitening};
 use crate::report::Work;
-use crate::cloud::AxisNeighbours;
 use crate::score::{LocalFit, LogDensityFit, ScoreEstimator, determinant, lattice_jacobian};
-use crate::start::{InitialLattice, Start, initial_spacing};
 use crate::stage::{Field, Stage};
+use crate::start::{InitialLattice, Start, initial_spacing};
 use crate::step::Stages;
 
 /// What a simulation needs to know besides the system and its initial law.
@@ -202,16 +202,16 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::Store`] where the writer fails.
-    #[cfg(any())]
     pub fn snapshot(&self, writer: impl Write) -> Result<(), Error> {
-        let mut store = ParticleStore::<D>::new(self.n_particles())?;
-        let State { time, n_steps, positions, masses, smoothing_lengths, smoothing_ratios } = &self.state;
-        store.add_points("position", positions.clone())?;
-        store.add_scalars("mass", masses.clone())?;
-        store.add_scalars("smoothing_length", smoothing_lengths.clone())?;
-        store.add_scalars("smoothing_ratio", smoothing_ratios.clone())?;
-        store.set_attribute("time", *time);
-        store.set_attribute("n_steps", f64::from_bits(*n_steps));
+        let mut store = ParticleStore::<D>::new(self.n_particles());
+        let State { time, n_steps, positions, masses, smoothing_lengths, smoothing_ratios } =
+            &self.state;
+        store.add("position", positions.clone())?;
+        store.add("mass", masses.clone())?;
+        store.add("smoothing_length", smoothing_lengths.clone())?;
+        store.add("smoothing_ratio", smoothing_ratios.clone())?;
+        store.set_attribute("time", Attribute::Real(*time));
+        store.set_attribute("n_steps", Attribute::Count(*n_steps));
         store.snapshot(writer)?;
         Ok(())
     }
@@ -219,21 +219,30 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Takes the state from a snapshot of a simulation with the same configuration; the run goes on bit for bit.
     ///
     /// # Errors
-    /// [`Error::ForeignSnapshot`], [`Error::Store`]; the state is then as it was.
-    #[cfg(any())]
+    /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::Store`]; the state is then as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
         let store = ParticleStore::<D>::restore(reader)?;
         if store.len() != self.n_particles() {
-            return Err(Error::ForeignSnapshot { found: store.len(), expected: self.n_particles() });
+            return Err(Error::ForeignSnapshot {
+                found: store.len(),
+                expected: self.n_particles(),
+            });
         }
-        let scalars = |name| Ok::<_, Error>(store.scalars(store.scalar_column(name)?).to_vec());
+        let column = |name: &str| -> Result<Vec<f64>, Error> {
+            Ok(store.get(store.handle(name)?)?.to_vec())
+        };
+        let (Some(Attribute::Real(time)), Some(Attribute::Count(n_steps))) =
+            (store.attribute("time"), store.attribute("n_steps"))
+        else {
+            return Err(Error::SnapshotWithoutTime);
+        };
         self.state = State {
-            time: store.attribute("time")?,
-            n_steps: store.attribute("n_steps")?.to_bits(),
-            positions: store.points(store.point_column("position")?).to_vec(),
-            masses: scalars("mass")?,
-            smoothing_lengths: scalars("smoothing_length")?,
-            smoothing_ratios: scalars("smoothing_ratio")?,
+            time,
+            n_steps,
+            positions: store.get(store.handle::<[f64; D]>("position")?)?.to_vec(),
+            masses: column("mass")?,
+            smoothing_lengths: column("smoothing_length")?,
+            smoothing_ratios: column("smoothing_ratio")?,
         };
         Ok(())
     }
@@ -252,12 +261,20 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     pub(crate) fn local_fits(&self) -> Result<(Stage<D>, Vec<LocalFit<D>>), Error> {
         let fit = LogDensityFit::default();
         let combination = Method::LogDensityFit.combination();
-        let field = Field { system: (), estimator: Box::new(fit), combination, lattice: self.field.lattice.clone() };
+        let field = Field {
+            system: (),
+            estimator: Box::new(fit),
+            combination,
+            lattice: self.field.lattice.clone(),
+        };
         let mut state = self.state.clone();
         let mut stage = Stage::new(self.n_particles());
         if self.field.combination.metric == Metric::Isotropic {
             let support = <LogDensityFit as ScoreEstimator<D>>::support(&fit);
-            state.whitened_smoothing_lengths(&field.lattice, combination.support_over_spacing / support)?;
+            state.whitened_smoothing_lengths(
+                &field.lattice,
+                combination.support_over_spacing / support,
+            )?;
         }
         stage.find_neighbours(&field, &state, state.time, &state.positions)?;
         let fits = fit.local_fits(&stage.cloud(&field, &state, state.time))?;
@@ -267,11 +284,16 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
 
 impl<const D: usize> State<D> {
     /// Smoothing lengths in whitened coordinates from the deformed lattice.
-    fn whitened_smoothing_lengths(&mut self, lattice: &[AxisNeighbours<D>], ratio: f64) -> Result<(), Error> {
+    fn whitened_smoothing_lengths(
+        &mut self,
+        lattice: &[AxisNeighbours<D>],
+        ratio: f64,
+    ) -> Result<(), Error> {
         let at = (self.n_steps, self.time);
         let whitening = Whitening::of(Metric::Whitened, &self.positions, &self.masses, at)?;
         for (i, h) in self.smoothing_lengths.iter_mut().enumerate() {
-            let edges = lattice_jacobian(&self.positions, lattice, i).ok_or(Error::NoLattice { count: lattice.len() })?;
+            let edges = lattice_jacobian(&self.positions, lattice, i)
+                .ok_or(Error::NoLattice { count: lattice.len() })?;
             *h = ratio * (determinant(&edges).abs() / whitening.determinant()).powf(1.0 / D as f64);
         }
         Ok(())
@@ -280,7 +302,9 @@ impl<const D: usize> State<D> {
     /// `h_i = h_0i (V_i / V_0i)^(1/D)` (eq 20), and the largest relative change.
     pub(crate) fn update_smoothing_lengths(&mut self, volume: &[f64]) -> f64 {
         let mut largest_change = 0.0_f64;
-        for ((h, ratio), volume) in self.smoothing_lengths.iter_mut().zip(&self.smoothing_ratios).zip(volume) {
+        for ((h, ratio), volume) in
+            self.smoothing_lengths.iter_mut().zip(&self.smoothing_ratios).zip(volume)
+        {
             let updated = ratio * volume.powf(1.0 / D as f64);
             largest_change = largest_change.max((updated / *h - 1.0).abs());
             *h = updated;

@@ -139,7 +139,9 @@ impl<const D: usize> Stage<D> {
             let diffusion = shared.unwrap_or_else(|| system.diffusion(t, &x[i]));
             let mut v_i = system.drift(t, &x[i]);
             if S::Noise::STATE_DEPENDENT {
-                for (value, divergence) in v_i.iter_mut().zip(&system.diffusion_divergence(t, &x[i])) {
+                for (value, divergence) in
+                    v_i.iter_mut().zip(&system.diffusion_divergence(t, &x[i]))
+                {
                     *value -= divergence;
                 }
             }
@@ -159,11 +161,17 @@ impl<const D: usize> Stage<D> {
         t: f64,
         x: &[[f64; D]],
     ) -> (usize, f64) {
-        let spread =
-            |i: usize| self.whitening.whitened_trace(&system.diffusion(t, &x[i])) / self.radii[i].powi(2);
-        let narrowest = || self.radii.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
+        let spread = |i: usize| {
+            self.whitening.whitened_trace(&system.diffusion(t, &x[i])) / self.radii[i].powi(2)
+        };
+        let narrowest = || {
+            self.radii.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i)
+        };
         if S::Noise::STATE_DEPENDENT {
-            (0..x.len()).map(|i| (i, spread(i))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+            (0..x.len())
+                .map(|i| (i, spread(i)))
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((0, 0.0))
         } else {
             let i = narrowest();
             (i, spread(i))
@@ -173,10 +181,14 @@ impl<const D: usize> Stage<D> {
     /// The particle that moves furthest against its smoothing length, and `min_i h_i / |v_i|` in the metric.
     pub(crate) fn courant_limit(&self, smoothing_lengths: &[f64], v: &[[f64; D]]) -> (usize, f64) {
         let limit = |i: usize| {
-            let speed = self.whitening.whiten_vector(&v[i]).iter().map(|c| c * c).sum::<f64>().sqrt();
+            let speed =
+                self.whitening.whiten_vector(&v[i]).iter().map(|c| c * c).sum::<f64>().sqrt();
             smoothing_lengths[i] / speed
         };
-        (0..v.len()).map(|i| (i, limit(i))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
+        (0..v.len())
+            .map(|i| (i, limit(i)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f64::INFINITY))
     }
 }
 
@@ -189,12 +201,24 @@ pub(crate) fn check_finite<const D: usize>(
     let (step, time) = at;
     for (particle, y) in points.iter().enumerate() {
         if let Some(&value) = y.iter().find(|value| !value.is_finite()) {
-            return Err(Error::LeftStableRange { step, time, particle, quantity: "position", value });
+            return Err(Error::LeftStableRange {
+                step,
+                time,
+                particle,
+                quantity: "position",
+                value,
+            });
         }
     }
     for (particle, &value) in radii.iter().enumerate() {
         if !(value.is_finite() && value > 0.0) {
-            return Err(Error::LeftStableRange { step, time, particle, quantity: "smoothing length", value });
+            return Err(Error::LeftStableRange {
+                step,
+                time,
+                particle,
+                quantity: "smoothing length",
+                value,
+            });
         }
     }
     Ok(())

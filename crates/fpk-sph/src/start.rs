@@ -1,6 +1,6 @@
 //! How the particles start: a lattice over the initial law, and the masses it gives them.
 
-use particle_store::{Lattice, ball_lattice, box_lattice};
+use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 
 use crate::cloud::AxisNeighbours;
@@ -60,28 +60,35 @@ const FEWEST_PER_AXIS: usize = 3;
 
 impl<const D: usize> Start<D> {
     /// `mu_i = psi_0(x_i) dV` on the lattice (Canor & Denoël 2013, section 3.2).
-    pub(crate) fn new(law: &GaussianMixture<D>, lattice: &InitialLattice<D>) -> Result<Self, Error> {
+    pub(crate) fn new(
+        law: &GaussianMixture<D>,
+        lattice: &InitialLattice<D>,
+    ) -> Result<Self, Error> {
         const { assert!(D >= 1 && D <= 6, "the state has one to six components") };
         let (map, lattice) = match *lattice {
             InitialLattice::Box { reach, count } => {
                 positive("reach", reach)?;
-                (sigma_map(law)?, box_lattice([reach; D], count)?)
+                (sigma_map(law)?, Lattice::box_lattice([reach; D], count)?)
             }
             InitialLattice::Ball { reach, spacing } => {
                 positive("reach", reach)?;
                 positive("spacing", spacing)?;
-                (sigma_map(law)?, ball_lattice(reach, spacing)?)
+                (sigma_map(law)?, Lattice::ball_lattice(reach, spacing)?)
             }
             InitialLattice::Rectangle { half_width, count } => {
                 for value in half_width {
                     positive("half_width", value)?;
                 }
-                (Whitening::shifted(law.mean()), box_lattice(half_width, count)?)
+                (Whitening::shifted(law.mean()), Lattice::box_lattice(half_width, count)?)
             }
         };
         let limit = FEWEST_PER_AXIS.pow(u32::try_from(D).unwrap_or(u32::MAX));
         if lattice.points.len() < limit {
-            return Err(Error::TooFewParticles { count: lattice.points.len(), limit, dimension: D });
+            return Err(Error::TooFewParticles {
+                count: lattice.points.len(),
+                limit,
+                dimension: D,
+            });
         }
         Ok(Self::on(&map, &lattice, law))
     }
@@ -100,7 +107,10 @@ fn sigma_map<const D: usize>(law: &GaussianMixture<D>) -> Result<Whitening<D>, E
 }
 
 /// The D-th root of the lattice's cell volume, in the coordinates of the metric.
-pub(crate) fn initial_spacing<const D: usize>(start: &Start<D>, metric: Metric) -> Result<f64, Error> {
+pub(crate) fn initial_spacing<const D: usize>(
+    start: &Start<D>,
+    metric: Metric,
+) -> Result<f64, Error> {
     let map = Whitening::of(metric, &start.positions, &start.masses, (0, 0.0))?;
     Ok((start.cell_volume / map.determinant()).powf(1.0 / D as f64))
 }

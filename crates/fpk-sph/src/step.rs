@@ -54,7 +54,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
 
     /// `x(t + dt)` from `k_1`, in `stages.x`.
     fn later_stages(&mut self, dt: f64) -> Result<(), Error> {
-        let Self { field, state, stage, stages: Stages { x, k: [k_1, k_2, k_3, k_4], .. }, .. } = self;
+        let Self { field, state, stage, stages: Stages { x, k: [k_1, k_2, k_3, k_4], .. }, .. } =
+            self;
         let (t, x_0) = (state.time, &state.positions);
         match field.combination.scheme {
             Scheme::ForwardEuler => combine(x, x_0, &[(dt, k_1)]),
@@ -70,7 +71,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
                 stage.velocity(field, state, t + dt / 2.0, x, k_3)?;
                 combine(x, x_0, &[(dt, k_3)]);
                 stage.velocity(field, state, t + dt, x, k_4)?;
-                combine(x, x_0, &[(dt / 6.0, k_1), (dt / 3.0, k_2), (dt / 3.0, k_3), (dt / 6.0, k_4)]);
+                combine(
+                    x,
+                    x_0,
+                    &[(dt / 6.0, k_1), (dt / 3.0, k_2), (dt / 3.0, k_3), (dt / 6.0, k_4)],
+                );
             }
         }
         check_finite(x, &[], (state.n_steps, t + dt))
@@ -95,7 +100,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             StepRule::Fixed { dt } => {
                 let (particle, limit) = ahead(dt);
                 if dt > limit {
-                    return Err(Error::StepExceedsDiffusionLimit { step, time, dt, particle, limit });
+                    return Err(Error::StepExceedsDiffusionLimit {
+                        step,
+                        time,
+                        dt,
+                        particle,
+                        limit,
+                    });
                 }
                 (dt, particle, limit)
             }
@@ -105,7 +116,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             }
         };
         if rule.is_nan() || rule < self.shortest_step {
-            return Err(Error::StepCollapsed { step, time, dt: rule, particle, limit: self.shortest_step });
+            return Err(Error::StepCollapsed {
+                step,
+                time,
+                dt: rule,
+                particle,
+                limit: self.shortest_step,
+            });
         }
         let (dt, reached) = land(time, rule, end);
         let (_, covariance) = mean_and_covariance(x, &state.masses);
@@ -126,7 +143,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
 
 impl<const D: usize> Stages<D> {
     pub(crate) fn new(n: usize) -> Self {
-        Self { x: vec![[0.0; D]; n], k: std::array::from_fn(|_| vec![[0.0; D]; n]), volume: vec![0.0; n] }
+        Self {
+            x: vec![[0.0; D]; n],
+            k: std::array::from_fn(|_| vec![[0.0; D]; n]),
+            volume: vec![0.0; n],
+        }
     }
 }
 
@@ -139,7 +160,11 @@ fn land(time: f64, rule: f64, end: f64) -> (f64, f64) {
     }
     // Steps as equal as the rule allows; the slack absorbs roundoff of times that add up.
     let n_steps = (remainder / rule - 1e-9).ceil().max(1.0);
-    if n_steps <= 1.0 { (remainder, end) } else { (remainder / n_steps, time + remainder / n_steps) }
+    if n_steps <= 1.0 {
+        (remainder, end)
+    } else {
+        (remainder / n_steps, time + remainder / n_steps)
+    }
 }
 
 /// `x = x_0 + sum_s c_s k_s`.

@@ -2,7 +2,9 @@
 
 use fpk_sph::score::Estimates;
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
-use fpk_sph::{Cloud, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator, Simulation};
+use fpk_sph::{
+    Cloud, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator, Simulation,
+};
 use neighbour_search::Criterion;
 use sde_integrators::GaussianMixture;
 

@@ -1,7 +1,9 @@
 //! A system as a user would write it: a pendulum with friction in wind, in ten lines.
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
-use sde_integrators::{Additive, EnsembleConfig, EulerMaruyama, GaussianMixture, Observable, Sde, simulate};
+use sde_integrators::{
+    Additive, EnsembleConfig, EulerMaruyama, GaussianMixture, Observable, Sde, simulate,
+};
 
 #[derive(Debug, Clone, Copy)]
 struct Pendulum {
@@ -35,8 +37,10 @@ fn a_users_system_runs_in_the_density_solver_and_in_monte_carlo_alike() {
     simulation.advance_to(2.0).unwrap();
 
     let ensemble = EnsembleConfig { seed: 1, n_paths: 40_000, dt: 0.002, times: vec![2.0] };
-    let observables =
-        [Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0]), Observable::Mean(&|_, x: &[f64; 2]| x[1] * x[1])];
+    let observables = [
+        Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0]),
+        Observable::Mean(&|_, x: &[f64; 2]| x[1] * x[1]),
+    ];
     let paths = simulate(&pendulum, &EulerMaruyama, &law, &ensemble, &observables).unwrap();
 
     for (k, powers) in [[2, 0], [0, 2]].into_iter().enumerate() {

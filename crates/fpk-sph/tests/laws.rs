@@ -1,15 +1,16 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
+#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
 use fpk_sph::score::{Estimates, LogDensityFit, SummationDensity, VolumeEstimate};
 use fpk_sph::systems::{
     LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method, ScoreEstimator,
-    Simulation, StepRule,
+    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method,
+    ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::{BruteForce, NeighbourList, NeighbourSearch, Radii};
-use particle_store::box_lattice;
+use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 use smoothing_kernels::{Kernel, Lucy};
 
@@ -22,7 +23,8 @@ const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
 
 fn damper() -> ViscousDamper {
     let (structure, damper_coefficient, damper_exponent) = (STRUCTURE, 0.25, 0.35);
-    ViscousDamper::new(ViscousDamperParameters { structure, damper_coefficient, damper_exponent }).unwrap()
+    ViscousDamper::new(ViscousDamperParameters { structure, damper_coefficient, damper_exponent })
+        .unwrap()
 }
 
 fn law() -> GaussianMixture<2> {
@@ -87,7 +89,10 @@ fn an_isolated_particle_sees_its_own_kernel_and_no_gradient() {
 fn an_isolated_particle_does_not_determine_a_fit() {
     let fit = LogDensityFit { kernel: Lucy, volume: VolumeEstimate::KernelSum };
     let error = estimate::<2>(&fit, &[[1.0, 2.0]], &[0.3], 0.5, &[]).unwrap_err();
-    assert_eq!(error, Error::TooFewNeighbours { step: 0, time: 0.0, particle: 0, count: 1, limit: 6 });
+    assert!(
+        matches!(error, Error::TooFewNeighbours { step: 0, particle: 0, count: 1, limit: 6, .. }),
+        "{error}"
+    );
 }
 
 #[test]
@@ -112,7 +117,7 @@ fn the_gradient_of_the_summation_density_is_that_of_its_sum() {
 
 /// Score of a correlated Gaussian on a lattice, the rim included.
 fn fit_error_for_a_gaussian<const D: usize>(count: usize) -> f64 {
-    let lattice = box_lattice([3.0; D], [count; D]).unwrap();
+    let lattice = Lattice::box_lattice([3.0; D], [count; D]).unwrap();
     // Precision matrix: 1 on the diagonal, 0.3 next to it.
     let precision = |k: usize, l: usize| match k.abs_diff(l) {
         0 => 1.0,
@@ -125,11 +130,20 @@ fn fit_error_for_a_gaussian<const D: usize>(count: usize) -> f64 {
     let masses: Vec<f64> = lattice
         .points
         .iter()
-        .map(|x| (0.5 * score(x).iter().zip(x).map(|(s, x)| s * x).sum::<f64>()).exp() * lattice.cell_volume())
+        .map(|x| {
+            (0.5 * score(x).iter().zip(x).map(|(s, x)| s * x).sum::<f64>()).exp()
+                * lattice.cell_volume()
+        })
         .collect();
     let h = 2.6 * lattice.spacing[0];
-    let (fitted, density, _) =
-        estimate(&LogDensityFit::default(), &lattice.points, &masses, h, &lattice.axis_neighbours()).unwrap();
+    let (fitted, density, _) = estimate(
+        &LogDensityFit::default(),
+        &lattice.points,
+        &masses,
+        h,
+        &lattice.axis_neighbours(),
+    )
+    .unwrap();
     let mut largest = 0.0_f64;
     for (i, x) in lattice.points.iter().enumerate() {
         assert!((density[i] * lattice.cell_volume() / masses[i] - 1.0).abs() < 1e-12);
@@ -150,8 +164,12 @@ fn the_fit_reproduces_a_quadratic_log_density_up_to_the_rim_in_one_two_and_three
 
 #[test]
 fn without_noise_particles_follow_the_equation_of_motion() {
-    let free =
-        LinearOscillatorParameters { noise_intensity: 0.0, damping_ratio: 0.0, window: Window::Stationary, ..STRUCTURE };
+    let free = LinearOscillatorParameters {
+        noise_intensity: 0.0,
+        damping_ratio: 0.0,
+        window: Window::Stationary,
+        ..STRUCTURE
+    };
     let mut simulation = Simulation::new(
         LinearOscillator::new(free).unwrap(),
         &law(),
@@ -186,7 +204,10 @@ fn the_same_bits_come_from_one_two_and_eight_threads() {
 fn a_run_restored_from_a_snapshot_goes_on_bit_for_bit() {
     for (method, lattice) in [
         (Method::LogDensityFit, InitialLattice::box_of(21)),
-        (Method::CanorDenoel2013, InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] }),
+        (
+            Method::CanorDenoel2013,
+            InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] },
+        ),
     ] {
         let new = || Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
         let mut whole = new();
@@ -214,7 +235,7 @@ fn a_snapshot_of_another_simulation_is_refused_and_changes_nothing() {
     let mut simulation = Simulation::new(damper(), &law(), &lattice(11)).unwrap();
     let before = simulation.positions().to_vec();
     let error = simulation.restore(bytes.as_slice()).unwrap_err();
-    assert_eq!(error, Error::ForeignSnapshot { found: 169, expected: 121 });
+    assert!(matches!(error, Error::ForeignSnapshot { found: 169, expected: 121 }), "{error}");
     assert_eq!(before, simulation.positions());
 }
 
@@ -233,16 +254,20 @@ fn the_papers_method_with_a_small_support_ends_in_a_collapsed_step() {
 
 #[test]
 fn what_cannot_work_is_refused_before_the_first_step() {
-    let new = |method, lattice| Simulation::new(damper(), &law(), &config(method, lattice)).unwrap_err();
+    let new =
+        |method, lattice| Simulation::new(damper(), &law(), &config(method, lattice)).unwrap_err();
     let fit = Method::LogDensityFit;
     let none = InitialLattice::Box { reach: 6.0, count: [0, 0] };
     assert!(matches!(new(fit, none), Error::Store(_)));
-    assert_eq!(new(fit, InitialLattice::box_of(2)), Error::TooFewParticles { count: 4, limit: 9, dimension: 2 });
+    let few = new(fit, InitialLattice::box_of(2)).to_string();
+    assert_eq!(few, "the lattice holds 4 particles; at least 9 are needed in 2-D");
     let reach = InitialLattice::Box { reach: -6.0, count: [41, 41] };
-    assert_eq!(new(fit, reach), Error::NotPositive { name: "reach", value: -6.0 });
+    assert_eq!(new(fit, reach).to_string(), "reach is -6; it must be greater than 0");
     let narrow = custom(|c| c.support_over_spacing = 2.0);
-    let refused = new(narrow, InitialLattice::box_of(41));
-    assert_eq!(refused, Error::SupportTooSmall { ratio: 2.0, count: 8, limit: 20, dimension: 2 });
+    let refused = new(narrow, InitialLattice::box_of(41)).to_string();
+    let expected = "support_radius/spacing is 2: a support holds 8 neighbours of the undisturbed lattice; \
+                    the fit needs 20 in 2-D";
+    assert_eq!(refused, expected);
     let step = custom(|c| c.step = StepRule::Fixed { dt: f64::NAN });
     assert!(matches!(new(step, InitialLattice::box_of(41)), Error::NotFinite { name: "dt", .. }));
     let negative = LinearOscillatorParameters { noise_intensity: -0.2, ..STRUCTURE };
@@ -256,7 +281,10 @@ fn a_run_that_cannot_go_on_says_why() {
     let lattice = InitialLattice::box_of(41);
     let fixed = custom(|c| c.step = StepRule::Fixed { dt: 0.5 });
     let mut simulation = Simulation::new(damper(), &law(), &config(fixed, lattice)).unwrap();
-    assert!(matches!(simulation.advance_to(2.0), Err(Error::StepExceedsDiffusionLimit { dt: 0.5, .. })));
+    assert!(matches!(
+        simulation.advance_to(2.0),
+        Err(Error::StepExceedsDiffusionLimit { dt: 0.5, .. })
+    ));
 
     let mut simulation = Simulation::new(
         damper(),
@@ -264,10 +292,9 @@ fn a_run_that_cannot_go_on_says_why() {
         &Config { most_steps: 3, ..config(Method::LogDensityFit, InitialLattice::box_of(11)) },
     )
     .unwrap();
-    assert_eq!(
-        simulation.advance_to(1.0),
-        Err(Error::WorkLimit { time: simulation.time(), target: 1.0, limit: 3 })
-    );
+    let stopped = simulation.advance_to(1.0).unwrap_err();
+    let Error::WorkLimit { time, target, limit: 3 } = stopped else { unreachable!("{stopped}") };
+    assert!(time < target && simulation.work().steps == 3);
     assert!(matches!(simulation.advance_to(0.01), Err(Error::TimeInThePast { .. })));
     assert!(matches!(simulation.advance_to(f64::NAN), Err(Error::TimeInThePast { .. })));
 }
@@ -279,7 +306,8 @@ fn the_two_volumes_agree_inside_and_differ_at_the_rim() {
         let simulation =
             Simulation::new(damper(), &law(), &config(method, InitialLattice::box_of(21))).unwrap();
         let density = simulation.density().unwrap();
-        let error = |i: usize| (density[i] / law().density(&simulation.positions()[i])).log10().abs();
+        let error =
+            |i: usize| (density[i] / law().density(&simulation.positions()[i])).log10().abs();
         (error(0), error(220))
     };
     let (corner, centre) = rim_error(VolumeEstimate::DeformedLattice);

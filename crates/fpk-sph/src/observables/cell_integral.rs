@@ -75,7 +75,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let cells = fits
             .iter()
             .enumerate()
-            .map(|(i, fit)| Cell::new(&stage.whitened, &self.field.lattice, self.masses()[i], i, fit))
+            .map(|(i, fit)| {
+                Cell::new(&stage.whitened, &self.field.lattice, self.masses()[i], i, fit)
+            })
             .collect::<Result<_, _>>()?;
         Ok(CellIntegral { whitening: stage.whitening, cells })
     }
@@ -91,17 +93,21 @@ impl<const D: usize> CellIntegral<D> {
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the threshold.
-    pub fn exceedance(&self, demand: impl Fn(&[f64; D]) -> f64, threshold: f64) -> Result<Exceedance, Error> {
+    pub fn exceedance(
+        &self,
+        demand: impl Fn(&[f64; D]) -> f64,
+        threshold: f64,
+    ) -> Result<Exceedance, Error> {
         finite("threshold", threshold)?;
         let mut exceedance = Exceedance { probability: 0.0, beyond_the_cloud: 0.0 };
         for cell in &self.cells {
             let demand_at =
                 |u: &[f64; D]| demand(&self.whitening.unwhiten(&cell.point(u))) - threshold;
-            if cell.lies_below(&demand_at) {
+            if cell.lies_below(demand_at) {
                 continue;
             }
             cell.for_each_part(|u, mass| {
-                let fraction = fraction_above(&demand_at, u);
+                let fraction = fraction_above(demand_at, u);
                 exceedance.probability += mass * fraction;
                 if u.iter().any(|u_k| u_k.abs() > 0.5) {
                     exceedance.beyond_the_cloud += mass * fraction;
@@ -119,7 +125,8 @@ impl<const D: usize> CellIntegral<D> {
         if component >= D {
             return Err(Error::NoSuchComponent { value: component, limit: D });
         }
-        let (count, increasing) = (edges.len(), |w: &[f64]| w[1] > w[0] && w[1].is_finite() && w[0].is_finite());
+        let (count, increasing) =
+            (edges.len(), |w: &[f64]| w[1] > w[0] && w[1].is_finite() && w[0].is_finite());
         if let Some(position) = edges.windows(2).position(|w| !increasing(w)) {
             return Err(Error::BinEdges { count, position: position + 1 });
         }
@@ -158,7 +165,8 @@ impl<const D: usize> Cell<D> {
         i: usize,
         fit: &LocalFit<D>,
     ) -> Result<Self, Error> {
-        let edges = lattice_jacobian(positions, lattice, i).ok_or(Error::NoLattice { count: positions.len() })?;
+        let edges = lattice_jacobian(positions, lattice, i)
+            .ok_or(Error::NoLattice { count: positions.len() })?;
         let weight = fit.log_density.exp() * determinant(&edges).abs();
         let mut cell = Self {
             centre: positions[i],
@@ -176,7 +184,8 @@ impl<const D: usize> Cell<D> {
             let scale = if ratio.is_finite() && ratio > 0.0 { 1.0 / ratio } else { 0.0 };
             cell.weight *= scale;
             if scale == 0.0 {
-                (cell.weight, cell.gradient, cell.hessian) = (particle_mass, [0.0; D], [[0.0; D]; D]);
+                (cell.weight, cell.gradient, cell.hessian) =
+                    (particle_mass, [0.0; D], [[0.0; D]; D]);
             }
             cell.mass = cell.integral();
             return Ok(cell);
@@ -278,7 +287,10 @@ impl<const D: usize> Cell<D> {
 }
 
 /// The part of a part's volume where the demand exceeds the threshold, were it linear there.
-fn fraction_above<const D: usize>(demand_above_threshold: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> f64 {
+fn fraction_above<const D: usize>(
+    demand_above_threshold: impl Fn(&[f64; D]) -> f64,
+    u: &[f64; D],
+) -> f64 {
     let half = 0.5 / subdivisions(D) as f64;
     let centre = demand_above_threshold(u);
     let mut variation = 0.0;
@@ -288,7 +300,11 @@ fn fraction_above<const D: usize>(demand_above_threshold: impl Fn(&[f64; D]) -> 
         above[axis] += half;
         variation += (demand_above_threshold(&above) - demand_above_threshold(&below)).abs();
     }
-    if centre.abs() >= 0.5 * variation { f64::from(u8::from(centre > 0.0)) } else { 0.5 + centre / variation }
+    if centre.abs() >= 0.5 * variation {
+        f64::from(u8::from(centre > 0.0))
+    } else {
+        0.5 + centre / variation
+    }
 }
 
 /// Adds a mass that is uniform from `from` to `to` to the bins it meets.

@@ -10,7 +10,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// definition). Not divided by the total mass.
     pub fn raw_moment(&self, powers: [u32; D]) -> f64 {
         let monomial = |x: &[f64; D]| -> f64 {
-            x.iter().zip(&powers).map(|(x_k, &a)| x_k.powi(i32::try_from(a).unwrap_or(i32::MAX))).product()
+            x.iter()
+                .zip(&powers)
+                .map(|(x_k, &a)| x_k.powi(i32::try_from(a).unwrap_or(i32::MAX)))
+                .product()
         };
         self.expectation(monomial)
     }

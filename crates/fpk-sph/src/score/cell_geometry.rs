@@ -20,7 +20,9 @@ pub(crate) fn lattice_jacobian<const D: usize>(
                 std::array::from_fn(|k| 0.5 * (b[k] - a[k]))
             }
             [None, Some(above)] => one_sided(positions, lattice, i, above, axis, 1),
-            [Some(below), None] => one_sided(positions, lattice, i, below, axis, 0).map(|edge: f64| -edge),
+            [Some(below), None] => {
+                one_sided(positions, lattice, i, below, axis, 0).map(|edge: f64| -edge)
+            }
             [None, None] => return None,
         };
         for k in 0..D {
@@ -76,7 +78,7 @@ pub(crate) fn determinant<const D: usize>(matrix: &[[f64; D]; D]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use particle_store::box_lattice;
+    use particle_store::Lattice;
 
     #[test]
     fn a_determinant_by_hand() {
@@ -87,7 +89,7 @@ mod tests {
 
     #[test]
     fn an_affine_flow_deforms_every_cell_alike_the_rim_included() {
-        let lattice = box_lattice([1.0, 2.0], [5, 5]).unwrap();
+        let lattice = Lattice::box_lattice([1.0, 2.0], [5, 5]).unwrap();
         let axis_neighbours = lattice.axis_neighbours();
         let a = [[1.5, -0.4], [0.3, 0.8]];
         let moved: Vec<[f64; 2]> = lattice

@@ -97,7 +97,13 @@ impl<K> LogDensityFit<K> {
         for (particle, &value) in log_density.iter().enumerate() {
             if !value.is_finite() {
                 let (step, time) = (cloud.step, cloud.time);
-                return Err(Error::LeftStableRange { step, time, particle, quantity: "log density", value });
+                return Err(Error::LeftStableRange {
+                    step,
+                    time,
+                    particle,
+                    quantity: "log density",
+                    value,
+                });
             }
         }
         Ok(())
@@ -130,7 +136,13 @@ impl<K> LogDensityFit<K> {
         }
         let (step, time, count) = (cloud.step, cloud.time, neighbours.len() + 1);
         if count < unknowns(D) {
-            return Err(Error::TooFewNeighbours { step, time, particle: i, count, limit: unknowns(D) });
+            return Err(Error::TooFewNeighbours {
+                step,
+                time,
+                particle: i,
+                count,
+                limit: unknowns(D),
+            });
         }
         let limit = super::quadratic_fit::SMALLEST_PIVOT;
         let quadratic = equations.solve().map_err(|pivot| Error::SingularFit {
@@ -145,14 +157,21 @@ impl<K> LogDensityFit<K> {
         for value in hessian.iter_mut().flatten() {
             *value *= reach * reach;
         }
-        Ok(LocalFit { log_density: log_density[i], gradient: quadratic.gradient.map(|g| g * reach), hessian })
+        Ok(LocalFit {
+            log_density: log_density[i],
+            gradient: quadratic.gradient.map(|g| g * reach),
+            hessian,
+        })
     }
 
     /// The fit around every particle, for observables that integrate the density.
     ///
     /// # Errors
     /// [`Error::TooFewNeighbours`], [`Error::SingularFit`], [`Error::LeftStableRange`] for the first such particle.
-    pub fn local_fits<const D: usize>(&self, cloud: &Cloud<'_, D>) -> Result<Vec<LocalFit<D>>, Error>
+    pub fn local_fits<const D: usize>(
+        &self,
+        cloud: &Cloud<'_, D>,
+    ) -> Result<Vec<LocalFit<D>>, Error>
     where
         K: Kernel<D>,
     {
@@ -179,8 +198,14 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         let (ratio, limit, dimension) = (support_over_spacing, fewest_neighbours(D), D);
         let spacing_in_h = <K as Kernel<D>>::support(&self.kernel) / ratio;
         let least = SMALLEST_WEIGHT * self.kernel.shape(0.0);
-        let count = lattice_distances::<D>(ratio).filter(|r| self.kernel.shape(r * spacing_in_h) >= least).count();
-        if count < limit { Err(Error::SupportTooSmall { ratio, count, limit, dimension }) } else { Ok(()) }
+        let count = lattice_distances::<D>(ratio)
+            .filter(|r| self.kernel.shape(r * spacing_in_h) >= least)
+            .count();
+        if count < limit {
+            Err(Error::SupportTooSmall { ratio, count, limit, dimension })
+        } else {
+            Ok(())
+        }
     }
 
     fn fewest_mean_neighbours(&self) -> f64 {
@@ -214,9 +239,10 @@ fn fewest_neighbours(dimension: usize) -> usize {
 
 /// Lengths of the points of the unit lattice up to `reach`, the origin excluded.
 fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
-    let half = reach.min(64.0).floor() as i64;
+    // More than 64 spacings make no difference to a count against tens.
+    let half = (1..=64).take_while(|&k| f64::from(k) <= reach).last().unwrap_or(0);
     let edge = 2 * half + 1;
-    let total = (0..D).fold(1_i64, |product, _| product.saturating_mul(edge));
+    let total = (0..D).fold(1_i32, |product, _| product.saturating_mul(edge));
     (0..total).filter_map(move |index| {
         let (mut rest, mut square) = (index, 0);
         for _ in 0..D {
@@ -224,7 +250,7 @@ fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
             square += coordinate * coordinate;
             rest /= edge;
         }
-        let distance = (square as f64).sqrt();
+        let distance = f64::from(square).sqrt();
         (square > 0 && distance <= reach).then_some(distance)
     })
 }

@@ -30,7 +30,10 @@ pub(crate) struct Quadratic<const D: usize> {
 
 impl<const D: usize> NormalEquations<D> {
     pub(crate) fn new() -> Self {
-        Self { matrix: [0.0; MOST_UNKNOWNS * (MOST_UNKNOWNS + 1) / 2], right_side: [0.0; MOST_UNKNOWNS] }
+        Self {
+            matrix: [0.0; MOST_UNKNOWNS * (MOST_UNKNOWNS + 1) / 2],
+            right_side: [0.0; MOST_UNKNOWNS],
+        }
     }
 
     /// Forgets all points.
@@ -109,7 +112,8 @@ impl<const D: usize> NormalEquations<D> {
 
 /// Coefficients of `u_i u_j` are Hessian entries off the diagonal and half of them on it.
 fn unpack<const D: usize>(coefficients: &[f64; MOST_UNKNOWNS]) -> Quadratic<D> {
-    let mut quadratic = Quadratic { value: coefficients[0], gradient: [0.0; D], hessian: [[0.0; D]; D] };
+    let mut quadratic =
+        Quadratic { value: coefficients[0], gradient: [0.0; D], hessian: [[0.0; D]; D] };
     let mut next = 1 + D;
     for i in 0..D {
         quadratic.gradient[i] = coefficients[1 + i];

@@ -18,7 +18,7 @@ pub struct ViscousDamperParameters {
 
 /// A structure in its first mode with a nonlinear viscous damper (Canor & Denoël 2013, eq 26):
 ///
-/// $$ \ddot q + 2 \xi \omega_0 \dot q + \eta\, \mathrm{sign}(\dot q) |\dot q|^\alpha + \omega_0^2 q = a(t) W(t). $$
+/// $$ \ddot q + 2 \xi \omega_0 \dot q + \eta  \mathrm{sign}(\dot q) |\dot q|^\alpha + \omega_0^2 q = a(t) W(t). $$
 ///
 /// State `(q, q')`; `D_22 = S_0 a^2`, all other entries zero. For `alpha < 1` the drift is not Lipschitz at `q' = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +111,12 @@ mod tests {
             noise_intensity: 0.2,
             window: Window::CANOR_DENOEL_2013,
         };
-        ViscousDamper::new(ViscousDamperParameters { structure, damper_coefficient: 0.25, damper_exponent }).unwrap()
+        ViscousDamper::new(ViscousDamperParameters {
+            structure,
+            damper_coefficient: 0.25,
+            damper_exponent,
+        })
+        .unwrap()
     }
 
     #[test]
@@ -128,8 +133,14 @@ mod tests {
                 let eps = 1e-5;
                 let rate = (flow(v, eps) - flow(v, -eps)) / (2.0 * eps);
                 let [expected] = system.remaining_acceleration(0.0, &[0.0], &[v]);
-                assert!((rate - expected).abs() < 1e-8, "exponent {exponent}, v {v}: {rate} against {expected}");
-                assert!((flow(flow(v, 0.1), 0.2) - flow(v, 0.3)).abs() < 1e-14, "the flow is a semigroup");
+                assert!(
+                    (rate - expected).abs() < 1e-8,
+                    "exponent {exponent}, v {v}: {rate} against {expected}"
+                );
+                assert!(
+                    (flow(flow(v, 0.1), 0.2) - flow(v, 0.3)).abs() < 1e-14,
+                    "the flow is a semigroup"
+                );
             }
         }
     }

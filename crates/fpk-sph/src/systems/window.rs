@@ -24,8 +24,12 @@ pub enum Window {
 
 impl Window {
     /// The window of the paper's example: `n_1 = 1, t_1 = 2, n_2 = 2, t_2 = 6` (Canor & Denoël 2013, section 4.1).
-    pub const CANOR_DENOEL_2013: Self =
-        Self::RisePlateauDecay { rise_exponent: 1.0, rise_end: 2.0, decay_rate: 2.0, decay_start: 6.0 };
+    pub const CANOR_DENOEL_2013: Self = Self::RisePlateauDecay {
+        rise_exponent: 1.0,
+        rise_end: 2.0,
+        decay_rate: 2.0,
+        decay_start: 6.0,
+    };
 
     /// Refuses parameters outside their range.
     ///
@@ -42,7 +46,12 @@ impl Window {
                 crate::error::finite("decay_start", decay_start)?;
                 if decay_start < rise_end {
                     let (name, other) = ("decay_start", "rise_end");
-                    return Err(Error::OutOfOrder { name, value: decay_start, other, limit: rise_end });
+                    return Err(Error::OutOfOrder {
+                        name,
+                        value: decay_start,
+                        other,
+                        limit: rise_end,
+                    });
                 }
                 Ok(())
             }
@@ -74,15 +83,21 @@ mod tests {
     #[test]
     fn the_papers_window_rises_rests_and_decays() {
         let window = Window::CANOR_DENOEL_2013;
-        for (t, a) in [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (4.0, 1.0), (6.0, 1.0), (7.0, (-2.0_f64).exp())] {
+        for (t, a) in
+            [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (4.0, 1.0), (6.0, 1.0), (7.0, (-2.0_f64).exp())]
+        {
             assert!((window.amplitude(t) - a).abs() < 1e-15, "a({t})");
         }
     }
 
     #[test]
     fn a_decay_before_the_rise_has_ended_is_refused_by_name() {
-        let window =
-            Window::RisePlateauDecay { rise_exponent: 1.0, rise_end: 2.0, decay_rate: 2.0, decay_start: 1.5 };
+        let window = Window::RisePlateauDecay {
+            rise_exponent: 1.0,
+            rise_end: 2.0,
+            decay_rate: 2.0,
+            decay_start: 1.5,
+        };
         let message = window.check().unwrap_err().to_string();
         assert_eq!(message, "decay_start is 1.5; it must be greater than rise_end, which is 2");
     }

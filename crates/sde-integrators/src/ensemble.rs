@@ -294,11 +294,16 @@ fn require_finite<const D: usize>(
     steps: u64,
     t: f64,
 ) -> Result<(), Error> {
-    match x.iter().position(|value| !value.is_finite()) {
-        None => Ok(()),
-        Some(component) => {
-            let value = x[component];
-            Err(Error::NonFiniteState { realisation, steps, t, component, value })
-        }
+    if x.iter().all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(non_finite(*x, realisation, steps, t))
     }
+}
+
+/// By value: a search in place would keep the state of every path in memory instead of registers.
+#[cold]
+fn non_finite<const D: usize>(x: [f64; D], realisation: u64, steps: u64, t: f64) -> Error {
+    let component = x.iter().position(|value| !value.is_finite()).unwrap_or(0);
+    Error::NonFiniteState { realisation, steps, t, component, value: x[component] }
 }

@@ -7,7 +7,7 @@ use crate::system::Sde;
 
 /// Euler and Maruyama's method, for any system.
 ///
-/// $$ X_{n+1} = X_n + h f(t_n, X_n) + g(t_n, X_n)\, w_n $$
+/// $$ X_{n+1} = X_n + h f(t_n, X_n) + g(t_n, X_n) w_n $$
 ///
 /// Solves `dX = f dt + g dB` in the sense of Ito. Symbols: `h` = `dt`, `w` = `dw.brownian`.
 ///

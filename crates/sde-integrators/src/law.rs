@@ -33,7 +33,7 @@ pub struct GaussianComponent<const D: usize> {
 
 /// A weighted sum of normal laws,
 ///
-/// $$ p(x) = \sum_k w_k \, \mathcal N(x; \mu_k, C_k), \qquad w_k > 0, \quad \sum_k w_k = 1 . $$
+/// $$ p(x) = \sum_k w_k  \mathcal N(x; \mu_k, C_k), \qquad w_k > 0, \quad \sum_k w_k = 1 . $$
 ///
 /// ```
 /// use sde_integrators::GaussianMixture;

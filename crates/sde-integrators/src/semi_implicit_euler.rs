@@ -6,7 +6,7 @@ use crate::system::SecondOrder;
 
 /// The semi-implicit (symplectic) Euler method, for systems of second order with additive noise.
 ///
-/// $$ v_{n+1} = v_n + h\, a(t_n, q_n, v_n) + s(t_n)\, w_n, \qquad q_{n+1} = q_n + h\, v_{n+1} $$
+/// $$ v_{n+1} = v_n + h a(t_n, q_n, v_n) + s(t_n) w_n, \qquad q_{n+1} = q_n + h v_{n+1} $$
 ///
 /// Solves `q'' = a(t, q, q') + s(t) W`, with `a` the whole [`acceleration`](SecondOrder::acceleration); state
 /// `(q_1.., v_1..)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. One force per step, as

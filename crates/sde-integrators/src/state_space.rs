@@ -4,7 +4,7 @@ use crate::system::{Additive, Sde, SecondOrder};
 
 /// A [`SecondOrder`] system with 1, 2 or 3 degrees of freedom as an [`Sde`] of the state `(q_1.., v_1..)`,
 ///
-/// $$ dq = v\,dt, \qquad dv = (r - c v - \omega^2 q)\,dt + s\,dB . $$
+/// $$ dq = v dt, \qquad dv = (r - c v - \omega^2 q) dt + s dB . $$
 ///
 /// It is still a [`SecondOrder`] system, so that one declaration serves every method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,15 +59,19 @@ macro_rules! first_order_form {
             #[inline]
             fn drift(&self, t: f64, x: &[f64; $d]) -> [f64; $d] {
                 let q = std::array::from_fn(|k| x[k]);
-                let v = std::array::from_fn(|k| x[$n + k]);
-                let acceleration: [f64; $n] = self.0.acceleration(t, &q, &v);
-                std::array::from_fn(|i| if i < $n { v[i] } else { acceleration[i - $n] })
+                let v: [f64; $n] = std::array::from_fn(|k| x[$n + k]);
+                let acceleration = self.0.acceleration(t, &q, &v);
+                let mut drift = [0.0; $d];
+                drift[..$n].copy_from_slice(&v);
+                drift[$n..].copy_from_slice(&acceleration);
+                drift
             }
 
             #[inline]
             fn noise(&self, t: f64, _x: &[f64; $d]) -> [[f64; M]; $d] {
-                let intensity: [[f64; M]; $n] = self.0.noise_intensity(t);
-                std::array::from_fn(|i| if i < $n { [0.0; M] } else { intensity[i - $n] })
+                let mut noise = [[0.0; M]; $d];
+                noise[$n..].copy_from_slice(&self.0.noise_intensity(t));
+                noise
             }
         }
     )+ };

@@ -14,10 +14,10 @@ use crate::system::SecondOrder;
 /// 4. `O(h/2)`, with `s(t + 3h/4)`,
 /// 5. `R(h/2)`, at frozen time `t + h`,
 ///
-/// $$ O(\tau): \; v \leftarrow e^{-c\tau} v + s \sqrt{\frac{1 - e^{-2c\tau}}{2c}}\, z, \qquad
-///    A(h): \; \begin{pmatrix} q \\ v \end{pmatrix} \leftarrow
-///    \begin{pmatrix} \cos\omega h & \omega^{-1}\sin\omega h \\ -\omega\sin\omega h & \cos\omega h \end{pmatrix}
-///    \begin{pmatrix} q \\ v \end{pmatrix} . $$
+/// $$ O(\tau): v \leftarrow e^{-c\tau} v + s \sqrt{\frac{1 - e^{-2c\tau}}{2c}} z, \qquad
+///    A(h): \begin{pmatrix} q \cr v \end{pmatrix} \leftarrow
+///    \begin{pmatrix} \cos\omega h & \omega^{-1}\sin\omega h \cr -\omega\sin\omega h & \cos\omega h \end{pmatrix}
+///    \begin{pmatrix} q \cr v \end{pmatrix} . $$
 ///
 /// The two normals `z` come from the increment of the step: `w/2 + sqrt(3) H` and `w/2 - sqrt(3) H` are independent
 /// and `N(0, h/2)`; the first has the larger correlation with the first half of the path. So it sees the same path as

@@ -31,7 +31,7 @@ mod sealed {
 
 /// A stochastic differential equation in the sense of Ito,
 ///
-/// $$ dX = f(t, X)\,dt + g(t, X)\,dB, $$
+/// $$ dX = f(t, X) dt + g(t, X) dB, $$
 ///
 /// with `D` states and `M` independent Brownian motions (Canor & Denoël 2013, eq 1).
 ///
@@ -118,7 +118,7 @@ where
 
 /// A mechanical system of second order with `N` degrees of freedom and noise that acts on the velocities,
 ///
-/// $$ \ddot q_k + c_k \dot q_k + \omega_k^2 q_k = r_k(t, q, \dot q) + \sum_m s_{km}(t)\,W_m . $$
+/// $$ \ddot q_k + c_k \dot q_k + \omega_k^2 q_k = r_k(t, q, \dot q) + \sum_m s_{km}(t) W_m . $$
 ///
 /// What splittings need: the linear part apart from the rest. As an [`Sde`] its state is `(q_1.., v_1..)`.
 pub trait SecondOrder<const N: usize, const M: usize>: Sync {

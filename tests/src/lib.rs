@@ -1,1 +1,26 @@
 //! Scenes, reference data, claims and charts: the proof of the workspace.
+//!
+//! | to add | write | and one line in |
+//! |---|---|---|
+//! | a case | `src/cases/<name>.rs` with a `const CASE: Case` | [`cases::ALL`] |
+//! | a kind of scene | `src/scenes/<name>.rs` with a `const KIND: SceneKind` | [`scenes::ALL`] |
+//! | a chart | `src/charts/<name>.rs` with a `const CHART: ChartKind` | [`charts::ALL`] |
+//! | a stability sweep | the same | [`charts::STABILITY`] |
+//!
+//! Printing goes to a writer that the binary hands in; files are written by [`output`] alone.
+
+pub mod case;
+pub mod cases;
+pub mod chart;
+pub mod charts;
+pub mod claim;
+pub mod finite;
+pub mod machine;
+pub mod nearest;
+pub mod number;
+pub mod order;
+pub mod output;
+pub mod report;
+pub mod scene;
+pub mod scenes;
+pub mod verify;

@@ -1,3 +1,9 @@
-//! The `verification` command: verify, run, chart.
+//! The `verification` command: verify, run, chart, stability.
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -1,3 +1,130 @@
 //! The commands of the workspace.
+//!
+//! Each starts cargo, or bash for `ci`, and hands back its exit code. Nothing of the workspace is linked,
+//! so that this builds in a moment.
 
-fn main() {}
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, ExitStatus};
+
+const HELP: &str = "\
+The commands of the workspace.
+
+Usage: cargo xtask COMMAND [ARGUMENT]...
+
+  verify [FILTER]... [--quick|--full] [--list] [--json FILE] [--out DIR]
+                              run the proof; fails if a claim does not hold
+  run SCENE.json --out DIR    run a scene
+  chart [NAME]... [--list]    draw error against cost
+  stability [NAME]...         sweep methods to where they fail
+  bench [NAME]... [-- ARG...] run benchmarks; what follows -- goes to criterion
+  ci                          all that must hold before a merge, as .ci/run does it
+
+`cargo xtask COMMAND --help` says more about verify, run, chart and stability.
+";
+
+/// Exit code for a command line that means nothing.
+const USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some((command, rest)) = arguments.split_first() else {
+        say(HELP);
+        return ExitCode::from(USAGE);
+    };
+    match command.as_str() {
+        "verify" | "run" | "chart" | "stability" => {
+            if !is_built() {
+                say("building verification (release); the first time takes a few minutes ...\n");
+            }
+            start(cargo().args(verification_arguments(command, rest)))
+        }
+        "bench" => start(cargo().args(bench_arguments(rest))),
+        "ci" => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
+        "help" | "-h" | "--help" => match std::io::stdout().write_all(HELP.as_bytes()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(_) => ExitCode::FAILURE,
+        },
+        unknown => {
+            say(&format!("error: there is no command `{unknown}`\n\n{HELP}"));
+            ExitCode::from(USAGE)
+        }
+    }
+}
+
+fn verification_arguments(command: &str, rest: &[String]) -> Vec<String> {
+    let start = ["run", "--release", "--quiet", "--package", "verification", "--", command];
+    start.into_iter().map(str::to_owned).chain(rest.iter().cloned()).collect()
+}
+
+fn bench_arguments(rest: &[String]) -> Vec<String> {
+    let end_of_names = rest.iter().position(|argument| argument == "--").unwrap_or(rest.len());
+    let (names, criterion) = rest.split_at(end_of_names);
+    let targets = names.iter().flat_map(|name| ["--bench".to_owned(), name.clone()]);
+    let start = ["bench", "--package", "benches"].into_iter().map(str::to_owned);
+    start.chain(targets).chain(criterion.iter().cloned()).collect()
+}
+
+/// The cargo that runs this.
+fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// The folder above this package, which cargo names.
+fn workspace() -> PathBuf {
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    package.as_deref().and_then(Path::parent).map_or_else(|| ".".into(), Path::to_owned)
+}
+
+fn is_built() -> bool {
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| workspace().join("target"), PathBuf::from);
+    target.join("release").join(format!("verification{}", std::env::consts::EXE_SUFFIX)).exists()
+}
+
+fn start(command: &mut Command) -> ExitCode {
+    match command.status() {
+        Ok(status) => forward(status),
+        Err(error) => {
+            say(&format!("error: cannot start {}: {error}\n", command.get_program().display()));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The exit code of the program that was started; 1 if a signal ended it.
+fn forward(status: ExitStatus) -> ExitCode {
+    status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from)
+}
+
+fn say(text: &str) {
+    // With stderr gone there is nobody to tell; the exit code still says it.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<String> {
+        text.split_whitespace().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn arguments_reach_the_verification_binary_unchanged() {
+        let expected =
+            words("run --release --quiet --package verification -- verify fpk-sph --quick");
+        assert_eq!(verification_arguments("verify", &words("fpk-sph --quick")), expected);
+    }
+
+    #[test]
+    fn benchmarks_are_named_before_and_criterion_is_told_after_the_dashes() {
+        assert_eq!(bench_arguments(&[]), words("bench --package benches"));
+        let expected = words("bench --package benches --bench fpk --bench sde -- --test");
+        assert_eq!(bench_arguments(&words("fpk sde -- --test")), expected);
+        assert_eq!(
+            bench_arguments(&words("-- --test")),
+            words("bench --package benches -- --test")
+        );
+    }
+}

@@ -1,0 +1,197 @@
+//! Charts: error against cost, and values over time.
+//!
+//! A chart is plain data that goes to JSON beside its picture; the picture is SVG with text as text.
+//! Colours are those of Okabe and Ito, and no series is told from another by colour alone.
+
+mod axis;
+mod canvas;
+mod legend;
+mod placement;
+#[cfg(test)]
+pub(crate) mod samples;
+mod time_series;
+mod work_precision;
+
+use serde::{Deserialize, Serialize};
+
+pub use self::time_series::time_series;
+pub use self::work_precision::work_precision;
+
+/// Words around a chart.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Words {
+    /// What is shown, in a few words.
+    pub title: String,
+    /// The problem, the quantity, the time.
+    pub subtitle: String,
+    /// Quantity (unit) of the horizontal axis.
+    pub x_label: String,
+    /// Quantity (unit) of the vertical axis.
+    pub y_label: String,
+    /// The foot: how it was measured; [`crate::machine::Machine::caption`] names the machine. One line each.
+    pub caption: Vec<String>,
+}
+
+/// Error against cost on logarithmic axes, one series per method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkPrecision {
+    /// Words around it.
+    pub words: Words,
+    /// The methods.
+    pub series: Vec<Method>,
+}
+
+/// A method and its runs, in the order in which they are joined.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Method {
+    /// Its name in the legend.
+    pub name: String,
+    /// Its runs.
+    pub runs: Vec<Run>,
+}
+
+/// One run of a method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// What it cost, e.g. CPU seconds.
+    pub cost: f64,
+    /// The scatter of that cost over repeated runs.
+    pub cost_error: Option<f64>,
+    /// What came of it.
+    pub outcome: RunOutcome,
+    /// Its parameter, e.g. `1,700`, written beside the point.
+    pub label: Option<String>,
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum RunOutcome {
+    /// A result.
+    Error {
+        /// Size of its error, positive.
+        value: f64,
+        /// Standard error of that error.
+        standard_error: Option<f64>,
+    },
+    /// A typed error instead of a result: a cross at the upper edge.
+    Failed {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Values over time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeSeries {
+    /// Words around it.
+    pub words: Words,
+    /// Scale of the vertical axis.
+    pub scale: Scale,
+    /// Computed values, joined by lines.
+    pub lines: Vec<Line>,
+    /// Values to compare with, as points.
+    pub references: Vec<ReferencePoints>,
+}
+
+/// Scale of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scale {
+    /// Equal steps.
+    Linear,
+    /// Equal factors. Values of zero or below leave a gap, and the chart counts them in its foot.
+    Log,
+}
+
+/// Computed values over time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Its name in the legend.
+    pub name: String,
+    /// (time, value).
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Values to compare with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferencePoints {
+    /// Their name in the legend.
+    pub name: String,
+    /// The values.
+    pub points: Vec<ReferencePoint>,
+}
+
+/// One value to compare with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferencePoint {
+    /// Time.
+    pub x: f64,
+    /// Value.
+    pub y: f64,
+    /// Its error, one sigma.
+    pub error: Option<f64>,
+}
+
+/// Data that cannot be drawn.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
+pub enum ChartError {
+    /// A value is NaN or infinite.
+    #[error("series `{series}`: the {quantity} is {value}, not a finite number")]
+    NotFinite {
+        /// Which series.
+        series: String,
+        /// Which of its quantities.
+        quantity: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// A logarithmic axis was given zero or less.
+    #[error("series `{series}`: the {quantity} {value} has no place on a logarithmic axis")]
+    NotPositive {
+        /// Which series.
+        series: String,
+        /// Which of its quantities.
+        quantity: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// There is no point to draw.
+    #[error("the chart `{title}` has no point to draw")]
+    Empty {
+        /// Its title.
+        title: String,
+    },
+    /// The picture could not be made.
+    #[error("the picture could not be made: {message}")]
+    Picture {
+        /// What the drawing library said.
+        message: String,
+    },
+}
+
+fn finite(series: &str, quantity: &'static str, value: f64) -> Result<f64, ChartError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ChartError::NotFinite { series: series.into(), quantity, value })
+    }
+}
+
+fn positive(series: &str, quantity: &'static str, value: f64) -> Result<f64, ChartError> {
+    let value = finite(series, quantity, value)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err(ChartError::NotPositive { series: series.into(), quantity, value })
+    }
+}

@@ -1,0 +1,272 @@
+//! The charts and stability sweeps that can be asked for by name.
+//!
+//! A chart is one file here and one line in [`ALL`], a sweep one line in [`STABILITY`].
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use crate::case::{CaseError, Context, Profile, Shared};
+use crate::chart::{self, ChartError, TimeSeries, WorkPrecision};
+use crate::finite::{self, JsonError};
+use crate::nearest::nearest;
+use crate::output::write_text;
+
+/// Every chart of `chart`.
+pub const ALL: &[ChartKind] = &[];
+
+/// Every sweep of `stability`.
+pub const STABILITY: &[ChartKind] = &[];
+
+/// One entry of a table of charts.
+#[derive(Debug, Clone, Copy)]
+pub struct ChartKind {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// One line for `--list`.
+    pub title: &'static str,
+    /// Runs what is to be shown.
+    pub draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
+}
+
+/// A picture and the numbers in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Drawing {
+    /// Name of the files, without their endings.
+    pub name: String,
+    /// The picture.
+    pub svg: String,
+    /// Its numbers, JSON.
+    pub data: String,
+}
+
+/// A chart whose picture or numbers cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DrawingError {
+    /// The picture.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// The numbers.
+    #[error(transparent)]
+    Json(#[from] JsonError),
+}
+
+impl Drawing {
+    /// Error against cost.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn work_precision(name: &str, data: &WorkPrecision) -> Result<Self, DrawingError> {
+        Ok(Self {
+            name: name.into(),
+            svg: chart::work_precision(data)?,
+            data: finite::to_json(data)?,
+        })
+    }
+
+    /// Values over time.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn time_series(name: &str, data: &TimeSeries) -> Result<Self, DrawingError> {
+        Ok(Self { name: name.into(), svg: chart::time_series(data)?, data: finite::to_json(data)? })
+    }
+
+    /// Writes `<name>.svg` and `<name>.json` into `folder` and returns the path of the picture.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write(&self, folder: &Path) -> std::io::Result<PathBuf> {
+        let picture = folder.join(format!("{}.svg", self.name));
+        write_text(&picture, &self.svg)?;
+        write_text(&folder.join(format!("{}.json", self.name)), &self.data)?;
+        Ok(picture)
+    }
+}
+
+/// Why a chart was not drawn.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum ChartsError {
+    /// No chart has this name.
+    #[error("no {what} is called `{name}`")]
+    NoMatch {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The nearest name, or all of them.
+        #[help]
+        help: String,
+    },
+    /// The table is empty.
+    #[error("there is no {what} yet")]
+    NothingToDraw {
+        /// Chart or stability sweep.
+        what: &'static str,
+    },
+    /// Its runs ended in an error.
+    #[error("the {what} `{name}` could not be made")]
+    Failed {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// Its name.
+        name: &'static str,
+        /// Why.
+        source: CaseError,
+    },
+    /// A file or the terminal could not be written.
+    #[error("cannot write the {what}")]
+    Write {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// What is to be drawn, and where it goes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Chart or stability sweep, for messages.
+    pub what: &'static str,
+    /// Names from the table; none draws all.
+    pub names: Vec<String>,
+    /// How much is run.
+    pub profile: Profile,
+    /// Where the files go.
+    pub out: PathBuf,
+}
+
+/// Draws what `options` names and prints the path of each picture.
+///
+/// # Errors
+/// [`ChartsError`] for an unknown name, a failed run, a file that cannot be written.
+pub fn draw(
+    table: &[ChartKind],
+    options: &Options,
+    output: &mut dyn Write,
+) -> Result<(), ChartsError> {
+    let what = options.what;
+    let to_file = |source| ChartsError::Write { what, source };
+    let (shared, inline) = (Shared::default(), Mutex::new(Vec::new()));
+    let tell = |text: &str| {
+        // Progress that cannot be shown is no reason to stop a run.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    };
+    for kind in select(table, options)? {
+        tell(&format!("{}: {}", kind.name, kind.title));
+        let context = Context::new(kind.name, options.profile, &shared, &inline, &tell);
+        let drawings = (kind.draw)(&context).map_err(|source| ChartsError::Failed {
+            what,
+            name: kind.name,
+            source,
+        })?;
+        for drawing in drawings {
+            let picture = drawing.write(&options.out).map_err(to_file)?;
+            writeln!(output, "{}", picture.display()).map_err(to_file)?;
+        }
+    }
+    Ok(())
+}
+
+/// Prints name and title of every entry.
+///
+/// # Errors
+/// [`ChartsError::Write`].
+pub fn list(
+    table: &[ChartKind],
+    what: &'static str,
+    output: &mut dyn Write,
+) -> Result<(), ChartsError> {
+    let to_terminal = |source| ChartsError::Write { what, source };
+    for kind in table {
+        writeln!(output, "{:16}  {}", kind.name, kind.title).map_err(to_terminal)?;
+    }
+    let plural = if table.len() == 1 { "" } else { "s" };
+    writeln!(output, "{} {what}{plural}", table.len()).map_err(to_terminal)
+}
+
+fn select<'a>(
+    table: &'a [ChartKind],
+    options: &Options,
+) -> Result<Vec<&'a ChartKind>, ChartsError> {
+    let what = options.what;
+    if table.is_empty() {
+        return Err(ChartsError::NothingToDraw { what });
+    }
+    for name in &options.names {
+        if !table.iter().any(|kind| kind.name == name) {
+            let names: Vec<&str> = table.iter().map(|kind| kind.name).collect();
+            let help = match nearest(name, names.iter().copied()) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("there are: {}", names.join(", ")),
+            };
+            return Err(ChartsError::NoMatch { what, name: name.clone(), help });
+        }
+    }
+    let wanted = |kind: &&ChartKind| {
+        options.names.is_empty() || options.names.iter().any(|name| name == kind.name)
+    };
+    Ok(table.iter().filter(wanted).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: [ChartKind; 2] = [
+        ChartKind {
+            name: "sample",
+            title: "made up",
+            draw: |_| {
+                Ok(vec![Drawing::work_precision("sample_cost", &chart::samples::work_precision())?])
+            },
+        },
+        ChartKind { name: "fails", title: "made up", draw: |_| Err("no result".into()) },
+    ];
+
+    fn options(names: &[&str], out: PathBuf) -> Options {
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        Options { what: "chart", names, profile: Profile::Default, out }
+    }
+
+    #[test]
+    fn a_picture_and_its_numbers_are_written() {
+        let folder = std::env::temp_dir().join(format!("chart-files-{}", std::process::id()));
+        let mut output = Vec::new();
+        draw(&TABLE, &options(&["sample"], folder.clone()), &mut output).unwrap();
+        let svg = std::fs::read_to_string(folder.join("sample_cost.svg")).unwrap();
+        let json = std::fs::read_to_string(folder.join("sample_cost.json")).unwrap();
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        assert_eq!(
+            serde_json::from_str::<WorkPrecision>(&json).unwrap(),
+            chart::samples::work_precision()
+        );
+        assert!(String::from_utf8(output).unwrap().contains("sample_cost.svg"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn unknown_names_failed_runs_and_empty_tables_are_errors() {
+        let run = |table: &[ChartKind], name: &str| {
+            draw(table, &options(&[name], PathBuf::new()), &mut Vec::new())
+        };
+        match run(&TABLE, "smaple").unwrap_err() {
+            ChartsError::NoMatch { help, .. } => assert_eq!(help, "did you mean `sample`?"),
+            other => panic!("{other}"),
+        }
+        assert!(matches!(run(&TABLE, "fails"), Err(ChartsError::Failed { name: "fails", .. })));
+        assert!(matches!(run(&[], "sample"), Err(ChartsError::NothingToDraw { .. })));
+    }
+
+    #[test]
+    fn names_in_the_tables_are_unique() {
+        for table in [ALL, STABILITY] {
+            let names: std::collections::BTreeSet<&str> =
+                table.iter().map(|kind| kind.name).collect();
+            assert_eq!(names.len(), table.len());
+        }
+    }
+}

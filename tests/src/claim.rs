@@ -1,0 +1,498 @@
+//! From a measured value and its reference to a verdict.
+//!
+//! The error is formed by its [`ErrorKind`], the verdict by a [`Criterion`]; neither is ever stated by hand.
+//! A NaN fails, as does a claim without a reason or one that its own uncertainty would make empty.
+
+use crate::report::{Claim, ErrorKind};
+
+/// A Monte Carlo claim passes within this many standard errors of its bias bound.
+pub const STANDARD_ERRORS: f64 = 4.0;
+
+/// What a claim is about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Subject {
+    /// Full id, e.g. `fpk-sph/viscous-damper/log-density-fit/second-moment-q/t6`.
+    pub id: String,
+    /// What was measured, e.g. `E[q^2]`.
+    pub quantity: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// With which method, resolution and sample count.
+    pub method: String,
+}
+
+impl Subject {
+    /// Names what is claimed; inside a case, [`crate::case::Context::subject`] puts the id of the case in front.
+    #[must_use]
+    pub fn new(id: impl Into<String>, quantity: &str, unit: &str, method: &str) -> Self {
+        Self { id: id.into(), quantity: quantity.into(), unit: unit.into(), method: method.into() }
+    }
+}
+
+/// A value found by a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// Its standard error, if it has one.
+    pub standard_error: Option<f64>,
+}
+
+impl Measured {
+    /// A value of a deterministic run.
+    #[must_use]
+    pub const fn exact(value: f64) -> Self {
+        Self { value, standard_error: None }
+    }
+
+    /// A value with its standard error.
+    #[must_use]
+    pub const fn sampled(value: f64, standard_error: f64) -> Self {
+        Self { value, standard_error: Some(standard_error) }
+    }
+}
+
+/// A value expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reference {
+    /// The value.
+    pub value: f64,
+    /// Its error (one sigma, or a bound), if it has one.
+    pub error: Option<f64>,
+}
+
+impl Reference {
+    /// A closed form.
+    #[must_use]
+    pub const fn exact(value: f64) -> Self {
+        Self { value, error: None }
+    }
+
+    /// A value known up to an error.
+    #[must_use]
+    pub const fn uncertain(value: f64, error: f64) -> Self {
+        Self { value, error: Some(error) }
+    }
+}
+
+/// When a claim passes, and why there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Criterion<'a> {
+    /// |error| <= tolerance. The reference must be known better than that.
+    Within {
+        /// In the measure of the error kind (a factor >= 1 for [`ErrorKind::Ratio`]).
+        tolerance: f64,
+        /// Truncation, roundoff, or what was seen.
+        reason: &'a str,
+    },
+    /// |error| <= bias bound + 4 standard errors of measured value and reference together.
+    MonteCarlo {
+        /// In the measure of the error kind (excess over 1 for [`ErrorKind::Ratio`]).
+        bias_bound: f64,
+        /// Where the bias bound comes from.
+        reason: &'a str,
+    },
+    /// The signed error lies where it was seen: a regression claim, no statement of accuracy.
+    AsMeasured {
+        /// Smallest error that passes.
+        from: f64,
+        /// Largest error that passes.
+        to: f64,
+        /// Why the error is what it is.
+        reason: &'a str,
+    },
+}
+
+impl Claim {
+    /// Forms the error of `measured` against `reference` and decides whether it passes.
+    #[must_use]
+    pub fn judge(
+        subject: Subject,
+        kind: ErrorKind,
+        measured: Measured,
+        reference: Reference,
+        criterion: Criterion<'_>,
+    ) -> Self {
+        let error = kind.error(measured.value, reference.value);
+        let spread = kind.spread(measured, reference);
+        let verdict = criterion.decide(kind, error, spread, measured.standard_error.is_some());
+        let unusable = unusable(measured, Some(reference));
+        Self {
+            id: subject.id,
+            quantity: subject.quantity,
+            unit: Some(subject.unit).filter(|unit| !unit.is_empty()),
+            method: subject.method,
+            measured: finite(measured.value),
+            standard_error: measured.standard_error.and_then(finite),
+            reference: finite(reference.value),
+            reference_error: reference.error.and_then(finite),
+            error: finite(error),
+            error_kind: kind,
+            tolerance: finite(verdict.tolerance),
+            passed: verdict.objection.is_none() && unusable.is_none(),
+            reason: with_objection(verdict.reason, unusable.or(verdict.objection)),
+        }
+    }
+
+    /// A value without a reference, held to the range in which it was seen: a regression claim.
+    #[must_use]
+    pub fn as_measured(
+        subject: Subject,
+        measured: Measured,
+        from: f64,
+        to: f64,
+        reason: &str,
+    ) -> Self {
+        let outside = !(from <= measured.value && measured.value <= to);
+        let objection = unusable(measured, None)
+            .or_else(|| no_reason(reason))
+            .or_else(|| outside.then(|| format!("measured {} is outside", measured.value)));
+        Self {
+            id: subject.id,
+            quantity: subject.quantity,
+            unit: Some(subject.unit).filter(|unit| !unit.is_empty()),
+            method: subject.method,
+            measured: finite(measured.value),
+            standard_error: measured.standard_error.and_then(finite),
+            reference: None,
+            reference_error: None,
+            error: None,
+            error_kind: ErrorKind::Absolute,
+            tolerance: None,
+            passed: objection.is_none(),
+            reason: with_objection(
+                format!("as measured, value in [{from}, {to}]: {reason}"),
+                objection,
+            ),
+        }
+    }
+
+    /// Two results that must be the same bits: `n_different` values out of `n_compared` differ.
+    #[must_use]
+    pub fn same_bits(
+        subject: Subject,
+        n_different: usize,
+        n_compared: usize,
+        reason: &str,
+    ) -> Self {
+        let mut claim = Self::judge(
+            subject,
+            ErrorKind::Absolute,
+            Measured::exact(n_different as f64),
+            Reference::exact(0.0),
+            Criterion::Within { tolerance: 0.0, reason },
+        );
+        claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
+        if n_compared == 0 {
+            claim.passed = false;
+        }
+        claim
+    }
+
+    /// The row that stands for a case that ended in an error.
+    #[must_use]
+    pub fn case_error(case_id: &str, message: &str) -> Self {
+        Self {
+            id: format!("{case_id}/ran"),
+            quantity: "the case ran to its end".into(),
+            unit: None,
+            method: String::new(),
+            measured: None,
+            standard_error: None,
+            reference: None,
+            reference_error: None,
+            error: None,
+            error_kind: ErrorKind::Absolute,
+            tolerance: None,
+            reason: format!("error: {message}"),
+            passed: false,
+        }
+    }
+}
+
+impl ErrorKind {
+    /// The distance of m from r in this measure; NaN where it has none.
+    #[must_use]
+    pub fn error(self, m: f64, r: f64) -> f64 {
+        match self {
+            Self::Relative if r == 0.0 => f64::NAN,
+            Self::Relative => (m - r) / r.abs(),
+            Self::Absolute | Self::Order => m - r,
+            Self::Log10 if m > 0.0 && r > 0.0 => (m / r).log10(),
+            Self::Ratio if m > 0.0 && r > 0.0 => (m / r).max(r / m),
+            Self::Log10 | Self::Ratio => f64::NAN,
+        }
+    }
+
+    /// One sigma of that distance, to first order in the errors of m and r.
+    fn spread(self, measured: Measured, reference: Reference) -> Spread {
+        let (m, r) = (measured.value, reference.value);
+        let (of_m, of_r) = (measured.standard_error.unwrap_or(0.0), reference.error.unwrap_or(0.0));
+        let (from_m, from_r) = match self {
+            Self::Relative => (of_m / r.abs(), of_r * m.abs() / (r * r)),
+            Self::Absolute | Self::Order => (of_m, of_r),
+            Self::Log10 => (of_m / m / std::f64::consts::LN_10, of_r / r / std::f64::consts::LN_10),
+            Self::Ratio => (of_m / m * self.error(m, r), of_r / r * self.error(m, r)),
+        };
+        Spread { of_measured: from_m, of_reference: from_r }
+    }
+}
+
+/// One sigma of an error, by where it comes from.
+struct Spread {
+    of_measured: f64,
+    of_reference: f64,
+}
+
+struct Verdict {
+    tolerance: f64,
+    reason: String,
+    objection: Option<String>,
+}
+
+impl Criterion<'_> {
+    fn decide(
+        self,
+        kind: ErrorKind,
+        error: f64,
+        spread: Spread,
+        has_standard_error: bool,
+    ) -> Verdict {
+        match self {
+            Self::Within { tolerance, reason } => {
+                let slack = if kind == ErrorKind::Ratio { tolerance - 1.0 } else { tolerance };
+                let objection = no_reason(reason)
+                    .or_else(|| too_uncertain("reference", spread.of_reference, slack))
+                    .or_else(|| {
+                        order_without_error(kind, spread.of_measured, slack, has_standard_error)
+                    })
+                    .or_else(|| beyond(error, tolerance));
+                Verdict { tolerance, reason: reason.into(), objection }
+            }
+            Self::MonteCarlo { bias_bound, reason } => {
+                let unit = if kind == ErrorKind::Ratio { 1.0 } else { 0.0 };
+                let spread = spread.of_measured.hypot(spread.of_reference);
+                let tolerance = unit + bias_bound + STANDARD_ERRORS * spread;
+                let missing = (!has_standard_error)
+                    .then(|| "a Monte Carlo value without its standard error".into());
+                let objection = no_reason(reason).or(missing).or_else(|| beyond(error, tolerance));
+                let reason = format!(
+                    "bias bound {bias_bound} + {STANDARD_ERRORS} s.e. of {spread:.2e}: {reason}"
+                );
+                Verdict { tolerance, reason, objection }
+            }
+            Self::AsMeasured { from, to, reason } => {
+                let outside = !(from <= error && error <= to);
+                let objection = no_reason(reason)
+                    .or_else(|| outside.then(|| format!("the error {error:.3e} is outside")));
+                let reason = format!("as measured, error in [{from}, {to}]: {reason}");
+                Verdict { tolerance: from.abs().max(to.abs()), reason, objection }
+            }
+        }
+    }
+}
+
+fn beyond(error: f64, tolerance: f64) -> Option<String> {
+    if error.is_nan() {
+        return Some("the error is not a number".into());
+    }
+    (!(error.abs() <= tolerance))
+        .then(|| format!("the error {error:.3e} exceeds the tolerance {tolerance:.3e}"))
+}
+
+/// A reference known no better than the tolerance proves nothing.
+fn too_uncertain(what: &str, sigma: f64, tolerance: f64) -> Option<String> {
+    (sigma > tolerance).then(|| {
+        format!("the error {sigma:.2e} of the {what} exceeds the tolerance {tolerance:.2e}")
+    })
+}
+
+fn order_without_error(
+    kind: ErrorKind,
+    sigma: f64,
+    tolerance: f64,
+    has_standard_error: bool,
+) -> Option<String> {
+    if kind != ErrorKind::Order {
+        return None;
+    }
+    let missing = (!has_standard_error).then(|| "an order without its standard error".to_owned());
+    missing.or_else(|| too_uncertain("fitted order", sigma, tolerance))
+}
+
+fn no_reason(reason: &str) -> Option<String> {
+    reason.trim().is_empty().then(|| "no reason is given for the tolerance".to_owned())
+}
+
+/// Why these numbers cannot be judged, if they cannot.
+fn unusable(measured: Measured, reference: Option<Reference>) -> Option<String> {
+    let bad = |value: f64| !value.is_finite();
+    let bad_error = |error: Option<f64>| error.is_some_and(|error| bad(error) || error < 0.0);
+    if bad(measured.value) {
+        return Some(format!("measured {}", measured.value));
+    }
+    if bad_error(measured.standard_error) {
+        return Some(format!("standard error {:?}", measured.standard_error));
+    }
+    let reference = reference?;
+    if bad(reference.value) || bad_error(reference.error) {
+        return Some(format!("reference {} with error {:?}", reference.value, reference.error));
+    }
+    None
+}
+
+/// `null` in the report is meant: the claim has failed and its reason says what was there.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn with_objection(reason: String, objection: Option<String>) -> String {
+    match objection {
+        Some(objection) => format!("{reason} [failed: {objection}]"),
+        None => reason,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHY: &str = "a reason";
+
+    fn subject() -> Subject {
+        Subject::new("self-check/claim", "x", "m", "by hand")
+    }
+
+    fn within(kind: ErrorKind, m: f64, r: f64, tolerance: f64) -> Claim {
+        let criterion = Criterion::Within { tolerance, reason: WHY };
+        Claim::judge(subject(), kind, Measured::exact(m), Reference::exact(r), criterion)
+    }
+
+    fn close(found: Option<f64>, expected: f64) {
+        assert!((found.unwrap() - expected).abs() < 1e-12, "{found:?} is not {expected}");
+    }
+
+    #[test]
+    fn each_kind_forms_its_error() {
+        close(within(ErrorKind::Relative, 1.01, 1.0, 0.1).error, 0.01);
+        close(within(ErrorKind::Relative, -1.01, -1.0, 0.1).error, -0.01);
+        close(within(ErrorKind::Absolute, 3.0, 5.0, 3.0).error, -2.0);
+        close(within(ErrorKind::Log10, 1e-9, 1e-8, 2.0).error, -1.0);
+        close(within(ErrorKind::Ratio, 2.0, 8.0, 5.0).error, 4.0);
+        close(within(ErrorKind::Ratio, 8.0, 2.0, 5.0).error, 4.0);
+    }
+
+    #[test]
+    fn the_tolerance_decides_on_both_sides() {
+        for (m, passed) in [(1.09, true), (0.91, true), (1.11, false), (0.89, false)] {
+            assert_eq!(within(ErrorKind::Relative, m, 1.0, 0.1).passed, passed, "{m}");
+        }
+        assert!(within(ErrorKind::Ratio, 1.9, 1.0, 2.0).passed);
+        assert!(!within(ErrorKind::Ratio, 1.0, 2.1, 2.0).passed);
+    }
+
+    #[test]
+    fn what_is_not_a_number_fails_and_says_so() {
+        for claim in [
+            within(ErrorKind::Relative, f64::NAN, 1.0, 1.0),
+            within(ErrorKind::Absolute, 1.0, f64::NAN, 1.0),
+            within(ErrorKind::Absolute, 1.0, 1.0, f64::NAN),
+            within(ErrorKind::Absolute, f64::INFINITY, f64::INFINITY, f64::INFINITY),
+            within(ErrorKind::Relative, 0.0, 0.0, 1.0),
+            within(ErrorKind::Log10, 0.0, 1e-9, 1.0),
+            within(ErrorKind::Ratio, -1.0, 1.0, 9.0),
+        ] {
+            assert!(!claim.passed && claim.reason.contains("[failed: "), "{claim:?}");
+            assert!(crate::finite::check(&claim).is_ok());
+        }
+    }
+
+    #[test]
+    fn a_claim_without_a_reason_fails() {
+        let criterion = Criterion::Within { tolerance: 1.0, reason: " " };
+        let value = (Measured::exact(1.0), Reference::exact(1.0));
+        assert!(!Claim::judge(subject(), ErrorKind::Absolute, value.0, value.1, criterion).passed);
+        assert!(!Claim::as_measured(subject(), value.0, 0.0, 2.0, "").passed);
+    }
+
+    #[test]
+    fn a_reference_less_certain_than_the_tolerance_proves_nothing() {
+        let criterion = Criterion::Within { tolerance: 0.01, reason: WHY };
+        let judge = |error| {
+            let reference = Reference::uncertain(2.0, error);
+            Claim::judge(subject(), ErrorKind::Relative, Measured::exact(2.0), reference, criterion)
+        };
+        assert!(judge(0.019).passed);
+        assert!(!judge(0.021).passed);
+    }
+
+    #[test]
+    fn a_monte_carlo_claim_passes_within_bias_and_four_standard_errors() {
+        let judge = |m, se, re| {
+            let criterion = Criterion::MonteCarlo { bias_bound: 0.1, reason: WHY };
+            Claim::judge(
+                subject(),
+                ErrorKind::Absolute,
+                Measured::sampled(m, se),
+                Reference::uncertain(1.0, re),
+                criterion,
+            )
+        };
+        assert!(judge(1.49, 0.1, 0.0).passed);
+        assert!(!judge(1.51, 0.1, 0.0).passed);
+        close(judge(1.0, 0.03, 0.04).tolerance, 0.1 + 4.0 * 0.05);
+        let without = Criterion::MonteCarlo { bias_bound: 1.0, reason: WHY };
+        let value = Measured::exact(1.0);
+        assert!(
+            !Claim::judge(subject(), ErrorKind::Absolute, value, Reference::exact(1.0), without)
+                .passed
+        );
+    }
+
+    #[test]
+    fn the_spread_of_a_logarithm_is_relative() {
+        let criterion = Criterion::MonteCarlo { bias_bound: 0.0, reason: WHY };
+        let measured = Measured::sampled(2e-8, 1e-9);
+        let claim =
+            Claim::judge(subject(), ErrorKind::Log10, measured, Reference::exact(2e-8), criterion);
+        close(claim.tolerance, 4.0 * 0.05 / std::f64::consts::LN_10);
+    }
+
+    #[test]
+    fn an_order_needs_a_standard_error_below_its_tolerance() {
+        let criterion = Criterion::Within { tolerance: 0.2, reason: WHY };
+        let judge = |m| {
+            Claim::judge(subject(), ErrorKind::Order, m, Reference::exact(2.0), criterion).passed
+        };
+        assert!(judge(Measured::sampled(1.9, 0.05)));
+        assert!(!judge(Measured::exact(1.9)));
+        assert!(!judge(Measured::sampled(1.9, 0.3)));
+    }
+
+    #[test]
+    fn a_regression_claim_has_a_range_and_says_so() {
+        let criterion = Criterion::AsMeasured { from: 0.02, to: 0.04, reason: "summation bias" };
+        let judge = |m| {
+            Claim::judge(
+                subject(),
+                ErrorKind::Relative,
+                Measured::exact(m),
+                Reference::exact(1.0),
+                criterion,
+            )
+        };
+        assert!(judge(1.03).passed && !judge(1.01).passed && !judge(0.97).passed);
+        assert_eq!(judge(1.03).reason, "as measured, error in [0.02, 0.04]: summation bias");
+        assert!(Claim::as_measured(subject(), Measured::exact(40.0), 39.0, 41.0, "steps").passed);
+        assert!(
+            !Claim::as_measured(subject(), Measured::exact(f64::NAN), 39.0, 41.0, "steps").passed
+        );
+    }
+
+    #[test]
+    fn equal_bits_need_something_to_compare() {
+        assert!(Claim::same_bits(subject(), 0, 10, WHY).passed);
+        assert!(!Claim::same_bits(subject(), 1, 10, WHY).passed);
+        assert!(!Claim::same_bits(subject(), 0, 0, WHY).passed);
+    }
+}

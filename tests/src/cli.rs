@@ -1,0 +1,197 @@
+//! The command line: words to options, errors to exit codes.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use verification::case::Profile;
+use verification::{cases, charts, output, scenes, verify};
+
+/// Exit code of a program whose reader went away.
+const BROKEN_PIPE: u8 = 141;
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "cargo xtask",
+    version,
+    about = "The proof of the workspace: cases, scenes, charts"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the cases and print what each claims; fails if a claim does not hold
+    Verify(Verify),
+    /// Run a scene file
+    Run(Run),
+    /// Draw error against cost
+    Chart(Chart),
+    /// Sweep methods to where they fail
+    Stability(Chart),
+}
+
+#[derive(Debug, Args)]
+struct Verify {
+    /// Part of a case id, or the id of a claim; none runs all
+    #[arg(value_name = "FILTER")]
+    filters: Vec<String>,
+    #[command(flatten)]
+    extent: Extent,
+    /// List the cases instead of running them
+    #[arg(long)]
+    list: bool,
+    /// Write a second copy of the report here
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Where report.json and index.html go [default: target/verify]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct Run {
+    /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Where the results go
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+struct Chart {
+    /// Names, as --list shows them; none draws all
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    #[command(flatten)]
+    extent: Extent,
+    /// List the names instead of drawing
+    #[arg(long)]
+    list: bool,
+    /// Where the pictures go [default: target/chart, target/stability]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+#[group(multiple = false)]
+struct Extent {
+    /// The cheapest part, at most 3 minutes
+    #[arg(long)]
+    quick: bool,
+    /// Everything, at most 90 minutes
+    #[arg(long)]
+    full: bool,
+}
+
+impl Extent {
+    const fn profile(self) -> Profile {
+        match (self.quick, self.full) {
+            (true, _) => Profile::Quick,
+            (_, true) => Profile::Full,
+            _ => Profile::Default,
+        }
+    }
+}
+
+/// Reads the command line, runs it, and turns what comes of it into an exit code.
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match execute(cli.command, &mut io::stdout().lock()) {
+        Ok(code) => code,
+        Err(report) if is_broken_pipe(&report) => ExitCode::from(BROKEN_PIPE),
+        Err(report) => {
+            // With stderr gone there is nobody to tell; the exit code still says it.
+            let _ = writeln!(io::stderr(), "{report:?}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    match command {
+        Command::Verify(arguments) => execute_verify(arguments, output),
+        Command::Run(arguments) => execute_run(&arguments, output),
+        Command::Chart(arguments) => execute_chart(charts::ALL, "chart", arguments, output),
+        Command::Stability(arguments) => {
+            execute_chart(charts::STABILITY, "stability sweep", arguments, output)
+        }
+    }
+}
+
+fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    if arguments.list {
+        verify::list(cases::ALL, &arguments.filters, output)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let options = verify::Options {
+        profile: arguments.extent.profile(),
+        filters: arguments.filters,
+        out: arguments.out.unwrap_or_else(|| output::default_folder("verify")),
+        json: arguments.json,
+    };
+    let report = verify::verify(cases::ALL, &options, output)?;
+    Ok(if report.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn execute_run(arguments: &Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    let tell = |what: &str| {
+        // Progress that cannot be shown is no reason to stop a run.
+        let _ = writeln!(io::stderr(), "{what}");
+    };
+    let written = scenes::run(scenes::ALL, &arguments.scene, &arguments.out, &tell)?;
+    for path in written {
+        writeln!(output, "{}", path.display()).map_err(miette::Report::from_err)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn execute_chart(
+    table: &[charts::ChartKind],
+    what: &'static str,
+    arguments: Chart,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    if arguments.list {
+        charts::list(table, what, output)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let folder = if what == "chart" { "chart" } else { "stability" };
+    let options = charts::Options {
+        what,
+        names: arguments.names,
+        profile: arguments.extent.profile(),
+        out: arguments.out.unwrap_or_else(|| output::default_folder(folder)),
+    };
+    charts::draw(table, &options, output)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn is_broken_pipe(report: &miette::Report) -> bool {
+    let broken = |error: &io::Error| error.kind() == io::ErrorKind::BrokenPipe;
+    report.chain().any(|error| error.downcast_ref::<io::Error>().is_some_and(broken))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn quick_and_full_exclude_each_other() {
+        assert!(Cli::try_parse_from(["x", "verify", "--quick", "--full"]).is_err());
+        let cli = Cli::try_parse_from(["x", "verify", "fpk-sph", "--quick"]).unwrap();
+        let Command::Verify(arguments) = cli.command else { panic!("not verify") };
+        assert_eq!((arguments.extent.profile(), arguments.filters.len()), (Profile::Quick, 1));
+    }
+}

@@ -1,0 +1,59 @@
+//! Files that a run leaves behind.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::finite::{self, JsonError};
+
+/// A result that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// It holds a number that is not finite.
+    #[error("cannot write {}", .path.display())]
+    Json {
+        /// Which file.
+        path: PathBuf,
+        /// Which number.
+        source: JsonError,
+    },
+    /// The system refused.
+    #[error("cannot write {}", .path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// Writes `value` as JSON, numbers checked to be finite; missing folders are made.
+///
+/// # Errors
+/// [`OutputError`], naming the file.
+pub fn write_json<T: Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), OutputError> {
+    let text =
+        finite::to_json(value).map_err(|source| OutputError::Json { path: path.into(), source })?;
+    write_text(path, &text).map_err(|source| OutputError::Io { path: path.into(), source })
+}
+
+/// Writes `text`, making missing folders.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(path, text)
+}
+
+/// `target/<name>` of the workspace, or of the current folder where cargo did not start the program.
+#[must_use]
+pub fn default_folder(name: &str) -> PathBuf {
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    let root = package.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
+    root.join("target").join(name)
+}

@@ -1,0 +1,214 @@
+//! What a run of the proof leaves behind: the schema `verification-report/1`.
+//!
+//! The fields and their order are the schema; they are kept stable.
+//! Numbers are finite or `null`: [`crate::finite`] refuses the rest.
+
+use serde::{Deserialize, Serialize};
+
+use crate::case::Profile;
+use crate::machine::Machine;
+
+/// The name of the schema, the first field of every report.
+pub const SCHEMA: &str = "verification-report/1";
+
+/// A whole run: every case, what it claimed, and on which machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    /// Always [`SCHEMA`].
+    pub schema: String,
+    /// Version of the workspace.
+    pub version: String,
+    /// Commit of the working tree, `-dirty` appended if a tracked file differs; `null` outside git.
+    pub commit: Option<String>,
+    /// How much was run.
+    pub profile: Profile,
+    /// Where it was run.
+    pub machine: Machine,
+    /// The cases, in the order of the table.
+    pub cases: Vec<CaseRecord>,
+    /// Number of claims that held.
+    pub passed: usize,
+    /// Number of claims that did not, a case that ended in an error counting as one.
+    pub failed: usize,
+}
+
+/// One case and its claims.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseRecord {
+    /// Begins with the crate, e.g. `fpk-sph/viscous-damper`.
+    pub id: String,
+    /// One line for the reader.
+    pub title: String,
+    /// Where the problem and its reference come from.
+    pub source: String,
+    /// Wall time (s).
+    pub seconds: f64,
+    /// What was claimed.
+    pub claims: Vec<Claim>,
+}
+
+/// One number, what it should have been, and the verdict.
+///
+/// Made by [`Claim::judge`] and its relatives, so that error and verdict always follow from the numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Begins with the id of its case; once given it does not change.
+    pub id: String,
+    /// What was measured, e.g. `E[q^2]`.
+    pub quantity: String,
+    /// Its unit; `null` for a pure number.
+    pub unit: Option<String>,
+    /// With which method, resolution and sample count.
+    pub method: String,
+    /// The value found; `null` if it was not a finite number (the claim has then failed).
+    pub measured: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// The value expected.
+    pub reference: Option<f64>,
+    /// The error of the expected value, one sigma or a bound.
+    pub reference_error: Option<f64>,
+    /// Signed, in the measure named by `error_kind`.
+    pub error: Option<f64>,
+    /// How `error` was formed.
+    pub error_kind: ErrorKind,
+    /// The largest error that passes.
+    pub tolerance: Option<f64>,
+    /// Why that tolerance.
+    pub reason: String,
+    /// The verdict.
+    pub passed: bool,
+}
+
+/// How the distance between a measured value m and its reference r is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ErrorKind {
+    /// (m - r) / |r|
+    Relative,
+    /// m - r
+    Absolute,
+    /// log10(m / r), for probabilities.
+    Log10,
+    /// The factor max(m / r, r / m), at least 1, for costs.
+    Ratio,
+    /// m - r of two orders of convergence; m must carry its standard error.
+    Order,
+}
+
+impl ErrorKind {
+    /// The word used in the report.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Relative => "relative",
+            Self::Absolute => "absolute",
+            Self::Log10 => "log10",
+            Self::Ratio => "ratio",
+            Self::Order => "order",
+        }
+    }
+}
+
+impl Report {
+    /// Gathers the cases and counts their claims.
+    #[must_use]
+    pub fn new(profile: Profile, machine: Machine, cases: Vec<CaseRecord>) -> Self {
+        let passed =
+            cases.iter().flat_map(|case| &case.claims).filter(|claim| claim.passed).count();
+        let total: usize = cases.iter().map(|case| case.claims.len()).sum();
+        Self {
+            schema: SCHEMA.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: crate::machine::commit(),
+            profile,
+            machine,
+            cases,
+            passed,
+            failed: total - passed,
+        }
+    }
+
+    /// The claims that did not hold.
+    pub fn failures(&self) -> impl Iterator<Item = &Claim> {
+        self.cases.iter().flat_map(|case| &case.claims).filter(|claim| !claim.passed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claim::{Criterion, Measured, Reference, Subject};
+
+    fn sample() -> Report {
+        let subject = Subject::new("self-check/pi/value", "pi", "rad", "22/7");
+        let claim = Claim::judge(
+            subject,
+            ErrorKind::Relative,
+            Measured::exact(22.0 / 7.0),
+            Reference::exact(std::f64::consts::PI),
+            Criterion::Within { tolerance: 1e-3, reason: "the error of 22/7 is 4.0e-4" },
+        );
+        let case = CaseRecord {
+            id: "self-check/pi".into(),
+            title: "an approximation".into(),
+            source: "Archimedes".into(),
+            seconds: 0.25,
+            claims: vec![claim],
+        };
+        Report::new(Profile::Quick, Machine::read(), vec![case])
+    }
+
+    #[test]
+    fn the_keys_of_the_schema_are_the_agreed_ones_in_their_order() {
+        let text = crate::finite::to_json(&sample()).unwrap();
+        let keys = [
+            "schema",
+            "version",
+            "commit",
+            "profile",
+            "machine",
+            "cases",
+            "id",
+            "title",
+            "source",
+            "seconds",
+            "claims",
+            "id",
+            "quantity",
+            "unit",
+            "method",
+            "measured",
+            "standard_error",
+            "reference",
+            "reference_error",
+            "error",
+            "error_kind",
+            "tolerance",
+            "reason",
+            "passed",
+            "passed",
+            "failed",
+        ];
+        let mut rest = text.as_str();
+        for key in keys {
+            let at = rest
+                .find(&format!("\"{key}\":"))
+                .unwrap_or_else(|| panic!("{key} missing or out of order"));
+            rest = &rest[at + 1..];
+        }
+        assert!(text.contains("\"standard_error\": null"), "{text}");
+        assert!(text.contains("\"profile\": \"quick\""), "{text}");
+    }
+
+    #[test]
+    fn a_report_survives_writing_and_reading() {
+        let report = sample();
+        let text = crate::finite::to_json(&report).unwrap();
+        assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
+        assert_eq!((report.passed, report.failed), (1, 0));
+    }
+}

@@ -1,0 +1,133 @@
+//! Scenes: JSON files whose every mistake is shown at its line and column.
+//!
+//! A scene type derives `Deserialize` with `deny_unknown_fields`; its enums stay externally tagged
+//! (`{"viscous_damper": {...}}`), for tagged ones lose the place of what they hold.
+//! Keys are checked while reading, meanings afterwards by [`Scene::check`].
+
+mod error;
+mod place;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use self::error::Origin;
+pub use self::error::SceneError;
+
+/// A type of scene.
+pub trait Scene: DeserializeOwned {
+    /// Refuses what the types allow and the problem does not, e.g. a negative diffusion.
+    ///
+    /// # Errors
+    /// An [`Objection`] that names the key.
+    fn check(&self) -> Result<(), Objection>;
+}
+
+/// What is wrong with a value, and where it stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Objection {
+    /// The key, e.g. `system.viscous_damper.intensity` or `times[3]`.
+    pub path: String,
+    /// What is wrong, e.g. `the intensity is -0.2 m^2/s^3 and must not be negative`.
+    pub message: String,
+    /// What to do about it, if that is known.
+    pub help: Option<String>,
+}
+
+impl Objection {
+    /// An objection to the value at `path`.
+    #[must_use]
+    pub fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { path: path.into(), message: message.into(), help: None }
+    }
+
+    /// The same with a hint, e.g. `did you mean ...?`.
+    #[must_use]
+    pub fn with_help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
+    }
+}
+
+/// The text of a scene that is well-formed JSON: no key twice, no number out of range.
+#[derive(Debug, Clone)]
+pub struct SceneFile {
+    origin: Origin,
+}
+
+impl SceneFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`SceneError`] for a missing file, bytes that are not UTF-8, and all that [`SceneFile::from_text`] refuses.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        let bytes = std::fs::read(path).map_err(|source| SceneError::Unreadable {
+            path: path.display().to_string(),
+            source,
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| SceneError::NotUtf8 {
+            path: path.display().to_string(),
+            offset: error.utf8_error().valid_up_to(),
+        })?;
+        Self::from_text(&path.display().to_string(), text)
+    }
+
+    /// Takes a text under a name for messages.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an empty text, a syntax error, text behind the end, a key given twice, a number beyond
+    /// the range of a double.
+    pub fn from_text(name: &str, text: String) -> Result<Self, SceneError> {
+        let origin = Origin { name: name.to_owned(), text };
+        if origin.text.trim().is_empty() {
+            return Err(SceneError::Empty { path: origin.name });
+        }
+        let tree = place::parse(&origin)?;
+        place::check_tree(&origin, &tree)?;
+        Ok(Self { origin })
+    }
+
+    /// The value of a text key at the top, e.g. `solver`, which names the kind of scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the key is missing or no text.
+    pub fn text_at_top(&self, key: &str) -> Result<String, SceneError> {
+        let tree = place::parse(&self.origin)?;
+        let found = tree.as_object().and_then(|object| object.get(key));
+        match found.map(|property| &property.value) {
+            Some(jsonc_parser::ast::Value::StringLit(text)) => Ok(text.value.clone().into_owned()),
+            Some(_) => Err(self.object_to(&Objection::new(key, format!("`{key}` must be a text")))),
+            None => Err(self
+                .object_to(&Objection::new("", format!("the key `{key}` is missing at the top")))),
+        }
+    }
+
+    /// Reads the scene as a `T` and checks what it means.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an unknown, missing or ill-typed key, and for what [`Scene::check`] refuses.
+    pub fn parse<T: Scene>(&self) -> Result<T, SceneError> {
+        let scene: T = self.parse_unchecked()?;
+        scene.check().map_err(|objection| self.object_to(&objection))?;
+        Ok(scene)
+    }
+
+    /// Reads the scene as a `T` without asking what it means.
+    ///
+    /// # Errors
+    /// [`SceneError`] for an unknown, missing or ill-typed key.
+    pub fn parse_unchecked<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
+        let mut reader = serde_json::Deserializer::from_str(&self.origin.text);
+        serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+            let path = error.path().to_string();
+            place::locate(&self.origin, &path, error.inner())
+        })
+    }
+
+    /// Shows an objection at the line and column of the value it names, or of the nearest one around it.
+    #[must_use]
+    pub fn object_to(&self, objection: &Objection) -> SceneError {
+        place::object_to(&self.origin, objection)
+    }
+}

@@ -1,0 +1,124 @@
+//! What can be wrong with a scene, drawn with its source by miette.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
+
+/// A name and the text that stands under it.
+#[derive(Debug, Clone)]
+pub(super) struct Origin {
+    pub(super) name: String,
+    pub(super) text: String,
+}
+
+/// A mistake inside the text.
+#[derive(Debug, Clone)]
+pub struct Mistake {
+    /// What is wrong.
+    pub message: String,
+    /// The key it concerns, e.g. `system.viscous_damper.intensity`; empty for the whole scene.
+    pub path: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What was probably meant.
+    pub help: Option<String>,
+    pub(super) span: SourceSpan,
+    pub(super) label: String,
+    pub(super) source: NamedSource<String>,
+}
+
+/// A scene that cannot be run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("cannot read the scene {path}: {source}")]
+    Unreadable {
+        /// Its path.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is not text.
+    #[error("the scene {path} is not UTF-8: byte {offset} is no character")]
+    NotUtf8 {
+        /// Its path.
+        path: String,
+        /// The first byte that is wrong, from 0.
+        offset: usize,
+    },
+    /// The file holds nothing.
+    #[error("the scene {path} is empty")]
+    Empty {
+        /// Its path.
+        path: String,
+    },
+    /// A mistake at a line and column.
+    #[error("{}", headline(.0))]
+    Mistake(Box<Mistake>),
+}
+
+fn headline(mistake: &Mistake) -> String {
+    let Mistake { message, path, line, column, .. } = mistake;
+    let name = mistake.source.name();
+    let key = if path.is_empty() { String::new() } else { format!(" (at `{path}`)") };
+    format!("{message}{key}, {name} line {line} column {column}")
+}
+
+impl SceneError {
+    /// The mistake, if it has a place in the text.
+    #[must_use]
+    pub fn mistake(&self) -> Option<&Mistake> {
+        if let Self::Mistake(mistake) = self { Some(mistake) } else { None }
+    }
+
+    pub(super) fn at(
+        origin: &Origin,
+        path: &str,
+        range: std::ops::Range<usize>,
+        message: String,
+        label: &str,
+        help: Option<String>,
+    ) -> Self {
+        let (line, column) = line_and_column(&origin.text, range.start);
+        Self::Mistake(Box::new(Mistake {
+            message,
+            path: path.to_owned(),
+            line,
+            column,
+            help,
+            span: (range.start, range.end.saturating_sub(range.start)).into(),
+            label: label.into(),
+            source: NamedSource::new(&origin.name, origin.text.clone()),
+        }))
+    }
+}
+
+impl Diagnostic for SceneError {
+    fn severity(&self) -> Option<Severity> {
+        Some(Severity::Error)
+    }
+    fn help(&self) -> Option<Box<dyn std::fmt::Display + '_>> {
+        let help = self.mistake()?.help.as_ref()?;
+        Some(Box::new(help))
+    }
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.mistake().map(|mistake| &mistake.source as &dyn SourceCode)
+    }
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let mistake = self.mistake()?;
+        let label = LabeledSpan::new_with_span(Some(mistake.label.clone()), mistake.span);
+        Some(Box::new(std::iter::once(label)))
+    }
+}
+
+/// Line and column, from 1, of a byte; columns count characters.
+fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let mut end = offset.min(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    let before = &text[..end];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}

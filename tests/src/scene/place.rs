@@ -1,0 +1,252 @@
+//! Where in the text a key stands: serde knows the path of a mistake, the syntax tree its place.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use jsonc_parser::ast::{Object, Value};
+use jsonc_parser::common::Ranged;
+use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+
+use super::Objection;
+use super::error::{Origin, SceneError};
+use crate::nearest::nearest;
+
+/// The syntax tree of plain JSON: no comment, no trailing comma.
+pub(super) fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
+    let strict = ParseOptions {
+        allow_comments: false,
+        allow_loose_object_property_names: false,
+        allow_trailing_commas: false,
+        allow_missing_commas: false,
+        allow_single_quoted_strings: false,
+        allow_hexadecimal_numbers: false,
+        allow_unary_plus_numbers: false,
+        allow_bare_decimal_point_numbers: false,
+        allow_non_finite_numbers: false,
+        allow_extended_string_escapes: false,
+    };
+    // serde_json words syntax errors better and is the stricter of the two; the tree gives the places.
+    if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&origin.text) {
+        let error = best_worded(&origin.text, error);
+        let end = offset_of(&origin.text, error.line(), error.column());
+        return Err(SceneError::at(
+            origin,
+            "",
+            end..end + 1,
+            without_position(&error),
+            "here",
+            None,
+        ));
+    }
+    let tree = parse_to_ast(&origin.text, &CollectOptions::default(), &strict);
+    let tree = tree.map_err(|error| {
+        let range = error.range();
+        SceneError::at(origin, "", range.start..range.end, error.kind().to_string(), "here", None)
+    })?;
+    tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })
+}
+
+/// Reading into a value words some errors better, but stops at numbers out of range, which come later and by name.
+fn best_worded(text: &str, error: serde_json::Error) -> serde_json::Error {
+    let value = serde_json::from_str::<serde_json::Value>(text);
+    value
+        .err()
+        .filter(|error| !error.to_string().starts_with("number out of range"))
+        .unwrap_or(error)
+}
+
+/// Refuses keys given twice and numbers beyond the range of a double.
+pub(super) fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
+    let mut open = vec![(String::new(), tree)];
+    while let Some((path, value)) = open.pop() {
+        match value {
+            Value::NumberLit(number) if !number.value.parse::<f64>().is_ok_and(f64::is_finite) => {
+                let message =
+                    format!("the number {} is beyond the range of a double", number.value);
+                let help = Some("the largest double is 1.8e308".to_owned());
+                return Err(SceneError::at(
+                    origin,
+                    &path,
+                    range_of(value),
+                    message,
+                    "too large",
+                    help,
+                ));
+            }
+            Value::Object(object) => {
+                check_keys(origin, &path, object)?;
+                // Last in is first out: the first mistake in the text is the one shown.
+                let inner = object.properties.iter().rev();
+                open.extend(
+                    inner.map(|property| (join(&path, property.name.as_str()), &property.value)),
+                );
+            }
+            Value::Array(array) => {
+                let inner = array.elements.iter().enumerate().rev();
+                open.extend(inner.map(|(i, element)| (format!("{path}[{i}]"), element)));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), SceneError> {
+    let mut first_line = BTreeMap::new();
+    for property in &object.properties {
+        let (name, range) = (property.name.as_str(), property.name.range());
+        let line = origin.text[..range.start].matches('\n').count() + 1;
+        if let Some(first) = first_line.insert(name, line) {
+            let message = format!("the key `{name}` is given twice");
+            let help = Some(format!("it was first given in line {first}"));
+            let path = join(path, name);
+            return Err(SceneError::at(
+                origin,
+                &path,
+                range.start..range.end,
+                message,
+                "second time",
+                help,
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Gives an error of serde its place.
+pub(super) fn locate(origin: &Origin, path: &str, error: &serde_json::Error) -> SceneError {
+    let path = path.trim_start_matches('.');
+    let message = in_plain_words(&without_position(error));
+    let Ok(tree) = parse(origin) else {
+        let end = offset_of(&origin.text, error.line(), error.column());
+        return SceneError::at(origin, path, end..end + 1, message, "here", None);
+    };
+    let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let unknown_key = message.starts_with("unknown key");
+    if let Some(&word) = words.first()
+        && (unknown_key || message.starts_with("unknown variant"))
+    {
+        let suggestion = nearest(word, words[1..].iter().copied());
+        let help = suggestion.map(|suggestion| format!("did you mean `{suggestion}`?"));
+        let parent = if unknown_key { without_last(path, word) } else { path };
+        let place = find(&tree, parent);
+        let path = if unknown_key { join(parent, word) } else { path.to_owned() };
+        let label = if unknown_key { "unknown key" } else { "unknown variant" };
+        return SceneError::at(origin, &path, key_in(place.value, word), message, label, help);
+    }
+    if let Some(&word) = words.first()
+        && message.starts_with("missing key")
+    {
+        let start = range_of(find(&tree, path).value).start;
+        let label = format!("`{word}` is missing in this object");
+        return SceneError::at(origin, path, start..start + 1, message, &label, None);
+    }
+    let range = range_of(find(&tree, path).value);
+    SceneError::at(origin, path, range, message, "this value", None)
+}
+
+/// Shows an objection at the value it names, or at the nearest one around it.
+pub(super) fn object_to(origin: &Origin, objection: &Objection) -> SceneError {
+    let Objection { path, message, help } = objection;
+    let range = parse(origin).map_or(0..0, |tree| {
+        let place = find(&tree, path);
+        let range = range_of(place.value);
+        // An object is named by its key or its opening brace: underlining all of it says less.
+        match place.value {
+            Value::Object(_) | Value::Array(_) => place.key.unwrap_or(range.start..range.start + 1),
+            _ => range,
+        }
+    });
+    SceneError::at(origin, path, range, message.clone(), "this value", help.clone())
+}
+
+struct Place<'t, 'a> {
+    key: Option<Range<usize>>,
+    value: &'t Value<'a>,
+}
+
+/// The value at `path`, or the innermost one on the way that exists.
+fn find<'t, 'a>(tree: &'t Value<'a>, path: &str) -> Place<'t, 'a> {
+    let mut place = Place { key: None, value: tree };
+    for step in path
+        .split(['.', '['])
+        .map(|step| step.trim_end_matches(']'))
+        .filter(|step| !step.is_empty())
+    {
+        match place.value {
+            Value::Object(object) => {
+                let Some(property) = object.get(step) else { break };
+                place = Place {
+                    key: Some(property.name.range().start..property.name.range().end),
+                    value: &property.value,
+                };
+            }
+            Value::Array(array) => {
+                let Some(element) = step.parse::<usize>().ok().and_then(|i| array.elements.get(i))
+                else {
+                    break;
+                };
+                place = Place { key: None, value: element };
+            }
+            _ => break,
+        }
+    }
+    place
+}
+
+fn key_in(value: &Value<'_>, key: &str) -> Range<usize> {
+    let property = value.as_object().and_then(|object| object.get(key));
+    property.map_or_else(
+        || range_of(value),
+        |property| property.name.range().start..property.name.range().end,
+    )
+}
+
+fn range_of(value: &Value<'_>) -> Range<usize> {
+    value.range().start..value.range().end
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+fn without_last<'p>(path: &'p str, key: &str) -> &'p str {
+    path.strip_suffix(key).map_or(path, |parent| parent.trim_end_matches('.'))
+}
+
+/// The message of serde_json without its own position, which is where it stopped reading.
+fn without_position(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    text.split_once(" at line ").map_or(text.as_str(), |(message, _)| message).to_owned()
+}
+
+/// Rust's words for types and keys in those of the person who wrote the scene.
+fn in_plain_words(message: &str) -> String {
+    let message = message.replacen("unknown field", "unknown key", 1).replacen(
+        "missing field",
+        "missing key",
+        1,
+    );
+    for (rust, plain) in [
+        ("f64", "a number"),
+        ("usize", "a whole number"),
+        ("u64", "a whole number"),
+        ("u32", "a whole number"),
+    ] {
+        if let Some(start) = message.strip_suffix(&format!("expected {rust}")) {
+            return format!("{start}expected {plain}");
+        }
+    }
+    message
+}
+
+/// The byte at a line and column of serde_json, which count from 1 and bytes.
+fn offset_of(text: &str, line: usize, column: usize) -> usize {
+    let lines_before: usize =
+        text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let mut offset = (lines_before + column.saturating_sub(1)).min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}

@@ -1,0 +1,161 @@
+//! One row per claim, in columns that stay aligned from case to case.
+
+use std::io::{self, IsTerminal, Write};
+
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
+
+use crate::number;
+use crate::report::{CaseRecord, Claim, Report};
+
+/// How wide the table is, and whether verdicts are coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Style {
+    width: u16,
+    colour: bool,
+}
+
+impl Style {
+    /// The width of the terminal within 120 to 180; 150 and no colour where there is none.
+    #[must_use]
+    pub fn of_terminal() -> Self {
+        let is_terminal = io::stdout().is_terminal();
+        let size = if is_terminal { terminal_size::terminal_size() } else { None };
+        let width = size.map_or(150, |(width, _)| width.0.clamp(120, 180));
+        Self { width, colour: is_terminal && std::env::var_os("NO_COLOR").is_none() }
+    }
+
+    /// A given width and no colour.
+    #[must_use]
+    pub const fn plain(width: u16) -> Self {
+        Self { width, colour: false }
+    }
+
+    /// Claim, quantity, method, measured, reference, error, tolerance, seconds, verdict.
+    fn columns(self) -> [u16; 9] {
+        // Value and uncertainty stand side by side where there is room and under each other elsewhere.
+        let value = if self.width >= 145 { 20 } else { 12 };
+        let numbers = [value, value, 10, 9, 8, 7];
+        let gaps = 8 * 2;
+        let text = self.width - gaps - numbers.iter().sum::<u16>();
+        let (claim, quantity) = (text * 2 / 5, text / 4);
+        let method = text - claim - quantity;
+        [
+            claim, quantity, method, numbers[0], numbers[1], numbers[2], numbers[3], numbers[4],
+            numbers[5],
+        ]
+    }
+}
+
+/// The names of the columns.
+pub(super) fn write_header(style: Style, output: &mut dyn Write) -> io::Result<()> {
+    let mut table = empty_table();
+    table.add_row(vec![
+        "case / claim",
+        "quantity",
+        "method",
+        "measured ± s.e.",
+        "reference ± error",
+        "error",
+        "tolerance",
+        "seconds",
+        "verdict",
+    ]);
+    write_table(table, style, output)?;
+    writeln!(output, "{}", "-".repeat(usize::from(style.width)))
+}
+
+/// A heading with id and title, then one row per claim.
+pub(super) fn write_case(
+    case: &CaseRecord,
+    style: Style,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    writeln!(output, "{}: {}", case.id, case.title)?;
+    let mut table = empty_table();
+    for (i, claim) in case.claims.iter().enumerate() {
+        // The claims of a case share its run, so its time stands once, in the first row.
+        let seconds = if i == 0 { format!("{:.2}", case.seconds) } else { String::new() };
+        table.add_row(cells(claim, &case.id, seconds));
+    }
+    write_table(table, style, output)?;
+    for claim in case.claims.iter().filter(|claim| is_case_error(claim)) {
+        writeln!(output, "  {}", claim.reason)?;
+    }
+    writeln!(output)
+}
+
+/// Such a row has no numbers; what it has to say needs the whole width.
+fn is_case_error(claim: &Claim) -> bool {
+    claim.measured.is_none() && claim.method.is_empty()
+}
+
+fn cells(claim: &Claim, case_id: &str, seconds: String) -> Vec<String> {
+    let name = claim.id.strip_prefix(case_id).unwrap_or(&claim.id).trim_start_matches('/');
+    let quantity = match &claim.unit {
+        Some(unit) => format!("{} ({unit})", claim.quantity),
+        None => claim.quantity.clone(),
+    };
+    vec![
+        format!("  {name}"),
+        quantity,
+        claim.method.clone(),
+        number::with_uncertainty(claim.measured, claim.standard_error),
+        number::with_uncertainty(claim.reference, claim.reference_error),
+        number::error(claim.error, claim.error_kind),
+        number::short(claim.tolerance),
+        seconds,
+        if claim.passed { "pass".into() } else { "FAIL".into() },
+    ]
+}
+
+fn empty_table() -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
+    table
+}
+
+fn write_table(mut table: Table, style: Style, output: &mut dyn Write) -> io::Result<()> {
+    table.set_width(style.width);
+    for (i, (column, width)) in table.column_iter_mut().zip(style.columns()).enumerate() {
+        let gap = if i < 8 { 2 } else { 0 };
+        column
+            .set_padding((0, gap))
+            .set_constraint(ColumnConstraint::Absolute(Width::Fixed(width + gap)));
+        if (3..8).contains(&i) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    for line in table.lines() {
+        writeln!(output, "{}", coloured(line.trim_end(), style))?;
+    }
+    Ok(())
+}
+
+/// Green and red beside the words, never instead of them.
+fn coloured(line: &str, style: Style) -> String {
+    let paint = |word: &str, code: &str| {
+        line.strip_suffix(word).map(|rest| format!("{rest}\x1b[{code}m{word}\x1b[0m"))
+    };
+    let painted =
+        if style.colour { paint("pass", "32").or_else(|| paint("FAIL", "1;31")) } else { None };
+    painted.unwrap_or_else(|| line.to_owned())
+}
+
+/// The claims that did not hold, each with its full id and the reason.
+///
+/// # Errors
+/// Those of writing to `output`.
+pub fn write_failures(report: &Report, output: &mut dyn Write) -> io::Result<()> {
+    for claim in report.failures() {
+        writeln!(output, "FAIL {}\n     {}", claim.id, claim.reason)?;
+    }
+    Ok(())
+}
+
+/// The last line: `N passed, N failed`.
+///
+/// # Errors
+/// Those of writing to `output`.
+pub fn write_summary(report: &Report, output: &mut dyn Write) -> io::Result<()> {
+    writeln!(output, "{} passed, {} failed", report.passed, report.failed)
+}

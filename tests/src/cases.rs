@@ -2,10 +2,21 @@
 //!
 //! A case is one file here and one line in [`ALL`].
 
+mod fpk;
+
 use crate::case::Case;
 
 /// Every case, in the order in which the table is printed.
-pub const ALL: &[Case] = &[];
+pub const ALL: &[Case] = &[
+    fpk::linear_oscillator::CASE,
+    fpk::viscous_damper::CASE,
+    fpk::viscous_damper::REFINED,
+    fpk::canor_denoel::CASE,
+    fpk::monte_carlo::CASE,
+    fpk::spatial_order::CASE,
+    fpk::invariance::CASE,
+    fpk::failures::CASE,
+];
 
 #[cfg(test)]
 mod tests {

@@ -15,6 +15,7 @@ pub mod chart;
 pub mod charts;
 pub mod claim;
 pub mod finite;
+pub mod fpk;
 pub mod machine;
 pub mod nearest;
 pub mod number;

@@ -1,0 +1,204 @@
+//! What is claimed of `fpk-sph`.
+
+pub(crate) mod canor_denoel;
+pub(crate) mod failures;
+pub(crate) mod invariance;
+pub(crate) mod linear_oscillator;
+pub(crate) mod monte_carlo;
+pub(crate) mod spatial_order;
+pub(crate) mod viscous_damper;
+
+use crate::case::{CaseError, Context};
+use crate::claim::{Criterion, Measured, Reference};
+use crate::fpk::density::{Asked, DensityRun, Exceedances};
+use crate::fpk::problem::Problem;
+use crate::report::{Claim, ErrorKind};
+
+/// The moments that the references hold.
+const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];
+
+/// A run with what the cases look at.
+fn asked(times: &[f64], problem: &Problem, cells: bool) -> Asked {
+    Asked {
+        times: times.to_vec(),
+        powers: POWERS.to_vec(),
+        thresholds: problem.scene.thresholds.clone(),
+        cells,
+    }
+}
+
+/// The words of a moment in ids and tables.
+fn moment_words(powers: [u32; 2]) -> (&'static str, &'static str, &'static str) {
+    match powers {
+        [2, 0] => ("second-moment-q", "E[q^2]", "m^2"),
+        [1, 1] => ("cross-moment-qv", "E[q v]", "m^2/s"),
+        [0, 2] => ("second-moment-v", "E[v^2]", "m^2/s^2"),
+        [4, 0] => ("fourth-moment-q", "E[q^4]", "m^4"),
+        [2, 2] => ("fourth-moment-qv", "E[q^2 v^2]", "m^4/s^2"),
+        _ => ("fourth-moment-v", "E[v^4]", "m^4/s^4"),
+    }
+}
+
+/// The run of a method against the references of its problem.
+struct Judge<'a> {
+    context: &'a Context<'a>,
+    problem: &'a Problem,
+    run: &'a DensityRun,
+    /// The method in ids.
+    id: &'a str,
+    /// The method in the table.
+    method: String,
+}
+
+impl Judge<'_> {
+    /// A moment at a time.
+    fn moment(
+        &self,
+        powers: [u32; 2],
+        t: f64,
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let (name, quantity, unit) = moment_words(powers);
+        let measured = self.row(t)?.moments[index_of(powers)];
+        let reference = self
+            .problem
+            .reference
+            .moment(powers, t)
+            .ok_or("no reference for this moment and time")?;
+        let subject =
+            self.context.subject(&format!("{}/{name}/t{t}", self.id), quantity, unit, &self.method);
+        Ok(Claim::judge(
+            subject,
+            ErrorKind::Relative,
+            Measured::exact(measured),
+            reference,
+            criterion,
+        ))
+    }
+
+    /// `E[q v] / sqrt(E[q^2] E[v^2])`, both with the reference's second moments below the line: the cross moment passes
+    /// through zero, where a relative error says nothing.
+    fn correlation(&self, t: f64, criterion: Criterion<'_>) -> Result<Claim, CaseError> {
+        let reference = |powers| {
+            self.problem.reference.moment(powers, t).ok_or("no reference for this moment and time")
+        };
+        let (qq, qv, vv) = (reference([2, 0])?, reference([1, 1])?, reference([0, 2])?);
+        let scale = (qq.value * vv.value).sqrt();
+        let measured = Measured::exact(self.row(t)?.moments[index_of([1, 1])] / scale);
+        let expected =
+            Reference { value: qv.value / scale, error: qv.error.map(|error| error / scale) };
+        let name = format!("{}/correlation/t{t}", self.id);
+        let subject = self.context.subject(&name, "corr(q, v)", "", &self.method);
+        Ok(Claim::judge(subject, ErrorKind::Absolute, measured, expected, criterion))
+    }
+
+    /// `P(|q| > T)` by one of the three estimators.
+    fn exceedance(
+        &self,
+        estimator: ExceedanceEstimator,
+        threshold: f64,
+        t: f64,
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let reference = self
+            .problem
+            .reference
+            .exceedance(threshold, t)
+            .ok_or("no reference for this exceedance")?;
+        let measured = Measured::exact(self.exceedance_value(estimator, threshold, t)?);
+        let name = format!("{}/exceedance-{}/threshold-{threshold}/t{t}", self.id, estimator.name());
+        let quantity = format!("P(|q| > {threshold})");
+        let method = format!("{}; {} estimator", self.method, estimator.name());
+        let subject = self.context.subject(&name, &quantity, "", &method);
+        Ok(Claim::judge(subject, ErrorKind::Log10, measured, reference, criterion))
+    }
+
+    /// The largest absolute log10 error over all times and thresholds with a reference of at least `floor`: a
+    /// regression claim.
+    fn worst_exceedance(
+        &self,
+        estimator: ExceedanceEstimator,
+        times: &[f64],
+        floor: f64,
+        (from, to): (f64, f64),
+        reason: &str,
+    ) -> Result<Claim, CaseError> {
+        let mut worst = 0.0_f64;
+        for (threshold, t, reference) in self.exceedances_from(times, floor) {
+            worst = worst.max(
+                (self.exceedance_value(estimator, threshold, t)? / reference.value).log10().abs(),
+            );
+        }
+        let name = format!("{}/exceedance-{}/worst", self.id, estimator.name());
+        let quantity = format!("worst |log10 error| of P >= {floor:e}");
+        let method = format!("{}; {} estimator", self.method, estimator.name());
+        let subject = self.context.subject(&name, &quantity, "", &method);
+        Ok(Claim::as_measured(subject, Measured::exact(worst), from, to, reason))
+    }
+
+    /// Thresholds and times whose reference is at least `floor`.
+    fn exceedances_from(&self, times: &[f64], floor: f64) -> Vec<(f64, f64, Reference)> {
+        let mut found = Vec::new();
+        for &t in times {
+            for &threshold in &self.problem.scene.thresholds {
+                let reference = self.problem.reference.exceedance(threshold, t);
+                found.extend(reference.filter(|r| r.value >= floor).map(|r| (threshold, t, r)));
+            }
+        }
+        found
+    }
+
+    fn exceedance_value(
+        &self,
+        estimator: ExceedanceEstimator,
+        threshold: f64,
+        t: f64,
+    ) -> Result<f64, CaseError> {
+        let k = self
+            .problem
+            .scene
+            .thresholds
+            .iter()
+            .position(|&other| (other - threshold).abs() < 1e-12);
+        let exceedances = &self.row(t)?.exceedances[k.ok_or("no such threshold in the scene")?];
+        estimator.of(exceedances).ok_or_else(|| "cells were not asked for".into())
+    }
+
+    fn row(&self, t: f64) -> Result<&crate::fpk::density::Row, CaseError> {
+        match (self.run.at(t), &self.run.stopped) {
+            (Some(row), _) => Ok(row),
+            (None, Some(error)) => Err(format!("the run ended before t = {t}: {error}").into()),
+            (None, None) => Err(format!("t = {t} was not asked of the run").into()),
+        }
+    }
+}
+
+/// Which estimator of `P(|q| > T)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ExceedanceEstimator {
+    Indicator,
+    LogInterpolated,
+    Cell,
+}
+
+impl ExceedanceEstimator {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Indicator => "indicator",
+            Self::LogInterpolated => "log-interpolated",
+            Self::Cell => "cell",
+        }
+    }
+
+    const fn of(self, exceedances: &Exceedances) -> Option<f64> {
+        match self {
+            Self::Indicator => Some(exceedances.indicator),
+            Self::LogInterpolated => Some(exceedances.log_interpolated),
+            Self::Cell => exceedances.cell_integrated,
+        }
+    }
+}
+
+fn index_of(powers: [u32; 2]) -> usize {
+    POWERS.iter().position(|&other| other == powers).unwrap_or(0)
+}

@@ -1,0 +1,94 @@
+//! Where the method leaves its range it says so.
+
+use fpk_sph::score::VolumeEstimate;
+use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
+
+use super::asked;
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::Measured;
+use crate::fpk::density::run as run_density;
+use crate::fpk::problem::Problem;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "fpk-sph/failures",
+    title: "Runs that leave their stable range end in a typed error, at a time",
+    source: "measured thresholds: 8 neighbours clump, too long a step diverges",
+    cost: Profile::Quick,
+    run,
+};
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let period = problem.system.period();
+    let paper = super::canor_denoel::config(period);
+    let narrow = Combination { support_over_spacing: 1.5, ..Method::CanorDenoel2013.combination() };
+    let mut claims = vec![ended(
+        context,
+        &problem,
+        &Config { method: Method::Custom(narrow), ..paper },
+        "canor-denoel-2013/support-1.5",
+        |error| matches!(error, Error::StepCollapsed { .. }),
+        (2.0, 6.0),
+        "8 neighbours: particles clump and the Courant step collapses below 1e-6 of a period; the prototype stalled at t = 3.2",
+    )?];
+    let fit = problem.scene.density_config(period, 1.0).ok_or("the scene has no density method")?;
+    let long =
+        Combination { step: StepRule::Fixed { dt: 0.25 }, ..Method::LogDensityFit.combination() };
+    claims.push(ended(
+        context,
+        &problem,
+        &Config { method: Method::Custom(long), ..fit },
+        "log-density-fit/step-0.25",
+        |error| matches!(error, Error::StepExceedsDiffusionLimit { .. }),
+        (0.0, 2.0),
+        "the step exceeds 0.4 R^2 / D_y once the noise has risen",
+    )?);
+    let refused = Combination {
+        estimator: Estimator::LogDensityFit(VolumeEstimate::KernelSum),
+        support_over_spacing: 2.0,
+        ..Method::LogDensityFit.combination()
+    };
+    let config = Config { method: Method::Custom(refused), ..fit };
+    let error =
+        run_density(&problem.system, &problem.law, &config, &asked(&[1.0], &problem, false)).err();
+    let refused = matches!(error, Some(Error::SupportTooSmall { .. }));
+    let subject = context.subject(
+        "log-density-fit/support-2.0",
+        "refused before the first step (1 = yes)",
+        "",
+        "support/spacing 2.0",
+    );
+    let reason = "8 neighbours do not carry a quadratic fit of 6 unknowns through a deforming flow";
+    claims.push(Claim::as_measured(
+        subject,
+        Measured::exact(f64::from(u8::from(refused))),
+        1.0,
+        1.0,
+        reason,
+    ));
+    Ok(claims)
+}
+
+/// The time at which a run ended in the error that was expected; NaN, which fails, for any other end.
+fn ended(
+    context: &Context<'_>,
+    problem: &Problem,
+    config: &Config<2>,
+    name: &str,
+    expected: impl Fn(&Error) -> bool,
+    (from, to): (f64, f64),
+    reason: &str,
+) -> Result<Claim, CaseError> {
+    context.progress(name);
+    let times: Vec<f64> = (1..=40).map(|k| f64::from(k) * 0.25).collect();
+    let run = run_density(&problem.system, &problem.law, config, &asked(&times, problem, false))?;
+    let reached = run.rows.last().map_or(0.0, |row| row.t);
+    let (time, words) = match &run.stopped {
+        Some(error) if expected(error) => (reached, error.to_string()),
+        Some(error) => (f64::NAN, format!("another error: {error}")),
+        None => (f64::NAN, "the run did not end early".to_owned()),
+    };
+    let subject = context.subject(name, "last output time before the typed error", "s", &words);
+    Ok(Claim::as_measured(subject, Measured::exact(time), from, to, reason))
+}

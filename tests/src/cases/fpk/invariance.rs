@@ -1,0 +1,157 @@
+//! Same bits whatever the number of threads, and after a restart.
+
+use fpk_sph::{Config, Simulation};
+use sde_integrators::Sde;
+
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::fpk::monte_carlo::{Sampling, run as run_sampled};
+use crate::fpk::problem::Problem;
+use crate::fpk::scene::{IntegratorScene, System};
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "fpk-sph/invariance",
+    title: "Threads and restarts change no bit",
+    source: "by construction: every particle writes its own entry, sums have one order",
+    cost: Profile::Quick,
+    run,
+};
+
+const TIMES: [f64; 2] = [1.0, 2.0];
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    for (problem, scene) in [
+        (Problem::viscous_damper()?, "viscous-damper"),
+        (Problem::linear_oscillator()?, "linear-oscillator"),
+    ] {
+        let config = problem
+            .scene
+            .density_config(problem.system.period(), 1.0)
+            .ok_or("the scene has no density method")?;
+        match problem.system {
+            System::Linear(system) => {
+                claims.extend(density(context, &problem, scene, system, &config)?)
+            }
+            System::Damper(system) => {
+                claims.extend(density(context, &problem, scene, system, &config)?)
+            }
+        }
+        claims.extend(sampled(context, &problem, scene)?);
+    }
+    Ok(claims)
+}
+
+/// Runs something on a pool of its own.
+fn on_threads<T: Send>(n: usize, work: impl FnOnce() -> T + Send) -> Result<T, CaseError> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(n).build()?.install(work))
+}
+
+fn density<S: Sde<2, 1> + Copy + Send>(
+    context: &Context<'_>,
+    problem: &Problem,
+    scene: &str,
+    system: S,
+    config: &Config<2>,
+) -> Result<Vec<Claim>, CaseError> {
+    let whole = |n: usize| {
+        context.progress(&format!("{scene}, {n} threads"));
+        on_threads(n, || -> Result<Vec<u64>, fpk_sph::Error> {
+            let mut simulation = Simulation::new(system, &problem.law, config)?;
+            simulation.advance_to(TIMES[0])?;
+            simulation.advance_to(TIMES[1])?;
+            Ok(bits(&simulation))
+        })
+    };
+    let one = whole(1)??;
+    let mut claims = Vec::new();
+    for n in [2, 8] {
+        let other = whole(n)??;
+        let subject = context.subject(
+            &format!("{scene}/density/threads-{n}"),
+            "bits that differ at t = 2",
+            "",
+            &format!("{n} threads against 1"),
+        );
+        claims.push(Claim::same_bits(
+            subject,
+            different(&one, &other),
+            one.len(),
+            "no sum depends on the threads",
+        ));
+    }
+    let mut first = Simulation::new(system, &problem.law, config)?;
+    first.advance_to(TIMES[0])?;
+    let mut snapshot = Vec::new();
+    first.snapshot(&mut snapshot)?;
+    let mut resumed = Simulation::new(system, &problem.law, config)?;
+    resumed.restore(snapshot.as_slice())?;
+    resumed.advance_to(TIMES[1])?;
+    let other = bits(&resumed);
+    let subject = context.subject(
+        &format!("{scene}/density/restart"),
+        "bits that differ at t = 2",
+        "",
+        "snapshot at t = 1, restored",
+    );
+    claims.push(Claim::same_bits(
+        subject,
+        different(&one, &other),
+        one.len(),
+        "the snapshot holds the whole state",
+    ));
+    Ok(claims)
+}
+
+fn sampled(context: &Context<'_>, problem: &Problem, scene: &str) -> Result<Vec<Claim>, CaseError> {
+    let sampling = Sampling {
+        paths: 20_000,
+        step: 0.02,
+        integrator: IntegratorScene::StrangOscillator,
+        seed: 3,
+    };
+    let asked = super::asked(&TIMES, problem, false);
+    let run = |n: usize| {
+        on_threads(n, || run_sampled(&problem.system, &problem.law, &sampling, &asked)).and_then(
+            |run| {
+                let rows = run?.rows;
+                Ok(rows
+                    .iter()
+                    .flat_map(|row| row.moments.iter().chain(&row.exceedances))
+                    .map(|e| e.value.to_bits())
+                    .collect::<Vec<_>>())
+            },
+        )
+    };
+    let one = run(1)?;
+    let mut claims = Vec::new();
+    for n in [2, 8] {
+        let other = run(n)?;
+        let subject = context.subject(
+            &format!("{scene}/monte-carlo/threads-{n}"),
+            "bits that differ",
+            "",
+            &format!("{n} threads against 1"),
+        );
+        claims.push(Claim::same_bits(
+            subject,
+            different(&one, &other),
+            one.len(),
+            "blocks of 4,096 paths are summed in order",
+        ));
+    }
+    Ok(claims)
+}
+
+fn bits<S: Sde<2, 1>>(simulation: &Simulation<S, 2, 1>) -> Vec<u64> {
+    simulation.positions().iter().flatten().map(|x| x.to_bits()).collect()
+}
+
+/// How many entries differ; all of them where the lengths do.
+fn different(one: &[u64], other: &[u64]) -> usize {
+    if one.len() == other.len() {
+        one.iter().zip(other).filter(|(a, b)| a != b).count()
+    } else {
+        one.len().max(1)
+    }
+}

@@ -5,7 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 
 use crate::number;
-use crate::report::{CaseRecord, Claim, Report};
+use crate::report::{CaseRecord, Claim, ErrorKind, Report};
 
 /// Stands for the method of the row above.
 const DITTO: &str = "\"";
@@ -39,7 +39,7 @@ impl Style {
     fn columns(self) -> [u16; 9] {
         // Value and uncertainty stand side by side where there is room and under each other elsewhere.
         let value = if self.width >= 145 { 20 } else { 12 };
-        let numbers = [value, value, 10, 9, 8, 7];
+        let numbers = [value, value, 14, 9, 7, 7];
         let gaps = INDENT + 8 * 2;
         let text = self.width - gaps - numbers.iter().sum::<u16>();
         let (claim, quantity) = (text * 2 / 5, text / 4);
@@ -113,11 +113,24 @@ fn cells(claim: &Claim, case_id: &str, seconds: String, name_width: usize) -> Ve
         claim.method.clone(),
         number::with_uncertainty(claim.measured, claim.standard_error),
         number::with_uncertainty(claim.reference, claim.reference_error),
-        number::error(claim.error, claim.error_kind),
+        measure(claim),
         number::short(claim.tolerance),
         seconds,
         if claim.passed { "pass".into() } else { "FAIL".into() },
     ]
+}
+
+/// The error, with a word for how it was formed.
+fn measure(claim: &Claim) -> String {
+    let word = match claim.error_kind {
+        ErrorKind::Relative => "rel",
+        ErrorKind::Absolute => "abs",
+        ErrorKind::Log10 => "log10",
+        ErrorKind::Ratio => "factor",
+        ErrorKind::Order => "order",
+    };
+    let error = number::error(claim.error, claim.error_kind);
+    if claim.error.is_some() { format!("{word} {error}") } else { error }
 }
 
 /// A claim's name in lines of at most `width`, each but the last ending in a slash.

@@ -143,18 +143,14 @@ impl<'a> Context<'a> {
     ) -> Result<Arc<T>, CaseError> {
         let stored =
             self.shared.results.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned();
-        let result = match stored {
-            Some(result) => result,
-            None => {
-                // The lock is not held while computing, so one shared result may use another.
-                let result: Arc<dyn Any + Send + Sync> = Arc::new(compute()?);
-                self.shared
-                    .results
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .insert(key.into(), Arc::clone(&result));
-                result
-            }
+        let result = if let Some(result) = stored {
+            result
+        } else {
+            // The lock is not held while computing, so one shared result may use another.
+            let result: Arc<dyn Any + Send + Sync> = Arc::new(compute()?);
+            let mut results = self.shared.results.lock().unwrap_or_else(PoisonError::into_inner);
+            results.insert(key.into(), Arc::clone(&result));
+            result
         };
         let expected = std::any::type_name::<T>();
         Ok(result.downcast::<T>().map_err(|_| SharedTypeError { key: key.into(), expected })?)
@@ -196,8 +192,8 @@ mod tests {
     fn a_failed_computation_is_not_stored() {
         let (shared, charts) = (Shared::default(), Mutex::new(Vec::new()));
         let context = Context::new("self-check/shared", Profile::Quick, &shared, &charts, &|_| {});
-        assert!(context.shared::<f64>("run", || Err("it failed".into())).is_err());
-        assert_eq!(*context.shared("run", || Ok(3.0)).unwrap(), 3.0);
+        assert!(context.shared::<u32>("run", || Err("it failed".into())).is_err());
+        assert_eq!(*context.shared("run", || Ok(3_u32)).unwrap(), 3);
     }
 
     #[test]

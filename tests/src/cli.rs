@@ -13,7 +13,8 @@ const BROKEN_PIPE: u8 = 141;
 
 #[derive(Debug, Parser)]
 #[command(
-    name = "cargo xtask",
+    name = "verification",
+    bin_name = "cargo xtask",
     version,
     about = "The proof of the workspace: cases, scenes, charts"
 )]

@@ -241,7 +241,8 @@ impl ser::SerializeMap for Elements {
     type Error = WalkError;
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Walked {
         // A key that is no text has no JSON form; the writer says so afterwards.
-        self.key = serde_json::to_string(key).unwrap_or_default().trim_matches('"').to_owned();
+        let text = serde_json::to_string(key).unwrap_or_default();
+        self.key = text.trim_matches('"').into();
         Ok(())
     }
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Walked {

@@ -136,3 +136,92 @@ fn write_file(path: &Path, text: &str) -> Result<(), VerifyError> {
     crate::output::write_text(path, text)
         .map_err(|source| VerifyError::Write { path: path.into(), source })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Context;
+    use crate::claim::{Criterion, Measured, Reference};
+    use crate::report::{Claim, ErrorKind};
+
+    const METHOD: &str = "log-density fit, whitened, RK4, 1,700 particles";
+
+    /// Moments and a probability with the shape, though not the numbers, of a real case.
+    fn sample_claims(context: &Context<'_>) -> Vec<Claim> {
+        let moment = |t: u32| {
+            let subject =
+                context.subject(&format!("second-moment-q/t{t}"), "E[q^2]", "m^2", METHOD);
+            let (measured, reference) = (0.0412 + 1e-6 * f64::from(t), 0.0412);
+            let criterion = Criterion::Within { tolerance: 2e-4, reason: "truncation, seen 4e-5" };
+            let reference = Reference::uncertain(reference, 1e-7);
+            Claim::judge(
+                subject,
+                ErrorKind::Relative,
+                Measured::exact(measured),
+                reference,
+                criterion,
+            )
+        };
+        let subject =
+            context.subject("exceedance/cell-integrated/t6", "P(|q| > 1.5) at t = 6", "", METHOD);
+        let criterion = Criterion::MonteCarlo { bias_bound: 0.01, reason: "time step bias" };
+        let measured = Measured::sampled(4.9e-9, 2e-10);
+        let tail =
+            Claim::judge(subject, ErrorKind::Log10, measured, Reference::exact(4.8e-9), criterion);
+        (1..=3).map(moment).chain([tail]).collect()
+    }
+
+    const CASES: [Case; 2] = [
+        Case {
+            id: "self-check/viscous-damper",
+            title: "Made-up rows in the shape of real ones",
+            source: "made up",
+            cost: Profile::Quick,
+            run: |context| Ok(sample_claims(context)),
+        },
+        Case {
+            id: "self-check/stops",
+            title: "A case that cannot be judged",
+            source: "made up",
+            cost: Profile::Quick,
+            run: |_| Err("step collapsed at t = 3.2: dt = 3e-8 is below 1e-6 of a period".into()),
+        },
+    ];
+
+    #[test]
+    fn a_run_prints_its_rows_and_leaves_its_report() {
+        let out = std::env::temp_dir().join(format!("verify-files-{}", std::process::id()));
+        let json = out.join("copies").join("out.json");
+        let options = Options {
+            filters: Vec::new(),
+            profile: Profile::Quick,
+            out: out.clone(),
+            json: Some(json.clone()),
+        };
+        let mut output = Vec::new();
+        let report = verify(&CASES, &options, &mut output).unwrap();
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.ends_with("\n4 passed, 1 failed\n"), "{text}");
+        assert!(text.contains("FAIL self-check/stops/ran"), "{text}");
+        let written = std::fs::read_to_string(out.join("report.json")).unwrap();
+        assert_eq!(serde_json::from_str::<Report>(&written).unwrap(), report);
+        assert_eq!(std::fs::read_to_string(json).unwrap(), written);
+        assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("4 passed"));
+        std::fs::remove_dir_all(&out).unwrap();
+        // For the eye: `cargo test -p verification rows -- --nocapture`.
+        print!("{text}");
+    }
+
+    #[test]
+    fn a_list_counts_what_it_lists() {
+        let listed = |cases: &[Case], filters: &[&str]| {
+            let filters: Vec<String> = filters.iter().map(|&filter| filter.to_owned()).collect();
+            let mut output = Vec::new();
+            list(cases, &filters, &mut output).map(|()| String::from_utf8(output).unwrap())
+        };
+        assert!(listed(&CASES, &[]).unwrap().ends_with("2 cases\n"));
+        assert!(listed(&CASES, &["damper"]).unwrap().ends_with("1 case\n"));
+        assert!(listed(&CASES, &["nothing-like-it"]).is_err());
+        assert_eq!(listed(&[], &[]).unwrap(), "0 cases\n");
+    }
+}

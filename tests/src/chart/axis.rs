@@ -96,11 +96,13 @@ impl Axis {
     }
 
     fn linear_ticks(&self) -> Vec<Tick> {
-        let rough = (self.to - self.from) / 6.0;
+        let rough = (self.to - self.from) / 8.0;
         let decade = 10_f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| s * decade >= rough).unwrap_or(10.0)
-            * decade;
-        let n_minor = 5.0;
+        // Parts that are round themselves: 2 in fours, 1 and 5 in fives.
+        let rounds = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
+        let (digit, n_minor) =
+            rounds.into_iter().find(|round| round.0 * decade >= rough).unwrap_or(rounds[3]);
+        let step = digit * decade;
         let minor = step / n_minor;
         let first = (self.from / minor).ceil();
         let n = ((self.to / minor).floor() - first).max(0.0);

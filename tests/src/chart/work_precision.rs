@@ -97,7 +97,9 @@ fn draw_series(canvas: &Canvas<'_>, chart: &WorkPrecision, x: &Axis, y: &Axis) -
         let points = points(method, x, y);
         canvas.dashed_line(&points, Look::of_series(i), 1.7)?;
         occupied.add_line(&points);
-        points.iter().for_each(|&point| occupied.add(Block::around(point, MARKER + 2.0)));
+        for point in points {
+            occupied.add(Block::around(point, MARKER + 2.0));
+        }
     }
     for (i, method) in chart.series.iter().enumerate() {
         for run in &method.runs {

@@ -32,7 +32,7 @@ pub struct Mistake {
 #[non_exhaustive]
 pub enum SceneError {
     /// The file cannot be read.
-    #[error("cannot read the scene {path}: {source}")]
+    #[error("cannot read the scene {path}")]
     Unreadable {
         /// Its path.
         path: String,

@@ -164,7 +164,8 @@ mod tests {
             ]
         );
         assert!(text.contains("the solver stopped at t = 3"), "{text}");
-        assert!(report.cases[0].claims[0].id == "self-check/errs/ran");
+        assert_eq!(report.cases[0].claims[0].id, "self-check/errs/ran");
+        assert!(text.lines().all(|line| line.chars().count() <= 150), "{text}");
     }
 
     #[test]

@@ -5,7 +5,12 @@ use std::io::{self, IsTerminal, Write};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 
 use crate::number;
-use crate::report::{CaseRecord, Claim, Report};
+use crate::report::{CaseRecord, Claim, ErrorKind, Report};
+
+/// Stands for the method of the row above.
+const DITTO: &str = "\"";
+/// Rows stand in from the heading of their case.
+const INDENT: u16 = 2;
 
 /// How wide the table is, and whether verdicts are coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,8 +39,8 @@ impl Style {
     fn columns(self) -> [u16; 9] {
         // Value and uncertainty stand side by side where there is room and under each other elsewhere.
         let value = if self.width >= 145 { 20 } else { 12 };
-        let numbers = [value, value, 10, 9, 8, 7];
-        let gaps = 8 * 2;
+        let numbers = [value, value, 14, 9, 7, 7];
+        let gaps = INDENT + 8 * 2;
         let text = self.width - gaps - numbers.iter().sum::<u16>();
         let (claim, quantity) = (text * 2 / 5, text / 4);
         let method = text - claim - quantity;
@@ -50,7 +55,7 @@ impl Style {
 pub(super) fn write_header(style: Style, output: &mut dyn Write) -> io::Result<()> {
     let mut table = empty_table();
     table.add_row(vec![
-        "case / claim",
+        "claim",
         "quantity",
         "method",
         "measured ± s.e.",
@@ -72,10 +77,17 @@ pub(super) fn write_case(
 ) -> io::Result<()> {
     writeln!(output, "{}: {}", case.id, case.title)?;
     let mut table = empty_table();
+    let name_width = usize::from(style.columns()[0]);
+    let mut method_above = "";
     for (i, claim) in case.claims.iter().enumerate() {
         // The claims of a case share its run, so its time stands once, in the first row.
         let seconds = if i == 0 { format!("{:.2}", case.seconds) } else { String::new() };
-        table.add_row(cells(claim, &case.id, seconds));
+        let mut row = cells(claim, &case.id, seconds, name_width);
+        if !claim.method.is_empty() && claim.method == method_above {
+            row[2] = DITTO.into();
+        }
+        table.add_row(row);
+        method_above = &claim.method;
     }
     write_table(table, style, output)?;
     for claim in case.claims.iter().filter(|claim| is_case_error(claim)) {
@@ -89,23 +101,51 @@ fn is_case_error(claim: &Claim) -> bool {
     claim.measured.is_none() && claim.method.is_empty()
 }
 
-fn cells(claim: &Claim, case_id: &str, seconds: String) -> Vec<String> {
+fn cells(claim: &Claim, case_id: &str, seconds: String, name_width: usize) -> Vec<String> {
     let name = claim.id.strip_prefix(case_id).unwrap_or(&claim.id).trim_start_matches('/');
     let quantity = match &claim.unit {
         Some(unit) => format!("{} ({unit})", claim.quantity),
         None => claim.quantity.clone(),
     };
     vec![
-        format!("  {name}"),
+        broken_at_slashes(name, name_width),
         quantity,
         claim.method.clone(),
         number::with_uncertainty(claim.measured, claim.standard_error),
         number::with_uncertainty(claim.reference, claim.reference_error),
-        number::error(claim.error, claim.error_kind),
+        measure(claim),
         number::short(claim.tolerance),
         seconds,
         if claim.passed { "pass".into() } else { "FAIL".into() },
     ]
+}
+
+/// The error, with a word for how it was formed.
+fn measure(claim: &Claim) -> String {
+    let word = match claim.error_kind {
+        ErrorKind::Relative => "rel",
+        ErrorKind::Absolute => "abs",
+        ErrorKind::Log10 => "log10",
+        ErrorKind::Ratio => "factor",
+        ErrorKind::Order => "order",
+    };
+    let error = number::error(claim.error, claim.error_kind);
+    if claim.error.is_some() { format!("{word} {error}") } else { error }
+}
+
+/// A claim's name in lines of at most `width`, each but the last ending in a slash.
+fn broken_at_slashes(name: &str, width: usize) -> String {
+    let mut text = String::new();
+    let mut line_length = 0;
+    for part in name.split_inclusive('/') {
+        if line_length > 0 && line_length + part.len() > width {
+            text.push('\n');
+            line_length = 0;
+        }
+        text.push_str(part);
+        line_length += part.len();
+    }
+    text
 }
 
 fn empty_table() -> Table {
@@ -118,9 +158,9 @@ fn write_table(mut table: Table, style: Style, output: &mut dyn Write) -> io::Re
     table.set_width(style.width);
     for (i, (column, width)) in table.column_iter_mut().zip(style.columns()).enumerate() {
         let gap = if i < 8 { 2 } else { 0 };
-        column
-            .set_padding((0, gap))
-            .set_constraint(ColumnConstraint::Absolute(Width::Fixed(width + gap)));
+        let indent = if i == 0 { INDENT } else { 0 };
+        let fixed = ColumnConstraint::Absolute(Width::Fixed(indent + width + gap));
+        column.set_padding((indent, gap)).set_constraint(fixed);
         if (3..8).contains(&i) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -158,4 +198,34 @@ pub fn write_failures(report: &Report, output: &mut dyn Write) -> io::Result<()>
 /// Those of writing to `output`.
 pub fn write_summary(report: &Report, output: &mut dyn Write) -> io::Result<()> {
     writeln!(output, "{} passed, {} failed", report.passed, report.failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_fill_the_width() {
+        for width in [120, 144, 150, 180] {
+            let columns = Style::plain(width).columns();
+            assert_eq!(columns.iter().sum::<u16>() + INDENT + 16, width);
+            assert!(columns.iter().all(|&column| column >= 7), "{columns:?}");
+        }
+    }
+
+    #[test]
+    fn names_break_at_slashes() {
+        assert_eq!(
+            broken_at_slashes("exceedance/cell-integrated/t6", 20),
+            "exceedance/\ncell-integrated/t6"
+        );
+        assert_eq!(broken_at_slashes("second-moment-q/t6", 20), "second-moment-q/t6");
+    }
+
+    #[test]
+    fn colour_is_beside_the_word_and_only_where_asked_for() {
+        let coloured_style = Style { width: 150, colour: true };
+        assert_eq!(coloured("x  pass", coloured_style), "x  \x1b[32mpass\x1b[0m");
+        assert_eq!(coloured("x  FAIL", Style::plain(150)), "x  FAIL");
+    }
 }

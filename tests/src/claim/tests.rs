@@ -1,0 +1,138 @@
+//! Errors by kind, and verdicts on both sides of each criterion.
+
+use super::*;
+
+const WHY: &str = "a reason";
+
+fn subject() -> Subject {
+    Subject::new("self-check/claim", "x", "m", "by hand")
+}
+
+fn within(kind: ErrorKind, m: f64, r: f64, tolerance: f64) -> Claim {
+    let criterion = Criterion::Within { tolerance, reason: WHY };
+    Claim::judge(subject(), kind, Measured::exact(m), Reference::exact(r), criterion)
+}
+
+fn close(found: Option<f64>, expected: f64) {
+    assert!((found.unwrap() - expected).abs() < 1e-12, "{found:?} is not {expected}");
+}
+
+#[test]
+fn each_kind_forms_its_error() {
+    close(within(ErrorKind::Relative, 1.01, 1.0, 0.1).error, 0.01);
+    close(within(ErrorKind::Relative, -1.01, -1.0, 0.1).error, -0.01);
+    close(within(ErrorKind::Absolute, 3.0, 5.0, 3.0).error, -2.0);
+    close(within(ErrorKind::Log10, 1e-9, 1e-8, 2.0).error, -1.0);
+    close(within(ErrorKind::Ratio, 2.0, 8.0, 5.0).error, 4.0);
+    close(within(ErrorKind::Ratio, 8.0, 2.0, 5.0).error, 4.0);
+}
+
+#[test]
+fn the_tolerance_decides_on_both_sides() {
+    for (m, passed) in [(1.09, true), (0.91, true), (1.11, false), (0.89, false)] {
+        assert_eq!(within(ErrorKind::Relative, m, 1.0, 0.1).passed, passed, "{m}");
+    }
+    assert!(within(ErrorKind::Ratio, 1.9, 1.0, 2.0).passed);
+    assert!(!within(ErrorKind::Ratio, 1.0, 2.1, 2.0).passed);
+}
+
+#[test]
+fn what_is_not_a_number_fails_and_says_so() {
+    for claim in [
+        within(ErrorKind::Relative, f64::NAN, 1.0, 1.0),
+        within(ErrorKind::Absolute, 1.0, f64::NAN, 1.0),
+        within(ErrorKind::Absolute, 1.0, 1.0, f64::NAN),
+        within(ErrorKind::Absolute, f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        within(ErrorKind::Relative, 0.0, 0.0, 1.0),
+        within(ErrorKind::Log10, 0.0, 1e-9, 1.0),
+        within(ErrorKind::Ratio, -1.0, 1.0, 9.0),
+    ] {
+        assert!(!claim.passed && claim.reason.contains("[failed: "), "{claim:?}");
+        assert!(crate::finite::check(&claim).is_ok());
+    }
+}
+
+#[test]
+fn a_claim_without_a_reason_fails() {
+    let criterion = Criterion::Within { tolerance: 1.0, reason: " " };
+    let value = (Measured::exact(1.0), Reference::exact(1.0));
+    assert!(!Claim::judge(subject(), ErrorKind::Absolute, value.0, value.1, criterion).passed);
+    assert!(!Claim::as_measured(subject(), value.0, 0.0, 2.0, "").passed);
+}
+
+#[test]
+fn a_reference_less_certain_than_the_tolerance_proves_nothing() {
+    let criterion = Criterion::Within { tolerance: 0.01, reason: WHY };
+    let judge = |error| {
+        let reference = Reference::uncertain(2.0, error);
+        Claim::judge(subject(), ErrorKind::Relative, Measured::exact(2.0), reference, criterion)
+    };
+    assert!(judge(0.019).passed);
+    assert!(!judge(0.021).passed);
+}
+
+#[test]
+fn a_monte_carlo_claim_passes_within_bias_and_four_standard_errors() {
+    let judge = |m, se, re| {
+        let criterion = Criterion::MonteCarlo { bias_bound: 0.1, reason: WHY };
+        Claim::judge(
+            subject(),
+            ErrorKind::Absolute,
+            Measured::sampled(m, se),
+            Reference::uncertain(1.0, re),
+            criterion,
+        )
+    };
+    assert!(judge(1.49, 0.1, 0.0).passed);
+    assert!(!judge(1.51, 0.1, 0.0).passed);
+    close(judge(1.0, 0.03, 0.04).tolerance, 0.1 + 4.0 * 0.05);
+    let without = Criterion::MonteCarlo { bias_bound: 1.0, reason: WHY };
+    let value = Measured::exact(1.0);
+    assert!(
+        !Claim::judge(subject(), ErrorKind::Absolute, value, Reference::exact(1.0), without).passed
+    );
+}
+
+#[test]
+fn the_spread_of_a_logarithm_is_relative() {
+    let criterion = Criterion::MonteCarlo { bias_bound: 0.0, reason: WHY };
+    let measured = Measured::sampled(2e-8, 1e-9);
+    let claim =
+        Claim::judge(subject(), ErrorKind::Log10, measured, Reference::exact(2e-8), criterion);
+    close(claim.tolerance, 4.0 * 0.05 / std::f64::consts::LN_10);
+}
+
+#[test]
+fn an_order_needs_a_standard_error_below_its_tolerance() {
+    let criterion = Criterion::Within { tolerance: 0.2, reason: WHY };
+    let judge =
+        |m| Claim::judge(subject(), ErrorKind::Order, m, Reference::exact(2.0), criterion).passed;
+    assert!(judge(Measured::sampled(1.9, 0.05)));
+    assert!(!judge(Measured::exact(1.9)));
+    assert!(!judge(Measured::sampled(1.9, 0.3)));
+}
+
+#[test]
+fn a_regression_claim_has_a_range_and_says_so() {
+    let criterion = Criterion::AsMeasured { from: 0.02, to: 0.04, reason: "summation bias" };
+    let judge = |m| {
+        Claim::judge(
+            subject(),
+            ErrorKind::Relative,
+            Measured::exact(m),
+            Reference::exact(1.0),
+            criterion,
+        )
+    };
+    assert!(judge(1.03).passed && !judge(1.01).passed && !judge(0.97).passed);
+    assert_eq!(judge(1.03).reason, "as measured, error in [0.02, 0.04]: summation bias");
+    assert!(Claim::as_measured(subject(), Measured::exact(40.0), 39.0, 41.0, "steps").passed);
+    assert!(!Claim::as_measured(subject(), Measured::exact(f64::NAN), 39.0, 41.0, "steps").passed);
+}
+
+#[test]
+fn equal_bits_need_something_to_compare() {
+    assert!(Claim::same_bits(subject(), 0, 10, WHY).passed);
+    assert!(!Claim::same_bits(subject(), 1, 10, WHY).passed);
+    assert!(!Claim::same_bits(subject(), 0, 0, WHY).passed);
+}

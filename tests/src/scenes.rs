@@ -3,6 +3,8 @@
 //! A kind is one file here, with its scene types, and one line in [`ALL`].
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
+mod fpk;
+
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -15,7 +17,7 @@ use crate::scene::{Objection, SceneError, SceneFile};
 pub const KIND_KEY: &str = "solver";
 
 /// Every kind of scene.
-pub const ALL: &[SceneKind] = &[];
+pub const ALL: &[SceneKind] = &[fpk::KIND];
 
 /// One entry of the table [`ALL`].
 #[derive(Debug, Clone, Copy)]

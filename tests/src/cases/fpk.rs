@@ -106,7 +106,8 @@ impl Judge<'_> {
             .exceedance(threshold, t)
             .ok_or("no reference for this exceedance")?;
         let measured = Measured::exact(self.exceedance_value(estimator, threshold, t)?);
-        let name = format!("{}/exceedance-{}/threshold-{threshold}/t{t}", self.id, estimator.name());
+        let name =
+            format!("{}/exceedance-{}/threshold-{threshold}/t{t}", self.id, estimator.name());
         let quantity = format!("P(|q| > {threshold})");
         let method = format!("{}; {} estimator", self.method, estimator.name());
         let subject = self.context.subject(&name, &quantity, "", &method);

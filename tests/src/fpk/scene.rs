@@ -183,8 +183,11 @@ impl Times {
     #[must_use]
     pub fn list(&self) -> Vec<f64> {
         // The slack takes in an end that roundoff put just below a multiple.
-        let n = (self.until / self.every + 1e-9).floor();
-        (1_u32..).take_while(|&k| f64::from(k) <= n).map(|k| f64::from(k) * self.every).collect()
+        let n = (self.until / self.every + 1e-9).floor().min(MOST_TIMES);
+        (1..=10_000_u32)
+            .take_while(|&k| f64::from(k) <= n)
+            .map(|k| f64::from(k) * self.every)
+            .collect()
     }
 
     fn check(&self) -> Result<(), Objection> {
@@ -305,11 +308,9 @@ impl FpkScene {
 
 /// Particles along an axis at `scale` times the resolution; the ends of the lattice stay where they are.
 fn scaled_count(count: usize, scale: f64) -> usize {
-    if (scale - 1.0).abs() < 1e-12 {
-        return count;
-    }
-    let target = 1.0 + (count.saturating_sub(1)) as f64 * scale;
-    (1..=count).take_while(|&n| n as f64 <= target + 0.5).last().unwrap_or(count)
+    let intervals = count.saturating_sub(1) as f64 * scale;
+    // The nearest whole number of intervals.
+    1 + (1..=MOST_PER_AXIS).take_while(|&n| n as f64 <= intervals + 0.5).last().unwrap_or(0)
 }
 
 impl Scene for FpkScene {

@@ -31,10 +31,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             .ok_or("the scene has no density method")?;
         match problem.system {
             System::Linear(system) => {
-                claims.extend(density(context, &problem, scene, system, &config)?)
+                claims.extend(density(context, &problem, scene, system, &config)?);
             }
             System::Damper(system) => {
-                claims.extend(density(context, &problem, scene, system, &config)?)
+                claims.extend(density(context, &problem, scene, system, &config)?);
             }
         }
         claims.extend(sampled(context, &problem, scene)?);

@@ -1,6 +1,9 @@
 //! The order in which the error falls with the spacing of the particles.
 
-use fpk_sph::{Combination, Config, Estimator, InitialLattice, Method, StepRule};
+use fpk_sph::{
+    Combination, Config, DEFAULT_REACH, Estimator, InitialLattice, InitialSmoothing, Method,
+    StepRule,
+};
 
 use super::{POWERS, index_of};
 use crate::case::{Case, CaseError, Context, Profile};
@@ -20,23 +23,35 @@ pub(crate) const CASE: Case = Case {
 
 /// Particles along each axis; the step is a hundredth of the period, so that its error is below 1e-6.
 const COUNTS: [usize; 5] = [21, 27, 35, 45, 61];
-const REACH: f64 = 6.0;
+/// The paper's estimator clumps on a wider lattice, where the masses of neighbours differ by orders of magnitude.
+const PAPERS_REACH: f64 = 4.0;
 const TIME: f64 = 2.0;
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let damper = Problem::viscous_damper()?;
     let linear = Problem::linear_oscillator()?;
-    let smoothing = "kernel smoothing weakens the score by kappa (h/sigma)^2: order 2";
-    let truncation = "a quadratic fit leaves third derivatives: its score errs by h^2";
+    let smoothing = "kernel smoothing alone would give order 2; measured 1.0 and 1.2. h by eq 20 and the average of eq 23 \
+                     on a cloud that clumps leave an error that falls more slowly; its cause is not isolated";
+    let truncation =
+        "a quadratic fit leaves third derivatives: its score errs by h^2; measured 2.05";
     let fit = Method::LogDensityFit.combination().estimator;
     let mut claims = vec![
-        order_claim(context, &damper, "viscous-damper", "log-density-fit", fit, truncation)?,
+        order_claim(
+            context,
+            &damper,
+            "viscous-damper",
+            "log-density-fit",
+            fit,
+            (-0.2, 0.4),
+            truncation,
+        )?,
         order_claim(
             context,
             &damper,
             "viscous-damper",
             "summation-density",
             Estimator::SummationDensity,
+            (-1.3, -0.4),
             smoothing,
         )?,
         order_claim(
@@ -45,6 +60,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "linear-oscillator",
             "summation-density",
             Estimator::SummationDensity,
+            (-1.3, -0.4),
             smoothing,
         )?,
     ];
@@ -68,21 +84,37 @@ fn errors(
                 run_density(&problem.system, &problem.law, &config(problem, n, estimator), &asked)?;
             let row =
                 run.at(TIME).ok_or_else(|| format!("{n} x {n} particles: {:?}", run.stopped))?;
-            Ok((2.0 * REACH / (n as f64 - 1.0), row.moments[index_of([2, 0])] / reference - 1.0))
+            Ok((
+                2.0 * reach(estimator) / (n as f64 - 1.0),
+                row.moments[index_of([2, 0])] / reference - 1.0,
+            ))
         })
         .collect()
 }
 
 fn config(problem: &Problem, n: usize, estimator: Estimator) -> Config<2> {
     let step = StepRule::PeriodFraction { steps_per_period: 100.0 };
-    let combination = Combination { estimator, step, ..Method::LogDensityFit.combination() };
+    let initial_smoothing = match estimator {
+        // The paper's own start.
+        Estimator::SummationDensity => InitialSmoothing::Uniform,
+        Estimator::LogDensityFit(_) => InitialSmoothing::Iterated,
+    };
+    let combination =
+        Combination { estimator, step, initial_smoothing, ..Method::LogDensityFit.combination() };
     Config {
         method: Method::Custom(combination),
-        lattice: InitialLattice::Box { reach: REACH, count: [n, n] },
+        lattice: InitialLattice::Box { reach: reach(estimator), count: [n, n] },
         ..problem
             .scene
             .density_config(problem.system.period(), 1.0)
             .unwrap_or_else(|| super::canor_denoel::config(problem.system.period()))
+    }
+}
+
+fn reach(estimator: Estimator) -> f64 {
+    match estimator {
+        Estimator::SummationDensity => PAPERS_REACH,
+        Estimator::LogDensityFit(_) => DEFAULT_REACH,
     }
 }
 
@@ -92,6 +124,7 @@ fn order_claim(
     scene: &str,
     name: &str,
     estimator: Estimator,
+    (from, to): (f64, f64),
     reason: &str,
 ) -> Result<Claim, CaseError> {
     let levels: Vec<(f64, f64)> = errors(context, problem, estimator)?
@@ -105,7 +138,7 @@ fn order_claim(
         "",
         &format!("{name}, whitened, {} to {} particles", COUNTS[0].pow(2), COUNTS[4].pow(2)),
     );
-    let criterion = Criterion::AsMeasured { from: -0.4, to: 0.8, reason };
+    let criterion = Criterion::AsMeasured { from, to, reason };
     Ok(Claim::judge(subject, ErrorKind::Order, order, Reference::exact(2.0), criterion))
 }
 

@@ -5,6 +5,7 @@
 mod fpk;
 
 use crate::case::Case;
+pub(crate) use fpk::canor_denoel::config as papers_config;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[

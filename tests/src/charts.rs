@@ -2,6 +2,8 @@
 //!
 //! A chart is one file here and one line in [`ALL`], a sweep one line in [`STABILITY`].
 
+mod fpk;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -13,7 +15,7 @@ use crate::nearest::nearest;
 use crate::output::write_text;
 
 /// Every chart of `chart`.
-pub const ALL: &[ChartKind] = &[];
+pub const ALL: &[ChartKind] = &[fpk::CHART];
 
 /// Every sweep of `stability`.
 pub const STABILITY: &[ChartKind] = &[];

@@ -63,6 +63,13 @@ struct Observed {
     error_kind: ErrorOrigin,
 }
 
+impl Observed {
+    /// Whether its error, where it has one, leaves something of a positive value.
+    fn is_known(&self) -> bool {
+        self.error.is_none_or(|error| error < self.value || self.value <= 0.0)
+    }
+}
+
 /// Where an error comes from.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -288,7 +295,10 @@ fn drawings(scene: &FpkScene, quantities: &[Series]) -> Result<Vec<Drawing>, Run
         subtitle: scene.title.clone(),
         x_label: "time t (s)".into(),
         y_label: y_label.into(),
-        caption: vec![Machine::read().caption()],
+        caption: vec![
+            "Values whose error exceeds them are left out.".into(),
+            Machine::read().caption(),
+        ],
     };
     let lines = |wanted: &dyn Fn(&str) -> bool| -> Vec<Line> {
         quantities
@@ -296,7 +306,12 @@ fn drawings(scene: &FpkScene, quantities: &[Series]) -> Result<Vec<Drawing>, Run
             .filter(|series| wanted(&series.id))
             .map(|series| Line {
                 name: series.quantity.clone(),
-                points: series.values.iter().map(|value| (value.t, value.value)).collect(),
+                points: series
+                    .values
+                    .iter()
+                    .filter(|o| o.is_known())
+                    .map(|o| (o.t, o.value))
+                    .collect(),
             })
             .filter(|line| !line.points.is_empty())
             .collect()

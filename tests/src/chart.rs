@@ -115,8 +115,8 @@ pub enum Scale {
 pub struct Line {
     /// Its name in the legend.
     pub name: String,
-    /// (time, value).
-    pub points: Vec<(f64, f64)>,
+    /// (time, value); no value leaves a gap.
+    pub points: Vec<(f64, Option<f64>)>,
 }
 
 /// Values to compare with.

@@ -87,7 +87,8 @@ pub(crate) fn work_precision() -> WorkPrecision {
 pub(crate) fn time_series(scale: Scale) -> TimeSeries {
     let decay = |t: f64, rate: f64| 0.02 + (-rate * t).exp() * (1.0 + 0.3 * (3.0 * t).cos());
     let line = |name: &str, rate: f64| {
-        let points = (0..=120).map(|i| 0.05 * f64::from(i)).map(|t| (t, decay(t, rate))).collect();
+        let points =
+            (0..=120).map(|i| 0.05 * f64::from(i)).map(|t| (t, Some(decay(t, rate)))).collect();
         Line { name: name.into(), points }
     };
     let reference = |t: i32| {

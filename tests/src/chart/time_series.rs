@@ -30,9 +30,12 @@ pub fn time_series(chart: &TimeSeries) -> Result<String, ChartError> {
         draw_grid(canvas, &x, &y)?;
         for (i, line) in chart.lines.iter().enumerate() {
             // A value without a place ends one piece and begins the next.
-            for piece in line.points.split(|&(_, value)| !shown(chart.scale, value)) {
-                let piece: Vec<(f64, f64)> =
-                    piece.iter().map(|&(at, value)| (x.place(at), y.place(value))).collect();
+            let drawn = |value: Option<f64>| value.filter(|&value| shown(chart.scale, value));
+            for piece in line.points.split(|&(_, value)| drawn(value).is_none()) {
+                let piece: Vec<(f64, f64)> = piece
+                    .iter()
+                    .filter_map(|&(at, value)| Some((x.place(at), y.place(value?))))
+                    .collect();
                 canvas.dashed_line(&piece, Look::of_series(i), 2.0)?;
             }
         }
@@ -76,7 +79,8 @@ fn shown(scale: Scale, value: f64) -> bool {
 }
 
 fn values(chart: &TimeSeries) -> impl Iterator<Item = (f64, f64)> {
-    let computed = chart.lines.iter().flat_map(|line| line.points.iter().copied());
+    let computed =
+        chart.lines.iter().flat_map(|line| line.points.iter().filter_map(|&(x, y)| Some((x, y?))));
     computed
         .chain(chart.references.iter().flat_map(|set| &set.points).map(|point| (point.x, point.y)))
 }
@@ -97,7 +101,7 @@ fn check(chart: &TimeSeries) -> Result<(), ChartError> {
     for line in &chart.lines {
         for &(x, y) in &line.points {
             finite(&line.name, "time", x)?;
-            finite(&line.name, "value", y)?;
+            finite(&line.name, "value", y.unwrap_or(0.0))?;
         }
     }
     for set in &chart.references {
@@ -130,15 +134,15 @@ mod tests {
     #[test]
     fn values_without_a_logarithm_are_counted_in_the_foot() {
         let mut chart = samples::time_series(Scale::Log);
-        chart.lines[0].points[0].1 = 0.0;
-        chart.lines[0].points[1].1 = 0.0;
+        chart.lines[0].points[0].1 = Some(0.0);
+        chart.lines[0].points[1].1 = Some(0.0);
         assert!(time_series(&chart).unwrap().contains("2 values of zero or below"));
     }
 
     #[test]
     fn nan_is_refused_and_so_is_nothing() {
         let mut chart = samples::time_series(Scale::Linear);
-        chart.lines[0].points[3].1 = f64::NAN;
+        chart.lines[0].points[3].1 = Some(f64::NAN);
         assert!(matches!(
             time_series(&chart),
             Err(ChartError::NotFinite { quantity: "value", .. })

@@ -81,10 +81,12 @@ fn work_precision(
         y_label: y_label.into(),
         caption: vec![
             format!(
-                "Reference {:.6e} +- {:.0e}. Bars: standard error of Monte Carlo; half the range of three runs' CPU time.",
+                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one draw: its bar, one standard error, counts.",
                 reference.value,
                 reference.error.unwrap_or(0.0)
             ),
+            "Across: median CPU time of three runs, the bar half their range (one run beyond 3 s)."
+                .into(),
             Machine::read().caption(),
         ],
     };
@@ -326,8 +328,7 @@ fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Dr
             points: run
                 .rows
                 .iter()
-                .filter_map(|row| Some((row.t, row.exceedances[k].cell_integrated?)))
-                .filter(|(_, p)| *p >= SHOWN)
+                .map(|row| (row.t, row.exceedances[k].cell_integrated.filter(|&p| p >= SHOWN)))
                 .collect(),
         })
         .collect();

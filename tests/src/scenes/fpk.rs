@@ -64,9 +64,9 @@ struct Observed {
 }
 
 impl Observed {
-    /// Whether its error, where it has one, leaves something of a positive value.
-    fn is_known(&self) -> bool {
-        self.error.is_none_or(|error| error < self.value || self.value <= 0.0)
+    /// The value, unless its error leaves nothing of it.
+    fn known(&self) -> Option<f64> {
+        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
     }
 }
 
@@ -290,52 +290,64 @@ fn sampled_value(t: f64, estimate: Estimate) -> Observed {
 
 /// The second moments, and the probabilities, over time.
 fn drawings(scene: &FpkScene, quantities: &[Series]) -> Result<Vec<Drawing>, RunError> {
-    let words = |title: &str, y_label: &str| Words {
-        title: title.into(),
-        subtitle: scene.title.clone(),
-        x_label: "time t (s)".into(),
-        y_label: y_label.into(),
-        caption: vec![
-            "Values whose error exceeds them are left out.".into(),
-            Machine::read().caption(),
-        ],
-    };
-    let lines = |wanted: &dyn Fn(&str) -> bool| -> Vec<Line> {
-        quantities
-            .iter()
-            .filter(|series| wanted(&series.id))
-            .map(|series| Line {
-                name: series.quantity.clone(),
-                points: series
-                    .values
-                    .iter()
-                    .filter(|o| o.is_known())
-                    .map(|o| (o.t, o.value))
-                    .collect(),
-            })
-            .filter(|line| !line.points.is_empty())
-            .collect()
-    };
     let second = ["moment/2-0", "moment/1-1", "moment/0-2"];
-    let moments = lines(&|id| second.contains(&id));
     // One estimator on the picture: the best that the method offers. All are in the result.
     let best = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
     let prefix = best
         .into_iter()
-        .find(|prefix| quantities.iter().any(|series| series.id.starts_with(prefix)));
-    let tails = prefix.map_or_else(Vec::new, |prefix| lines(&|id| id.starts_with(prefix)));
+        .find(|prefix| quantities.iter().any(|series| series.id.starts_with(prefix)))
+        .unwrap_or(best[0]);
+    let moments = lines(quantities, |id| second.contains(&id), |observed| Some(observed.value));
+    let tails = lines(quantities, |id| id.starts_with(prefix), Observed::known);
+    let smaller = "Values that are smaller than their error are left out.";
     let mut drawings = Vec::new();
-    for (name, lines, scale, title, y_label) in [
-        ("moments", moments, Scale::Linear, "Second moments over time", "second moment"),
-        ("exceedance", tails, Scale::Log, "Probability of exceedance over time", "P(|q| > T)"),
+    for (name, lines, scale, title, y_label, note) in [
+        ("moments", moments, Scale::Linear, "Second moments over time", "second moment", None),
+        (
+            "exceedance",
+            tails,
+            Scale::Log,
+            "Probability of exceedance over time",
+            "P(|q| > T)",
+            Some(smaller),
+        ),
     ] {
-        if !lines.is_empty() {
-            let chart =
-                TimeSeries { words: words(title, y_label), scale, lines, references: Vec::new() };
-            drawings.push(Drawing::time_series(name, &chart).map_err(RunError::solver)?);
+        if lines.is_empty() {
+            continue;
         }
+        let words = Words {
+            title: title.into(),
+            subtitle: scene.title.clone(),
+            x_label: "time t (s)".into(),
+            y_label: y_label.into(),
+            caption: note
+                .map(str::to_owned)
+                .into_iter()
+                .chain([Machine::read().caption()])
+                .collect(),
+        };
+        let chart = TimeSeries { words, scale, lines, references: Vec::new() };
+        drawings.push(Drawing::time_series(name, &chart).map_err(RunError::solver)?);
     }
     Ok(drawings)
+}
+
+/// The wanted series as lines; what `shown` leaves out is a gap.
+fn lines(
+    quantities: &[Series],
+    wanted: impl Fn(&str) -> bool,
+    shown: impl Fn(&Observed) -> Option<f64>,
+) -> Vec<Line> {
+    let line = |series: &Series| Line {
+        name: series.quantity.clone(),
+        points: series.values.iter().map(|observed| (observed.t, shown(observed))).collect(),
+    };
+    quantities
+        .iter()
+        .filter(|series| wanted(&series.id))
+        .map(line)
+        .filter(|line| line.points.iter().any(|(_, value)| value.is_some()))
+        .collect()
 }
 
 #[cfg(test)]

@@ -321,6 +321,19 @@ impl Scene for FpkScene {
         must(&format!("{path}.natural_frequency"), w, w > 0.0, "greater than 0")?;
         must(&format!("{path}.damping_ratio"), xi, xi >= 0.0, "0 or greater")?;
         must(&format!("{path}.noise_intensity"), s, s >= 0.0, "0 or greater: it is a diffusion")?;
+        if let SystemScene::ViscousDamper {
+            damper_coefficient: eta, damper_exponent: alpha, ..
+        } = self.system
+        {
+            must("system.viscous_damper.damper_coefficient", eta, eta >= 0.0, "0 or greater")?;
+            must("system.viscous_damper.damper_exponent", alpha, alpha > 0.0, "greater than 0")?;
+        }
+        if let LawScene::Gaussian { standard_deviation, .. } = &self.initial {
+            for (k, &deviation) in standard_deviation.iter().enumerate() {
+                let path = format!("initial.gaussian.standard_deviation[{k}]");
+                must(&path, deviation, deviation > 0.0, "greater than 0")?;
+            }
+        }
         self.system.build().map_err(|error| Objection::new("system", error.to_string()))?;
         self.initial.build().map_err(|error| Objection::new("initial", error.to_string()))?;
         self.times.check()?;

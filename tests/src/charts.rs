@@ -2,7 +2,7 @@
 //!
 //! A chart is one file here and one line in [`ALL`], a sweep one line in [`STABILITY`].
 
-mod fpk;
+pub(crate) mod fpk;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

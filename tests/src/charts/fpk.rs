@@ -39,7 +39,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
             (Problem::linear_oscillator()?, "fpk-linear"),
             (Problem::viscous_damper()?, "fpk-damper"),
         ] {
-            drawings.extend(work_precision(context, &problem, name)?);
+            drawings.extend(work_precision(context, &problem, name, context.profile)?);
             drawings.push(exceedance(context, &problem, name)?);
         }
         Ok(drawings)
@@ -66,12 +66,14 @@ struct Ladder {
     points: Vec<Point>,
 }
 
-fn work_precision(
+/// Error against CPU time: of `E[q^2]`, and of `P(|q| > 1)`.
+pub(crate) fn work_precision(
     context: &Context<'_>,
     problem: &Problem,
     name: &str,
+    profile: Profile,
 ) -> Result<Vec<Drawing>, CaseError> {
-    let ladders = ladders(context, problem, name)?;
+    let ladders = ladders(context, problem, name, profile)?;
     let moment = problem.reference.moment([2, 0], TIME).ok_or("no reference moment")?;
     let tail = problem.reference.exceedance(THRESHOLD, TIME).ok_or("no reference probability")?;
     let words = |title: &str, y_label: &str, reference: Reference| Words {
@@ -144,8 +146,13 @@ fn series(ladders: &[Ladder], error: impl Fn(&Values) -> Sized) -> Vec<Method> {
         .collect()
 }
 
-fn ladders(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Vec<Ladder>, CaseError> {
-    let quick = context.profile == Profile::Quick;
+fn ladders(
+    context: &Context<'_>,
+    problem: &Problem,
+    name: &str,
+    profile: Profile,
+) -> Result<Vec<Ladder>, CaseError> {
+    let quick = profile == Profile::Quick;
     let first = |n: usize, all: usize| if quick { n } else { all };
     let period = problem.system.period();
     let paper = papers_config(period);
@@ -312,7 +319,11 @@ fn timed<T>(mut work: impl FnMut() -> Result<T, CaseError>) -> Result<(T, f64, f
 }
 
 /// The exceedance of every threshold over time, with the references as points.
-fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Drawing, CaseError> {
+pub(crate) fn exceedance(
+    context: &Context<'_>,
+    problem: &Problem,
+    name: &str,
+) -> Result<Drawing, CaseError> {
     context.progress(&format!("{name}: exceedance over time"));
     let config =
         problem.scene.density_config(problem.system.period(), 1.0).ok_or("no density method")?;

@@ -2,6 +2,7 @@
 
 use super::{POWERS, asked, moment_words};
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::charts;
 use crate::claim::{Criterion, Measured};
 use crate::fpk::monte_carlo::{SampledRun, Sampling, run as run_sampled};
 use crate::fpk::problem::Problem;
@@ -40,7 +41,24 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         };
         claims.push(euler_claim(context, &problem, scene, &euler)?);
     }
+    show_cost(context)?;
     Ok(claims)
+}
+
+/// What each method got wrong and what it cost, on the page: the short ladders of the charts, on one thread.
+fn show_cost(context: &Context<'_>) -> Result<(), CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let drawings = pool
+        .install(|| charts::fpk::work_precision(context, &problem, "fpk-damper", Profile::Quick))?;
+    for (title, drawing) in
+        ["Error of E[q^2] against CPU time", "Error of P(|q| > 1) against CPU time"]
+            .into_iter()
+            .zip(drawings)
+    {
+        context.show_chart(title, drawing.svg);
+    }
+    Ok(())
 }
 
 fn words(sampling: &Sampling, run: &SampledRun) -> String {

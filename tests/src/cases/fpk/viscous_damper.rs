@@ -2,6 +2,7 @@
 
 use super::{ExceedanceEstimator, Judge, asked};
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::charts;
 use crate::claim::Criterion;
 use crate::fpk::density::run;
 use crate::fpk::problem::Problem;
@@ -48,6 +49,8 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     )?;
     claims.extend(tail(&judge)?);
     claims.extend(after(&judge)?);
+    let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;
+    context.show_chart("Probability of exceedance over time", drawing.svg);
     Ok(claims)
 }
 

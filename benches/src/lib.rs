@@ -1,4 +1,4 @@
-//! What the benchmark targets share: the measurement, and the random numbers that make clouds.
+//! What the benchmark targets share: the measurement.
 //!
 //! `cargo bench -p benches --bench fpk` measures one crate; the targets are `kernels`, `neighbour`, `particles`, `sde` and
 //! `fpk`. `cargo bench -p benches -- --test` runs everything once, unmeasured.
@@ -14,7 +14,7 @@ use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 /// CPU time of the process, all its threads together.
 ///
 /// Unlike wall time it does not count the time in which others had the processor. What others do to caches and clock
-/// rates remains in it. One reading costs some 0.3 us, so a sample should last a good deal longer; criterion sees to that.
+/// rates remains in it. Reading it is a system call, dearer than a wall clock: samples should last well beyond a microsecond.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CpuTime;
 

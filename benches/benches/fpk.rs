@@ -1,0 +1,139 @@
+//! The viscous damper of Canor & Denoël 2013, section 4.1, on one thread: a whole run, a step of the paper's method, the
+//! density integrated over the cells.
+//!
+//! Work is printed once, as it is counted: it does not depend on the machine. The throughput is neighbour visits.
+
+#![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
+#![expect(clippy::print_stdout, reason = "the work counted belongs beside the times")]
+
+use std::f64::consts::PI;
+use std::hint::black_box;
+use std::time::Duration;
+
+use benches::CpuTime;
+use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
+use fpk_sph::systems::{
+    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation, Work};
+use rayon::ThreadPool;
+use sde_integrators::GaussianMixture;
+
+/// When the earthquake begins to fade.
+const END: f64 = 6.0;
+
+type Damper = Simulation<ViscousDamper, 2, 1>;
+
+fn simulation(method: Method, lattice: InitialLattice<2>) -> Damper {
+    let structure = LinearOscillatorParameters {
+        natural_frequency: PI,
+        damping_ratio: 0.01,
+        noise_intensity: 0.2,
+        window: Window::CANOR_DENOEL_2013,
+    };
+    let parameters =
+        ViscousDamperParameters { structure, damper_coefficient: 0.25, damper_exponent: 0.35 };
+    let system = ViscousDamper::new(parameters).unwrap();
+    let at_rest = GaussianMixture::independent([0.0, 0.0], [0.15, 0.10]).unwrap();
+    let reference_period = system.period();
+    let config = Config { method, lattice, reference_period, most_steps: DEFAULT_MOST_STEPS };
+    Simulation::new(system, &at_rest, &config).unwrap()
+}
+
+fn fit() -> Damper {
+    simulation(Method::LogDensityFit, InitialLattice::box_of(41))
+}
+
+fn fit_at_the_end() -> Damper {
+    let mut simulation = fit();
+    simulation.advance_to(END).unwrap();
+    simulation
+}
+
+fn paper() -> Damper {
+    let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
+    simulation(Method::CanorDenoel2013, lattice)
+}
+
+fn print_work(name: &str, simulation: &Damper, work: Work) {
+    let n = simulation.n_particles();
+    let Work { steps, evaluations, neighbour_visits } = work;
+    println!(
+        "{name}: {n} particles, {steps} steps, {evaluations} evaluations, {neighbour_visits} neighbour visits"
+    );
+}
+
+/// Start and steps, to `t = 6`.
+fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
+    let simulation = pool.install(fit_at_the_end);
+    print_work("LogDensityFit, start and run to t = 6", &simulation, simulation.work());
+    let mut group = criterion.benchmark_group("fpk/viscous damper, run to 6 s");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    group.warm_up_time(Duration::from_secs(2)).measurement_time(Duration::from_secs(10));
+    group.throughput(Throughput::Elements(simulation.work().neighbour_visits));
+    group.bench_function("LogDensityFit 41 x 41", |b| b.iter(|| pool.install(fit_at_the_end)));
+    group.finish();
+}
+
+/// One step from `t = 1`, where the noise has begun and the lattice has turned.
+fn step(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
+    let mut group = criterion.benchmark_group("fpk/viscous damper, step from 1 s");
+    for (name, start) in
+        [("CanorDenoel2013 50 x 33", paper as fn() -> Damper), ("LogDensityFit 41 x 41", fit)]
+    {
+        let mut snapshot = Vec::new();
+        let mut simulation = pool.install(start);
+        pool.install(|| simulation.advance_to(1.0)).unwrap();
+        simulation.snapshot(&mut snapshot).unwrap();
+        let before = simulation.work();
+        let _report = pool.install(|| simulation.step()).unwrap();
+        let after = simulation.work();
+        let work = Work {
+            steps: after.steps - before.steps,
+            evaluations: after.evaluations - before.evaluations,
+            neighbour_visits: after.neighbour_visits - before.neighbour_visits,
+        };
+        print_work(&format!("{name}, step {} from t = 1", after.steps), &simulation, work);
+
+        group.throughput(Throughput::Elements(work.neighbour_visits));
+        let restored = || {
+            let mut simulation = pool.install(start);
+            simulation.restore(&snapshot[..]).unwrap();
+            simulation
+        };
+        group.bench_function(name, |b| {
+            b.iter_batched(
+                restored,
+                |mut simulation| {
+                    let _report = pool.install(|| simulation.step()).unwrap();
+                    simulation
+                },
+                BatchSize::SmallInput,
+            );
+        });
+    }
+    group.finish();
+}
+
+/// The density as a function, and a probability from it.
+fn observables(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
+    let simulation = pool.install(fit_at_the_end);
+    let integral = simulation.cell_integral().unwrap();
+    let mut group = criterion.benchmark_group("fpk/viscous damper, observables at 6 s");
+    group.bench_function("cell_integral", |b| {
+        b.iter(|| pool.install(|| black_box(&simulation).cell_integral()).unwrap());
+    });
+    group.bench_function("exceedance", |b| {
+        b.iter(|| black_box(&integral).exceedance(|x| x[0].abs(), 1.0).unwrap());
+    });
+    group.finish();
+}
+
+fn main() {
+    let mut criterion = benches::criterion();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    run(&mut criterion, &pool);
+    step(&mut criterion, &pool);
+    observables(&mut criterion, &pool);
+    criterion.final_summary();
+}

@@ -46,27 +46,32 @@ pub(crate) fn for_each_particle<const D: usize>(
     }
 }
 
-/// `out[i] = value(scratch, i)`; of several errors, that of the lowest particle, whatever the threads did.
-pub(crate) fn for_each_particle_with<T: Send, W>(
-    out: &mut [T],
+/// `(score, volume)[i] = value(scratch, i)`; of several errors, that of the lowest particle, whatever the threads did.
+pub(crate) fn for_each_fit<const D: usize, W>(
+    score: &mut [[f64; D]],
+    volume: &mut [f64],
     scratch: impl Fn() -> W + Sync + Send,
-    value: impl Fn(&mut W, usize) -> Result<T, Error> + Sync + Send,
+    value: impl Fn(&mut W, usize) -> Result<([f64; D], f64), Error> + Sync + Send,
 ) -> Result<(), Error> {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        let first_error = out
+        let first_error = score
             .par_chunks_mut(GRAIN)
+            .zip(volume.par_chunks_mut(GRAIN))
             .enumerate()
-            .filter_map(|(chunk, entries)| {
+            .filter_map(|(chunk, (score, volume))| {
                 let mut scratch = scratch();
-                (chunk * GRAIN..).zip(entries).find_map(|(i, entry)| match value(&mut scratch, i) {
-                    Ok(computed) => {
-                        *entry = computed;
-                        None
-                    }
-                    Err(error) => Some((i, error)),
-                })
+                let entries = (chunk * GRAIN..).zip(score.iter_mut().zip(volume));
+                entries.map(|(i, entry)| (i, entry, value(&mut scratch, i))).find_map(
+                    |(i, entry, computed)| match computed {
+                        Ok(computed) => {
+                            (*entry.0, *entry.1) = computed;
+                            None
+                        }
+                        Err(error) => Some((i, error)),
+                    },
+                )
             })
             .min_by_key(|(i, _)| *i);
         first_error.map_or(Ok(()), |(_, error)| Err(error))
@@ -74,8 +79,8 @@ pub(crate) fn for_each_particle_with<T: Send, W>(
     #[cfg(not(feature = "rayon"))]
     {
         let mut scratch = scratch();
-        for (i, entry) in out.iter_mut().enumerate() {
-            *entry = value(&mut scratch, i)?;
+        for (i, (score, volume)) in score.iter_mut().zip(volume).enumerate() {
+            (*score, *volume) = value(&mut scratch, i)?;
         }
         Ok(())
     }

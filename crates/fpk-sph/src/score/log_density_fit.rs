@@ -1,14 +1,14 @@
 //! The better estimator: a local quadratic through the logarithms of volume densities.
 
 use neighbour_search::Criterion;
-use smoothing_kernels::{Kernel, Lucy};
+use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::cell_geometry::{determinant, lattice_jacobian};
-use super::quadratic_fit::{NormalEquations, unknowns};
+use super::quadratic_fit::{NormalEquations, Quadratic, SMALLEST_PIVOT, unknowns};
 use super::{Estimates, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
-use crate::parallel::{fill, for_each_particle_with};
+use crate::parallel::{fill, for_each_fit};
 
 /// How the volume of a particle is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,49 +51,57 @@ pub struct LocalFit<const D: usize> {
     pub hessian: [[f64; D]; D],
 }
 
+/// The fit around a particle, with the sum of the weights that it met on the way.
+struct Fitted<const D: usize> {
+    fit: LocalFit<D>,
+    kernel_sum: f64,
+}
+
 impl<K> LogDensityFit<K> {
-    /// Volume of every particle by the kernel sum.
-    fn kernel_volumes<const D: usize>(&self, cloud: &Cloud<'_, D>, volume: &mut [f64])
+    /// `V = h^D / (sigma_D sum_j shape(r_ij / h))`: the inverse of the kernel sum, given the sum of the shapes.
+    fn volume_of<const D: usize>(&self, shapes: f64, h: f64) -> f64
     where
         K: Kernel<D>,
     {
-        let normalisation = self.kernel.normalisation();
-        fill(volume, |i| {
-            let h = cloud.smoothing_lengths[i];
-            let mut sum = self.kernel.shape(0.0);
-            for &j in cloud.neighbours.of(i) {
-                let (_, r) = cloud.offset(i, j as usize);
-                sum += self.kernel.shape(r / h);
-            }
-            (0..D).fold(1.0 / (normalisation * sum), |volume, _| volume * h)
-        });
+        power::<D>(h) / (self.kernel.normalisation() * shapes)
     }
 
-    /// `log(mu_i / V_i)` of every particle, and in `volume` the kernel volumes.
+    /// The volume of particle `i` by the kernel sum.
+    fn kernel_volume<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> f64
+    where
+        K: Kernel<D>,
+    {
+        let h = cloud.smoothing_lengths[i];
+        let shape_at = |j: u32| self.kernel.shape(cloud.offset(i, j as usize).1 / h);
+        let others: f64 = cloud.neighbours.of(i).iter().map(|&j| shape_at(j)).sum();
+        self.volume_of(self.kernel.shape(0.0) + others, h)
+    }
+
+    /// `log(mu_i / V_i)` of every particle.
     fn log_densities<const D: usize>(
         &self,
         cloud: &Cloud<'_, D>,
-        volume: &mut [f64],
         log_density: &mut [f64],
     ) -> Result<(), Error>
     where
         K: Kernel<D>,
     {
-        self.kernel_volumes(cloud, volume);
-        match self.volume {
-            VolumeEstimate::KernelSum => fill(log_density, |i| (cloud.masses[i] / volume[i]).ln()),
-            VolumeEstimate::DeformedLattice => {
-                if cloud.lattice.len() != cloud.n_particles() {
-                    return Err(Error::NoLattice { count: cloud.n_particles() });
-                }
-                let kernel_volume = &*volume;
-                fill(log_density, |i| {
-                    let cell = lattice_jacobian(cloud.positions, cloud.lattice, i)
-                        .map_or(kernel_volume[i], |edges| determinant(&edges).abs());
-                    (cloud.masses[i] / cell).ln()
-                });
-            }
+        if self.volume == VolumeEstimate::DeformedLattice
+            && cloud.lattice.len() != cloud.n_particles()
+        {
+            return Err(Error::NoLattice { count: cloud.n_particles() });
         }
+        fill(log_density, |i| {
+            let cell = match self.volume {
+                VolumeEstimate::KernelSum => None,
+                VolumeEstimate::DeformedLattice => {
+                    lattice_jacobian(cloud.positions, cloud.lattice, i)
+                }
+            };
+            let volume = cell
+                .map_or_else(|| self.kernel_volume(cloud, i), |edges| determinant(&edges).abs());
+            (cloud.masses[i] / volume).ln()
+        });
         for (particle, &value) in log_density.iter().enumerate() {
             if !value.is_finite() {
                 let (step, time) = (cloud.step, cloud.time);
@@ -116,7 +124,7 @@ impl<K> LogDensityFit<K> {
         log_density: &[f64],
         i: usize,
         equations: &mut NormalEquations<D>,
-    ) -> Result<LocalFit<D>, Error>
+    ) -> Result<Fitted<D>, Error>
     where
         K: Kernel<D>,
     {
@@ -124,7 +132,8 @@ impl<K> LogDensityFit<K> {
         // Offsets in units of the support keep the normal matrix near unity whatever the scale.
         let reach = 1.0 / (self.kernel.support() * h);
         equations.clear();
-        equations.add(&[0.0; D], self.kernel.shape(0.0), 0.0);
+        let mut kernel_sum = self.kernel.shape(0.0);
+        equations.add(&[0.0; D], kernel_sum, 0.0);
         let neighbours = cloud.neighbours.of(i);
         for &j in neighbours {
             let j = j as usize;
@@ -132,36 +141,17 @@ impl<K> LogDensityFit<K> {
             for value in &mut u {
                 *value *= reach;
             }
-            equations.add(&u, self.kernel.shape(r / h), log_density[j] - log_density[i]);
+            let weight = self.kernel.shape(r / h);
+            kernel_sum += weight;
+            equations.add(&u, weight, log_density[j] - log_density[i]);
         }
-        let (step, time, count) = (cloud.step, cloud.time, neighbours.len() + 1);
-        if count < unknowns(D) {
-            return Err(Error::TooFewNeighbours {
-                step,
-                time,
-                particle: i,
-                count,
-                limit: unknowns(D),
-            });
-        }
-        let limit = super::quadratic_fit::SMALLEST_PIVOT;
-        let quadratic = equations.solve().map_err(|pivot| Error::SingularFit {
-            step,
-            time,
-            particle: i,
-            count,
-            pivot,
-            limit,
-        })?;
+        let quadratic = solve(cloud, i, neighbours.len() + 1, equations)?;
         let mut hessian = quadratic.hessian;
         for value in hessian.iter_mut().flatten() {
             *value *= reach * reach;
         }
-        Ok(LocalFit {
-            log_density: log_density[i],
-            gradient: quadratic.gradient.map(|g| g * reach),
-            hessian,
-        })
+        let gradient = quadratic.gradient.map(|g| g * reach);
+        Ok(Fitted { fit: LocalFit { log_density: log_density[i], gradient, hessian }, kernel_sum })
     }
 
     /// The fit around every particle, for observables that integrate the density.
@@ -176,11 +166,34 @@ impl<K> LogDensityFit<K> {
         K: Kernel<D>,
     {
         let n = cloud.n_particles();
-        let (mut volume, mut log_density) = (vec![0.0; n], vec![0.0; n]);
-        self.log_densities(cloud, &mut volume, &mut log_density)?;
+        let mut log_density = vec![0.0; n];
+        self.log_densities(cloud, &mut log_density)?;
         let mut equations = NormalEquations::new();
-        (0..n).map(|i| self.fit(cloud, &log_density, i, &mut equations)).collect()
+        (0..n)
+            .map(|i| self.fit(cloud, &log_density, i, &mut equations).map(|fitted| fitted.fit))
+            .collect()
     }
+}
+
+/// Solves the equations of particle `i`, or says how its `count` neighbours (with itself) do not determine them.
+fn solve<const D: usize>(
+    cloud: &Cloud<'_, D>,
+    i: usize,
+    count: usize,
+    equations: &mut NormalEquations<D>,
+) -> Result<Quadratic<D>, Error> {
+    let (step, time) = (cloud.step, cloud.time);
+    if count < unknowns(D) {
+        return Err(Error::TooFewNeighbours { step, time, particle: i, count, limit: unknowns(D) });
+    }
+    equations.solve().map_err(|pivot| Error::SingularFit {
+        step,
+        time,
+        particle: i,
+        count,
+        pivot,
+        limit: SMALLEST_PIVOT,
+    })
 }
 
 impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
@@ -213,12 +226,15 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
     }
 
     fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
-        self.log_densities(cloud, out.volume, out.density)?;
+        self.log_densities(cloud, out.density)?;
         let log_density = &*out.density;
-        for_each_particle_with(out.score, NormalEquations::new, |equations, i| {
-            self.fit(cloud, log_density, i, equations).map(|fit| fit.gradient)
+        for_each_fit(out.score, out.volume, NormalEquations::new, |equations, i| {
+            let Fitted { fit, kernel_sum } = self.fit(cloud, log_density, i, equations)?;
+            Ok((fit.gradient, self.volume_of(kernel_sum, cloud.smoothing_lengths[i])))
         })?;
-        fill_in_place(out.density);
+        for value in out.density.iter_mut() {
+            *value = value.exp();
+        }
         Ok(())
     }
 }
@@ -253,13 +269,6 @@ fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
         let distance = f64::from(square).sqrt();
         (square > 0 && distance <= reach).then_some(distance)
     })
-}
-
-/// `log psi` becomes `psi`.
-fn fill_in_place(density: &mut [f64]) {
-    for value in density {
-        *value = value.exp();
-    }
 }
 
 impl Default for LogDensityFit<Lucy> {

@@ -1,7 +1,7 @@
 //! The paper's estimator: summation density with the gradient of its kernels.
 
 use neighbour_search::Criterion;
-use smoothing_kernels::{Kernel, Lucy};
+use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::{Estimates, ScoreEstimator};
 use crate::cloud::Cloud;
@@ -34,14 +34,15 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
         let normalisation = self.kernel.normalisation();
         for_each_particle(out, |i| {
             let h_i = cloud.smoothing_lengths[i];
-            let mut psi = cloud.masses[i] * normalisation / power(h_i, D) * self.kernel.shape(0.0);
+            let mut psi =
+                cloud.masses[i] * normalisation / power::<D>(h_i) * self.kernel.shape(0.0);
             let mut gradient = [0.0; D];
             for &j in cloud.neighbours.of(i) {
                 let j = j as usize;
                 let (x_ji, r) = cloud.offset(i, j);
                 let (mut w, mut dw) = (0.0, 0.0);
                 for h in [h_i, cloud.smoothing_lengths[j]] {
-                    let scale = 0.5 * normalisation / power(h, D);
+                    let scale = 0.5 * normalisation / power::<D>(h);
                     w += scale * self.kernel.shape(r / h);
                     dw += scale / h * self.kernel.shape_derivative(r / h);
                 }
@@ -60,9 +61,4 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
         });
         Ok(())
     }
-}
-
-/// `h^D`.
-fn power(h: f64, dimension: usize) -> f64 {
-    (0..dimension).map(|_| h).product()
 }

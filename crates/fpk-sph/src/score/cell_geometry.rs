@@ -6,7 +6,8 @@ use crate::cloud::AxisNeighbours;
 /// `X` are the coordinates on the initial lattice.
 ///
 /// Central differences inside, one-sided differences of second order (of first order where the lattice is too narrow)
-/// at its rim: exact for an affine flow. `None` where the particle has no lattice neighbour along some axis.
+/// at its rim; at a tip, which has no neighbour along some axis, the edge of a neighbour along another. Exact for an
+/// affine flow. `None` where that neighbour has none either.
 pub(crate) fn lattice_jacobian<const D: usize>(
     positions: &[[f64; D]],
     lattice: &[AxisNeighbours<D>],
@@ -14,22 +15,39 @@ pub(crate) fn lattice_jacobian<const D: usize>(
 ) -> Option<[[f64; D]; D]> {
     let mut edges = [[0.0; D]; D];
     for axis in 0..D {
-        let column = match lattice[i][axis] {
-            [Some(below), Some(above)] => {
-                let (a, b) = (&positions[below as usize], &positions[above as usize]);
-                std::array::from_fn(|k| 0.5 * (b[k] - a[k]))
-            }
-            [None, Some(above)] => one_sided(positions, lattice, i, above, axis, 1),
-            [Some(below), None] => {
-                one_sided(positions, lattice, i, below, axis, 0).map(|edge: f64| -edge)
-            }
-            [None, None] => return None,
+        let at_neighbour = || {
+            lattice[i]
+                .iter()
+                .flatten()
+                .flatten()
+                .find_map(|&j| edge(positions, lattice, j as usize, axis))
         };
+        let column = edge(positions, lattice, i, axis).or_else(at_neighbour)?;
         for k in 0..D {
             edges[k][axis] = column[k];
         }
     }
     Some(edges)
+}
+
+/// The edge along one axis, by differences over the lattice neighbours there.
+fn edge<const D: usize>(
+    positions: &[[f64; D]],
+    lattice: &[AxisNeighbours<D>],
+    i: usize,
+    axis: usize,
+) -> Option<[f64; D]> {
+    match lattice[i][axis] {
+        [Some(below), Some(above)] => {
+            let (a, b) = (&positions[below as usize], &positions[above as usize]);
+            Some(std::array::from_fn(|k| 0.5 * (b[k] - a[k])))
+        }
+        [None, Some(above)] => Some(one_sided(positions, lattice, i, above, axis, 1)),
+        [Some(below), None] => {
+            Some(one_sided(positions, lattice, i, below, axis, 0).map(|edge| -edge))
+        }
+        [None, None] => None,
+    }
 }
 
 /// `-3/2 x_0 + 2 x_1 - 1/2 x_2` towards one side, or `x_1 - x_0` where there is no second neighbour.
@@ -89,7 +107,12 @@ mod tests {
 
     #[test]
     fn an_affine_flow_deforms_every_cell_alike_the_rim_included() {
-        let lattice = Lattice::box_lattice([1.0, 2.0], [5, 5]).unwrap();
+        every_cell_is_deformed_alike(&Lattice::box_lattice([1.0, 2.0], [5, 5]).unwrap());
+        // The tips of the ball have no neighbour across.
+        every_cell_is_deformed_alike(&Lattice::ball_lattice(2.0, 0.4).unwrap());
+    }
+
+    fn every_cell_is_deformed_alike(lattice: &Lattice<2>) {
         let axis_neighbours = lattice.axis_neighbours();
         let a = [[1.5, -0.4], [0.3, 0.8]];
         let moved: Vec<[f64; 2]> = lattice

@@ -17,8 +17,8 @@ pub enum VolumeEstimate {
     /// neighbours on one side only, come out too large, by a factor up to about 2.5 at a corner.
     KernelSum,
     /// `V_i = |det dx/dX| dX^D`, the volume of the lattice cell as the flow has deformed it, by finite differences over
-    /// lattice neighbours. Right at the rim too and exact for an affine flow. Where a particle has no lattice neighbour
-    /// along an axis, the kernel sum is used.
+    /// lattice neighbours. Right at the rim too and exact for an affine flow. Where neither a particle nor its lattice
+    /// neighbours have one along an axis, the kernel sum is used.
     DeformedLattice,
 }
 

@@ -42,44 +42,21 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// Runs something on a pool of its own.
-fn on_threads<T: Send>(n: usize, work: impl FnOnce() -> T + Send) -> Result<T, CaseError> {
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(n).build()?.install(work))
-}
-
-fn density<S: Sde<2, 1> + Copy + Send>(
+fn density<S: Sde<2, 1> + Copy + Send + Sync>(
     context: &Context<'_>,
     problem: &Problem,
     scene: &str,
     system: S,
     config: &Config<2>,
 ) -> Result<Vec<Claim>, CaseError> {
-    let whole = |n: usize| {
-        context.progress(&format!("{scene}, {n} threads"));
-        on_threads(n, || -> Result<Vec<u64>, fpk_sph::Error> {
-            let mut simulation = Simulation::new(system, &problem.law, config)?;
-            simulation.advance_to(TIMES[0])?;
-            simulation.advance_to(TIMES[1])?;
-            Ok(bits(&simulation))
-        })
+    let whole = || -> Result<Vec<u64>, CaseError> {
+        let mut simulation = Simulation::new(system, &problem.law, config)?;
+        simulation.advance_to(TIMES[0])?;
+        simulation.advance_to(TIMES[1])?;
+        Ok(bits(&simulation))
     };
-    let one = whole(1)??;
-    let mut claims = Vec::new();
-    for n in [2, 8] {
-        let other = whole(n)??;
-        let subject = context.subject(
-            &format!("{scene}/density/threads-{n}"),
-            "bits that differ at t = 2",
-            "",
-            &format!("{n} threads against 1"),
-        );
-        claims.push(Claim::same_bits(
-            subject,
-            different(&one, &other),
-            one.len(),
-            "no sum depends on the threads",
-        ));
-    }
+    let (one, mut claims) =
+        over_threads(context, &format!("{scene}/density"), "no sum depends on the threads", whole)?;
     let mut first = Simulation::new(system, &problem.law, config)?;
     first.advance_to(TIMES[0])?;
     let mut snapshot = Vec::new();
@@ -88,18 +65,10 @@ fn density<S: Sde<2, 1> + Copy + Send>(
     resumed.restore(snapshot.as_slice())?;
     resumed.advance_to(TIMES[1])?;
     let other = bits(&resumed);
-    let subject = context.subject(
-        &format!("{scene}/density/restart"),
-        "bits that differ at t = 2",
-        "",
-        "snapshot at t = 1, restored",
-    );
-    claims.push(Claim::same_bits(
-        subject,
-        different(&one, &other),
-        one.len(),
-        "the snapshot holds the whole state",
-    ));
+    let name = format!("{scene}/density/restart");
+    let subject = context.subject(&name, QUANTITY, "", "snapshot at t = 1, restored");
+    let reason = "the snapshot holds the whole state";
+    claims.push(Claim::same_bits(subject, different(&one, &other), one.len(), reason));
     Ok(claims)
 }
 
@@ -111,36 +80,37 @@ fn sampled(context: &Context<'_>, problem: &Problem, scene: &str) -> Result<Vec<
         seed: 3,
     };
     let asked = super::asked(&TIMES, problem, false);
-    let run = |n: usize| {
-        on_threads(n, || run_sampled(&problem.system, &problem.law, &sampling, &asked)).and_then(
-            |run| {
-                let rows = run?.rows;
-                Ok(rows
-                    .iter()
-                    .flat_map(|row| row.moments.iter().chain(&row.exceedances))
-                    .map(|e| e.value.to_bits())
-                    .collect::<Vec<_>>())
-            },
-        )
+    let whole = || -> Result<Vec<u64>, CaseError> {
+        let rows = run_sampled(&problem.system, &problem.law, &sampling, &asked)?.rows;
+        let estimates = rows.iter().flat_map(|row| row.moments.iter().chain(&row.exceedances));
+        Ok(estimates.map(|estimate| estimate.value.to_bits()).collect())
     };
-    let one = run(1)?;
+    let reason = "blocks of 4,096 paths are summed in order";
+    over_threads(context, &format!("{scene}/monte-carlo"), reason, whole).map(|(_, claims)| claims)
+}
+
+const QUANTITY: &str = "values whose bits differ, at t = 2";
+
+/// The bits on one thread, and the claims that two and eight give the same.
+fn over_threads(
+    context: &Context<'_>,
+    name: &str,
+    reason: &str,
+    whole: impl Fn() -> Result<Vec<u64>, CaseError> + Sync,
+) -> Result<(Vec<u64>, Vec<Claim>), CaseError> {
+    let on = |threads: usize| -> Result<Vec<u64>, CaseError> {
+        context.progress(&format!("{name}, {threads} threads"));
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(&whole)
+    };
+    let one = on(1)?;
     let mut claims = Vec::new();
-    for n in [2, 8] {
-        let other = run(n)?;
-        let subject = context.subject(
-            &format!("{scene}/monte-carlo/threads-{n}"),
-            "bits that differ",
-            "",
-            &format!("{n} threads against 1"),
-        );
-        claims.push(Claim::same_bits(
-            subject,
-            different(&one, &other),
-            one.len(),
-            "blocks of 4,096 paths are summed in order",
-        ));
+    for threads in [2, 8] {
+        let other = on(threads)?;
+        let method = format!("{threads} threads against 1");
+        let subject = context.subject(&format!("{name}/threads-{threads}"), QUANTITY, "", &method);
+        claims.push(Claim::same_bits(subject, different(&one, &other), one.len(), reason));
     }
-    Ok(claims)
+    Ok((one, claims))
 }
 
 fn bits<S: Sde<2, 1>>(simulation: &Simulation<S, 2, 1>) -> Vec<u64> {

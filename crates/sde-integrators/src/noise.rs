@@ -1,9 +1,10 @@
 //! Noise as a pure function of its address: (seed, purpose, realisation, step).
 
+use pulp::Arch;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::normal::normal_pair;
+use crate::normal::{LANES, normal_pair, normal_pairs};
 
 /// Words of 32 bits that one pair of normals takes, always.
 pub const WORDS_PER_PAIR: u128 = 4;
@@ -112,7 +113,7 @@ impl Noise {
     /// The `M` Brownian motions that drive one realisation, from step 0 on.
     #[must_use]
     pub fn path<const M: usize>(&self, realisation: u64) -> PathNoise<M> {
-        PathNoise { stream: self.stream(Purpose::Path, realisation) }
+        PathNoise::new(self.stream(Purpose::Path, realisation))
     }
 }
 
@@ -159,13 +160,22 @@ impl Stream {
     }
 }
 
-/// The increments of one path, step after step (fast) or at any step (about 100 ns).
+/// The increments of one path, step after step (fast) or at any step (about 100 ns and a batch of draws).
 #[derive(Debug, Clone)]
 pub struct PathNoise<const M: usize> {
     stream: Stream,
+    arch: Arch,
+    /// Normals drawn ahead, the first of each pair and the second.
+    normals: [[f64; LANES]; 2],
+    /// The first of them that has not been used; [`LANES`] where there is none.
+    next: usize,
 }
 
 impl<const M: usize> PathNoise<M> {
+    fn new(stream: Stream) -> Self {
+        Self { stream, arch: Arch::new(), normals: [[0.0; LANES]; 2], next: LANES }
+    }
+
     /// The increment over the next step, of length `dt >= 0`.
     #[inline]
     #[must_use]
@@ -173,9 +183,12 @@ impl<const M: usize> PathNoise<M> {
         let (brownian_deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
         let mut increment = Increment::ZERO;
         for m in 0..M {
-            let [w, area] = self.stream.next_normal_pair();
-            increment.brownian[m] = brownian_deviation * w;
-            increment.space_time_area[m] = area_deviation * area;
+            if self.next == LANES {
+                self.draw_ahead();
+            }
+            increment.brownian[m] = brownian_deviation * self.normals[0][self.next];
+            increment.space_time_area[m] = area_deviation * self.normals[1][self.next];
+            self.next += 1;
         }
         increment
     }
@@ -184,6 +197,18 @@ impl<const M: usize> PathNoise<M> {
     #[must_use]
     pub fn increment_at(&mut self, step: u64, dt: f64) -> Increment<M> {
         self.stream.seek(u128::from(step) * WORDS_PER_PAIR * M as u128);
+        self.next = LANES;
         self.next_increment(dt)
+    }
+
+    #[inline(never)]
+    fn draw_ahead(&mut self) {
+        let (mut radial, mut angular) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            radial[lane] = self.stream.next_u64();
+            angular[lane] = self.stream.next_u64();
+        }
+        self.normals = normal_pairs(self.arch, &radial, &angular);
+        self.next = 0;
     }
 }

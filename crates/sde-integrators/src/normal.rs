@@ -7,8 +7,17 @@
     clippy::excessive_precision,
     reason = "the coefficients are those of the source, digit by digit"
 )]
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
 
 use std::f64::consts::FRAC_PI_2;
+
+use pulp::Arch;
+
+/// Pairs that are drawn at once: enough for the widest registers, few enough that a short path wastes little.
+pub(crate) const LANES: usize = 16;
 
 /// `2^-53`, the spacing of the radial uniforms: they lie in `2^-53, 2 * 2^-53, .., 1`.
 const SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
@@ -21,7 +30,7 @@ const SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
 /// normal over all words is exactly zero. The largest value is `sqrt(106 ln 2) = 8.57`: a tail of 1e-17 is missing.
 ///
 /// Source: Box and Muller 1958, A note on the generation of random normal deviates.
-#[inline]
+#[inline(always)]
 pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
     let u = ((radial >> 11) + 1) as f64 * SPACING;
     let radius = (-2.0 * ln(u)).sqrt();
@@ -36,11 +45,32 @@ pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
     [radius * c, radius * s]
 }
 
+/// [`normal_pair`] in every lane, by the widest registers that the machine has. The bits are those of the scalar
+/// function: each lane does the same operations in the same order, none of them fused.
+pub(crate) fn normal_pairs(
+    arch: Arch,
+    radial: &[u64; LANES],
+    angular: &[u64; LANES],
+) -> [[f64; LANES]; 2] {
+    arch.dispatch(
+        #[inline(always)]
+        || {
+            let mut normals = [[0.0; LANES]; 2];
+            for lane in 0..LANES {
+                let [first, second] = normal_pair(radial[lane], angular[lane]);
+                normals[0][lane] = first;
+                normals[1][lane] = second;
+            }
+            normals
+        },
+    )
+}
+
 /// `ln x` for normal, positive `x`; error below one unit in the last place.
 ///
 /// `x = 2^k (1 + f)` with `1 + f` in `(sqrt(1/2), sqrt(2))`, then a polynomial in `s = f/(2 + f)`.
 /// Source: the minimax coefficients and the order of summation of fdlibm's `e_log.c`, Sun Microsystems 1993.
-#[inline]
+#[inline(always)]
 fn ln(x: f64) -> f64 {
     const LN_2_HIGH: f64 = 6.93147180369123816490e-01;
     const LN_2_LOW: f64 = 1.90821492927058770002e-10;
@@ -73,7 +103,7 @@ fn ln(x: f64) -> f64 {
 /// `(sin x, cos x)` for `x` in `[-pi/4, pi/4]`; error below one unit in the last place.
 ///
 /// Source: the minimax coefficients of fdlibm's `k_sin.c` and `k_cos.c`, Sun Microsystems 1993.
-#[inline]
+#[inline(always)]
 fn sin_cos(x: f64) -> (f64, f64) {
     const S: [f64; 6] = [
         -1.66666666666666324348e-01,
@@ -129,6 +159,27 @@ mod tests {
             assert!((cos - expected_cos).abs() <= 2.0 * f64::EPSILON * expected_cos, "cos({x})");
         }
         assert!(ln(1.0).abs() <= 0.0);
+    }
+
+    #[test]
+    fn every_lane_gives_the_bits_of_the_scalar_function() {
+        for start in 0..200_u64 {
+            let word = |lane: usize, salt: u64| {
+                (start * LANES as u64 + lane as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15 ^ salt)
+            };
+            let (radial, angular) = (
+                std::array::from_fn(|lane| word(lane, 0)),
+                std::array::from_fn(|lane| word(lane, 0xabcd_ef01)),
+            );
+            let lanes = normal_pairs(Arch::new(), &radial, &angular);
+            for lane in 0..LANES {
+                let scalar = normal_pair(radial[lane], angular[lane]);
+                assert_eq!(
+                    scalar.map(f64::to_bits),
+                    [lanes[0][lane], lanes[1][lane]].map(f64::to_bits)
+                );
+            }
+        }
     }
 
     #[test]

@@ -138,6 +138,7 @@ pub trait SecondOrder<const N: usize, const M: usize>: Sync {
     fn noise_intensity(&self, t: f64) -> [[f64; M]; N];
 
     /// The whole acceleration without the noise, `r - c v - omega^2 q`.
+    #[inline]
     fn acceleration(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (omega, c) = (self.natural_frequency(), self.linear_damping());
         let mut acceleration = self.remaining_acceleration(t, q, v);

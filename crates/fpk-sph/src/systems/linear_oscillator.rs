@@ -54,6 +54,7 @@ impl LinearOscillator {
     }
 
     /// `a(t) sqrt(2 S_0)`, what multiplies `dB`.
+    #[inline]
     fn noise_amplitude(&self, t: f64) -> f64 {
         self.parameters.window.amplitude(t) * (2.0 * self.parameters.noise_intensity).sqrt()
     }
@@ -62,31 +63,38 @@ impl LinearOscillator {
 impl Sde<2, 1> for LinearOscillator {
     type Noise = Additive;
 
+    #[inline]
     fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
         let [acceleration] = self.acceleration(t, &[q], &[v]);
         [v, acceleration]
     }
 
+    #[inline]
     fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
         [[0.0], [self.noise_amplitude(t)]]
     }
 }
 
 impl SecondOrder<1, 1> for LinearOscillator {
+    #[inline]
     fn natural_frequency(&self) -> [f64; 1] {
         [self.parameters.natural_frequency]
     }
 
+    #[inline]
     fn linear_damping(&self) -> [f64; 1] {
         [2.0 * self.parameters.damping_ratio * self.parameters.natural_frequency]
     }
 
+    #[inline]
     fn remaining_acceleration(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
         [0.0]
     }
 
+    #[inline]
     fn remaining_flow(&self, _: f64, _: f64, _: &[f64; 1], _: &mut [f64; 1]) {}
 
+    #[inline]
     fn noise_intensity(&self, t: f64) -> [[f64; 1]; 1] {
         [[self.noise_amplitude(t)]]
     }

@@ -55,31 +55,37 @@ impl ViscousDamper {
 impl Sde<2, 1> for ViscousDamper {
     type Noise = Additive;
 
+    #[inline]
     fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
         let [acceleration] = self.acceleration(t, &[q], &[v]);
         [v, acceleration]
     }
 
+    #[inline]
     fn noise(&self, t: f64, x: &[f64; 2]) -> [[f64; 1]; 2] {
         self.structure.noise(t, x)
     }
 }
 
 impl SecondOrder<1, 1> for ViscousDamper {
+    #[inline]
     fn natural_frequency(&self) -> [f64; 1] {
         SecondOrder::natural_frequency(&self.structure)
     }
 
+    #[inline]
     fn linear_damping(&self) -> [f64; 1] {
         self.structure.linear_damping()
     }
 
+    #[inline]
     fn remaining_acceleration(&self, _: f64, _: &[f64; 1], &[v]: &[f64; 1]) -> [f64; 1] {
         [-self.damper_coefficient * v.signum() * v.abs().powf(self.damper_exponent)]
     }
 
     /// `|v|^(1 - alpha)` falls at the constant rate `eta (1 - alpha)` until it is zero, and stays there; at
     /// `alpha = 1` the flow is `v exp(-eta dt)`.
+    #[inline]
     fn remaining_flow(&self, _: f64, dt: f64, _: &[f64; 1], [v]: &mut [f64; 1]) {
         let (eta, beta) = (self.damper_coefficient, 1.0 - self.damper_exponent);
         if *v == 0.0 {
@@ -94,6 +100,7 @@ impl SecondOrder<1, 1> for ViscousDamper {
         };
     }
 
+    #[inline]
     fn noise_intensity(&self, t: f64) -> [[f64; 1]; 1] {
         SecondOrder::noise_intensity(&self.structure, t)
     }

@@ -59,13 +59,20 @@ impl Window {
     }
 
     /// `a(t)`; zero before `t = 0` where the window rises.
+    #[inline]
     #[must_use]
     pub fn amplitude(&self, t: f64) -> f64 {
         match *self {
             Self::Stationary => 1.0,
             Self::RisePlateauDecay { rise_exponent, rise_end, decay_rate, decay_start } => {
                 if t <= rise_end {
-                    (t.max(0.0) / rise_end).powf(rise_exponent)
+                    let part = t.max(0.0) / rise_end;
+                    // The linear rise of the paper is met in every step of every path: no power for it.
+                    if rise_exponent.to_bits() == 1.0_f64.to_bits() {
+                        part
+                    } else {
+                        part.powf(rise_exponent)
+                    }
                 } else if t < decay_start {
                     1.0
                 } else {

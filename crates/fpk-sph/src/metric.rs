@@ -117,7 +117,7 @@ impl<const D: usize> Whitening<D> {
         (0..D).map(|k| self.factor[k][k]).product()
     }
 
-    /// The largest eigenvalue of `L^-1 A L^-T` for a symmetric positive semidefinite `A`, bounded by its trace: how fast
+    /// The trace of `L^-1 A L^-T` for a symmetric positive semidefinite `A`, which bounds its largest eigenvalue: how fast
     /// a diffusion matrix spreads the cloud in this metric.
     pub(crate) fn whitened_trace(&self, matrix: &[[f64; D]; D]) -> f64 {
         // Columns of A, then rows of (L^-1 A): L^-1 A L^-T = (L^-1 (L^-1 A)^T)^T.

@@ -117,8 +117,8 @@ impl<const D: usize> Whitening<D> {
         (0..D).map(|k| self.factor[k][k]).product()
     }
 
-    /// The largest eigenvalue of `L^-1 A L^-T` for a symmetric positive semidefinite `A`, bounded by its trace: how fast
-    /// a diffusion matrix spreads the cloud in this metric.
+    /// The trace of `L^-1 A L^-T` for a symmetric positive semidefinite `A`, which bounds its largest eigenvalue:
+    /// how fast a diffusion matrix spreads the cloud in this metric.
     pub(crate) fn whitened_trace(&self, matrix: &[[f64; D]; D]) -> f64 {
         // Columns of A, then rows of (L^-1 A): L^-1 A L^-T = (L^-1 (L^-1 A)^T)^T.
         let mut half = [[0.0; D]; D];

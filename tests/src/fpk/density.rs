@@ -59,7 +59,7 @@ pub struct DensityRun {
     pub n_particles: usize,
     /// Work done.
     pub work: Work,
-    /// Fewest and mean neighbours of the first and last step are not kept; why the run ended early, if it did.
+    /// Why the run ended early, if it did.
     pub stopped: Option<Error>,
 }
 

@@ -74,7 +74,7 @@ impl Observed {
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ErrorOrigin {
-    /// Half the particles per axis over the square root of two, and the fitted order 2.
+    /// A second run with the intervals per axis over the square root of two, and the fitted order 2.
     TwoResolutions,
     StandardError,
     Bound,
@@ -90,7 +90,7 @@ struct Outcome {
     seed: Option<u64>,
 }
 
-/// The coarse run has this times the spacings per axis.
+/// The coarse run has this times the intervals per axis.
 const COARSE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {

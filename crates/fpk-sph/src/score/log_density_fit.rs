@@ -30,8 +30,8 @@ pub enum VolumeEstimate {
 /// over the particle and its neighbours; the score is `g`. Exact where `log psi` is quadratic and the volumes are
 /// right, so a Gaussian is carried without error of space.
 ///
-/// Stable for `support_radius / spacing >= 2.5` in 2-D: 20 neighbours on the undisturbed lattice. At 2.25 and below the
-/// run degrades and then ends in an error.
+/// Needs `support_radius / spacing >= 2.4` in 2-D: 20 neighbours on the undisturbed lattice whose weight counts. Less is
+/// refused: at 2.25 a run would degrade.
 #[derive(Debug, Clone, Copy)]
 pub struct LogDensityFit<K = Lucy> {
     /// The kernel, as weight and in the kernel sum.

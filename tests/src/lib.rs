@@ -25,3 +25,8 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod verify;
+
+/// The example of the front page, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct FrontPage;

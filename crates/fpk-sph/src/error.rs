@@ -197,13 +197,14 @@ pub enum Error {
         /// Where the simulation stands.
         now: f64,
     },
-    /// Volumes of deformed lattice cells were asked for, but the cloud carries no lattice.
+    /// The deformed lattice cell of a particle was asked for, but it has no lattice neighbour to tell it by.
     #[error(
-        "the cloud of {count} particles carries no lattice; use the kernel sum for the volumes"
+        "particle {particle} has no lattice neighbour along some axis, and none of its neighbours has; \
+         use the kernel sum for the volumes"
     )]
-    NoLattice {
-        /// Particles of the cloud.
-        count: usize,
+    NoLatticeCell {
+        /// The particle.
+        particle: usize,
     },
     /// An index names no component of the state.
     #[error("component {value} was asked for, but the state has {limit}")]

@@ -1,6 +1,6 @@
 //! The metric of the cloud: in which coordinates distances between particles are measured.
 
-use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
+use nalgebra::{SMatrix, SymmetricEigen};
 
 use crate::error::Error;
 
@@ -192,13 +192,28 @@ fn cholesky<const D: usize>(covariance: &[[f64; D]; D]) -> Result<[[f64; D]; D],
 /// Largest over smallest eigenvalue of a covariance; infinite where the smallest is not positive, NaN where the
 /// iteration does not converge.
 pub(crate) fn condition_number<const D: usize>(covariance: &[[f64; D]; D]) -> f64 {
-    let matrix: SMatrix<f64, D, D> = covariance.to_owned().into();
-    let matrix = DMatrix::from_fn(D, D, |i, j| matrix[(i, j)]);
-    SymmetricEigen::try_new(matrix, f64::EPSILON, 1000).map_or(f64::NAN, |eigen| {
-        let (smallest, largest) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
-        if smallest > 0.0 { largest / smallest } else { f64::INFINITY }
-    })
+    // A static size for each dimension, so that a step allocates nothing; nalgebra's bounds do not take a generic one.
+    macro_rules! eigenvalues {
+        ($($n:literal)*) => {
+            match D {
+                $($n => {
+                    let matrix = SMatrix::<f64, $n, $n>::from_fn(|i, j| covariance[i][j]);
+                    SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_SWEEPS)
+                        .map(|eigen| (eigen.eigenvalues.min(), eigen.eigenvalues.max()))
+                })*
+                _ => Some((1.0, 1.0)),
+            }
+        };
+    }
+    let extremes: Option<(f64, f64)> = eigenvalues!(2 3 4 5 6);
+    extremes.map_or(
+        f64::NAN,
+        |(smallest, largest)| if smallest > 0.0 { largest / smallest } else { f64::INFINITY },
+    )
 }
+
+/// Iterations that no 6 x 6 matrix needs.
+const MOST_SWEEPS: usize = 1000;
 
 #[cfg(test)]
 mod tests {

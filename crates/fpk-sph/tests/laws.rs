@@ -96,6 +96,13 @@ fn an_isolated_particle_does_not_determine_a_fit() {
 }
 
 #[test]
+fn a_deformed_cell_is_not_to_be_had_without_a_lattice() {
+    let error =
+        estimate::<2>(&LogDensityFit::default(), &[[1.0, 2.0]], &[0.3], 0.5, &[]).unwrap_err();
+    assert!(matches!(error, Error::NoLatticeCell { particle: 0 }), "{error}");
+}
+
+#[test]
 fn the_gradient_of_the_summation_density_is_that_of_its_sum() {
     let positions = [[0.0, 0.0], [0.3, 0.1], [-0.2, 0.25]];
     let (masses, h) = ([0.2, 0.5, 0.3], 0.6);
@@ -313,7 +320,7 @@ fn the_two_volumes_agree_inside_and_differ_at_the_rim() {
     let (corner, centre) = rim_error(VolumeEstimate::DeformedLattice);
     assert!(corner < 1e-12 && centre < 1e-12);
     let (corner, centre) = rim_error(VolumeEstimate::KernelSum);
-    // At a corner three of four quadrants are empty: V is up to 4 times too large, and the sum counts whole rows of
-    // points on its edges.
+    // At a corner three of four quadrants are empty: V would be 4 times too large, but the sum counts whole rows of points
+    // on the edges of the quadrant, and a larger h takes in more.
     assert!(corner > 0.2 && corner < 4.0_f64.log10() && centre < 0.003, "{corner} {centre}");
 }

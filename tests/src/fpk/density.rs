@@ -46,6 +46,8 @@ pub struct Row {
     pub entropy: f64,
     /// Mass of the density over the cells, where it was asked.
     pub cell_mass: Option<f64>,
+    /// Cells in which the fit was not trusted, where cells were asked.
+    pub distrusted_cells: Option<usize>,
     /// CPU time of the solver up to here (s), observation excluded.
     pub cpu_seconds: f64,
 }
@@ -156,7 +158,8 @@ fn observe<S: Sde<2, 1>>(
         exceedances,
         total_mass: simulation.total_mass(),
         entropy: simulation.entropy()?,
-        cell_mass: cells.map(|cells| cells.total_mass()),
+        cell_mass: cells.as_ref().map(CellIntegral::total_mass),
+        distrusted_cells: cells.as_ref().map(CellIntegral::n_distrusted),
         cpu_seconds,
     })
 }

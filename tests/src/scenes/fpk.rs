@@ -78,6 +78,8 @@ enum ErrorOrigin {
     TwoResolutions,
     StandardError,
     Bound,
+    /// A count.
+    Exact,
     Unknown,
 }
 
@@ -206,6 +208,15 @@ impl Pairs<'_> {
             "entropy".into(),
             "entropy (nats)".into(),
             self.values(|row| Some(row.entropy)),
+        ));
+        let counted = |row: &Row| {
+            let value = row.distrusted_cells? as f64;
+            Some(Observed { t: row.t, value, error: None, error_kind: ErrorOrigin::Exact })
+        };
+        all.push(series(
+            "distrusted-cells".into(),
+            "cells in which the fit was not trusted".into(),
+            self.fine.rows.iter().filter_map(counted).collect(),
         ));
         all.retain(|series| !series.values.is_empty());
         all

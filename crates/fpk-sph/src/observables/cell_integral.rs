@@ -52,6 +52,8 @@ struct Cell<const D: usize> {
     tail: [[usize; 2]; D],
     /// Mass with its tail.
     mass: f64,
+    /// Whether the fit makes of the particle's mass what it should, within [`MOST_MASS_RATIO`].
+    trusted: bool,
 }
 
 /// Subdivisions of a cell per axis: about a hundred points where the dimension allows.
@@ -87,6 +89,11 @@ impl<const D: usize> CellIntegral<D> {
     /// The integral of the density: 1 but for what the lattice never held and for the error of the fits.
     pub fn total_mass(&self) -> f64 {
         self.cells.iter().map(|cell| cell.mass).sum()
+    }
+
+    /// How many cells hold their particle's own mass because the fit is not trusted there.
+    pub fn n_distrusted(&self) -> usize {
+        self.cells.iter().filter(|cell| !cell.trusted).count()
     }
 
     /// `P(y(x) > T)`. Cells that the limit crosses are subdivided, the limit taken as linear within a part.
@@ -165,8 +172,8 @@ impl<const D: usize> Cell<D> {
         i: usize,
         fit: &LocalFit<D>,
     ) -> Result<Self, Error> {
-        let edges = lattice_jacobian(positions, lattice, i)
-            .ok_or(Error::NoLattice { count: positions.len() })?;
+        let edges =
+            lattice_jacobian(positions, lattice, i).ok_or(Error::NoLatticeCell { particle: i })?;
         let weight = fit.log_density.exp() * determinant(&edges).abs();
         let mut cell = Self {
             centre: positions[i],
@@ -176,11 +183,13 @@ impl<const D: usize> Cell<D> {
             hessian: fit.hessian,
             tail: [[0; 2]; D],
             mass: 0.0,
+            trusted: true,
         };
         let own = cell.integral();
         let ratio = own / particle_mass;
         if !(1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
             // The fit turns too sharply for this cell: keep its shape, but only the particle's own mass.
+            cell.trusted = false;
             let scale = if ratio.is_finite() && ratio > 0.0 { 1.0 / ratio } else { 0.0 };
             cell.weight *= scale;
             if scale == 0.0 {

@@ -14,9 +14,10 @@ pub(crate) fn lattice_jacobian<const D: usize>(
     i: usize,
 ) -> Option<[[f64; D]; D]> {
     let mut edges = [[0.0; D]; D];
+    let neighbours = lattice.get(i)?;
     for axis in 0..D {
         let at_neighbour = || {
-            lattice[i]
+            neighbours
                 .iter()
                 .flatten()
                 .flatten()

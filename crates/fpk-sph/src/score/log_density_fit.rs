@@ -14,11 +14,11 @@ use crate::parallel::{fill, for_each_fit};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeEstimate {
     /// `V_i = 1 / sum_j W(r_ij, h_i)`, itself included. Needs no memory of the lattice; the outer layers, with
-    /// neighbours on one side only, come out too large, by a factor up to about 2.5 at a corner.
+    /// neighbours on one side only, come out too large, by a factor of 2.2 at a corner once `h` has been iterated.
     KernelSum,
     /// `V_i = |det dx/dX| dX^D`, the volume of the lattice cell as the flow has deformed it, by finite differences over
-    /// lattice neighbours. Right at the rim too and exact for an affine flow. Where neither a particle nor its lattice
-    /// neighbours have one along an axis, the kernel sum is used.
+    /// lattice neighbours. Right at the rim too and exact for an affine flow. A particle of which neither itself nor
+    /// a lattice neighbour has one along some axis is an error.
     DeformedLattice,
 }
 
@@ -77,6 +77,18 @@ impl<K> LogDensityFit<K> {
         self.volume_of(self.kernel.shape(0.0) + others, h)
     }
 
+    /// The volume of particle `i`; none where it has no lattice cell.
+    fn volume_at<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> Option<f64>
+    where
+        K: Kernel<D>,
+    {
+        match self.volume {
+            VolumeEstimate::KernelSum => Some(self.kernel_volume(cloud, i)),
+            VolumeEstimate::DeformedLattice => lattice_jacobian(cloud.positions, cloud.lattice, i)
+                .map(|edges| determinant(&edges).abs()),
+        }
+    }
+
     /// `log(mu_i / V_i)` of every particle.
     fn log_densities<const D: usize>(
         &self,
@@ -86,35 +98,18 @@ impl<K> LogDensityFit<K> {
     where
         K: Kernel<D>,
     {
-        if self.volume == VolumeEstimate::DeformedLattice
-            && cloud.lattice.len() != cloud.n_particles()
-        {
-            return Err(Error::NoLattice { count: cloud.n_particles() });
-        }
+        // A particle without a volume is NaN here and named below.
         fill(log_density, |i| {
-            let cell = match self.volume {
-                VolumeEstimate::KernelSum => None,
-                VolumeEstimate::DeformedLattice => {
-                    lattice_jacobian(cloud.positions, cloud.lattice, i)
-                }
-            };
-            let volume = cell
-                .map_or_else(|| self.kernel_volume(cloud, i), |edges| determinant(&edges).abs());
-            (cloud.masses[i] / volume).ln()
+            self.volume_at(cloud, i).map_or(f64::NAN, |volume| (cloud.masses[i] / volume).ln())
         });
-        for (particle, &value) in log_density.iter().enumerate() {
-            if !value.is_finite() {
-                let (step, time) = (cloud.step, cloud.time);
-                return Err(Error::LeftStableRange {
-                    step,
-                    time,
-                    particle,
-                    quantity: "log density",
-                    value,
-                });
-            }
+        let Some(particle) = log_density.iter().position(|value| !value.is_finite()) else {
+            return Ok(());
+        };
+        if self.volume_at(cloud, particle).is_none() {
+            return Err(Error::NoLatticeCell { particle });
         }
-        Ok(())
+        let (step, time, value) = (cloud.step, cloud.time, log_density[particle]);
+        Err(Error::LeftStableRange { step, time, particle, quantity: "log density", value })
     }
 
     /// The fit around particle `i`, given the log densities of all.

@@ -42,7 +42,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "log-density-fit/step-0.25",
         |error| matches!(error, Error::StepExceedsDiffusionLimit { .. }),
         (0.0, 2.0),
-        "the step exceeds 0.4 R^2 / D_y once the noise has risen",
+        "the step exceeds 0.25 R^2 / D_y once the noise has risen",
     )?);
     let refused = Combination {
         estimator: Estimator::LogDensityFit(VolumeEstimate::KernelSum),

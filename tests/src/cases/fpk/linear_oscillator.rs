@@ -244,7 +244,7 @@ fn rim(
             "kernel-sum",
             0.2,
             0.6,
-            "neighbours on one side only: V is up to 4 times too large at a corner",
+            "neighbours on one side only: V is 2.2 times too large at a corner",
         ),
         (
             VolumeEstimate::DeformedLattice,

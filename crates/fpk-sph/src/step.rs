@@ -124,7 +124,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
                 limit: self.shortest_step,
             });
         }
-        let (dt, reached) = land(time, rule, end);
+        let (dt, reached) = match field.combination.step {
+            // The paper's rule as it stands: its own length until the end cuts it.
+            StepRule::Courant { .. } if rule < end - time => (rule, time + rule),
+            _ => land(time, rule, end),
+        };
         let (_, covariance) = mean_and_covariance(x, &state.masses);
         Ok(StepReport {
             step: step + 1,

@@ -56,7 +56,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// Where the errors were seen, with room for the order in which roundoff falls.
+/// Where the errors were seen, with room for roundoff: particles that clump amplify it, and landing on other times on the
+/// way to t = 6 moves the second moments by 2 %.
 struct Bands {
     /// Relative error of `E[q^2]`, `E[v^2]` at t = 2, then at t = 6.
     moments: [(f64, f64); 4],
@@ -65,15 +66,15 @@ struct Bands {
 }
 
 const DAMPER: Bands = Bands {
-    moments: [(0.05, 0.09), (-0.08, -0.03), (0.015, 0.055), (-0.025, 0.015)],
-    steps: (1_700.0, 2_700.0),
-    tail: (0.05, 0.35),
+    moments: [(0.04, 0.08), (-0.08, -0.03), (0.015, 0.05), (-0.025, 0.015)],
+    steps: (1_900.0, 2_800.0),
+    tail: (0.05, 0.3),
 };
 
 const LINEAR: Bands = Bands {
-    moments: [(0.0, 0.12), (-0.12, 0.0), (0.05, 0.15), (-0.06, 0.01)],
-    steps: (1_000.0, 4_000.0),
-    tail: (0.03, 0.35),
+    moments: [(0.03, 0.09), (-0.08, -0.03), (0.07, 0.16), (-0.04, 0.04)],
+    steps: (1_000.0, 1_700.0),
+    tail: (0.15, 0.5),
 };
 
 fn moments(judge: &Judge<'_>, bands: &Bands) -> Result<Vec<Claim>, CaseError> {

@@ -3,6 +3,9 @@
 //! A case is one file here and one line in [`ALL`].
 
 mod fpk;
+mod neighbour_search;
+mod particle_store;
+mod smoothing_kernels;
 
 use crate::case::Case;
 pub(crate) use fpk::canor_denoel::config as papers_config;
@@ -17,6 +20,9 @@ pub const ALL: &[Case] = &[
     fpk::spatial_order::CASE,
     fpk::invariance::CASE,
     fpk::failures::CASE,
+    smoothing_kernels::CASE,
+    neighbour_search::CASE,
+    particle_store::CASE,
 ];
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! A chart is one file here and one line in [`ALL`], a sweep one line in [`STABILITY`].
 
 pub(crate) mod fpk;
+mod kernels;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use crate::nearest::nearest;
 use crate::output::write_text;
 
 /// Every chart of `chart`.
-pub const ALL: &[ChartKind] = &[fpk::CHART];
+pub const ALL: &[ChartKind] = &[fpk::CHART, kernels::CHART];
 
 /// Every sweep of `stability`.
 pub const STABILITY: &[ChartKind] = &[];

@@ -12,8 +12,8 @@ use crate::score::{LogDensityFit, ScoreEstimator, SummationDensity, VolumeEstima
 pub enum Method {
     /// The paper as printed: summation density with Lucy's kernel, state coordinates, forward Euler with Courant number
     /// 0.8 (Canor & Denoël 2013, eq 9, 15, 16, 18-20, 23). `support_radius / spacing = 2.5` at the start, which the
-    /// paper does not give. Its lattice is [`InitialLattice::Rectangle`](crate::InitialLattice::Rectangle): 50 x 33
-    /// particles over +-0.6 x +-0.4 in section 4.1.
+    /// paper does not give. Its lattice in section 4.1 is
+    /// [`InitialLattice::CANOR_DENOEL_2013`](crate::InitialLattice::CANOR_DENOEL_2013).
     CanorDenoel2013,
     /// The better one: log-density fit in whitened coordinates with deformed-lattice volumes, Runge-Kutta 4 with steps
     /// up to a fortieth of the period, within the diffusion limit.

@@ -45,6 +45,12 @@ impl<const D: usize> InitialLattice<D> {
     }
 }
 
+impl InitialLattice<2> {
+    /// The lattice of Canor & Denoël 2013, section 4.1: 1,650 particles in a rectangle with the edges 1.2 and 0.8, which
+    /// is 4 standard deviations of its initial law. The counts along the edges are not given; 50 x 33 is nearly square.
+    pub const CANOR_DENOEL_2013: Self = Self::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
+}
+
 /// Particles at the start.
 #[derive(Debug)]
 pub(crate) struct Start<const D: usize> {

@@ -127,7 +127,7 @@ fn the_gradient_of_the_summation_density_is_that_of_its_averaged_kernels() {
 
 #[test]
 fn the_lattice_of_the_paper_misses_the_mass_beyond_its_outer_cells() {
-    let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
+    let lattice = InitialLattice::CANOR_DENOEL_2013;
     let simulation =
         Simulation::new(damper(), &law(), &config(Method::CanorDenoel2013, lattice)).unwrap();
     // The trapezoidal sum over the cells, each half a spacing beyond the edge: erfc(4.082/sqrt 2) + erfc(4.125/sqrt 2).
@@ -266,7 +266,7 @@ fn the_papers_method_with_a_small_support_ends_in_a_collapsed_step() {
         support_over_spacing: 1.5,
         ..Method::CanorDenoel2013.combination()
     });
-    let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
+    let lattice = InitialLattice::CANOR_DENOEL_2013;
     let mut simulation = Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
     let error = simulation.advance_to(10.0).unwrap_err();
     let Error::StepCollapsed { dt, limit, time, .. } = error else { unreachable!("{error}") };

@@ -21,7 +21,7 @@ pub(crate) const CASE: Case = Case {
 pub(crate) fn config(period: f64) -> Config<2> {
     Config {
         method: Method::CanorDenoel2013,
-        lattice: InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] },
+        lattice: InitialLattice::CANOR_DENOEL_2013,
         reference_period: period,
         most_steps: DEFAULT_MOST_STEPS,
     }

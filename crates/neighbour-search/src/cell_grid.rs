@@ -3,8 +3,9 @@
 use crate::cells::Cells;
 use crate::error::Error;
 use crate::list::NeighbourList;
-use crate::radii::{Criterion, Radii, mean};
-use crate::search::{NeighbourSearch, check, squared_distance};
+use crate::radii::{Criterion, Radii};
+use crate::search::{NeighbourSearch, check};
+use crate::simd::{LANES, Lanes, Level, Work, eight};
 
 /// Width of a cell in radii.
 const EDGE: f64 = 1.0;
@@ -21,18 +22,25 @@ const EDGE: f64 = 1.0;
 ///
 /// Time: O(n + candidates), where the candidates are the points in the cells touched, about 9/π (2-D) and 6.4 (3-D)
 /// times the neighbours in a uniform cloud. Memory: 4 bytes for each listed neighbour beside the list itself (8 for
-/// `Gather`, `Max` and `Mean`), and about 50 bytes per point. In five and six dimensions, and where a few cells
+/// `Gather`, `Max` and `Mean`), and about 60 bytes per point. In five and six dimensions, and where a few cells
 /// hold most points, it tends towards brute force.
 #[derive(Debug, Clone)]
 pub struct CellGrid<const D: usize> {
     cells: Cells<D>,
     found: Found,
     scratch: NeighbourList,
+    /// Radii in the order of the cells.
+    own: Vec<f64>,
 }
 
 impl<const D: usize> Default for CellGrid<D> {
     fn default() -> Self {
-        Self { cells: Cells::default(), found: Found::default(), scratch: NeighbourList::new() }
+        Self {
+            cells: Cells::default(),
+            found: Found::default(),
+            scratch: NeighbourList::new(),
+            own: Vec::new(),
+        }
     }
 }
 
@@ -58,55 +66,132 @@ impl<const D: usize> NeighbourSearch<D> for CellGrid<D> {
             Radii::PerPoint { radii, .. } => self.cells.median(radii),
         };
         self.cells.build(points, EDGE * typical);
-        let Self { cells, found, scratch } = self;
+        let Self { cells, found, scratch, own } = self;
         let (radii, criterion) = match radii {
             Radii::Uniform(radius) => {
-                found.scan(cells, |_| radius, gathers);
-                list.transpose(n, |i| found.row(i));
+                found.scan(cells, |_| radius, Sees);
+                list.transpose_symmetric(n, |i| found.row(i));
                 return Ok(());
             }
             Radii::PerPoint { radii, criterion } => (radii, criterion),
         };
-        let radius = |i: u32| radii[i as usize];
+        cells.gather(radii, own);
+        let own = own.as_slice();
         match criterion {
             Criterion::Gather => {
-                found.scan(cells, radius, gathers);
+                found.scan(cells, |slot| own[slot], Sees);
                 scratch.transpose(n, |i| found.row(i));
+                list.transpose(n, |i| scratch.of(i));
             }
             Criterion::Scatter => {
-                found.scan(cells, radius, gathers);
+                found.scan(cells, |slot| own[slot], Sees);
                 list.transpose(n, |i| found.row(i));
-                return Ok(());
             }
             Criterion::Max => {
-                found.scan(cells, radius, |i, h_i, j, d2| {
-                    d2 <= h_i * h_i && sees_farther(i, h_i, j, radius(j))
-                });
+                found.scan(cells, |slot| own[slot], SeesFarther { own });
                 scratch.mutual(n, |i| found.row(i));
+                list.transpose_symmetric(n, |i| scratch.of(i));
             }
             Criterion::Mean => {
-                found.scan(cells, radius, |i, h_i, j, d2| {
-                    let limit = mean(h_i, radius(j));
-                    d2 <= limit * limit && sees_farther(i, h_i, j, radius(j))
-                });
+                found.scan(cells, |slot| own[slot], MeanSees { own });
                 scratch.mutual(n, |i| found.row(i));
+                list.transpose_symmetric(n, |i| scratch.of(i));
             }
         }
-        list.transpose(n, |i| scratch.of(i));
         Ok(())
     }
 }
 
-/// Whether `i` sees `j` with its own radius.
-#[inline]
-fn gathers(i: u32, h_i: f64, j: u32, d2: f64) -> bool {
-    i != j && d2 <= h_i * h_i
+/// The point that looks for its neighbours.
+#[derive(Clone, Copy)]
+struct Seeker {
+    id: u32,
+    radius: f64,
 }
 
-/// Which of a pair finds it: the one that sees farther, and of two alike the one with the larger index.
-#[inline]
-fn sees_farther(i: u32, h_i: f64, j: u32, h_j: f64) -> bool {
-    h_j < h_i || (h_j <= h_i && j < i)
+/// Which of eight candidates a point lists.
+trait Test: Copy {
+    /// `slot` is that of the first, `d2` are their squared distances; the point itself may be among them.
+    fn hits<L: Lanes>(
+        self,
+        lanes: L,
+        i: Seeker,
+        slot: usize,
+        ids: &[u32; LANES],
+        d2: L::Vector,
+    ) -> u8;
+}
+
+/// Whether `i` sees `j` with its own radius.
+#[derive(Clone, Copy)]
+struct Sees;
+
+impl Test for Sees {
+    #[inline(always)]
+    fn hits<L: Lanes>(
+        self,
+        lanes: L,
+        i: Seeker,
+        _: usize,
+        ids: &[u32; LANES],
+        d2: L::Vector,
+    ) -> u8 {
+        lanes.at_most(d2, lanes.splat(i.radius * i.radius)) & lanes.other(ids, i.id)
+    }
+}
+
+/// Of a pair it is found by the one that sees farther, and of two alike by the one with the larger index.
+#[derive(Clone, Copy)]
+struct SeesFarther<'a> {
+    /// Radii in the order of the cells.
+    own: &'a [f64],
+}
+
+impl SeesFarther<'_> {
+    #[inline(always)]
+    fn farther<L: Lanes>(lanes: L, i: Seeker, h_j: L::Vector, ids: &[u32; LANES]) -> u8 {
+        let h_i = lanes.splat(i.radius);
+        lanes.below(h_j, h_i) | lanes.at_most(h_j, h_i) & lanes.before(ids, i.id)
+    }
+}
+
+impl Test for SeesFarther<'_> {
+    #[inline(always)]
+    fn hits<L: Lanes>(
+        self,
+        lanes: L,
+        i: Seeker,
+        slot: usize,
+        ids: &[u32; LANES],
+        d2: L::Vector,
+    ) -> u8 {
+        let h_j = lanes.load(eight(self.own, slot));
+        lanes.at_most(d2, lanes.splat(i.radius * i.radius)) & Self::farther(lanes, i, h_j, ids)
+    }
+}
+
+/// Whether the mean of both radii reaches, found by the point that sees farther.
+#[derive(Clone, Copy)]
+struct MeanSees<'a> {
+    /// Radii in the order of the cells.
+    own: &'a [f64],
+}
+
+impl Test for MeanSees<'_> {
+    #[inline(always)]
+    fn hits<L: Lanes>(
+        self,
+        lanes: L,
+        i: Seeker,
+        slot: usize,
+        ids: &[u32; LANES],
+        d2: L::Vector,
+    ) -> u8 {
+        let h_j = lanes.load(eight(self.own, slot));
+        // As `radii::mean` has it.
+        let limit = lanes.mul(lanes.splat(0.5), lanes.add(lanes.splat(i.radius), h_j));
+        lanes.at_most(d2, lanes.mul(limit, limit)) & SeesFarther::farther(lanes, i, h_j, ids)
+    }
 }
 
 /// What the scan found: rows in the order of the cells, unsorted.
@@ -125,37 +210,71 @@ impl Found {
         &self.indices[begin..end]
     }
 
-    /// Tests every point against the points in the cells that its ball touches.
-    ///
-    /// `radius(i)` is how far `i` looks; `hit(i, radius of i, j, squared distance)` decides, `i` itself included.
-    #[inline]
+    /// Tests every point against the points in the cells that its ball touches; `radius(slot)` is how far it looks.
     fn scan<const D: usize>(
         &mut self,
         cells: &Cells<D>,
-        radius: impl Fn(u32) -> f64,
-        hit: impl Fn(u32, f64, u32, f64) -> bool,
+        radius: impl Fn(usize) -> f64,
+        test: impl Test,
     ) {
-        let (points, ids) = cells.in_order();
-        self.ends.resize(points.len(), [0; 2]);
+        self.scan_at(Level::best(), cells, radius, test);
+    }
+
+    fn scan_at<const D: usize>(
+        &mut self,
+        level: Level,
+        cells: &Cells<D>,
+        radius: impl Fn(usize) -> f64,
+        test: impl Test,
+    ) {
+        level.run(Scan { found: self, cells, radius, test });
+    }
+}
+
+/// The scan, for every level of instructions.
+struct Scan<'a, const D: usize, R, T> {
+    found: &'a mut Found,
+    cells: &'a Cells<D>,
+    radius: R,
+    test: T,
+}
+
+impl<const D: usize, R: Fn(usize) -> f64, T: Test> Work for Scan<'_, D, R, T> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { found: Found { indices, ends }, cells, radius, test } = self;
+        let (columns, ids) = (cells.columns(), cells.ids());
+        let n = cells.n_points();
+        ends.resize(n, [0; 2]);
         let mut filled = 0;
-        for (x_i, &i) in points.iter().zip(ids) {
-            let h_i = radius(i);
+        for slot in 0..n {
+            let i = Seeker { id: ids[slot], radius: radius(slot) };
+            let x_i: [f64; D] = core::array::from_fn(|axis| columns[axis][slot]);
             let begin = filled;
-            cells.for_each_range(x_i, h_i, |range| {
-                let (points, ids) = (&points[range.clone()], &ids[range]);
-                if self.indices.len() < filled + ids.len() {
-                    self.indices.resize(2 * filled + ids.len(), 0);
+            cells.for_each_range(&x_i, i.radius, |range| {
+                // Eight are written at a time, however few of them are hits.
+                if indices.len() < filled + range.len() + LANES {
+                    indices.resize(2 * filled + range.len() + LANES, 0);
                 }
-                // Every candidate is written, and the next writes over it unless it was a hit: no branch to mispredict.
-                let row = &mut self.indices[filled..filled + ids.len()];
-                let mut hits = 0;
-                for (x_j, &j) in points.iter().zip(ids) {
-                    row[hits] = j;
-                    hits += usize::from(hit(i, h_i, j, squared_distance(x_i, x_j)));
+                let mut first = range.start;
+                while first < range.end {
+                    let mut d2 = lanes.splat(0.0);
+                    for axis in 0..D {
+                        let x_j = lanes.load(eight(columns[axis], first));
+                        let along = lanes.sub(lanes.splat(x_i[axis]), x_j);
+                        d2 = lanes.add(d2, lanes.mul(along, along));
+                    }
+                    let ids = eight(ids, first);
+                    let in_range = 0xff_u8 >> LANES.saturating_sub(range.end - first);
+                    let hits = test.hits(lanes, i, first, ids, d2) & in_range;
+                    if let Some(out) = indices[filled..].first_chunk_mut() {
+                        lanes.compress(hits, ids, out);
+                    }
+                    filled += hits.count_ones() as usize;
+                    first += LANES;
                 }
-                filled += hits;
             });
-            self.ends[i as usize] = [begin, filled];
+            ends[i.id as usize] = [begin, filled];
         }
     }
 }
@@ -174,26 +293,42 @@ mod tests {
         for criterion in Criterion::ALL {
             let radii = Radii::PerPoint { radii: &radii, criterion };
             grid.full_list(&points, radii, &mut list).unwrap();
-            let before = (
-                grid.found.indices.as_ptr(),
-                list.of(0).as_ptr(),
-                grid.cells.in_order().0.as_ptr(),
-            );
+            let before =
+                (grid.found.indices.as_ptr(), list.of(0).as_ptr(), grid.cells.ids().as_ptr());
             grid.full_list(&turned, radii, &mut list).unwrap();
-            let after = (
-                grid.found.indices.as_ptr(),
-                list.of(0).as_ptr(),
-                grid.cells.in_order().0.as_ptr(),
-            );
+            let after =
+                (grid.found.indices.as_ptr(), list.of(0).as_ptr(), grid.cells.ids().as_ptr());
             assert_eq!(before, after);
         }
     }
 
     #[test]
-    fn of_a_pair_exactly_one_sees_farther() {
-        for (h_i, h_j) in [(1.0, 2.0), (2.0, 1.0), (1.0, 1.0)] {
-            assert!(sees_farther(3, h_i, 5, h_j) != sees_farther(5, h_j, 3, h_i));
-            assert!(!sees_farther(4, h_i, 4, h_i));
+    fn every_level_of_this_machine_finds_the_same_rows() {
+        // Multiples of a turn by the golden angle: no two distances alike, but for the duplicates of the last fifth.
+        let points: Vec<[f64; 3]> = (0..500)
+            .map(|k| f64::from(if k < 400 { k } else { k - 150 }))
+            .map(|k| [(2.4 * k).cos(), (2.4 * k).sin(), 0.005 * k])
+            .collect();
+        let radii: Vec<f64> = (0..500).map(|k| 0.1 + 0.05 * f64::from(k % 7)).collect();
+        let (mut cells, mut own) = (Cells::default(), Vec::new());
+        cells.build(&points, 0.2);
+        cells.gather(&radii, &mut own);
+        let own = own.as_slice();
+        let rows = |level, test: usize| {
+            let (mut found, radius) = (Found::default(), |slot: usize| own[slot]);
+            match test {
+                0 => found.scan_at(level, &cells, radius, Sees),
+                1 => found.scan_at(level, &cells, radius, SeesFarther { own }),
+                _ => found.scan_at(level, &cells, radius, MeanSees { own }),
+            }
+            (0..500).map(|i| found.row(i).to_vec()).collect::<Vec<_>>()
+        };
+        for test in 0..3 {
+            let portable = rows(Level::Portable, test);
+            assert!(portable.iter().flatten().count() > 1000);
+            for level in Level::all() {
+                assert_eq!(rows(level, test), portable, "{level:?}");
+            }
         }
     }
 }

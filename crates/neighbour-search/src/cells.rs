@@ -1,6 +1,7 @@
 //! Points sorted into the cells of a regular grid.
 
 use crate::search::stored;
+use crate::simd::LANES;
 
 /// Cells allowed for each point, and a few for small clouds: what bounds the memory whatever the cloud.
 const CELLS_PER_POINT: usize = 2;
@@ -27,8 +28,10 @@ pub(crate) struct Cells<const D: usize> {
     start: Vec<u32>,
     /// Cell of each point, by its index.
     cell_of: Vec<u32>,
+    /// Point of each slot, and `LANES` more of no account, so that eight can be read from any slot.
     ids: Vec<u32>,
-    points: Vec<[f64; D]>,
+    /// Coordinates of each slot, axis by axis, padded alike.
+    columns: [Vec<f64>; D],
     sample: Vec<f64>,
 }
 
@@ -41,16 +44,34 @@ impl<const D: usize> Default for Cells<D> {
             start: Vec::new(),
             cell_of: Vec::new(),
             ids: Vec::new(),
-            points: Vec::new(),
+            columns: [const { Vec::new() }; D],
             sample: Vec::new(),
         }
     }
 }
 
 impl<const D: usize> Cells<D> {
-    /// Points in the order of the cells, with their indices.
-    pub(crate) fn in_order(&self) -> (&[[f64; D]], &[u32]) {
-        (&self.points, &self.ids)
+    /// Indices of the points in the order of the cells, and padding.
+    pub(crate) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
+    /// Coordinates in the order of the cells along each axis, and padding.
+    #[inline(always)]
+    pub(crate) fn columns(&self) -> [&[f64]; D] {
+        core::array::from_fn(|axis| self.columns[axis].as_slice())
+    }
+
+    /// Number of points.
+    pub(crate) fn n_points(&self) -> usize {
+        self.cell_of.len()
+    }
+
+    /// Writes one value of each point in the order of the cells, and padding.
+    pub(crate) fn gather(&self, values: &[f64], column: &mut Vec<f64>) {
+        column.clear();
+        column.extend(self.ids[..self.n_points()].iter().map(|&id| values[id as usize]));
+        column.resize(self.ids.len(), 0.0);
     }
 
     /// Median of the radii: half of the points see farther than a cell.
@@ -82,19 +103,24 @@ impl<const D: usize> Cells<D> {
         for cursor in cursors.iter_mut() {
             total += core::mem::replace(cursor, total);
         }
-        self.ids.resize(points.len(), 0);
-        self.points.resize(points.len(), [0.0; D]);
-        for (id, (x, &cell)) in points.iter().zip(&cell_of).enumerate() {
+        self.ids.clear();
+        self.ids.resize(points.len() + LANES, 0);
+        for (id, &cell) in cell_of.iter().enumerate() {
             let cursor = &mut cursors[cell as usize];
             self.ids[*cursor as usize] = stored(id);
-            self.points[*cursor as usize] = *x;
             *cursor += 1;
+        }
+        for (axis, column) in self.columns.iter_mut().enumerate() {
+            column.clear();
+            let slots = self.ids[..points.len()].iter();
+            column.extend(slots.map(|&id| points[id as usize][axis]));
+            column.resize(points.len() + LANES, 0.0);
         }
         self.cell_of = cell_of;
     }
 
     /// Hands `visit` every range of slots whose cells a ball touches: one range for each row of cells along the first axis.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn for_each_range(
         &self,
         centre: &[f64; D],
@@ -127,13 +153,13 @@ impl<const D: usize> Cells<D> {
     }
 
     /// Number of a cell; the first axis turns fastest.
-    #[inline]
+    #[inline(always)]
     fn index(&self, cell: &[usize; D]) -> usize {
         (0..D).rev().fold(0, |index, axis| index * self.count[axis] + cell[axis])
     }
 
     /// Cell of a coordinate along an axis, held to the grid.
-    #[inline]
+    #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -244,9 +270,8 @@ mod tests {
         let points = [[2.5], [0.5], [2.6], [0.4], [1.5]];
         let mut cells = Cells::default();
         cells.build(&points, 0.7);
-        let (in_order, ids) = cells.in_order();
-        assert_eq!(ids, [1, 3, 4, 0, 2]);
-        assert_eq!(in_order[2][0].to_bits(), 1.5_f64.to_bits());
+        assert_eq!(cells.ids()[..cells.n_points()], [1, 3, 4, 0, 2]);
+        assert_eq!(cells.columns()[0][2].to_bits(), 1.5_f64.to_bits());
     }
 
     #[test]
@@ -255,11 +280,11 @@ mod tests {
             (0..100).map(|k| [f64::from(k % 10), f64::from(k / 10)]).collect();
         let mut cells = Cells::default();
         cells.build(&points, 1.0);
-        let (in_order, _) = cells.in_order();
+        let [x, y] = cells.columns();
         let mut found = 0;
         cells.for_each_range(&[4.0, 5.0], 2.0, |range| {
-            let inside = |x: &&[f64; 2]| (x[0] - 4.0).powi(2) + (x[1] - 5.0).powi(2) <= 4.0;
-            found += in_order[range].iter().filter(inside).count();
+            let inside = |&k: &usize| (x[k] - 4.0).powi(2) + (y[k] - 5.0).powi(2) <= 4.0;
+            found += range.filter(inside).count();
         });
         // Integer points within 2 of one of them: 1 + 4 + 4 + 4.
         assert_eq!(found, 13);

@@ -1,4 +1,8 @@
 #![doc = include_str!("../README.md")]
+#![allow(
+    clippy::inline_always,
+    reason = "what a loop over lanes calls must be compiled within it, or it lacks its instructions"
+)]
 
 mod brute_force;
 mod cell_grid;
@@ -7,6 +11,7 @@ mod error;
 mod list;
 mod radii;
 mod search;
+mod simd;
 
 pub use brute_force::BruteForce;
 pub use cell_grid::CellGrid;

@@ -169,6 +169,25 @@ impl NeighbourList {
         self.place::<false>(n, row);
     }
 
+    /// Transposes `n` rows of which every entry is mutual, so that a row is as long as its transpose: sorts them.
+    pub(crate) fn transpose_symmetric<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
+        self.offsets.clear();
+        self.offsets.push(0);
+        let mut total = 0;
+        // Shifted by one, so that what is the cursor of row j while placing is its end afterwards.
+        for i in 0..n {
+            self.offsets.push(total);
+            total += row(i).len();
+        }
+        self.indices.resize(total, 0);
+        let cursors = &mut self.offsets[1..];
+        for i in 0..n {
+            for &j in row(i) {
+                place_one(&mut self.indices, &mut cursors[j as usize], stored(i));
+            }
+        }
+    }
+
     /// Lists each entry `j` of `row(i)` both ways, `j` under `i` and `i` under `j`; rows come out unsorted.
     pub(crate) fn mutual<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
         self.place::<true>(n, row);

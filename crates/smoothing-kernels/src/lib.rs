@@ -4,6 +4,7 @@ mod cubic_spline;
 mod geometry;
 mod kernel;
 mod lucy;
+mod marginal;
 mod quartic_spline;
 mod quintic_spline;
 mod truncated_gaussian;

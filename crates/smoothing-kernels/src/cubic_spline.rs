@@ -1,6 +1,6 @@
 //! The cubic B-spline.
 
-use crate::geometry::{beta, power, unit_sphere_surface};
+use crate::geometry::{beta, capped, positive_part, power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
 /// The cubic B-spline, on two smoothing lengths: the usual kernel of smoothed particle hydrodynamics.
@@ -24,34 +24,26 @@ impl<const D: usize> Kernel<D> for CubicSpline {
 
     #[inline]
     fn shape(&self, q: f64) -> f64 {
-        if q >= 2.0 {
-            return 0.0;
-        }
+        let q = capped(q, 2.0);
         let to_edge = 2.0 - q;
-        if q >= 1.0 {
-            return 0.25 * (to_edge * to_edge * to_edge);
-        }
-        1.0 - 0.75 * (q * q) * to_edge
+        let outer = 0.25 * (to_edge * to_edge * to_edge);
+        let inner = 1.0 - 0.75 * (q * q) * to_edge;
+        if q >= 1.0 { outer } else { inner }
     }
 
     #[inline]
     fn shape_derivative(&self, q: f64) -> f64 {
-        if q >= 2.0 {
-            return 0.0;
-        }
-        let to_edge = 2.0 - q;
-        if q >= 1.0 {
-            return -0.75 * (to_edge * to_edge);
-        }
-        q * (2.25 * q - 3.0)
+        let to_edge = positive_part(2.0 - q);
+        let outer = -0.75 * (to_edge * to_edge);
+        let inner = q * (2.25 * q - 3.0);
+        if q >= 1.0 { outer } else { inner }
     }
 
     #[inline]
     fn shape_derivative_over_q(&self, q: f64) -> f64 {
-        if q >= 1.0 {
-            return Kernel::<D>::shape_derivative(self, q) / q;
-        }
-        2.25 * q - 3.0
+        let outer = Kernel::<D>::shape_derivative(self, q) / q;
+        let inner = 2.25 * q - 3.0;
+        if q >= 1.0 { outer } else { inner }
     }
 
     #[inline]

@@ -25,6 +25,19 @@ pub(crate) const fn integer_power(base: f64, exponent: usize) -> f64 {
     product
 }
 
+/// `max(a, 0)`, and NaN for NaN: one instruction, where `f64::max` would turn NaN into 0.
+#[inline]
+pub(crate) const fn positive_part(a: f64) -> f64 {
+    if a < 0.0 { 0.0 } else { a }
+}
+
+/// `min(q, edge)`, and NaN for NaN. A polynomial that vanishes at its edge vanishes beyond it when its argument is
+/// capped there, without a branch, and an infinite argument meets no zero.
+#[inline]
+pub(crate) const fn capped(q: f64, edge: f64) -> f64 {
+    if q > edge { edge } else { q }
+}
+
 /// Surface of the unit sphere in `D` dimensions,
 ///
 /// $$ S_D = \frac{2 \pi^{D/2}}{\Gamma(D/2)}, \qquad S_1 = 2, \quad S_2 = 2\pi, \quad S_{D} = \frac{2\pi}{D-2} S_{D-2}, $$

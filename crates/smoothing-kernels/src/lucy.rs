@@ -1,6 +1,6 @@
 //! Lucy's kernel.
 
-use crate::geometry::{beta, unit_sphere_surface};
+use crate::geometry::{beta, capped, unit_sphere_surface};
 use crate::kernel::Kernel;
 
 /// Lucy's kernel: quartic, bell-shaped, on one smoothing length.
@@ -26,24 +26,19 @@ impl<const D: usize> Kernel<D> for Lucy {
 
     #[inline]
     fn shape(&self, q: f64) -> f64 {
-        if q >= 1.0 {
-            return 0.0;
-        }
+        let q = capped(q, 1.0);
         let to_edge = 1.0 - q;
         (1.0 + 3.0 * q) * (to_edge * to_edge * to_edge)
     }
 
     #[inline]
     fn shape_derivative(&self, q: f64) -> f64 {
-        if q >= 1.0 { 0.0 } else { q * Kernel::<D>::shape_derivative_over_q(self, q) }
+        capped(q, 1.0) * Kernel::<D>::shape_derivative_over_q(self, q)
     }
 
     #[inline]
     fn shape_derivative_over_q(&self, q: f64) -> f64 {
-        if q >= 1.0 {
-            return 0.0;
-        }
-        let to_edge = 1.0 - q;
+        let to_edge = 1.0 - capped(q, 1.0);
         -12.0 * (to_edge * to_edge)
     }
 

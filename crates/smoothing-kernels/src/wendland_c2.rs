@@ -1,6 +1,6 @@
 //! Wendland's C2 function.
 
-use crate::geometry::{beta, integer_power, power, unit_sphere_surface};
+use crate::geometry::{beta, capped, integer_power, power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
 /// Wendland's C2 function of the given dimension, on two smoothing lengths.
@@ -34,27 +34,21 @@ impl<const D: usize> Kernel<D> for WendlandC2 {
 
     #[inline]
     fn shape(&self, q: f64) -> f64 {
-        if q >= 2.0 {
-            return 0.0;
-        }
         let m = const { exponent::<D>() };
-        let x = 0.5 * q;
+        let x = 0.5 * capped(q, 2.0);
         integer_power(1.0 - x, m) * (1.0 + m as f64 * x)
     }
 
     #[inline]
     fn shape_derivative(&self, q: f64) -> f64 {
-        if q >= 2.0 { 0.0 } else { q * Kernel::<D>::shape_derivative_over_q(self, q) }
+        capped(q, 2.0) * Kernel::<D>::shape_derivative_over_q(self, q)
     }
 
     /// From `dw/dx = -m (m+1) x (1-x)^(m-1)`.
     #[inline]
     fn shape_derivative_over_q(&self, q: f64) -> f64 {
-        if q >= 2.0 {
-            return 0.0;
-        }
         let m = const { exponent::<D>() };
-        -0.25 * (m * (m + 1)) as f64 * integer_power(1.0 - 0.5 * q, m - 1)
+        -0.25 * (m * (m + 1)) as f64 * integer_power(1.0 - 0.5 * capped(q, 2.0), m - 1)
     }
 
     #[inline]

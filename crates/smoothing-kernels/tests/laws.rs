@@ -51,8 +51,8 @@ fn integral_is_one<const D: usize>(h: f64) {
     let kernels = all::<D>();
     assert!(!kernels.is_empty());
     for (name, kernel) in kernels {
-        // 60 panels over the support put a panel's edge on q = 1, where the spline changes piece. Polynomials are of
-        // degree 12 at most, the Gaussian is smooth: the quadrature is good to roundoff, some 300 terms of it.
+        // 60 panels over the support put a panel's edge wherever a spline changes piece. Polynomials are of degree 18
+        // at most, the Gaussian is smooth: the quadrature is good to roundoff, some 300 terms of it.
         let shell = |r: f64| kernel.value(r, h) * surface(D) * power::<D>(r) / r;
         let integral = quadrature(shell, 0.0, kernel.support_radius(h), 60);
         assert!((integral - 1.0).abs() < 1e-13, "{name} in {D} dimensions: {integral}");

@@ -1,0 +1,140 @@
+//! Moments and marginals of any kernel, by one fixed quadrature.
+
+use core::f64::consts::PI;
+
+use crate::geometry::{integer_power, unit_sphere_surface};
+use crate::kernel::Kernel;
+
+/// Panels over the support. A multiple of 2, 5 and 3, so that a panel ends at every knot of the cubic, quartic and
+/// quintic splines.
+const N_PANELS: u16 = 60;
+
+/// Nodes and weights of five-point Gauss-Legendre on [-1, 1]: DLMF table 3.5.2.
+const RULE: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.0, 0.568_888_888_888_888_9),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
+
+/// `∫_a^b f`, exact for polynomials of degree 9.
+fn gauss_legendre(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (centre, half) = (0.5 * (a + b), 0.5 * (b - a));
+    half * RULE.iter().map(|(node, weight)| weight * f(centre + half * node)).sum::<f64>()
+}
+
+/// `κ_D = S_D σ_D / D ∫ w(q) q^(D+1) dq`, since the squares of the `D` coordinates share `q^2` alike.
+pub(crate) fn second_moment<const D: usize, K: Kernel<D> + ?Sized>(kernel: &K) -> f64 {
+    let width = kernel.support() / f64::from(N_PANELS);
+    let integral: f64 = (0..N_PANELS)
+        .map(|panel| {
+            let start = f64::from(panel) * width;
+            gauss_legendre(start, start + width, |q| kernel.shape(q) * integer_power(q, D + 1))
+        })
+        .sum();
+    unit_sphere_surface::<D>() * kernel.normalisation() * integral / D as f64
+}
+
+/// Marginal density at `c`, in units of `h`. With `ρ^2 = t^2 - c^2`, and integrated by parts,
+///
+/// $$ \sigma_D V_{D-1} \Bigl[ \int_c^s -w'(t)\, \rho^{D-1} dt + w(s^-)\, \rho(s)^{D-1} \Bigr] . $$
+pub(crate) fn density<const D: usize, K: Kernel<D> + ?Sized>(kernel: &K, c: f64) -> f64 {
+    let c = c.abs();
+    if D == 1 {
+        return kernel.normalisation() * kernel.shape(c);
+    }
+    let layers = layers(kernel, c, |_, rho| integer_power(rho, D - 1));
+    kernel.normalisation() * unit_ball_volume(D - 1) * layers
+}
+
+/// Probability that the coordinate is at most `c`, in units of `h`: the kernel is a heap of balls, and what lies beyond
+/// `c` a heap of caps.
+pub(crate) fn distribution<const D: usize, K: Kernel<D> + ?Sized>(kernel: &K, c: f64) -> f64 {
+    let distance = c.abs();
+    let caps = layers(kernel, distance, |t, rho| cap::<D>(t, distance, rho));
+    let beyond = kernel.normalisation() * unit_ball_volume(D - 1) * caps;
+    if c < 0.0 { beyond } else { 1.0 - beyond }
+}
+
+/// `∫_c^s -w'(t) f(t, ρ) dt + w(s^-) f(s, ρ(s))`, the variable of integration being `ρ = sqrt(t^2 - c^2)`, in which the
+/// root at `t = c` is smooth: `dt = ρ dρ / t`.
+fn layers<const D: usize, K: Kernel<D> + ?Sized>(
+    kernel: &K,
+    c: f64,
+    f: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    let support = kernel.support();
+    if c >= support {
+        return 0.0;
+    }
+    let rho_of = |t: f64| ((t - c) * (t + c)).sqrt();
+    let integrand = |rho: f64| {
+        let t = c.hypot(rho);
+        -kernel.shape_derivative_over_q(t) * rho * f(t, rho)
+    };
+    let mut sum = 0.0;
+    let mut from = 0.0;
+    for panel in 1..=N_PANELS {
+        let end = support * (f64::from(panel) / f64::from(N_PANELS));
+        if end > c {
+            let to = rho_of(end);
+            sum += gauss_legendre(from, to, integrand);
+            from = to;
+        }
+    }
+    // The last value before the edge: zero to roundoff, but for a kernel that is cut off.
+    let step = kernel.shape(support * (1.0 - f64::EPSILON));
+    // A NaN is above no panel's end, but it is in `c`, and so in the last term.
+    sum + step * f(support, rho_of(support))
+}
+
+/// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`, the volume of the cap of a ball of radius `t` over the volume of the unit ball in
+/// one dimension less. With `n = D - 1`,
+///
+/// $$ J_n = \frac{n t^2 J_{n-2} - c\,\rho^n}{n + 1}, \quad J_0 = t - c, \quad
+///    J_1 = \tfrac12 \Bigl(t^2 \arctan\frac{\rho}{c} - c \rho\Bigr), \quad \rho^2 = t^2 - c^2 . $$
+fn cap<const D: usize>(t: f64, c: f64, rho: f64) -> f64 {
+    let square = t * t;
+    let (mut n, mut volume) =
+        if D % 2 == 1 { (0, t - c) } else { (1, 0.5 * (square * rho.atan2(c) - c * rho)) };
+    while n + 1 < D {
+        n += 2;
+        volume = (n as f64 * square * volume - c * integer_power(rho, n)) / (n + 1) as f64;
+    }
+    volume
+}
+
+/// Volume of the unit ball: `V_0 = 1`, `V_1 = 2`, `V_n = 2π/n V_(n-2)`.
+fn unit_ball_volume(dimension: usize) -> f64 {
+    let (mut n, mut volume) = if dimension.is_multiple_of(2) { (0, 1.0) } else { (1, 2.0) };
+    while n < dimension {
+        n += 2;
+        volume *= 2.0 * PI / n as f64;
+    }
+    volume
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volume_of_the_unit_ball_is_its_surface_over_the_dimension() {
+        assert!((unit_ball_volume(0) - 1.0).abs() < 1e-15);
+        assert!((unit_ball_volume(1) - unit_sphere_surface::<1>()).abs() < 1e-15);
+        assert!((unit_ball_volume(4) - unit_sphere_surface::<4>() / 4.0).abs() < 1e-14);
+        assert!((unit_ball_volume(5) - unit_sphere_surface::<5>() / 5.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn cap_of_half_a_ball_is_half_the_ball() {
+        // V_(D-1) J = V_D / 2 at c = 0; and the cap of height 1/2 of the unit ball is 5π/24.
+        let half_disc = unit_ball_volume(1) * cap::<2>(1.0, 0.0, 1.0);
+        assert!((half_disc - 0.5 * PI).abs() < 1e-15);
+        let half_ball = unit_ball_volume(5) * cap::<6>(1.0, 0.0, 1.0);
+        assert!((half_ball - 0.5 * unit_ball_volume(6)).abs() < 1e-14);
+        let cap_of_ball = unit_ball_volume(2) * cap::<3>(1.0, 0.5, 0.75_f64.sqrt());
+        assert!((cap_of_ball - 5.0 * PI / 24.0).abs() < 1e-15);
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::io::{ErrorKind, Read, Write};
 
+use crate::column::SymmetricTensor;
 use crate::error::Error;
 
 /// Values moved between buffer and stream at a time: what a false length can make the reader allocate.
@@ -41,6 +42,16 @@ impl<T: Bytes, const D: usize> Bytes for [T; D] {
     }
     fn take(bytes: &[u8]) -> Self {
         core::array::from_fn(|k| T::take(&bytes[k * T::SIZE..]))
+    }
+}
+
+impl Bytes for SymmetricTensor {
+    const SIZE: usize = <[f64; 6]>::SIZE;
+    fn put(self, out: &mut Vec<u8>) {
+        self.0.put(out);
+    }
+    fn take(bytes: &[u8]) -> Self {
+        Self(<[f64; 6]>::take(bytes))
     }
 }
 

@@ -16,9 +16,46 @@ pub enum Kind {
     Integer,
     /// `[i32; D]`
     Index,
+    /// [`SymmetricTensor`]
+    Tensor,
+    /// `u8`
+    Flag,
+    /// `u32`
+    Label,
 }
 
-/// A type that a column of a store in `D` dimensions can hold: `f64`, `[f64; D]`, `i64` or `[i32; D]`.
+/// A symmetric 3 x 3 tensor, in whatever dimension the particles are: `[xx, yy, zz, xy, yz, xz]`, the order of VTK.
+///
+/// A type of its own, because six bare numbers are a point in six dimensions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(transparent)]
+pub struct SymmetricTensor(pub [f64; 6]);
+
+impl SymmetricTensor {
+    /// From its matrix, of which the upper triangle is read.
+    ///
+    /// ```
+    /// use particle_store::SymmetricTensor;
+    ///
+    /// let matrix = [[1.0, 4.0, 6.0], [4.0, 2.0, 5.0], [6.0, 5.0, 3.0]];
+    /// assert_eq!(SymmetricTensor::from_matrix(matrix).0, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    /// assert_eq!(SymmetricTensor::from_matrix(matrix).to_matrix(), matrix);
+    /// ```
+    #[must_use]
+    pub const fn from_matrix(m: [[f64; 3]; 3]) -> Self {
+        Self([m[0][0], m[1][1], m[2][2], m[0][1], m[1][2], m[0][2]])
+    }
+
+    /// The whole matrix.
+    #[must_use]
+    pub const fn to_matrix(self) -> [[f64; 3]; 3] {
+        let [xx, yy, zz, xy, yz, xz] = self.0;
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+}
+
+/// A type that a column of a store in `D` dimensions can hold: `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`,
+/// `u8` or `u32`.
 ///
 /// Sealed: a snapshot knows these kinds and no others.
 pub trait Element<const D: usize>: sealed::Stored<D> {
@@ -59,16 +96,33 @@ pub enum Values<const D: usize> {
     Point(Vec<[f64; D]>),
     Integer(Vec<i64>),
     Index(Vec<[i32; D]>),
+    Tensor(Vec<SymmetricTensor>),
+    Flag(Vec<u8>),
+    Label(Vec<u32>),
 }
+
+/// The same expression for the values of every kind.
+macro_rules! of_any_kind {
+    ($values:expr, $vector:ident => $body:expr) => {
+        match $values {
+            $crate::column::Values::Scalar($vector) => $body,
+            $crate::column::Values::Point($vector) => $body,
+            $crate::column::Values::Integer($vector) => $body,
+            $crate::column::Values::Index($vector) => $body,
+            $crate::column::Values::Tensor($vector) => $body,
+            $crate::column::Values::Flag($vector) => $body,
+            $crate::column::Values::Label($vector) => $body,
+        }
+    };
+}
+pub(crate) use of_any_kind;
 
 impl<const D: usize> Values<D> {
     pub(crate) fn kind(&self) -> Kind {
-        match self {
-            Self::Scalar(_) => Kind::Scalar,
-            Self::Point(_) => Kind::Point,
-            Self::Integer(_) => Kind::Integer,
-            Self::Index(_) => Kind::Index,
+        fn kind<T: Element<D>, const D: usize>(_: &[T]) -> Kind {
+            T::KIND
         }
+        of_any_kind!(self, values => kind::<_, D>(values))
     }
 }
 
@@ -79,6 +133,9 @@ pub(crate) struct Scratch<const D: usize> {
     points: Vec<[f64; D]>,
     integers: Vec<i64>,
     indices: Vec<[i32; D]>,
+    tensors: Vec<SymmetricTensor>,
+    flags: Vec<u8>,
+    labels: Vec<u32>,
 }
 
 impl<const D: usize> Values<D> {
@@ -89,16 +146,14 @@ impl<const D: usize> Values<D> {
             Self::Point(values) => permute(values, order, &mut scratch.points),
             Self::Integer(values) => permute(values, order, &mut scratch.integers),
             Self::Index(values) => permute(values, order, &mut scratch.indices),
+            Self::Tensor(values) => permute(values, order, &mut scratch.tensors),
+            Self::Flag(values) => permute(values, order, &mut scratch.flags),
+            Self::Label(values) => permute(values, order, &mut scratch.labels),
         }
     }
 
     pub(crate) fn retain(&mut self, keep: &[bool]) {
-        match self {
-            Self::Scalar(values) => retain(values, keep),
-            Self::Point(values) => retain(values, keep),
-            Self::Integer(values) => retain(values, keep),
-            Self::Index(values) => retain(values, keep),
-        }
+        of_any_kind!(self, values => retain(values, keep));
     }
 }
 
@@ -142,4 +197,7 @@ macro_rules! elements {
         }
     )*};
 }
-elements!(f64 => Scalar, [f64; D] => Point, i64 => Integer, [i32; D] => Index);
+elements!(
+    f64 => Scalar, [f64; D] => Point, i64 => Integer, [i32; D] => Index,
+    SymmetricTensor => Tensor, u8 => Flag, u32 => Label
+);

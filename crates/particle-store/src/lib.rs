@@ -7,7 +7,7 @@ mod lattice;
 mod snapshot;
 mod store;
 
-pub use column::{Element, Handle, Kind};
+pub use column::{Element, Handle, Kind, SymmetricTensor};
 pub use error::Error;
 pub use lattice::Lattice;
 pub use store::{Attribute, ParticleStore};

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use crate::bytes::{HashingReader, HashingWriter};
-use crate::column::{Element, Values};
+use crate::column::{Element, SymmetricTensor, Values, of_any_kind};
 use crate::error::Error;
 use crate::store::{Attribute, Column, ParticleStore};
 
@@ -19,6 +19,9 @@ const SCALAR: u8 = 0;
 const POINT: u8 = 1;
 const INTEGER: u8 = 2;
 const INDEX: u8 = 3;
+const TENSOR: u8 = 4;
+const FLAG: u8 = 5;
+const LABEL: u8 = 6;
 
 impl<const D: usize> ParticleStore<D> {
     /// Writes ids, columns, attributes and generation; [`restore`](Self::restore) gives them back bit for bit.
@@ -71,14 +74,12 @@ impl<const D: usize> ParticleStore<D> {
                 Values::Point(_) => POINT,
                 Values::Integer(_) => INTEGER,
                 Values::Index(_) => INDEX,
+                Values::Tensor(_) => TENSOR,
+                Values::Flag(_) => FLAG,
+                Values::Label(_) => LABEL,
             })?;
             out.put_text(name)?;
-            match values {
-                Values::Scalar(values) => out.put_all(values)?,
-                Values::Point(values) => out.put_all(values)?,
-                Values::Integer(values) => out.put_all(values)?,
-                Values::Index(values) => out.put_all(values)?,
-            }
+            of_any_kind!(values, values => out.put_all(values)?);
         }
         Ok(())
     }
@@ -131,6 +132,9 @@ impl<const D: usize> ParticleStore<D> {
             POINT => self.add_restored(&name, input.take_all::<[f64; D]>(n)?),
             INTEGER => self.add_restored(&name, input.take_all::<i64>(n)?),
             INDEX => self.add_restored(&name, input.take_all::<[i32; D]>(n)?),
+            TENSOR => self.add_restored(&name, input.take_all::<SymmetricTensor>(n)?),
+            FLAG => self.add_restored(&name, input.take_all::<u8>(n)?),
+            LABEL => self.add_restored(&name, input.take_all::<u32>(n)?),
             _ => Err(Error::Corrupt { what: "a column is of no known kind" }),
         }
     }

@@ -86,7 +86,7 @@ impl<const D: usize> ParticleStore<D> {
         self.generation
     }
 
-    /// Adds a column: `f64`, `[f64; D]`, `i64` or `[i32; D]`, one value for each particle in the present order.
+    /// Adds a column of any [`Element`] type, one value for each particle in the present order.
     ///
     /// # Errors
     ///

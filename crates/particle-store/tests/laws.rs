@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
 
-use particle_store::{Attribute, Error, Lattice, ParticleStore};
+use particle_store::{Attribute, Error, Lattice, ParticleStore, SymmetricTensor};
 use proptest::prelude::*;
 
 /// A particle as a row: what the columns must agree with.
@@ -13,17 +13,22 @@ struct Row {
     position: [u64; 3],
     flag: i64,
     cell: [i32; 3],
+    stress: [u64; 6],
+    phase: u8,
+    body: u32,
 }
 
 /// Any bits: NaN with payloads, infinities, subnormals and both zeros among them.
 fn rows(n: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = Vec<Row>> {
-    let row = (any::<u64>(), any::<[u64; 3]>(), any::<i64>(), any::<[i32; 3]>());
-    prop::collection::vec(row, n).prop_map(|rows| {
-        let numbered = (0..).zip(rows);
-        numbered
-            .map(|(id, (mass, position, flag, cell))| Row { id, mass, position, flag, cell })
-            .collect()
-    })
+    let cell = any::<[i32; 3]>();
+    let row =
+        (any::<u64>(), any::<[u64; 3]>(), any::<i64>(), cell, any::<[u64; 6]>(), any::<u32>());
+    let row = row.prop_map(|(mass, position, flag, cell, stress, body)| {
+        let phase = body.to_le_bytes()[0];
+        Row { id: 0, mass, position, flag, cell, stress, phase, body }
+    });
+    prop::collection::vec(row, n)
+        .prop_map(|rows| (0..).zip(rows).map(|(id, row)| Row { id, ..row }).collect())
 }
 
 fn store_of(rows: &[Row]) -> ParticleStore<3> {
@@ -34,6 +39,10 @@ fn store_of(rows: &[Row]) -> ParticleStore<3> {
         .unwrap();
     store.add("flag", rows.iter().map(|row| row.flag).collect()).unwrap();
     store.add("cell", rows.iter().map(|row| row.cell).collect()).unwrap();
+    let stress = rows.iter().map(|row| SymmetricTensor(row.stress.map(f64::from_bits)));
+    store.add("stress", stress.collect()).unwrap();
+    store.add("phase", rows.iter().map(|row| row.phase).collect()).unwrap();
+    store.add("body", rows.iter().map(|row| row.body).collect()).unwrap();
     store.set_attribute("time", Attribute::Real(f64::from_bits(0x7ff8_0000_0000_0123)));
     store.set_attribute("step", Attribute::Count(u64::MAX));
     store
@@ -44,6 +53,9 @@ fn rows_of(store: &ParticleStore<3>) -> Vec<Row> {
     let position = store.get::<[f64; 3]>(store.handle("position").unwrap()).unwrap();
     let flag = store.get::<i64>(store.handle("flag").unwrap()).unwrap();
     let cell = store.get::<[i32; 3]>(store.handle("cell").unwrap()).unwrap();
+    let stress = store.get::<SymmetricTensor>(store.handle("stress").unwrap()).unwrap();
+    let phase = store.get::<u8>(store.handle("phase").unwrap()).unwrap();
+    let body = store.get::<u32>(store.handle("body").unwrap()).unwrap();
     (0..store.len())
         .map(|k| Row {
             id: store.ids()[k],
@@ -51,6 +63,9 @@ fn rows_of(store: &ParticleStore<3>) -> Vec<Row> {
             position: position[k].map(f64::to_bits),
             flag: flag[k],
             cell: cell[k],
+            stress: stress[k].0.map(f64::to_bits),
+            phase: phase[k],
+            body: body[k],
         })
         .collect()
 }
@@ -181,7 +196,16 @@ proptest! {
 }
 
 fn small_store() -> ParticleStore<3> {
-    let row = |id| Row { id, mass: id, position: [id; 3], flag: -1, cell: [1, 2, 3] };
+    let row = |id| Row {
+        id,
+        mass: id,
+        position: [id; 3],
+        flag: -1,
+        cell: [1, 2, 3],
+        stress: [id; 6],
+        phase: 1,
+        body: 2,
+    };
     store_of(&[row(0), row(1)])
 }
 

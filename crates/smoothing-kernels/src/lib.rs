@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+mod batch;
 mod cubic_spline;
+mod error;
 mod geometry;
 mod kernel;
 mod lucy;
@@ -13,6 +15,7 @@ mod wendland_c4;
 mod wendland_c6;
 
 pub use cubic_spline::CubicSpline;
+pub use error::Error;
 pub use geometry::{power, unit_sphere_surface};
 pub use kernel::Kernel;
 pub use lucy::Lucy;

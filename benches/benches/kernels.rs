@@ -1,6 +1,7 @@
 //! Value and gradient of every kernel over a slice of radii.
 //!
-//! The kernels come from the table, so each evaluation is one call through a pointer. Beside them stand Lucy's kernel
+//! The kernels come from the table, so each evaluation is one call through a pointer; `slice` is the same work by one
+//! call for the whole slice, from squared distances. Beside them stand Lucy's kernel
 //! known to the compiler, as a solver has it, and the rival: Lucy's formula written by hand, its constants taken out of
 //! the loop.
 
@@ -9,7 +10,10 @@ use std::hint::black_box;
 
 use benches::CpuTime;
 use criterion::{Criterion, Throughput};
-use smoothing_kernels::{Kernel, Lucy, all};
+use smoothing_kernels::{
+    CubicSpline, Kernel, Lucy, QuarticSpline, QuinticSpline, TruncatedGaussian, WendlandC2,
+    WendlandC4, WendlandC6, all,
+};
 
 const N_PAIRS: usize = 4096;
 const SMOOTHING_LENGTH: f64 = 0.7;
@@ -19,6 +23,7 @@ const SMOOTHING_LENGTH: f64 = 0.7;
 struct Pairs<const D: usize> {
     x_ij: Vec<[f64; D]>,
     r: Vec<f64>,
+    r_squared: Vec<f64>,
 }
 
 impl<const D: usize> Pairs<D> {
@@ -28,7 +33,8 @@ impl<const D: usize> Pairs<D> {
             .map(|k| 1.1 * SMOOTHING_LENGTH * ((1571 * k) % N_PAIRS) as f64 / N_PAIRS as f64)
             .collect();
         let x_ij = r.iter().map(|r| [r / (D as f64).sqrt(); D]).collect();
-        Self { x_ij, r }
+        let r_squared = r.iter().map(|r| r * r).collect();
+        Self { x_ij, r, r_squared }
     }
 }
 
@@ -92,6 +98,8 @@ fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>) {
     });
     group.finish();
 
+    slices(criterion, &pairs, &mut value);
+
     let mut group = criterion.benchmark_group(format!("kernels/{D}d/gradient"));
     group.throughput(Throughput::Elements(N_PAIRS as u64));
     for (name, kernel) in all::<D>() {
@@ -104,6 +112,56 @@ fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>) {
     });
     group.bench_function("Lucy by hand (rival)", |b| {
         b.iter(|| lucy_gradients_by_hand(&pairs, black_box(&mut gradient)));
+    });
+    group.finish();
+}
+
+/// From squared distances over the kernel's own support: the scalar calls, statically known, and the slice. Both read
+/// `r²` and write one number per pair.
+fn slices<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>, out: &mut [f64]) {
+    slice_against_scalar(criterion, "Lucy", &Lucy, pairs, out);
+    slice_against_scalar(criterion, "CubicSpline", &CubicSpline, pairs, out);
+    slice_against_scalar(criterion, "QuarticSpline", &QuarticSpline, pairs, out);
+    slice_against_scalar(criterion, "QuinticSpline", &QuinticSpline, pairs, out);
+    slice_against_scalar(criterion, "WendlandC2", &WendlandC2, pairs, out);
+    slice_against_scalar(criterion, "WendlandC4", &WendlandC4, pairs, out);
+    slice_against_scalar(criterion, "WendlandC6", &WendlandC6, pairs, out);
+    slice_against_scalar(criterion, "TruncatedGaussian", &TruncatedGaussian, pairs, out);
+}
+
+fn slice_against_scalar<const D: usize>(
+    criterion: &mut Criterion<CpuTime>,
+    name: &str,
+    kernel: &impl Kernel<D>,
+    pairs: &Pairs<D>,
+    out: &mut [f64],
+) {
+    let r_squared = &pairs.r_squared;
+    let mut group = criterion.benchmark_group(format!("kernels/{D}d/slice/{name}"));
+    group.throughput(Throughput::Elements(N_PAIRS as u64));
+    // As long as the pairs reach a tenth beyond the edge, whatever the support.
+    let h = SMOOTHING_LENGTH / kernel.support();
+    group.bench_function("values, scalar calls", |b| {
+        b.iter(|| {
+            let h = black_box(h);
+            for (value, r_squared) in black_box(&mut *out).iter_mut().zip(r_squared) {
+                *value = kernel.value(r_squared.sqrt(), h);
+            }
+        });
+    });
+    group.bench_function("values, slice", |b| {
+        b.iter(|| kernel.values(r_squared, black_box(h), black_box(&mut *out)));
+    });
+    group.bench_function("gradient factors, scalar calls", |b| {
+        b.iter(|| {
+            let h = black_box(h);
+            for (factor, r_squared) in black_box(&mut *out).iter_mut().zip(r_squared) {
+                *factor = kernel.gradient_factor(r_squared.sqrt(), h);
+            }
+        });
+    });
+    group.bench_function("gradient factors, slice", |b| {
+        b.iter(|| kernel.gradient_factors(r_squared, black_box(h), black_box(&mut *out)));
     });
     group.finish();
 }

@@ -2,6 +2,8 @@
 
 use core::fmt::Debug;
 
+use crate::batch;
+use crate::error::Error;
 use crate::geometry::power;
 use crate::marginal;
 
@@ -97,6 +99,42 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         -self.normalisation() / (power::<D>(h) * h) * bracket
     }
 
+    /// [`value`](Self::value) for every squared distance: `values[k] = W(√r_squared[k], h)`, to the same bits.
+    ///
+    /// The loop is compiled once for each register width and the widest that the machine has is taken when it runs;
+    /// it vectorises for a kernel whose shape has no branch and calls nothing, as the polynomials here have. Nothing is
+    /// allocated. Behind a pointer, it is one call through the pointer for the slice.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] when the slices are not equally long; then nothing is written.
+    ///
+    /// ```
+    /// use smoothing_kernels::{Kernel, WendlandC2};
+    ///
+    /// let mut values = [0.0; 3];
+    /// Kernel::<3>::values(&WendlandC2, &[0.0, 0.25, 9.0], 0.5, &mut values)?;
+    /// assert_eq!(values[1], Kernel::<3>::value(&WendlandC2, 0.5, 0.5));
+    /// assert_eq!(values[2], 0.0);
+    /// # Ok::<(), smoothing_kernels::Error>(())
+    /// ```
+    fn values(&self, r_squared: &[f64], h: f64, values: &mut [f64]) -> Result<(), Error> {
+        batch::values(self, r_squared, h, values)
+    }
+
+    /// [`gradient_factor`](Self::gradient_factor) for every squared distance, to the same bits: the gradient of pair `k`
+    /// is `factors[k]` times its `x_ij`. As [`values`](Self::values) otherwise.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] when the slices are not equally long; then nothing is written.
+    fn gradient_factors(
+        &self,
+        r_squared: &[f64],
+        h: f64,
+        factors: &mut [f64],
+    ) -> Result<(), Error> {
+        batch::gradient_factors(self, r_squared, h, factors)
+    }
+
     /// Second moment of one coordinate for `h = 1`,
     ///
     /// $$ \kappa_D = \int x_1^2\, W(|x|, 1)\, d^D x = \frac{S_D \sigma_D}{D} \int_0^s w(q)\, q^{D+1} dq , $$
@@ -175,6 +213,18 @@ macro_rules! forward {
             #[inline]
             fn shape_derivative_over_q(&self, q: f64) -> f64 {
                 (**self).shape_derivative_over_q(q)
+            }
+            // Forwarded, so that the loop is compiled for the kernel itself.
+            fn values(&self, r_squared: &[f64], h: f64, values: &mut [f64]) -> Result<(), Error> {
+                (**self).values(r_squared, h, values)
+            }
+            fn gradient_factors(
+                &self,
+                r_squared: &[f64],
+                h: f64,
+                factors: &mut [f64],
+            ) -> Result<(), Error> {
+                (**self).gradient_factors(r_squared, h, factors)
             }
         }
     )*};

@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 
+mod batch;
+mod corrections;
 mod cubic_spline;
+mod error;
 mod geometry;
 mod kernel;
 mod lucy;
@@ -12,7 +15,12 @@ mod wendland_c2;
 mod wendland_c4;
 mod wendland_c6;
 
+pub use corrections::{
+    SMALLEST_RECIPROCAL_CONDITION, SMALLEST_SHEPARD_SUM, corrected_gradient,
+    renormalisation_matrix, shepard_factor,
+};
 pub use cubic_spline::CubicSpline;
+pub use error::Error;
 pub use geometry::{power, unit_sphere_surface};
 pub use kernel::Kernel;
 pub use lucy::Lucy;

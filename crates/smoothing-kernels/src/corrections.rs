@@ -1,0 +1,173 @@
+//! Corrections that make a sum over neighbours exact for constants and for linear functions.
+
+use crate::error::Error;
+
+/// Below this the sum of volumes times kernel values is no sum to divide by: a full neighbourhood has about one.
+pub const SMALLEST_SHEPARD_SUM: f64 = 1e-10;
+
+/// Below this reciprocal condition the renormalisation matrix amplifies roundoff to more than about 1e-8 of a gradient.
+pub const SMALLEST_RECIPROCAL_CONDITION: f64 = 1e-8;
+
+/// Shepard's factor `1 / S_i`: with it a sum over neighbours is exact for constants.
+///
+/// $$ S_i = \sum_j V_j W_{ij}, \qquad f(x_i) \approx \frac{1}{S_i} \sum_j V_j f_j W_{ij} $$
+///
+/// Symbols: `sum` = `S_i`, the particle itself included; `V_j` a volume, `W_ij` a kernel value per volume, so that `S_i`
+/// has no unit and is near one inside a body, near one half at its plane surface.
+///
+/// Source: Shepard 1968, eq 2 with weights of any kind `[@shepard1968]`.
+///
+/// # Errors
+/// [`Error::ShepardSum`] when the sum is not finite, or is below [`SMALLEST_SHEPARD_SUM`]: a point without neighbours.
+///
+/// ```
+/// use smoothing_kernels::shepard_factor;
+///
+/// // At a plane surface the sum of a constant 3 is half of it.
+/// let (sum, sum_of_three) = (0.5, 1.5);
+/// assert_eq!(shepard_factor(sum)? * sum_of_three, 3.0);
+/// # Ok::<(), smoothing_kernels::Error>(())
+/// ```
+pub fn shepard_factor(sum: f64) -> Result<f64, Error> {
+    if sum >= SMALLEST_SHEPARD_SUM && sum.is_finite() {
+        Ok(1.0 / sum)
+    } else {
+        Err(Error::ShepardSum { value: sum, limit: SMALLEST_SHEPARD_SUM })
+    }
+}
+
+/// The renormalisation matrix `B_i`: with it the gradient of a linear function is exact, whatever the neighbours.
+///
+/// $$ B_i = \Bigl[ \sum_j V_j\, (x_j - x_i) \otimes \nabla_i W_{ij} \Bigr]^{-T}, \qquad
+///    \nabla f(x_i) \approx \sum_j V_j\, (f_j - f_i)\, B_i \nabla_i W_{ij} $$
+///
+/// Symbols: `moment[a][b]` = `Σ_j V_j (x_j - x_i)_a (∇_i W_ij)_b`, no unit, near the identity inside a body;
+/// `∇_i W_ij` is [`Kernel::gradient`](crate::Kernel::gradient) with `x_ij = x_i - x_j`. For a radial kernel the moment is
+/// symmetric, and the transposition only matters for gradients already mixed.
+/// The corrected pair gradients are not antisymmetric: what they gain in consistency a momentum sum loses in conservation.
+///
+/// By Gauss-Jordan elimination with the largest pivot. The reciprocal condition is `1 / (|M| |M^-1|)` in the norm of
+/// largest row sums: 1 for the identity, 0 for a singular matrix.
+///
+/// Source: Randles & Libersky 1996 `[@randles1996]`; Bonet & Lok 1999 `[@bonet1999]`.
+///
+/// # Errors
+/// [`Error::SingularMoment`] when the reciprocal condition is below [`SMALLEST_RECIPROCAL_CONDITION`] or not a number:
+/// fewer than `D` neighbours in independent directions.
+///
+/// ```
+/// use smoothing_kernels::{corrected_gradient, renormalisation_matrix};
+///
+/// // Half of the neighbours are missing along x: the sum sees half of a slope there.
+/// let matrix = renormalisation_matrix(&[[0.5, 0.0], [0.0, 1.0]])?;
+/// assert_eq!(corrected_gradient(&matrix, &[1.5, -1.0]), [3.0, -1.0]);
+/// # Ok::<(), smoothing_kernels::Error>(())
+/// ```
+pub fn renormalisation_matrix<const D: usize>(
+    moment: &[[f64; D]; D],
+) -> Result<[[f64; D]; D], Error> {
+    let limit = SMALLEST_RECIPROCAL_CONDITION;
+    let inverse = inverse(moment).ok_or(Error::SingularMoment { value: 0.0, limit })?;
+    let value = 1.0 / (norm(moment) * norm(&inverse));
+    if value >= limit {
+        Ok(transposed(&inverse))
+    } else {
+        Err(Error::SingularMoment { value, limit })
+    }
+}
+
+/// `B ∇W`: a kernel gradient, or a sum of them, corrected by [`renormalisation_matrix`].
+#[inline]
+#[must_use]
+pub fn corrected_gradient<const D: usize>(matrix: &[[f64; D]; D], gradient: &[f64; D]) -> [f64; D] {
+    matrix.map(|row| row.iter().zip(gradient).map(|(b, g)| b * g).sum())
+}
+
+/// Largest sum of magnitudes in a row; NaN when there is one.
+fn norm<const D: usize>(matrix: &[[f64; D]; D]) -> f64 {
+    let sums = matrix.map(|row| row.iter().map(|entry| entry.abs()).sum::<f64>());
+    sums.into_iter().fold(0.0, |largest, sum| if sum <= largest { largest } else { sum })
+}
+
+fn transposed<const D: usize>(matrix: &[[f64; D]; D]) -> [[f64; D]; D] {
+    std::array::from_fn(|row| std::array::from_fn(|column| matrix[column][row]))
+}
+
+/// The inverse; none when a pivot is zero.
+fn inverse<const D: usize>(matrix: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
+    let mut left = *matrix;
+    let mut right: [[f64; D]; D] =
+        std::array::from_fn(|row| std::array::from_fn(|column| f64::from(u8::from(row == column))));
+    for column in 0..D {
+        let largest = |a: usize, b: usize| {
+            if left[b][column].abs() > left[a][column].abs() { b } else { a }
+        };
+        let pivot = (column..D).fold(column, largest);
+        left.swap(column, pivot);
+        right.swap(column, pivot);
+        if left[column][column].abs() <= 0.0 {
+            return None;
+        }
+        let scale = 1.0 / left[column][column];
+        left[column] = left[column].map(|entry| entry * scale);
+        right[column] = right[column].map(|entry| entry * scale);
+        for row in 0..D {
+            if row != column {
+                let factor = left[row][column];
+                for k in 0..D {
+                    left[row][k] -= factor * left[column][k];
+                    right[row][k] -= factor * right[column][k];
+                }
+            }
+        }
+    }
+    Some(right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_needs_its_pivots() {
+        // A permutation has zeros on the diagonal; its inverse is its transpose.
+        let cycle = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+        assert_eq!(inverse(&cycle), Some(transposed(&cycle)));
+        assert_eq!(renormalisation_matrix(&cycle), Ok(cycle));
+    }
+
+    #[test]
+    fn singular_moments_are_refused_with_value_and_limit() {
+        let limit = SMALLEST_RECIPROCAL_CONDITION;
+        // Neighbours on a line, none at all, one that is not a number, and two directions a hair apart.
+        for moment in [
+            [[1.0, 1.0], [1.0, 1.0]],
+            [[0.0, 0.0], [0.0, 0.0]],
+            [[f64::NAN, 0.0], [0.0, 1.0]],
+            [[1.0, 0.0], [0.0, 0.99e-8]],
+        ] {
+            match renormalisation_matrix(&moment) {
+                Err(Error::SingularMoment { value, limit: stated }) => {
+                    assert!(value.is_nan() || value < limit, "{value}");
+                    assert!((stated - limit).abs() < f64::EPSILON);
+                }
+                other => assert!(other.is_err(), "{moment:?} was taken: {other:?}"),
+            }
+        }
+        assert!(renormalisation_matrix(&[[1.0, 0.0], [0.0, 1.01e-8]]).is_ok());
+        assert_eq!(
+            renormalisation_matrix(&[[1.0, 0.0], [0.0, 0.0]]),
+            Err(Error::SingularMoment { value: 0.0, limit })
+        );
+    }
+
+    #[test]
+    fn empty_neighbourhoods_have_no_shepard_factor() {
+        for value in [0.0, -1.0, 0.9e-10, f64::INFINITY] {
+            let refused = Err(Error::ShepardSum { value, limit: SMALLEST_SHEPARD_SUM });
+            assert_eq!(shepard_factor(value), refused);
+        }
+        assert!(shepard_factor(f64::NAN).is_err());
+        assert_eq!(shepard_factor(0.25), Ok(4.0));
+    }
+}

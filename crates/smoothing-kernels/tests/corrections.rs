@@ -1,0 +1,86 @@
+//! What the corrections promise: constants and slopes to roundoff, for every kernel, at a corner of a disordered cloud.
+
+use smoothing_kernels::{
+    Error, Kernel, all, corrected_gradient, renormalisation_matrix, shepard_factor,
+};
+
+/// A lattice of unit spacing over one orthant, shaken by up to a fifth: the first point is its corner.
+fn corner<const D: usize>(per_axis: usize) -> Vec<[f64; D]> {
+    let n = (0..D).fold(1, |n, _| n * per_axis);
+    (0..n)
+        .map(|index| {
+            let mut rest = index;
+            std::array::from_fn(|axis| {
+                let cell = (rest % per_axis) as f64;
+                rest /= per_axis;
+                // Multiples of an irrational number, modulo one: disorder without a generator.
+                let shake = ((index * D + axis) as f64 * 0.618_033_988_749_895).fract() - 0.5;
+                cell + 0.4 * shake
+            })
+        })
+        .collect()
+}
+
+fn corrections_are_exact_at_a_corner<const D: usize>() -> Result<(), Error> {
+    let points = corner::<D>(4);
+    let volume = 0.8;
+    let slope: [f64; D] = std::array::from_fn(|axis| 1.0 - 0.7 * axis as f64);
+    let linear = |x: &[f64; D]| 5.0 + x.iter().zip(&slope).map(|(x, slope)| x * slope).sum::<f64>();
+    let here = points[0];
+    for (name, kernel) in all::<D>() {
+        let h = 2.6 / kernel.support();
+        let (mut sum, mut sum_of_three) = (0.0, 0.0);
+        let mut moment = [[0.0; D]; D];
+        let mut plain = [0.0; D];
+        for point in &points {
+            let x_ij: [f64; D] = std::array::from_fn(|axis| here[axis] - point[axis]);
+            let r = x_ij.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let (value, gradient) = (kernel.value(r, h), kernel.gradient(&x_ij, r, h));
+            sum += volume * value;
+            sum_of_three += volume * 3.0 * value;
+            for a in 0..D {
+                plain[a] += volume * (linear(point) - linear(&here)) * gradient[a];
+                for b in 0..D {
+                    moment[a][b] -= volume * x_ij[a] * gradient[b];
+                }
+            }
+        }
+        let constant = shepard_factor(sum)? * sum_of_three;
+        assert!((constant - 3.0).abs() < 1e-14, "{name} in {D} dimensions: {constant}");
+        // The correction has something to correct: at a corner the plain sums are far off.
+        assert!((sum - 1.0).abs() > 0.01, "{name} in {D} dimensions: {sum}");
+        assert!((plain[0] - slope[0]).abs() > 0.01, "{name} in {D} dimensions: {plain:?}");
+        let gradient = corrected_gradient(&renormalisation_matrix(&moment)?, &plain);
+        for (ours, slope) in gradient.iter().zip(&slope) {
+            // Roundoff of the sums, times the condition of the moment, below 1e3.
+            assert!((ours - slope).abs() < 1e-12, "{name} in {D} dimensions: {ours} {slope}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn corrections_make_constants_and_slopes_exact_at_a_corner() -> Result<(), Error> {
+    corrections_are_exact_at_a_corner::<1>()?;
+    corrections_are_exact_at_a_corner::<2>()?;
+    corrections_are_exact_at_a_corner::<3>()?;
+    corrections_are_exact_at_a_corner::<4>()?;
+    corrections_are_exact_at_a_corner::<5>()?;
+    corrections_are_exact_at_a_corner::<6>()
+}
+
+#[test]
+fn mixed_gradients_need_the_transposition() -> Result<(), Error> {
+    // For gradients g_j = A e_j of a lattice's axes the moment is A^T in this order of indices, and B A must be one.
+    let mixed = [[1.0, 0.3], [0.0, 0.8]];
+    let moment = [[mixed[0][0], mixed[1][0]], [mixed[0][1], mixed[1][1]]];
+    let matrix = renormalisation_matrix(&moment)?;
+    for axis in 0..2 {
+        let gradient = corrected_gradient(&matrix, &[mixed[0][axis], mixed[1][axis]]);
+        for (component, value) in gradient.iter().enumerate() {
+            let expected = if component == axis { 1.0 } else { 0.0 };
+            assert!((value - expected).abs() < 1e-15, "{gradient:?}");
+        }
+    }
+    Ok(())
+}

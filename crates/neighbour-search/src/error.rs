@@ -1,6 +1,6 @@
 //! What can be wrong with a question.
 
-use crate::radii::{MAX_RADIUS, MIN_RADIUS};
+use crate::radii::{Criterion, MAX_RADIUS, MIN_RADIUS};
 
 /// Why a neighbour list could not be built or read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -37,6 +37,12 @@ pub enum Error {
         points: usize,
         /// Number of radii.
         radii: usize,
+    },
+    /// A half list is asked for where a pair may be seen from one side alone.
+    #[error("a half list needs a symmetric criterion, and {criterion:?} is none")]
+    NotSymmetric {
+        /// The criterion.
+        criterion: Criterion,
     },
     /// A list is read with points that are not those it was built of.
     #[error("a list of {listed} points is read with {points} points")]

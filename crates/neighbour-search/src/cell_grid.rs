@@ -26,7 +26,7 @@ const EDGE: f64 = 1.0;
 /// hold most points, it tends towards brute force.
 #[derive(Debug, Clone)]
 pub struct CellGrid<const D: usize> {
-    cells: Cells<D>,
+    pub(crate) cells: Cells<D>,
     found: Found,
     scratch: NeighbourList,
     /// Radii in the order of the cells.

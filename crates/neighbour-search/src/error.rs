@@ -44,6 +44,14 @@ pub enum Error {
         /// The criterion.
         criterion: Criterion,
     },
+    /// A question is asked about a place that is NaN or infinite.
+    #[error("the place has coordinate {value} along axis {axis}, which is not finite")]
+    PlaceNotFinite {
+        /// Axis of the coordinate.
+        axis: usize,
+        /// Its value.
+        value: f64,
+    },
     /// A list is read with points that are not those it was built of.
     #[error("a list of {listed} points is read with {points} points")]
     ListLength {

@@ -26,7 +26,7 @@ const EDGE: f64 = 1.0;
 /// hold most points, it tends towards brute force.
 #[derive(Debug, Clone)]
 pub struct CellGrid<const D: usize> {
-    cells: Cells<D>,
+    pub(crate) cells: Cells<D>,
     found: Found,
     scratch: NeighbourList,
     /// Radii in the order of the cells.
@@ -52,6 +52,22 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
+impl<const D: usize> CellGrid<D> {
+    /// Checks the input, sorts the points into cells as wide as what is typical of the radii, and these with them.
+    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
+        check(points, radii)?;
+        let typical = match radii {
+            Radii::Uniform(radius) => radius,
+            Radii::PerPoint { radii, .. } => self.cells.median(radii),
+        };
+        self.cells.build(points, EDGE * typical);
+        if let Radii::PerPoint { radii, .. } = radii {
+            self.cells.gather(radii, &mut self.own);
+        }
+        Ok(())
+    }
+}
+
 impl<const D: usize> NeighbourSearch<D> for CellGrid<D> {
     fn full_list(
         &mut self,
@@ -59,45 +75,63 @@ impl<const D: usize> NeighbourSearch<D> for CellGrid<D> {
         radii: Radii<'_>,
         list: &mut NeighbourList,
     ) -> Result<(), Error> {
-        check(points, radii)?;
+        self.sort(points, radii)?;
         let n = points.len();
-        let typical = match radii {
-            Radii::Uniform(radius) => radius,
-            Radii::PerPoint { radii, .. } => self.cells.median(radii),
-        };
-        self.cells.build(points, EDGE * typical);
         let Self { cells, found, scratch, own } = self;
-        let (radii, criterion) = match radii {
+        let own = own.as_slice();
+        match radii {
             Radii::Uniform(radius) => {
                 found.scan(cells, |_| radius, Sees);
                 list.transpose_symmetric(n, |i| found.row(i));
-                return Ok(());
             }
-            Radii::PerPoint { radii, criterion } => (radii, criterion),
-        };
-        cells.gather(radii, own);
-        let own = own.as_slice();
-        match criterion {
-            Criterion::Gather => {
+            Radii::PerPoint { criterion: Criterion::Gather, .. } => {
                 found.scan(cells, |slot| own[slot], Sees);
                 scratch.transpose(n, |i| found.row(i));
                 list.transpose(n, |i| scratch.of(i));
             }
-            Criterion::Scatter => {
+            Radii::PerPoint { criterion: Criterion::Scatter, .. } => {
                 found.scan(cells, |slot| own[slot], Sees);
                 list.transpose(n, |i| found.row(i));
             }
-            Criterion::Max => {
+            Radii::PerPoint { criterion: Criterion::Max, .. } => {
                 found.scan(cells, |slot| own[slot], SeesFarther { own });
                 scratch.mutual(n, |i| found.row(i));
                 list.transpose_symmetric(n, |i| scratch.of(i));
             }
-            Criterion::Mean => {
+            Radii::PerPoint { criterion: Criterion::Mean, .. } => {
                 found.scan(cells, |slot| own[slot], MeanSees { own });
                 scratch.mutual(n, |i| found.row(i));
                 list.transpose_symmetric(n, |i| scratch.of(i));
             }
         }
+        Ok(())
+    }
+
+    /// Written directly: half of the full list's memory, and no pass over the other half.
+    fn half_list(
+        &mut self,
+        points: &[[f64; D]],
+        radii: Radii<'_>,
+        list: &mut NeighbourList,
+    ) -> Result<(), Error> {
+        radii.check_symmetric()?;
+        self.sort(points, radii)?;
+        let n = points.len();
+        let Self { cells, found, scratch, own } = self;
+        let own = own.as_slice();
+        match radii {
+            Radii::Uniform(radius) => {
+                found.scan(cells, |_| radius, SeesEarlier);
+                list.transpose(n, |i| found.row(i));
+                return Ok(());
+            }
+            Radii::PerPoint { criterion: Criterion::Mean, .. } => {
+                found.scan(cells, |slot| own[slot], MeanSees { own });
+            }
+            Radii::PerPoint { .. } => found.scan(cells, |slot| own[slot], SeesFarther { own }),
+        }
+        scratch.under_larger(n, |i| found.row(i));
+        list.transpose(n, |i| scratch.of(i));
         Ok(())
     }
 }
@@ -137,6 +171,24 @@ impl Test for Sees {
         d2: L::Vector,
     ) -> u8 {
         lanes.at_most(d2, lanes.splat(i.radius * i.radius)) & lanes.other(ids, i.id)
+    }
+}
+
+/// Of a pair within reach, the one with the larger index finds the other.
+#[derive(Clone, Copy)]
+struct SeesEarlier;
+
+impl Test for SeesEarlier {
+    #[inline(always)]
+    fn hits<L: Lanes>(
+        self,
+        lanes: L,
+        i: Seeker,
+        _: usize,
+        ids: &[u32; LANES],
+        d2: L::Vector,
+    ) -> u8 {
+        lanes.at_most(d2, lanes.splat(i.radius * i.radius)) & lanes.before(ids, i.id)
     }
 }
 

@@ -21,6 +21,8 @@ const SLACK: f64 = 1.0 + 1e-14;
 /// box are in the outermost cells, and the search stays exact.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells<const D: usize> {
+    /// How wide the cells were asked to be.
+    edge: f64,
     origin: [f64; D],
     inverse_width: [f64; D],
     count: [usize; D],
@@ -38,6 +40,7 @@ pub(crate) struct Cells<const D: usize> {
 impl<const D: usize> Default for Cells<D> {
     fn default() -> Self {
         Self {
+            edge: 1.0,
             origin: [0.0; D],
             inverse_width: [0.0; D],
             count: [1; D],
@@ -60,6 +63,11 @@ impl<const D: usize> Cells<D> {
     #[inline(always)]
     pub(crate) fn columns(&self) -> [&[f64]; D] {
         core::array::from_fn(|axis| self.columns[axis].as_slice())
+    }
+
+    /// How wide the cells were asked to be; they may be wider.
+    pub(crate) fn edge(&self) -> f64 {
+        self.edge
     }
 
     /// Number of points.
@@ -87,6 +95,7 @@ impl<const D: usize> Cells<D> {
 
     /// Lays a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
     pub(crate) fn build(&mut self, points: &[[f64; D]], edge: f64) {
+        self.edge = edge;
         self.lay(points, edge);
         let n_cells: usize = self.count.iter().product();
         self.start.clear();

@@ -1,6 +1,6 @@
 //! What can be wrong with a question.
 
-use crate::radii::{MAX_RADIUS, MIN_RADIUS};
+use crate::radii::{Criterion, MAX_RADIUS, MIN_RADIUS};
 
 /// Why a neighbour list could not be built or read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -37,6 +37,20 @@ pub enum Error {
         points: usize,
         /// Number of radii.
         radii: usize,
+    },
+    /// A half list is asked for where a pair may be seen from one side alone.
+    #[error("a half list needs a symmetric criterion, and {criterion:?} is none")]
+    NotSymmetric {
+        /// The criterion.
+        criterion: Criterion,
+    },
+    /// A question is asked about a place that is NaN or infinite.
+    #[error("the place has coordinate {value} along axis {axis}, which is not finite")]
+    PlaceNotFinite {
+        /// Axis of the coordinate.
+        axis: usize,
+        /// Its value.
+        value: f64,
     },
     /// A list is read with points that are not those it was built of.
     #[error("a list of {listed} points is read with {points} points")]

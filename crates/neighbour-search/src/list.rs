@@ -166,7 +166,7 @@ impl NeighbourList {
     ///
     /// However the given rows are ordered, those of the transpose are sorted: points are taken in order.
     pub(crate) fn transpose<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.place::<false>(n, row);
+        self.place(n, row, |i, j| [[j, i]]);
     }
 
     /// Transposes `n` rows of which every entry is mutual, so that a row is as long as its transpose: sorts them.
@@ -190,22 +190,45 @@ impl NeighbourList {
 
     /// Lists each entry `j` of `row(i)` both ways, `j` under `i` and `i` under `j`; rows come out unsorted.
     pub(crate) fn mutual<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.place::<true>(n, row);
+        self.place(n, row, |i, j| [[i, j], [j, i]]);
     }
 
-    /// Counting sort of the entries (i, j) by `j`, and with `BOTH` by `i` as well.
-    fn place<'a, const BOTH: bool>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
+    /// Lists each entry `j` of `row(i)` once, the smaller of both under the larger; rows come out unsorted.
+    pub(crate) fn under_larger<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
+        self.place(n, row, |i, j| [[i.max(j), i.min(j)]]);
+    }
+
+    /// Keeps what comes after the point itself: of a symmetric list, each pair once.
+    pub(crate) fn keep_later(&mut self) {
+        let mut kept = 0;
+        let mut begin = 0;
+        for i in 0..self.len() {
+            let end = self.offsets[i + 1];
+            let first = begin + self.indices[begin..end].partition_point(|&j| j as usize <= i);
+            self.indices.copy_within(first..end, kept);
+            kept += end - first;
+            self.offsets[i + 1] = kept;
+            begin = end;
+        }
+        self.indices.truncate(kept);
+    }
+
+    /// Counting sort: of each entry `j` of `row(i)` come entries `[row, index]`, placed in the order of `i`.
+    fn place<'a, const K: usize>(
+        &mut self,
+        n: usize,
+        row: impl Fn(usize) -> &'a [u32],
+        entries: impl Fn(u32, u32) -> [[u32; 2]; K],
+    ) {
         self.offsets.clear();
         self.offsets.resize(n + 1, 0);
         // Shifted by one, so that what is the cursor of row j while placing is its end afterwards.
         let cursors = &mut self.offsets[1..];
         for i in 0..n {
-            let entries = row(i);
-            for &j in entries {
-                cursors[j as usize] += 1;
-            }
-            if BOTH {
-                cursors[i] += entries.len();
+            for &j in row(i) {
+                for [row, _] in entries(stored(i), j) {
+                    cursors[row as usize] += 1;
+                }
             }
         }
         let mut total = 0;
@@ -215,9 +238,8 @@ impl NeighbourList {
         self.indices.resize(total, 0);
         for i in 0..n {
             for &j in row(i) {
-                place_one(&mut self.indices, &mut cursors[j as usize], stored(i));
-                if BOTH {
-                    place_one(&mut self.indices, &mut cursors[i], j);
+                for [row, index] in entries(stored(i), j) {
+                    place_one(&mut self.indices, &mut cursors[row as usize], index);
                 }
             }
         }

@@ -24,6 +24,12 @@ pub enum Criterion {
 impl Criterion {
     /// Every criterion, for tests and tables.
     pub const ALL: [Self; 4] = [Self::Gather, Self::Scatter, Self::Max, Self::Mean];
+
+    /// Whether neighbours are mutual.
+    #[must_use]
+    pub fn is_symmetric(self) -> bool {
+        matches!(self, Self::Max | Self::Mean)
+    }
 }
 
 /// The search radius: one for all points, or one for each.
@@ -54,6 +60,16 @@ impl Radii<'_> {
                 Criterion::Max => radii[i].max(radii[j]),
                 Criterion::Mean => mean(radii[i], radii[j]),
             },
+        }
+    }
+
+    /// Refuses radii of which a pair can be seen from one side alone.
+    pub(crate) fn check_symmetric(&self) -> Result<(), Error> {
+        match *self {
+            Radii::PerPoint { criterion, .. } if !criterion.is_symmetric() => {
+                Err(Error::NotSymmetric { criterion })
+            }
+            _ => Ok(()),
         }
     }
 

@@ -32,6 +32,25 @@ pub trait NeighbourSearch<const D: usize>: Debug {
         radii: Radii<'_>,
         list: &mut NeighbourList,
     ) -> Result<(), Error>;
+
+    /// Fills `list` with each pair once: `j` is listed under `i` where they are neighbours and `i < j`, rows sorted.
+    ///
+    /// Provided as the later half of [`full_list`](Self::full_list), with the same buffers.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotSymmetric`] for `Gather` and `Scatter`, and those of [`full_list`](Self::full_list).
+    fn half_list(
+        &mut self,
+        points: &[[f64; D]],
+        radii: Radii<'_>,
+        list: &mut NeighbourList,
+    ) -> Result<(), Error> {
+        radii.check_symmetric()?;
+        self.full_list(points, radii, list)?;
+        list.keep_later();
+        Ok(())
+    }
 }
 
 /// What every search asks of its input.

@@ -71,6 +71,31 @@ fn searches<const D: usize>() -> Vec<(&'static str, Box<dyn NeighbourSearch<D>>)
     vec![("CellGrid", Box::new(CellGrid::new()))]
 }
 
+/// The half list is what comes after the point itself in the full list, or refused where that misses pairs.
+fn halves_agree<const D: usize>(
+    search: &mut dyn NeighbourSearch<D>,
+    points: &[[f64; D]],
+    radii: Radii<'_>,
+    full: &NeighbourList,
+) {
+    let mut list = NeighbourList::new();
+    for search in [search, &mut BruteForce] {
+        if let Radii::PerPoint { criterion, .. } = radii
+            && !criterion.is_symmetric()
+        {
+            let refused = search.half_list(points, radii, &mut list);
+            assert_eq!(refused, Err(Error::NotSymmetric { criterion }));
+            continue;
+        }
+        search.half_list(points, radii, &mut list).unwrap();
+        assert_eq!(list.len(), full.len());
+        assert_eq!(2 * list.n_pairs(), full.n_pairs());
+        for (i, (half, full)) in (0..).zip(list.rows().zip(full.rows())) {
+            assert!(half.iter().eq(full.iter().filter(|&&j| i < j)), "{search:?}, row {i}");
+        }
+    }
+}
+
 /// Number of pairs listed over all clouds and criteria, so that no agreement is about nothing.
 fn agrees_with_brute_force<const D: usize>(random: &[[f64; 6]], radius: f64) -> usize {
     let (mut expected, mut list) = (NeighbourList::new(), NeighbourList::new());
@@ -90,6 +115,7 @@ fn agrees_with_brute_force<const D: usize>(random: &[[f64; 6]], radius: f64) -> 
                 assert_eq!(list, expected, "{name} in {D} dimensions, {kind:?}, {radii:?}");
                 assert_eq!(list.len(), points.len());
                 n_pairs += list.n_pairs();
+                halves_agree(search.as_mut(), &points, radii, &expected);
             }
         }
     }

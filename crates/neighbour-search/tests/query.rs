@@ -1,0 +1,133 @@
+//! Questions about a place have the answers of a loop over all points.
+
+#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
+
+use std::ops::ControlFlow;
+
+use neighbour_search::{CellGrid, Criterion, Error, NeighbourList, NeighbourSearch, Radii};
+use proptest::prelude::*;
+
+/// As the crate decides: axes summed in order from 0.
+fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b))
+}
+
+/// Every point by distance from a place, those alike by index.
+fn by_distance<const D: usize>(points: &[[f64; D]], centre: &[f64; D]) -> Vec<(f64, usize)> {
+    let mut all: Vec<_> = points.iter().zip(0..).map(|(x, j)| (square(centre, x), j)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    all
+}
+
+fn answers_are_those_of_a_loop<const D: usize>(
+    random: &[[f64; 6]],
+    scale: f64,
+    edge: f64,
+    radius: f64,
+    k: usize,
+) {
+    let point = |x: &[f64; 6]| -> [f64; D] { std::array::from_fn(|axis| x[axis]) };
+    // A lattice whose distances tie, with duplicates; the first of it is stretched to make outliers.
+    let lattice = |x: &[f64; 6]| point(x).map(|value| (8.0 * value).floor() / 8.0);
+    let clouds = [
+        random.iter().map(point).collect::<Vec<_>>(),
+        random.iter().map(lattice).collect(),
+        random
+            .iter()
+            .zip(0..)
+            .map(|(x, k)| if k < 3 { point(x).map(|v| v * scale) } else { point(x) })
+            .collect(),
+        random[..1].iter().map(point).collect(),
+        Vec::new(),
+    ];
+    let (mut grid, mut found) = (CellGrid::new(), Vec::new());
+    for points in clouds {
+        grid.build(&points, edge).unwrap();
+        assert_eq!(grid.n_points(), points.len());
+        let far = point(&random[1]).map(|value| -value * scale);
+        let places = [point(&random[0]), lattice(&random[1]), far];
+        for centre in places {
+            let all = by_distance(&points, &centre);
+            grid.nearest(&centre, k, &mut found).unwrap();
+            let expected: Vec<usize> = all.iter().take(k).map(|near| near.1).collect();
+            assert_eq!(found.iter().map(|near| near.j).collect::<Vec<_>>(), expected);
+
+            let mut visited = Vec::new();
+            let flow = grid.for_each_within(&centre, radius, |near| {
+                assert_eq!(near.x_ij[0].to_bits(), (centre[0] - points[near.j][0]).to_bits());
+                assert_eq!(near.r.to_bits(), square(&centre, &points[near.j]).sqrt().to_bits());
+                visited.push(near.j);
+                ControlFlow::<()>::Continue(())
+            });
+            assert_eq!(flow, Ok(ControlFlow::Continue(())));
+            visited.sort_unstable();
+            let within = all.iter().filter(|near| near.0 <= radius * radius);
+            let mut expected: Vec<usize> = within.map(|near| near.1).collect();
+            expected.sort_unstable();
+            assert_eq!(visited, expected);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn places_are_answered_as_a_loop_would(
+        random in prop::collection::vec(prop::array::uniform6(0.0..1.0_f64), 4..150),
+        exponent in 0..200_i32,
+        edge in 0.01..2.0_f64,
+        radius in 0.05..1.5_f64,
+        k in 0..200_usize,
+    ) {
+        let scale = 10_f64.powi(exponent);
+        answers_are_those_of_a_loop::<1>(&random, scale, edge, radius, k);
+        answers_are_those_of_a_loop::<2>(&random, scale, edge, radius, k);
+        answers_are_those_of_a_loop::<3>(&random, scale, edge, radius, k);
+        answers_are_those_of_a_loop::<6>(&random, scale, edge, radius, k);
+    }
+}
+
+#[test]
+fn visitor_that_breaks_is_not_called_again() {
+    let mut grid = CellGrid::new();
+    grid.build(&[[0.0], [0.5], [1.0]], 1.0).unwrap();
+    let mut calls = 0;
+    let flow = grid.for_each_within(&[0.0], 2.0, |near| {
+        calls += 1;
+        ControlFlow::Break(near.j)
+    });
+    assert_eq!((flow, calls), (Ok(ControlFlow::Break(0)), 1));
+}
+
+#[test]
+fn grid_that_built_a_list_answers_about_its_points() {
+    let (mut grid, mut list) = (CellGrid::new(), NeighbourList::new());
+    let radii = Radii::PerPoint { radii: &[1.0, 2.0, 3.0], criterion: Criterion::Max };
+    grid.full_list(&[[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]], radii, &mut list).unwrap();
+    let mut found = Vec::new();
+    grid.nearest(&[0.0, 3.0], 2, &mut found).unwrap();
+    assert_eq!([found[0].j, found[1].j], [2, 0]);
+    assert_eq!(found[1].x_ij[1].to_bits(), 3.0_f64.to_bits());
+}
+
+#[test]
+fn places_and_edges_that_are_none_are_refused() {
+    let mut grid = CellGrid::new();
+    grid.build(&[[0.0, 0.0]], 1.0).unwrap();
+    let mut found = Vec::new();
+    let place = Error::PlaceNotFinite { axis: 1, value: f64::INFINITY };
+    assert_eq!(grid.nearest(&[0.0, f64::INFINITY], 1, &mut found), Err(place));
+    let go_on = |_| ControlFlow::<()>::Continue(());
+    assert_eq!(grid.for_each_within(&[0.0, f64::INFINITY], 1.0, go_on), Err(place));
+    for value in [0.0, -1.0, f64::INFINITY] {
+        assert_eq!(
+            grid.for_each_within(&[0.0; 2], value, go_on),
+            Err(Error::UniformRadius { value })
+        );
+        assert_eq!(grid.build(&[[0.0; 2]], value), Err(Error::UniformRadius { value }));
+    }
+    let point = Error::CoordinateNotFinite { particle: 0, axis: 0, value: f64::NEG_INFINITY };
+    assert_eq!(grid.build(&[[f64::NEG_INFINITY, 0.0]], 1.0), Err(point));
+    assert_eq!(grid.n_points(), 1, "a refused build leaves the grid as it was");
+}

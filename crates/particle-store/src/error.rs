@@ -1,8 +1,8 @@
-//! What can go wrong with columns, snapshots and lattices.
+//! What can go wrong with columns, snapshots, files and lattices.
 
 use crate::column::Kind;
 
-/// Why a store, a snapshot or a lattice could not do what was asked.
+/// Why a store, a snapshot, a file or a lattice could not do what was asked.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -103,8 +103,28 @@ pub enum Error {
         /// Hash of what was read.
         computed: u64,
     },
+    /// A `.vtu` file holds points of at most three dimensions.
+    #[error(
+        "particles in {dimension} dimensions are no points of a vtu file, which have three at most"
+    )]
+    TooManyDimensions {
+        /// Dimension of the store.
+        dimension: usize,
+    },
+    /// A position or a time to be drawn is NaN or infinite.
+    #[error("{what} is not finite and cannot be drawn")]
+    NotFinite {
+        /// Which position or time.
+        what: String,
+    },
+    /// A name holds a character that an XML file cannot.
+    #[error("name {name:?} holds a control character and cannot be written as XML")]
+    NameNotXml {
+        /// The name.
+        name: String,
+    },
     /// The reader or writer failed.
-    #[error("snapshot could not be read or written")]
+    #[error("reading or writing failed")]
     Io(#[from] std::io::Error),
     /// A width, radius or spacing is not a positive number.
     #[error("{what} along axis {axis} is {value}, not positive and finite")]

@@ -4,10 +4,12 @@ mod bytes;
 mod column;
 mod error;
 mod lattice;
+mod paraview;
 mod snapshot;
 mod store;
 
 pub use column::{Element, Handle, Kind, SymmetricTensor};
 pub use error::Error;
 pub use lattice::Lattice;
+pub use paraview::write_pvd;
 pub use store::{Attribute, ParticleStore};

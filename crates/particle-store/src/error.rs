@@ -1,5 +1,6 @@
 //! What can go wrong with columns, snapshots, files and lattices.
 
+use crate::adapt::Rule;
 use crate::column::Kind;
 
 /// Why a store, a snapshot, a file or a lattice could not do what was asked.
@@ -64,6 +65,56 @@ pub enum Error {
         /// Number of particles.
         n_particles: usize,
     },
+    /// A place is beyond the particles.
+    #[error("there is no place {place} among {n_particles} particles")]
+    NoSuchPlace {
+        /// The place.
+        place: usize,
+        /// Number of particles.
+        n_particles: usize,
+    },
+    /// A particle is to be merged twice.
+    #[error("place {place} is named twice in the groups to be merged")]
+    NamedTwice {
+        /// The place.
+        place: usize,
+    },
+    /// One particle cannot be merged, nor can none.
+    #[error("group {group} has {length} particles; a merge needs at least two")]
+    GroupTooSmall {
+        /// Which group.
+        group: usize,
+        /// Its number of particles.
+        length: usize,
+    },
+    /// The mass of a group, by which means are taken, is not a positive number.
+    #[error("group {group} has the mass {mass}, not positive and finite")]
+    InvalidMass {
+        /// Which group.
+        group: usize,
+        /// Its mass.
+        mass: f64,
+    },
+    /// The shares of a split are not positive or do not add up to one.
+    #[error("the shares of a split are positive and add up to one; here the sum is {sum}")]
+    InvalidShares {
+        /// Their sum.
+        sum: f64,
+    },
+    /// A column has no rule for splitting and merging.
+    #[error("column {name:?} has no rule for splitting and merging")]
+    NoRule {
+        /// Name of the column.
+        name: String,
+    },
+    /// A rule cannot be followed: the column holds no real numbers, or is the mass or position, whose rules are fixed.
+    #[error("column {name:?} cannot follow the rule {rule:?}")]
+    RuleMismatch {
+        /// Name of the column.
+        name: String,
+        /// The rule.
+        rule: Rule,
+    },
     /// The bytes do not begin as a snapshot does.
     #[error("not a snapshot: it begins with {found:02x?}")]
     NotASnapshot {
@@ -111,10 +162,10 @@ pub enum Error {
         /// Dimension of the store.
         dimension: usize,
     },
-    /// A position or a time to be drawn is NaN or infinite.
-    #[error("{what} is not finite and cannot be drawn")]
+    /// A position or a time to be drawn, or an offset, is NaN or infinite.
+    #[error("{what} is not finite")]
     NotFinite {
-        /// Which position or time.
+        /// Which one.
         what: String,
     },
     /// A name holds a character that an XML file cannot.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod adapt;
 mod bytes;
 mod column;
 mod error;
@@ -8,6 +9,7 @@ mod paraview;
 mod snapshot;
 mod store;
 
+pub use adapt::{Child, Rule, Rules};
 pub use column::{Element, Handle, Kind, SymmetricTensor};
 pub use error::Error;
 pub use lattice::Lattice;

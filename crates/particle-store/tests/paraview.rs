@@ -97,7 +97,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is_written() {
         let (mut store, position) = store();
         store.get_mut(position).unwrap()[0][1] = wrong;
         let error = refused(&store, position);
-        assert_eq!(error.to_string(), "position of particle 2 is not finite and cannot be drawn");
+        assert_eq!(error.to_string(), "position of particle 2 is not finite");
         let (mut store, position) = self::store();
         store.set_attribute("time", Attribute::Real(wrong));
         assert!(matches!(refused(&store, position), Error::NotFinite { what } if what == "time"));

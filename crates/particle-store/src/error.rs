@@ -162,7 +162,7 @@ pub enum Error {
         /// Dimension of the store.
         dimension: usize,
     },
-    /// A position or a time to be drawn, or an offset, is NaN or infinite.
+    /// A position or a time to be drawn, a point to be ordered or an offset is NaN or infinite.
     #[error("{what} is not finite")]
     NotFinite {
         /// Which one.
@@ -193,7 +193,7 @@ pub enum Error {
         /// The axis.
         axis: usize,
     },
-    /// A lattice has more points than a 32-bit index counts, or more along an axis than a signed one.
-    #[error("a lattice of more than {} points cannot be indexed", u32::MAX)]
+    /// There are more points than a 32-bit index counts, or more along an axis of a lattice than a signed one.
+    #[error("more than {} points cannot be indexed", u32::MAX)]
     TooManyPoints,
 }

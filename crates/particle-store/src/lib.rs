@@ -4,6 +4,7 @@ mod adapt;
 mod bytes;
 mod column;
 mod error;
+mod hash;
 mod lattice;
 mod morton;
 mod paraview;

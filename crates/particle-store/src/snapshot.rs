@@ -10,7 +10,7 @@ use crate::store::{Attribute, Column, ParticleStore};
 const MAGIC: [u8; 8] = *b"PARTSTOR";
 
 /// Grows when the layout changes; older layouts are refused, not guessed at.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Tags in the stream; a tag is never given another meaning.
 const REAL: u8 = 0;
@@ -28,7 +28,7 @@ impl<const D: usize> ParticleStore<D> {
     ///
     /// Little endian: `PARTSTOR`, version (u32), dimension (u32), generation, next id, number of particles, of attributes, of
     /// columns (u64 each); the attributes by name: tag (u8), name, 8 bytes; the ids (u64); the columns in their order: tag (u8),
-    /// name, values; FNV-1a hash (u64) of all before it. A name is its length in bytes (u64) and UTF-8.
+    /// name, values; XXH64 (seed 0, u64) of all before it. A name is its length in bytes (u64) and UTF-8.
     ///
     /// # Errors
     ///
@@ -39,9 +39,9 @@ impl<const D: usize> ParticleStore<D> {
         out.finish()
     }
 
-    /// Hash of what a snapshot would hold: two stores of the same hash hold the same bits.
+    /// Hash of what a snapshot would hold: two stores of the same bits have the same hash.
     ///
-    /// FNV-1a, 64 bits: proof against accident, not against intent.
+    /// XXH64: stores that differ by accident share it once in 2^64; it is no proof against intent.
     #[must_use]
     pub fn content_hash(&self) -> u64 {
         let mut sink = HashingWriter::new(std::io::sink());

@@ -6,15 +6,18 @@ use crate::column::SymmetricTensor;
 use crate::error::Error;
 use crate::hash::Xxh64;
 
-/// Values moved between buffer and stream at a time: what a false length can make the reader allocate.
-const CHUNK: usize = 4096;
+/// Values moved between buffer and stream at a time.
+const CHUNK: usize = 1024;
+
+/// Values for which memory is taken on the word of a length: what a false one can make the reader allocate.
+const BELIEVED: usize = 1 << 16;
 
 /// A value with a fixed number of bytes. Floating point numbers keep every bit, NaN included.
 pub trait Bytes: Copy {
     /// Number of bytes.
     const SIZE: usize;
-    /// Appends the bytes.
-    fn put(self, out: &mut Vec<u8>);
+    /// Writes the first `SIZE` bytes.
+    fn put(self, out: &mut [u8]);
     /// Reads the first `SIZE` bytes.
     fn take(bytes: &[u8]) -> Self;
 }
@@ -23,11 +26,13 @@ macro_rules! little_endian {
     ($($number:ty),*) => {$(
         impl Bytes for $number {
             const SIZE: usize = size_of::<$number>();
-            fn put(self, out: &mut Vec<u8>) {
-                out.extend_from_slice(&self.to_le_bytes());
+            fn put(self, out: &mut [u8]) {
+                out[..Self::SIZE].copy_from_slice(&self.to_le_bytes());
             }
             fn take(bytes: &[u8]) -> Self {
-                Self::from_le_bytes(core::array::from_fn(|k| bytes[k]))
+                let mut own = [0; size_of::<$number>()];
+                own.copy_from_slice(&bytes[..Self::SIZE]);
+                Self::from_le_bytes(own)
             }
         }
     )*};
@@ -36,8 +41,8 @@ little_endian!(u8, u32, u64, i32, i64, f64);
 
 impl<T: Bytes, const D: usize> Bytes for [T; D] {
     const SIZE: usize = D * T::SIZE;
-    fn put(self, out: &mut Vec<u8>) {
-        for value in self {
+    fn put(self, out: &mut [u8]) {
+        for (value, out) in self.into_iter().zip(out.chunks_exact_mut(T::SIZE)) {
             value.put(out);
         }
     }
@@ -48,7 +53,7 @@ impl<T: Bytes, const D: usize> Bytes for [T; D] {
 
 impl Bytes for SymmetricTensor {
     const SIZE: usize = <[f64; 6]>::SIZE;
-    fn put(self, out: &mut Vec<u8>) {
+    fn put(self, out: &mut [u8]) {
         self.0.put(out);
     }
     fn take(bytes: &[u8]) -> Self {
@@ -75,9 +80,9 @@ impl<W: Write> HashingWriter<W> {
 
     pub(crate) fn put_all<T: Bytes>(&mut self, values: &[T]) -> Result<(), Error> {
         for chunk in values.chunks(CHUNK) {
-            self.buffer.clear();
-            for &value in chunk {
-                value.put(&mut self.buffer);
+            self.buffer.resize(chunk.len() * T::SIZE, 0);
+            for (value, bytes) in chunk.iter().zip(self.buffer.chunks_exact_mut(T::SIZE)) {
+                value.put(bytes);
             }
             self.hash.update(&self.buffer);
             self.inner.write_all(&self.buffer)?;
@@ -124,7 +129,7 @@ impl<R: Read> HashingReader<R> {
     /// Reads `count` values. Memory grows with what is there, not with what the count promises.
     pub(crate) fn take_all<T: Bytes>(&mut self, count: u64) -> Result<Vec<T>, Error> {
         let mut left = usize::try_from(count).map_err(|_| Error::Truncated)?;
-        let mut values = Vec::new();
+        let mut values = Vec::with_capacity(left.min(BELIEVED));
         while left > 0 {
             let now = left.min(CHUNK);
             self.fill(now * T::SIZE)?;
@@ -164,12 +169,11 @@ mod tests {
 
     #[test]
     fn bytes_are_little_endian_and_keep_nan_payloads() {
-        let mut out = Vec::new();
+        let mut out = [0; 8];
         [1_i32, -2].put(&mut out);
         assert_eq!(out, [1, 0, 0, 0, 254, 255, 255, 255]);
         assert_eq!(<[i32; 2]>::take(&out), [1, -2]);
         let nan = 0x7ff8_dead_beef_0001_u64;
-        out.clear();
         f64::from_bits(nan).put(&mut out);
         assert_eq!(f64::take(&out).to_bits(), nan);
     }

@@ -203,15 +203,17 @@ impl Iterator for Counted {
 impl ExactSizeIterator for Counted {}
 
 fn put_all<T: Bytes>(values: impl Iterator<Item = T>, out: &mut dyn Write) -> io::Result<()> {
-    let mut block = Vec::with_capacity(BLOCK);
+    let mut block = vec![0; BLOCK];
+    let mut filled = 0;
     for value in values {
-        value.put(&mut block);
-        if block.len() > BLOCK - T::SIZE {
-            out.write_all(&block)?;
-            block.clear();
+        if filled + T::SIZE > BLOCK {
+            out.write_all(&block[..filled])?;
+            filled = 0;
         }
+        value.put(&mut block[filled..]);
+        filled += T::SIZE;
     }
-    out.write_all(&block)
+    out.write_all(&block[..filled])
 }
 
 /// The head of the file, and where the next array begins in the data after it.

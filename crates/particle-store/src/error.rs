@@ -1,8 +1,9 @@
-//! What can go wrong with columns, snapshots and lattices.
+//! What can go wrong with columns, snapshots, files and lattices.
 
+use crate::adapt::Rule;
 use crate::column::Kind;
 
-/// Why a store, a snapshot or a lattice could not do what was asked.
+/// Why a store, a snapshot, a file or a lattice could not do what was asked.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -64,6 +65,56 @@ pub enum Error {
         /// Number of particles.
         n_particles: usize,
     },
+    /// A place is beyond the particles.
+    #[error("there is no place {place} among {n_particles} particles")]
+    NoSuchPlace {
+        /// The place.
+        place: usize,
+        /// Number of particles.
+        n_particles: usize,
+    },
+    /// A particle is to be merged twice.
+    #[error("place {place} is named twice in the groups to be merged")]
+    NamedTwice {
+        /// The place.
+        place: usize,
+    },
+    /// One particle cannot be merged, nor can none.
+    #[error("group {group} has {length} particles; a merge needs at least two")]
+    GroupTooSmall {
+        /// Which group.
+        group: usize,
+        /// Its number of particles.
+        length: usize,
+    },
+    /// The mass of a group, by which means are taken, is not a positive number.
+    #[error("group {group} has the mass {mass}, not positive and finite")]
+    InvalidMass {
+        /// Which group.
+        group: usize,
+        /// Its mass.
+        mass: f64,
+    },
+    /// The shares of a split are not positive or do not add up to one.
+    #[error("the shares of a split are positive and add up to one; here the sum is {sum}")]
+    InvalidShares {
+        /// Their sum.
+        sum: f64,
+    },
+    /// A column has no rule for splitting and merging.
+    #[error("column {name:?} has no rule for splitting and merging")]
+    NoRule {
+        /// Name of the column.
+        name: String,
+    },
+    /// A rule cannot be followed: the column holds no real numbers, or is the mass or position, whose rules are fixed.
+    #[error("column {name:?} cannot follow the rule {rule:?}")]
+    RuleMismatch {
+        /// Name of the column.
+        name: String,
+        /// The rule.
+        rule: Rule,
+    },
     /// The bytes do not begin as a snapshot does.
     #[error("not a snapshot: it begins with {found:02x?}")]
     NotASnapshot {
@@ -103,8 +154,28 @@ pub enum Error {
         /// Hash of what was read.
         computed: u64,
     },
+    /// A `.vtu` file holds points of at most three dimensions.
+    #[error(
+        "particles in {dimension} dimensions are no points of a vtu file, which have three at most"
+    )]
+    TooManyDimensions {
+        /// Dimension of the store.
+        dimension: usize,
+    },
+    /// A position or a time to be drawn, a point to be ordered or an offset is NaN or infinite.
+    #[error("{what} is not finite")]
+    NotFinite {
+        /// Which one.
+        what: String,
+    },
+    /// A name holds a character that an XML file cannot.
+    #[error("name {name:?} holds a control character and cannot be written as XML")]
+    NameNotXml {
+        /// The name.
+        name: String,
+    },
     /// The reader or writer failed.
-    #[error("snapshot could not be read or written")]
+    #[error("reading or writing failed")]
     Io(#[from] std::io::Error),
     /// A width, radius or spacing is not a positive number.
     #[error("{what} along axis {axis} is {value}, not positive and finite")]
@@ -122,7 +193,7 @@ pub enum Error {
         /// The axis.
         axis: usize,
     },
-    /// A lattice has more points than a 32-bit index counts, or more along an axis than a signed one.
-    #[error("a lattice of more than {} points cannot be indexed", u32::MAX)]
+    /// There are more points than a 32-bit index counts, or more along an axis of a lattice than a signed one.
+    #[error("more than {} points cannot be indexed", u32::MAX)]
     TooManyPoints,
 }

@@ -10,7 +10,7 @@ use crate::store::{Attribute, Column, ParticleStore};
 const MAGIC: [u8; 8] = *b"PARTSTOR";
 
 /// Grows when the layout changes; older layouts are refused, not guessed at.
-const VERSION: u32 = 1;
+const VERSION: u32 = 3;
 
 /// Tags in the stream; a tag is never given another meaning.
 const REAL: u8 = 0;
@@ -24,11 +24,11 @@ const FLAG: u8 = 5;
 const LABEL: u8 = 6;
 
 impl<const D: usize> ParticleStore<D> {
-    /// Writes ids, columns, attributes and generation; [`restore`](Self::restore) gives them back bit for bit.
+    /// Writes ids, columns, attributes, generation and the next id to be given; [`restore`](Self::restore) gives them back bit for bit.
     ///
-    /// Little endian: `PARTSTOR`, version (u32), dimension (u32), generation, number of particles, of attributes, of columns
-    /// (u64 each); the attributes by name: tag (u8), name, 8 bytes; the ids (u64); the columns in their order: tag (u8),
-    /// name, values; FNV-1a hash (u64) of all before it. A name is its length in bytes (u64) and UTF-8.
+    /// Little endian: `PARTSTOR`, version (u32), dimension (u32), generation, next id, number of particles, of attributes, of
+    /// columns (u64 each); the attributes by name: tag (u8), name, 8 bytes; the ids (u64); the columns in their order: tag (u8),
+    /// name, values; XXH64 (seed 0, u64) of all before it. A name is its length in bytes (u64) and UTF-8.
     ///
     /// # Errors
     ///
@@ -39,9 +39,9 @@ impl<const D: usize> ParticleStore<D> {
         out.finish()
     }
 
-    /// Hash of what a snapshot would hold: two stores of the same hash hold the same bits.
+    /// Hash of what a snapshot would hold: two stores of the same bits have the same hash.
     ///
-    /// FNV-1a, 64 bits: proof against accident, not against intent.
+    /// XXH64: stores that differ by accident share it once in 2^64; it is no proof against intent.
     #[must_use]
     pub fn content_hash(&self) -> u64 {
         let mut sink = HashingWriter::new(std::io::sink());
@@ -55,6 +55,7 @@ impl<const D: usize> ParticleStore<D> {
         out.put(VERSION)?;
         out.put(u32::try_from(D).unwrap_or(u32::MAX))?;
         out.put(self.generation)?;
+        out.put(self.next_id)?;
         out.put(self.len() as u64)?;
         out.put(self.attributes.len() as u64)?;
         out.put(self.columns.len() as u64)?;
@@ -105,13 +106,17 @@ impl<const D: usize> ParticleStore<D> {
         if usize::try_from(found) != Ok(D) {
             return Err(Error::DimensionMismatch { found, expected: D });
         }
-        let generation = input.take()?;
+        let [generation, next_id] = input.take()?;
         let [n_particles, n_attributes, n_columns]: [u64; 3] = input.take()?;
         let mut attributes = Vec::new();
         for _ in 0..n_attributes {
             attributes.push(take_attribute(&mut input)?);
         }
-        let mut store = Self::of_ids(input.take_all(n_particles)?, generation);
+        let ids: Vec<u64> = input.take_all(n_particles)?;
+        if ids.iter().any(|&id| id >= next_id) {
+            return Err(Error::Corrupt { what: "an id is in use before it was given" });
+        }
+        let mut store = Self::of_ids(ids, next_id, generation);
         for (name, value) in attributes {
             if store.attributes.insert(name, value).is_some() {
                 return Err(Error::Corrupt { what: "an attribute is named twice" });

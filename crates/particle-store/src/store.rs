@@ -23,14 +23,16 @@ pub(crate) struct Column<const D: usize> {
 
 /// Named columns of particle data in `D` dimensions, a structure of arrays kept in one order.
 ///
-/// Every particle has an id, 0 to n - 1 at first, which stays with it whatever its place. Reordering and removal move all
-/// columns together and change the [`generation`](Self::generation), by which a stale neighbour list is known.
+/// Every particle has an id, 0 to n - 1 at first, which stays with it whatever its place and is never given to another.
+/// Reordering, removal, appending, splitting and merging move all columns together and change the
+/// [`generation`](Self::generation), by which a stale neighbour list is known.
 #[derive(Debug, Clone)]
 pub struct ParticleStore<const D: usize> {
     pub(crate) ids: Vec<u64>,
     pub(crate) columns: Vec<Column<D>>,
     pub(crate) attributes: BTreeMap<String, Attribute>,
     pub(crate) generation: u64,
+    pub(crate) next_id: u64,
     id_scratch: Vec<u64>,
     named: Vec<bool>,
     scratch: Scratch<D>,
@@ -40,16 +42,17 @@ impl<const D: usize> ParticleStore<D> {
     /// Particles without columns, ids 0 to `n_particles - 1`.
     #[must_use]
     pub fn new(n_particles: usize) -> Self {
-        Self::of_ids((0..n_particles as u64).collect(), 0)
+        Self::of_ids((0..n_particles as u64).collect(), n_particles as u64, 0)
     }
 
-    pub(crate) fn of_ids(ids: Vec<u64>, generation: u64) -> Self {
+    pub(crate) fn of_ids(ids: Vec<u64>, next_id: u64, generation: u64) -> Self {
         const { assert!(D >= 1, "particles need at least one dimension") };
         Self {
             ids,
             columns: Vec::new(),
             attributes: BTreeMap::new(),
             generation,
+            next_id,
             id_scratch: Vec::new(),
             named: Vec::new(),
             scratch: Scratch::default(),
@@ -218,6 +221,13 @@ impl<const D: usize> ParticleStore<D> {
     /// All named values, by name.
     pub fn attributes(&self) -> impl ExactSizeIterator<Item = (&str, Attribute)> {
         self.attributes.iter().map(|(name, &value)| (name.as_str(), value))
+    }
+
+    pub(crate) fn column(&self, name: &str) -> Result<&Column<D>, Error> {
+        let index = self.position(name);
+        index
+            .map(|index| &self.columns[index])
+            .ok_or_else(|| Error::UnknownColumn { name: name.to_owned() })
     }
 
     fn position(&self, name: &str) -> Option<usize> {

@@ -239,11 +239,11 @@ fn foreign_snapshots_are_refused_by_what_is_foreign() {
         ParticleStore::<3>::restore(&foreign[..])
     };
     assert!(matches!(restored(0, b'x'), Err(Error::NotASnapshot { .. })));
-    assert!(matches!(restored(8, 2), Err(Error::UnsupportedVersion { found: 2, supported: 1 })));
+    assert!(matches!(restored(8, 2), Err(Error::UnsupportedVersion { found: 2, supported: 3 })));
     let other = ParticleStore::<2>::restore(&bytes[..]);
     assert!(matches!(other, Err(Error::DimensionMismatch { found: 3, expected: 2 })));
     // The highest byte of the number of particles: absurdly many are found missing without memory for them.
-    assert!(matches!(restored(31, 0x7f), Err(Error::Truncated)));
+    assert!(matches!(restored(39, 0x7f), Err(Error::Truncated)));
     // The last byte of the hash itself, and one of the last column's.
     let last = bytes.len() - 1;
     assert!(matches!(restored(last, !bytes[last]), Err(Error::HashMismatch { .. })));
@@ -261,8 +261,8 @@ fn layout_is_the_documented_one() {
     let word = |value: u64| value.to_le_bytes();
     let mut expected = Vec::new();
     expected.extend(b"PARTSTOR");
-    expected.extend([1, 0, 0, 0, 1, 0, 0, 0]);
-    expected.extend([word(0), word(1), word(1), word(1)].concat());
+    expected.extend([3, 0, 0, 0, 1, 0, 0, 0]);
+    expected.extend([word(0), word(1), word(1), word(1), word(1)].concat());
     expected.push(1);
     expected.extend(word(1));
     expected.push(b't');

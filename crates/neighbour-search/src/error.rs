@@ -44,6 +44,12 @@ pub enum Error {
         /// The criterion.
         criterion: Criterion,
     },
+    /// A skin is NaN, infinite, not positive, or has no square in double precision.
+    #[error("skin {value} is not between {MIN_RADIUS:e} and {MAX_RADIUS:e}")]
+    Skin {
+        /// The skin.
+        value: f64,
+    },
     /// A question is asked about a place that is NaN or infinite.
     #[error("the place has coordinate {value} along axis {axis}, which is not finite")]
     PlaceNotFinite {

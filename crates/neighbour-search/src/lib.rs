@@ -13,6 +13,7 @@ mod query;
 mod radii;
 mod search;
 mod simd;
+mod skin_list;
 
 pub use brute_force::BruteForce;
 pub use cell_grid::CellGrid;
@@ -21,3 +22,4 @@ pub use list::{NeighbourList, Pair};
 pub use query::Near;
 pub use radii::{Criterion, MAX_RADIUS, MIN_RADIUS, Radii};
 pub use search::NeighbourSearch;
+pub use skin_list::{SkinList, Update};

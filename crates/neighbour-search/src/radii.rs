@@ -96,6 +96,6 @@ pub(crate) fn mean(a: f64, b: f64) -> f64 {
     0.5 * (a + b)
 }
 
-fn in_range(radius: f64) -> bool {
+pub(crate) fn in_range(radius: f64) -> bool {
     (MIN_RADIUS..=MAX_RADIUS).contains(&radius)
 }

@@ -1,0 +1,239 @@
+//! Neighbour lists of clouds in random order of memory, the structure built anew each time, as particles that move need it.
+//!
+//! Everyone writes every pair to memory, except where it says that pairs are only counted, and is checked to find the same
+//! pairs before it is measured. What they leave behind differs: `CellGrid` compressed rows of four bytes a pair; the trees'
+//! queries such rows in their order; linkcell the pair with the image and the squared distance, 28 or 40 bytes; zelll,
+//! kiddo's join, and kiddo where the larger radius decides, loose pairs. Lists keep their memory from run to run where the
+//! interface takes a buffer.
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "a cloud that a search refuses is a mistake of the benchmark"
+)]
+
+mod clouds;
+mod found;
+mod rivals;
+
+use std::alloc::System;
+use std::hint::black_box;
+
+use benches::CpuTime;
+use benches::ratios::{Ratios, Work};
+use cap::Cap;
+use criterion::Criterion;
+use linkcell::PairColumns;
+use neighbour_search::{CellGrid, Criterion as Sight, NeighbourList, NeighbourSearch, Radii};
+
+use crate::found::{Fingerprint, Rows, Sense, agreed};
+use crate::rivals::{kiddo_join, linkcell_columns, linkcell_rows, plane, rstar, space, zelll};
+
+/// Counts bytes for everyone alike; a few nanoseconds for each call of the allocator.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// Neighbours inside a uniform cloud in space; with its faces about 43 are left.
+const IN_SPACE: f64 = 45.0;
+const IN_PLANE: f64 = 20.0;
+
+/// Ours: the list, what it holds, and the closure that makes it again.
+fn ours<const D: usize>(
+    points: &[[f64; D]],
+    radii: Radii<'_>,
+    sense: Sense,
+) -> (Fingerprint, impl FnMut()) {
+    let (mut grid, mut list) = (CellGrid::new(), NeighbourList::new());
+    let mut search = move |list: &mut NeighbourList| match sense {
+        Sense::Directed => grid.full_list(black_box(points), radii, list).unwrap(),
+        Sense::Unordered => grid.half_list(black_box(points), radii, list).unwrap(),
+    };
+    search(&mut list);
+    (Fingerprint::of(&list, sense), move || search(&mut list))
+}
+
+/// A cloud in space, all pairs in both directions.
+fn full_in_space(ratios: &mut Ratios, name: &str, n_points: usize) {
+    if !ratios.wants(name) {
+        return;
+    }
+    let (points, radius) = clouds::uniform::<3>(n_points, IN_SPACE);
+    let (points, sense) = (points.as_slice(), Sense::Directed);
+    let (pairs, cell_grid) = ours(points, Radii::Uniform(radius), sense);
+    let work = Work::new(name, pairs.n_pairs, "CellGrid", cell_grid);
+    let (rows, columns) = linkcell(points, radius, pairs, sense);
+    ratios.measure(work.rival_to_beat("linkcell, rows", 3.0, rows).rival_to_beat(
+        "linkcell, columns",
+        3.0,
+        columns,
+    ));
+}
+
+/// A cloud in space, each pair once.
+fn half_in_space(ratios: &mut Ratios, name: &str, n_points: usize) {
+    if !ratios.wants(name) {
+        return;
+    }
+    let (points, radius) = clouds::uniform::<3>(n_points, IN_SPACE);
+    let (points, sense) = (points.as_slice(), Sense::Unordered);
+    let (pairs, cell_grid) = ours(points, Radii::Uniform(radius), sense);
+    let work = Work::new(name, pairs.n_pairs, "CellGrid", cell_grid);
+    let (rows, columns) = linkcell(points, radius, pairs, sense);
+    let written = agreed(pairs, "zelll", Vec::new(), move |written| {
+        written.clear();
+        zelll(points, radius, |i, j| written.push([i, j]));
+    });
+    let counted = move || {
+        let mut n_pairs = 0;
+        zelll(points, radius, |_, _| n_pairs += 1);
+        assert_eq!(n_pairs, pairs.n_pairs, "zelll");
+    };
+    ratios.measure(
+        work.rival_to_beat("linkcell, rows", 4.0, rows)
+            .rival_to_beat("linkcell, columns", 4.0, columns)
+            .rival_to_beat("zelll, written", 4.0, written)
+            .rival("zelll, only counted", counted),
+    );
+}
+
+fn linkcell(
+    points: &[[f64; 3]],
+    radius: f64,
+    pairs: Fingerprint,
+    sense: Sense,
+) -> (impl FnMut(), impl FnMut()) {
+    let rows = agreed(pairs, "linkcell, rows", Vec::new(), move |rows| {
+        *rows = Vec::new();
+        *rows = linkcell_rows(points, radius, sense);
+    });
+    let columns = agreed(pairs, "linkcell, columns", PairColumns::default(), move |columns| {
+        linkcell_columns(points, radius, sense, columns);
+    });
+    (rows, columns)
+}
+
+fn full_in_plane(ratios: &mut Ratios) {
+    let (points, radius) = clouds::uniform::<2>(100_000, IN_PLANE);
+    let (pairs, cell_grid) = ours(&points, Radii::Uniform(radius), Sense::Directed);
+    let queries = agreed(pairs, "kiddo", Rows::default(), |rows| {
+        plane::kiddo(&points, |_| radius, rows);
+    });
+    let join = agreed(pairs, "kiddo, join", Vec::new(), |joined| {
+        *joined = kiddo_join(&points, radius);
+    });
+    ratios.measure(
+        Work::new("2-D full list, 100k", pairs.n_pairs, "CellGrid", cell_grid)
+            .rival_to_beat("kiddo", 12.0, queries)
+            .rival_to_beat("kiddo, join", 12.0, join),
+    );
+}
+
+/// A radius for each point, of which its own decides.
+fn gather(ratios: &mut Ratios) {
+    let (points, radii) = clouds::normal::<3>(100_000, IN_SPACE);
+    let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Gather };
+    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let queries = agreed(pairs, "kiddo", Rows::default(), |rows| {
+        space::kiddo(&points, |i| radii[i], rows);
+    });
+    ratios.measure(
+        Work::new(
+            "3-D normal cloud, 100k, radii 20:1, gather",
+            pairs.n_pairs,
+            "CellGrid",
+            cell_grid,
+        )
+        .rival_to_beat("kiddo", 3.5, queries),
+    );
+}
+
+/// A radius for each point, of which the larger decides.
+fn larger(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
+    let name = |d: usize| format!("neighbour/{d}-D normal cloud, 20k, radii 20 to 1, max");
+    let (points, radii) = clouds::normal::<2>(20_000, IN_PLANE);
+    let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Max };
+    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let queries = agreed(pairs, "kiddo", Vec::new(), |found| {
+        plane::kiddo_max(&points, &radii, found);
+    });
+    let work = Work::new(name(2), pairs.n_pairs, "CellGrid", cell_grid);
+    ratios.measure(work.rival("kiddo", queries).in_criterion(criterion));
+
+    let (points, radii) = clouds::normal::<3>(20_000, IN_SPACE);
+    let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Max };
+    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let queries = agreed(pairs, "kiddo", Vec::new(), |found| {
+        space::kiddo_max(&points, &radii, found);
+    });
+    let work = Work::new(name(3), pairs.n_pairs, "CellGrid", cell_grid);
+    ratios.measure(work.rival("kiddo", queries).in_criterion(criterion));
+}
+
+/// The cloud of a density solver, small and dense.
+fn lattice(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
+    let (points, radius) = (clouds::sheared_lattice(), 2.5);
+    let (pairs, cell_grid) = ours(&points, Radii::Uniform(radius), Sense::Directed);
+    let queries = agreed(pairs, "kiddo", Rows::default(), |rows| {
+        plane::kiddo(&points, |_| radius, rows);
+    });
+    let join = agreed(pairs, "kiddo, join", Vec::new(), |joined| {
+        *joined = kiddo_join(&points, radius);
+    });
+    let r_tree = agreed(pairs, "rstar", Rows::default(), |rows| rstar(&points, radius, rows));
+    ratios.measure(
+        Work::new("neighbour/2-D sheared lattice, 1681", pairs.n_pairs, "CellGrid", cell_grid)
+            .rival("kiddo", queries)
+            .rival("kiddo, join", join)
+            .rival("rstar", r_tree)
+            .in_criterion(criterion),
+    );
+}
+
+/// Bytes allocated at the most while a list of a million points is made from nothing, the points not among them.
+fn memory(ratios: &mut Ratios) {
+    let work = "3-D full list, 1M, bytes at the peak";
+    if !ratios.wants(work) || !ratios.is_measured() {
+        return;
+    }
+    let (points, radius) = clouds::uniform::<3>(1_000_000, IN_SPACE);
+    let cell_grid = peak(|| {
+        let (mut grid, mut list) = (CellGrid::new(), NeighbourList::new());
+        grid.full_list(&points, Radii::Uniform(radius), &mut list).unwrap();
+    });
+    let columns = peak(|| {
+        linkcell_columns(&points, radius, Sense::Directed, &mut PairColumns::default());
+    });
+    let rows = peak(|| drop(linkcell_rows(&points, radius, Sense::Directed)));
+    ratios.bytes(work, cell_grid, "linkcell, rows", rows, 4.0);
+    ratios.bytes(work, cell_grid, "linkcell, columns", columns, 4.0);
+}
+
+/// The allocator knows the highest peak of all times only: to be seen, each must be higher than those before.
+fn peak(run: impl FnOnce()) -> usize {
+    let (allocated, highest) = (ALLOCATOR.allocated(), ALLOCATOR.max_allocated());
+    run();
+    assert!(ALLOCATOR.max_allocated() > highest, "measure the memory of this one earlier");
+    ALLOCATOR.max_allocated() - allocated
+}
+
+fn main() {
+    let mut ratios = Ratios::from_args("neighbour");
+    let mut criterion = benches::criterion();
+    memory(&mut ratios);
+    lattice(&mut criterion, &mut ratios);
+    full_in_plane(&mut ratios);
+    full_in_space(&mut ratios, "3-D full list, 100k", 100_000);
+    half_in_space(&mut ratios, "3-D half list, 100k", 100_000);
+    // Here, once the crate has them: two threads against one, by wall time, and the portable path against linkcell.
+    gather(&mut ratios);
+    larger(&mut criterion, &mut ratios);
+    if ratios.is_measured() {
+        full_in_space(&mut ratios, "3-D full list, 1M", 1_000_000);
+        half_in_space(&mut ratios, "3-D half list, 1M", 1_000_000);
+    }
+    criterion.final_summary();
+    ratios.note(
+        "TreeNSearch (C++, f32, not run here), 3-D full list on an EPYC of Zen 4: 235 M/s at 100k and 221 at 1M on points \
+         already sorted, 56 and 32 in random order.",
+    );
+    ratios.print();
+}

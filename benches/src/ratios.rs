@@ -1,0 +1,283 @@
+//! Ours against rivals, as ratios that a busy machine does not spoil.
+//!
+//! The contenders of a work run in turns, and each round gives one ratio for each rival: what slows one contender of a
+//! round down slows the others as well. The ratio is the median over the rounds; the quartiles beside it say how far to
+//! trust it. Nothing is left out: a ratio below one is a loss and is printed as one.
+
+use std::fmt::Display;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use comfy_table::presets::ASCII_MARKDOWN;
+use comfy_table::{CellAlignment, Table};
+use cpu_time::ProcessTime;
+use criterion::{Criterion, Throughput};
+
+use crate::CpuTime;
+
+/// Rounds of a work: as many as the time allows, between these.
+const ROUNDS: std::ops::RangeInclusive<usize> = 5..=25;
+/// Wall time after which no more rounds begin.
+const PATIENCE: Duration = Duration::from_secs(4);
+/// CPU time that a contender takes in a round at least, by repetition: far above the cost of reading the clock.
+const SAMPLE: Duration = Duration::from_millis(2);
+
+const HEADER: [&str; 10] =
+    ["work", "ours", "M/s", "rival", "", "ratio", "quartiles", "target", "reached", "rounds"];
+
+struct Contender<'a> {
+    name: &'static str,
+    target: Option<f64>,
+    run: Box<dyn FnMut() + 'a>,
+}
+
+/// The same work done by several: ours first, then the rivals.
+#[expect(missing_debug_implementations, reason = "closures have none")]
+pub struct Work<'a> {
+    name: String,
+    n_elements: usize,
+    contenders: Vec<Contender<'a>>,
+}
+
+impl<'a> Work<'a> {
+    /// What is to be done, how many elements that is, and how we do it.
+    pub fn new(
+        name: impl Into<String>,
+        n_elements: usize,
+        ours: &'static str,
+        run: impl FnMut() + 'a,
+    ) -> Self {
+        let ours = Contender { name: ours, target: None, run: Box::new(run) };
+        Self { name: name.into(), n_elements, contenders: vec![ours] }
+    }
+
+    /// Someone who does the same.
+    #[must_use]
+    pub fn rival(mut self, name: &'static str, run: impl FnMut() + 'a) -> Self {
+        self.contenders.push(Contender { name, target: None, run: Box::new(run) });
+        self
+    }
+
+    /// Someone who does the same and is to take at least `target` times as long.
+    #[must_use]
+    pub fn rival_to_beat(
+        mut self,
+        name: &'static str,
+        target: f64,
+        run: impl FnMut() + 'a,
+    ) -> Self {
+        self.contenders.push(Contender { name, target: Some(target), run: Box::new(run) });
+        self
+    }
+
+    /// Has criterion measure the contenders too, one after the other: for distributions and for changes between runs.
+    #[must_use]
+    pub fn in_criterion(mut self, criterion: &mut Criterion<CpuTime>) -> Self {
+        let mut group = criterion.benchmark_group(&self.name);
+        group.throughput(Throughput::Elements(self.n_elements as u64));
+        for Contender { name, run, .. } in &mut self.contenders {
+            group.bench_function(*name, |b| b.iter(&mut *run));
+        }
+        group.finish();
+        self
+    }
+}
+
+/// The table of ratios of a benchmark target.
+#[derive(Debug)]
+pub struct Ratios {
+    title: &'static str,
+    filter: Option<String>,
+    is_measured: bool,
+    load_at_start: String,
+    table: Table,
+    notes: Vec<String>,
+}
+
+impl Ratios {
+    /// An empty table. With `--test` or `--list` on the command line nothing is measured; a first argument that is no
+    /// option is a filter on the names of works.
+    #[must_use]
+    pub fn from_args(title: &'static str) -> Self {
+        let arguments: Vec<String> = std::env::args().skip(1).collect();
+        let is_given = |option: &str| arguments.iter().any(|argument| argument == option);
+        let mut table = Table::new();
+        table.load_style(ASCII_MARKDOWN).set_header(HEADER);
+        for column in table.column_iter_mut().filter(|column| ![0, 3, 8].contains(&column.index)) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        Self {
+            title,
+            filter: arguments.first().filter(|first| !first.starts_with('-')).cloned(),
+            // As criterion decides it: cargo says `--bench` where it is to be measured.
+            is_measured: is_given("--bench") && !is_given("--test") && !is_given("--list"),
+            load_at_start: load_average(),
+            table,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Whether anything is measured; work of many seconds is left out if not.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        self.is_measured
+    }
+
+    /// Whether the filter leaves this work in.
+    #[must_use]
+    pub fn wants(&self, work: &str) -> bool {
+        self.filter.as_ref().is_none_or(|part| work.contains(part))
+    }
+
+    /// Measures all contenders by CPU time; without measurement each runs once.
+    pub fn measure(&mut self, work: Work<'_>) {
+        let Work { name, n_elements, mut contenders } = work;
+        if !self.wants(&name) {
+            return;
+        }
+        if !self.is_measured {
+            for contender in &mut contenders {
+                (contender.run)();
+            }
+            return;
+        }
+        let rounds = rounds(&mut contenders);
+        let ours = Quartiles::of(rounds.iter().map(|seconds| seconds[0]));
+        for (k, rival) in contenders.iter().enumerate().skip(1) {
+            let its = Quartiles::of(rounds.iter().map(|seconds| seconds[k]));
+            let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[k] / seconds[0]));
+            // In the table of one target its name need not stand before each work, as it does in criterion's.
+            let work = name.trim_start_matches(self.title).trim_start_matches('/');
+            self.table.add_row([
+                work.to_owned(),
+                format!("{:.4} ms", 1e3 * ours.median),
+                format!("{:.1}", 1e-6 * n_elements as f64 / ours.median),
+                rival.name.to_owned(),
+                format!("{:.4} ms", 1e3 * its.median),
+                format!("{:.2}", ratio.median),
+                format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
+                or_dash(rival.target),
+                rival.target.map_or("-", |target| ratio.reaches(target)).to_owned(),
+                rounds.len().to_string(),
+            ]);
+        }
+    }
+
+    /// Adds bytes that were counted, ours and a rival's.
+    pub fn bytes(&mut self, work: &str, ours: usize, rival: &str, its: usize, target: f64) {
+        let megabytes = |bytes: usize| format!("{:.0} MB", 1e-6 * bytes as f64);
+        let ratio = its as f64 / ours as f64;
+        self.table.add_row([
+            work.to_owned(),
+            megabytes(ours),
+            "-".to_owned(),
+            rival.to_owned(),
+            megabytes(its),
+            format!("{ratio:.2}"),
+            "counted".to_owned(),
+            target.to_string(),
+            if ratio >= target { "yes" } else { "no" }.to_owned(),
+            "1".to_owned(),
+        ]);
+    }
+
+    /// A line below the table.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.notes.push(note.into());
+    }
+
+    /// Prints the table, if anything was measured.
+    pub fn print(self) {
+        if !self.is_measured {
+            return;
+        }
+        let Self { title, table, load_at_start, notes, .. } = self;
+        let cores = std::thread::available_parallelism().map_or(0, usize::from);
+        let mut text = format!(
+            "\n{title}: ratios, rival / ours, above 1 we are faster\n\n{table}\n\n\
+             CPU time of the process on one thread, of {cores} the machine has; contenders take turns; medians over the rounds.\n\
+             reached: no if even the upper quartile is below the target, about if the target lies between the quartiles.\n\
+             load average {load_at_start} at the start, {} at the end.\n",
+            load_average()
+        );
+        for note in notes {
+            text.push_str(&note);
+            text.push('\n');
+        }
+        // Who closed the output does not want the table.
+        let _ = std::io::stdout().write_all(text.as_bytes());
+    }
+}
+
+/// Seconds of every contender in every round.
+fn rounds(contenders: &mut [Contender<'_>]) -> Vec<Vec<f64>> {
+    let repetitions: Vec<u32> = contenders
+        .iter_mut()
+        .map(|contender| {
+            let mut repetitions = 1;
+            // The first runs also warm caches and grow buffers.
+            while seconds(contender, repetitions) * f64::from(repetitions) < SAMPLE.as_secs_f64() {
+                repetitions *= 2;
+            }
+            repetitions
+        })
+        .collect();
+    let (start, mut rounds) = (Instant::now(), Vec::new());
+    while rounds.len() < *ROUNDS.start()
+        || (rounds.len() < *ROUNDS.end() && start.elapsed() < PATIENCE)
+    {
+        let mut round = vec![0.0; contenders.len()];
+        for turn in 0..contenders.len() {
+            // Every other round backwards, so that nobody always follows the same one.
+            let k = if rounds.len() % 2 == 0 { turn } else { contenders.len() - 1 - turn };
+            round[k] = seconds(&mut contenders[k], repetitions[k]);
+        }
+        rounds.push(round);
+    }
+    rounds
+}
+
+/// CPU seconds of one run.
+fn seconds(contender: &mut Contender<'_>, repetitions: u32) -> f64 {
+    let start = ProcessTime::now();
+    for _ in 0..repetitions {
+        (contender.run)();
+    }
+    start.elapsed().as_secs_f64() / f64::from(repetitions)
+}
+
+struct Quartiles {
+    lower: f64,
+    median: f64,
+    upper: f64,
+}
+
+impl Quartiles {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let [lower, median, upper] =
+            [1, 2, 3].map(|quarter| sorted[(sorted.len() - 1) * quarter / 4]);
+        Self { lower, median, upper }
+    }
+
+    fn reaches(&self, target: f64) -> &'static str {
+        if self.lower >= target {
+            "yes"
+        } else if self.upper < target {
+            "no"
+        } else {
+            "about"
+        }
+    }
+}
+
+fn or_dash(value: Option<impl Display>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| value.to_string())
+}
+
+/// Processes that wanted to run over the last minute, where the system tells.
+fn load_average() -> String {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    text.split(' ').next().filter(|load| !load.is_empty()).unwrap_or("unknown").to_owned()
+}

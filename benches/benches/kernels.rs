@@ -1,14 +1,19 @@
 //! Value and gradient of every kernel over a slice of radii.
 //!
-//! The kernels come from the table, so each evaluation is one call through a pointer; `slice` is the same work by one
-//! call for the whole slice, from squared distances. Beside them stand Lucy's kernel
-//! known to the compiler, as a solver has it, and the rival: Lucy's formula written by hand, its constants taken out of
-//! the loop.
+//! All kernels come from the table, so each evaluation is one call through a pointer. The ratios are those of Lucy's kernel
+//! known to the compiler, as a solver has it, to its formula written by hand, the constants taken out of the loop; and of
+//! one call for a whole slice, from squared distances, to a scalar call for each number.
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "slices of different lengths are a mistake of the benchmark"
+)]
 
 use std::f64::consts::PI;
 use std::hint::black_box;
 
 use benches::CpuTime;
+use benches::ratios::{Ratios, Work};
 use criterion::{Criterion, Throughput};
 use smoothing_kernels::{
     CubicSpline, Kernel, Lucy, QuarticSpline, QuinticSpline, TruncatedGaussian, WendlandC2,
@@ -80,98 +85,114 @@ fn lucy_gradients_by_hand<const D: usize>(pairs: &Pairs<D>, out: &mut [[f64; D]]
     }
 }
 
-fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>) {
+fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     let pairs = Pairs::<D>::new();
-    let (mut value, mut gradient) = (vec![0.0; N_PAIRS], vec![[0.0; D]; N_PAIRS]);
-    check_rival(&pairs, &mut value, &mut gradient);
+    check_rival(&pairs);
+    table(criterion, &pairs);
 
-    let mut group = criterion.benchmark_group(format!("kernels/{D}d/value"));
+    let [mut ours, mut by_hand] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    ratios.measure(
+        Work::new(format!("kernels/{D}-D value"), N_PAIRS, "Lucy inlined", || {
+            values(&Lucy, &pairs, black_box(&mut ours));
+        })
+        .rival("Lucy by hand", || lucy_values_by_hand(&pairs, black_box(&mut by_hand)))
+        .in_criterion(criterion),
+    );
+    let [mut ours, mut by_hand] = [(); 2].map(|()| vec![[0.0; D]; N_PAIRS]);
+    ratios.measure(
+        Work::new(format!("kernels/{D}-D gradient"), N_PAIRS, "Lucy inlined", || {
+            gradients(&Lucy, &pairs, black_box(&mut ours));
+        })
+        .rival("Lucy by hand", || lucy_gradients_by_hand(&pairs, black_box(&mut by_hand)))
+        .in_criterion(criterion),
+    );
+    slices(criterion, ratios, &pairs);
+}
+
+/// Every kernel through a pointer: compared with each other, as there is no rival for most.
+fn table<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>) {
+    let (mut value, mut gradient) = (vec![0.0; N_PAIRS], vec![[0.0; D]; N_PAIRS]);
+    let mut group = criterion.benchmark_group(format!("kernels/{D}-D value by pointer"));
     group.throughput(Throughput::Elements(N_PAIRS as u64));
     for (name, kernel) in all::<D>() {
-        group.bench_function(name, |b| b.iter(|| values(&*kernel, &pairs, black_box(&mut value))));
+        group.bench_function(name, |b| b.iter(|| values(&*kernel, pairs, black_box(&mut value))));
     }
-    group.bench_function("Lucy inlined", |b| {
-        b.iter(|| values(&Lucy, &pairs, black_box(&mut value)));
-    });
-    group.bench_function("Lucy by hand (rival)", |b| {
-        b.iter(|| lucy_values_by_hand(&pairs, black_box(&mut value)));
-    });
     group.finish();
-
-    slices(criterion, &pairs, &mut value);
-
-    let mut group = criterion.benchmark_group(format!("kernels/{D}d/gradient"));
+    let mut group = criterion.benchmark_group(format!("kernels/{D}-D gradient by pointer"));
     group.throughput(Throughput::Elements(N_PAIRS as u64));
     for (name, kernel) in all::<D>() {
         group.bench_function(name, |b| {
-            b.iter(|| gradients(&*kernel, &pairs, black_box(&mut gradient)));
+            b.iter(|| gradients(&*kernel, pairs, black_box(&mut gradient)));
         });
     }
-    group.bench_function("Lucy inlined", |b| {
-        b.iter(|| gradients(&Lucy, &pairs, black_box(&mut gradient)));
-    });
-    group.bench_function("Lucy by hand (rival)", |b| {
-        b.iter(|| lucy_gradients_by_hand(&pairs, black_box(&mut gradient)));
-    });
     group.finish();
 }
 
 /// From squared distances over the kernel's own support: the scalar calls, statically known, and the slice. Both read
 /// `r²` and write one number per pair.
-fn slices<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>, out: &mut [f64]) {
-    slice_against_scalar(criterion, "Lucy", &Lucy, pairs, out);
-    slice_against_scalar(criterion, "CubicSpline", &CubicSpline, pairs, out);
-    slice_against_scalar(criterion, "QuarticSpline", &QuarticSpline, pairs, out);
-    slice_against_scalar(criterion, "QuinticSpline", &QuinticSpline, pairs, out);
-    slice_against_scalar(criterion, "WendlandC2", &WendlandC2, pairs, out);
-    slice_against_scalar(criterion, "WendlandC4", &WendlandC4, pairs, out);
-    slice_against_scalar(criterion, "WendlandC6", &WendlandC6, pairs, out);
-    slice_against_scalar(criterion, "TruncatedGaussian", &TruncatedGaussian, pairs, out);
+fn slices<const D: usize>(
+    criterion: &mut Criterion<CpuTime>,
+    ratios: &mut Ratios,
+    pairs: &Pairs<D>,
+) {
+    let mut in_slices = InSlices { criterion, ratios, pairs };
+    in_slices.measure("Lucy", &Lucy);
+    in_slices.measure("CubicSpline", &CubicSpline);
+    in_slices.measure("QuarticSpline", &QuarticSpline);
+    in_slices.measure("QuinticSpline", &QuinticSpline);
+    in_slices.measure("WendlandC2", &WendlandC2);
+    in_slices.measure("WendlandC4", &WendlandC4);
+    in_slices.measure("WendlandC6", &WendlandC6);
+    in_slices.measure("TruncatedGaussian", &TruncatedGaussian);
 }
 
-fn slice_against_scalar<const D: usize>(
-    criterion: &mut Criterion<CpuTime>,
-    name: &str,
-    kernel: &impl Kernel<D>,
-    pairs: &Pairs<D>,
-    out: &mut [f64],
-) {
-    let r_squared = &pairs.r_squared;
-    let mut group = criterion.benchmark_group(format!("kernels/{D}d/slice/{name}"));
-    group.throughput(Throughput::Elements(N_PAIRS as u64));
-    // As long as the pairs reach a tenth beyond the edge, whatever the support.
-    let h = SMOOTHING_LENGTH / kernel.support();
-    group.bench_function("values, scalar calls", |b| {
-        b.iter(|| {
+struct InSlices<'a, const D: usize> {
+    criterion: &'a mut Criterion<CpuTime>,
+    ratios: &'a mut Ratios,
+    pairs: &'a Pairs<D>,
+}
+
+impl<const D: usize> InSlices<'_, D> {
+    fn measure(&mut self, name: &str, kernel: &impl Kernel<D>) {
+        let r_squared = &self.pairs.r_squared;
+        // As long as the pairs reach a tenth beyond the edge, whatever the support.
+        let h = SMOOTHING_LENGTH / kernel.support();
+        check_slices(kernel, r_squared, h);
+        let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+        let work = format!("kernels/{D}-D values, {name}");
+        let values = Work::new(work, N_PAIRS, "slice", || {
+            kernel.values(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
+        })
+        .rival("scalar calls", || {
             let h = black_box(h);
-            for (value, r_squared) in black_box(&mut *out).iter_mut().zip(r_squared) {
+            for (value, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
                 *value = kernel.value(r_squared.sqrt(), h);
             }
         });
-    });
-    group.bench_function("values, slice", |b| {
-        b.iter(|| kernel.values(r_squared, black_box(h), black_box(&mut *out)));
-    });
-    group.bench_function("gradient factors, scalar calls", |b| {
-        b.iter(|| {
+        self.ratios.measure(values.in_criterion(self.criterion));
+
+        let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+        let work = format!("kernels/{D}-D gradient factors, {name}");
+        let factors = Work::new(work, N_PAIRS, "slice", || {
+            kernel.gradient_factors(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
+        })
+        .rival("scalar calls", || {
             let h = black_box(h);
-            for (factor, r_squared) in black_box(&mut *out).iter_mut().zip(r_squared) {
+            for (factor, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
                 *factor = kernel.gradient_factor(r_squared.sqrt(), h);
             }
         });
-    });
-    group.bench_function("gradient factors, slice", |b| {
-        b.iter(|| kernel.gradient_factors(r_squared, black_box(h), black_box(&mut *out)));
-    });
-    group.finish();
+        self.ratios.measure(factors.in_criterion(self.criterion));
+    }
 }
 
 /// A rival that computes something else is none.
-fn check_rival<const D: usize>(pairs: &Pairs<D>, value: &mut [f64], gradient: &mut [[f64; D]]) {
+fn check_rival<const D: usize>(pairs: &Pairs<D>) {
     let roundoff = 1e-13 * lucy_peak(D, SMOOTHING_LENGTH);
-    let (mut value_by_hand, mut gradient_by_hand) = (value.to_vec(), gradient.to_vec());
-    values(&Lucy, pairs, value);
-    gradients(&Lucy, pairs, gradient);
+    let [mut value, mut value_by_hand] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    let [mut gradient, mut gradient_by_hand] = [(); 2].map(|()| vec![[0.0; D]; N_PAIRS]);
+    values(&Lucy, pairs, &mut value);
+    gradients(&Lucy, pairs, &mut gradient);
     lucy_values_by_hand(pairs, &mut value_by_hand);
     lucy_gradients_by_hand(pairs, &mut gradient_by_hand);
     let gradients = gradient.iter().flatten().zip(gradient_by_hand.iter().flatten());
@@ -180,9 +201,30 @@ fn check_rival<const D: usize>(pairs: &Pairs<D>, value: &mut [f64], gradient: &m
     }
 }
 
+fn check_slices<const D: usize>(kernel: &impl Kernel<D>, r_squared: &[f64], h: f64) {
+    let [mut values, mut factors] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    kernel.values(r_squared, h, &mut values).unwrap();
+    kernel.gradient_factors(r_squared, h, &mut factors).unwrap();
+    let values_called = r_squared.iter().map(|r_squared| kernel.value(r_squared.sqrt(), h));
+    let factors_called =
+        r_squared.iter().map(|r_squared| kernel.gradient_factor(r_squared.sqrt(), h));
+    assert_close(&values, &values_called.collect::<Vec<_>>());
+    assert_close(&factors, &factors_called.collect::<Vec<_>>());
+}
+
+/// A difference of roundoff, some hundred of them at the largest.
+fn assert_close(ours: &[f64], rival: &[f64]) {
+    let largest = rival.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    for (ours, rival) in ours.iter().zip(rival) {
+        assert!((ours - rival).abs() < 1e-13 * largest, "{ours} against {rival}");
+    }
+}
+
 fn main() {
     let mut criterion = benches::criterion();
-    dimension::<2>(&mut criterion);
-    dimension::<3>(&mut criterion);
+    let mut ratios = Ratios::from_args("kernels");
+    dimension::<2>(&mut criterion, &mut ratios);
+    dimension::<3>(&mut criterion, &mut ratios);
     criterion.final_summary();
+    ratios.print();
 }

@@ -16,7 +16,7 @@ use criterion::{Criterion, Throughput};
 use crate::CpuTime;
 
 /// Rounds of a work: as many as the time allows, between these.
-const ROUNDS: std::ops::RangeInclusive<usize> = 5..=25;
+const ROUNDS: std::ops::RangeInclusive<usize> = 7..=25;
 /// Wall time after which no more rounds begin.
 const PATIENCE: Duration = Duration::from_secs(4);
 /// CPU time that a contender takes in a round at least, by repetition: far above the cost of reading the clock.

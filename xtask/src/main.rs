@@ -17,7 +17,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   run SCENE.json --out DIR    run a scene
   chart [NAME]... [--list]    draw error against cost
   stability [NAME]...         sweep methods to where they fail
-  bench [NAME]... [-- ARG...] run benchmarks; what follows -- goes to criterion
+  bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
+                              to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it
 
 `cargo xtask COMMAND --help` says more about verify, run, chart and stability.

@@ -106,7 +106,7 @@ fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>, ratios: &mut Ra
         .rival("Lucy by hand", || lucy_gradients_by_hand(&pairs, black_box(&mut by_hand)))
         .in_criterion(criterion),
     );
-    slices(criterion, ratios, &pairs);
+    slices(ratios, &pairs);
 }
 
 /// Every kernel through a pointer: compared with each other, as there is no rival for most.
@@ -130,60 +130,52 @@ fn table<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>) {
 
 /// From squared distances over the kernel's own support: the scalar calls, statically known, and the slice. Both read
 /// `r²` and write one number per pair.
-fn slices<const D: usize>(
-    criterion: &mut Criterion<CpuTime>,
+fn slices<const D: usize>(ratios: &mut Ratios, pairs: &Pairs<D>) {
+    let r_squared = &pairs.r_squared;
+    slice_against_calls::<D>(ratios, "Lucy", &Lucy, r_squared);
+    slice_against_calls::<D>(ratios, "CubicSpline", &CubicSpline, r_squared);
+    slice_against_calls::<D>(ratios, "QuarticSpline", &QuarticSpline, r_squared);
+    slice_against_calls::<D>(ratios, "QuinticSpline", &QuinticSpline, r_squared);
+    slice_against_calls::<D>(ratios, "WendlandC2", &WendlandC2, r_squared);
+    slice_against_calls::<D>(ratios, "WendlandC4", &WendlandC4, r_squared);
+    slice_against_calls::<D>(ratios, "WendlandC6", &WendlandC6, r_squared);
+    slice_against_calls::<D>(ratios, "TruncatedGaussian", &TruncatedGaussian, r_squared);
+}
+
+fn slice_against_calls<const D: usize>(
     ratios: &mut Ratios,
-    pairs: &Pairs<D>,
+    name: &str,
+    kernel: &impl Kernel<D>,
+    r_squared: &[f64],
 ) {
-    let mut in_slices = InSlices { criterion, ratios, pairs };
-    in_slices.measure("Lucy", &Lucy);
-    in_slices.measure("CubicSpline", &CubicSpline);
-    in_slices.measure("QuarticSpline", &QuarticSpline);
-    in_slices.measure("QuinticSpline", &QuinticSpline);
-    in_slices.measure("WendlandC2", &WendlandC2);
-    in_slices.measure("WendlandC4", &WendlandC4);
-    in_slices.measure("WendlandC6", &WendlandC6);
-    in_slices.measure("TruncatedGaussian", &TruncatedGaussian);
-}
+    // As long as the pairs reach a tenth beyond the edge, whatever the support.
+    let h = SMOOTHING_LENGTH / kernel.support();
+    check_slices(kernel, r_squared, h);
+    let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    let work = format!("kernels/{D}-D values, {name}");
+    let values = Work::new(work, N_PAIRS, "slice", || {
+        kernel.values(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
+    })
+    .rival("scalar calls", || {
+        let h = black_box(h);
+        for (value, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
+            *value = kernel.value(r_squared.sqrt(), h);
+        }
+    });
+    ratios.measure(values);
 
-struct InSlices<'a, const D: usize> {
-    criterion: &'a mut Criterion<CpuTime>,
-    ratios: &'a mut Ratios,
-    pairs: &'a Pairs<D>,
-}
-
-impl<const D: usize> InSlices<'_, D> {
-    fn measure(&mut self, name: &str, kernel: &impl Kernel<D>) {
-        let r_squared = &self.pairs.r_squared;
-        // As long as the pairs reach a tenth beyond the edge, whatever the support.
-        let h = SMOOTHING_LENGTH / kernel.support();
-        check_slices(kernel, r_squared, h);
-        let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
-        let work = format!("kernels/{D}-D values, {name}");
-        let values = Work::new(work, N_PAIRS, "slice", || {
-            kernel.values(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
-        })
-        .rival("scalar calls", || {
-            let h = black_box(h);
-            for (value, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
-                *value = kernel.value(r_squared.sqrt(), h);
-            }
-        });
-        self.ratios.measure(values.in_criterion(self.criterion));
-
-        let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
-        let work = format!("kernels/{D}-D gradient factors, {name}");
-        let factors = Work::new(work, N_PAIRS, "slice", || {
-            kernel.gradient_factors(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
-        })
-        .rival("scalar calls", || {
-            let h = black_box(h);
-            for (factor, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
-                *factor = kernel.gradient_factor(r_squared.sqrt(), h);
-            }
-        });
-        self.ratios.measure(factors.in_criterion(self.criterion));
-    }
+    let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    let work = format!("kernels/{D}-D gradient factors, {name}");
+    let factors = Work::new(work, N_PAIRS, "slice", || {
+        kernel.gradient_factors(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
+    })
+    .rival("scalar calls", || {
+        let h = black_box(h);
+        for (factor, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
+            *factor = kernel.gradient_factor(r_squared.sqrt(), h);
+        }
+    });
+    ratios.measure(factors);
 }
 
 /// A rival that computes something else is none.

@@ -150,10 +150,10 @@ impl Ratios {
             let work = name.trim_start_matches(self.title).trim_start_matches('/');
             self.table.add_row([
                 work.to_owned(),
-                format!("{:.4} ms", 1e3 * ours.median),
+                duration(ours.median),
                 format!("{:.1}", 1e-6 * n_elements as f64 / ours.median),
                 rival.name.to_owned(),
-                format!("{:.4} ms", 1e3 * its.median),
+                duration(its.median),
                 format!("{:.2}", ratio.median),
                 format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
                 or_dash(rival.target),
@@ -196,6 +196,7 @@ impl Ratios {
         let mut text = format!(
             "\n{title}: ratios, rival / ours, above 1 we are faster\n\n{table}\n\n\
              CPU time of the process on one thread, of {cores} the machine has; contenders take turns; medians over the rounds.\n\
+             M/s: millions of pairs, points or particles a second, ours.\n\
              reached: no if even the upper quartile is below the target, about if the target lies between the quartiles.\n\
              load average {load_at_start} at the start, {} at the end.\n",
             load_average()
@@ -269,6 +270,14 @@ impl Quartiles {
         } else {
             "about"
         }
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 1e-3 {
+        format!("{:.2} µs", 1e6 * seconds)
+    } else {
+        format!("{:.2} ms", 1e3 * seconds)
     }
 }
 

@@ -17,7 +17,7 @@ pub(crate) const CHART: ChartKind = ChartKind {
 /// Points along a curve.
 const POINTS: u32 = 400;
 
-/// What is smaller than this of a transform is not drawn: some hundred roundings of its integral are 1e-14.
+/// What is smaller than this of a transform is not drawn; the error of its integral is below 1e-10.
 const SMALLEST_TRANSFORM: f64 = 1e-7;
 
 fn draw(_: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {

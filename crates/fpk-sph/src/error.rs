@@ -242,6 +242,9 @@ pub enum Error {
     /// The store or the lattice refused its input.
     #[error(transparent)]
     Store(#[from] particle_store::Error),
+    /// A kernel refused its input.
+    #[error(transparent)]
+    Kernel(#[from] smoothing_kernels::Error),
 }
 
 /// Refuses NaN and infinity.

@@ -65,6 +65,16 @@ pub enum Error {
         /// Number of particles.
         n_particles: usize,
     },
+    /// What was made from places, a neighbour list say, is older than the present order of the particles.
+    #[error(
+        "made for generation {made_for} of the particles, which are in generation {generation}"
+    )]
+    StaleGeneration {
+        /// The generation it was made for.
+        made_for: u64,
+        /// The generation of the store.
+        generation: u64,
+    },
     /// A place is beyond the particles.
     #[error("there is no place {place} among {n_particles} particles")]
     NoSuchPlace {

@@ -84,9 +84,41 @@ impl<const D: usize> ParticleStore<D> {
     }
 
     /// Changes whenever a place may hold another particle than before; never otherwise.
+    ///
+    /// Note it beside what is made from places, such as a neighbour list, and ask [`check_generation`](Self::check_generation)
+    /// before that is used.
     #[must_use]
     pub fn generation(&self) -> u64 {
         self.generation
+    }
+
+    /// Refuses what was made from places that may hold other particles by now.
+    ///
+    /// The counter belongs to one store and its history. A clone or a restored store begins a history of its own and may
+    /// come to the same number in another order: make anew what was made before a restore.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleGeneration`] unless `made_for` is the present [`generation`](Self::generation).
+    ///
+    /// ```
+    /// use particle_store::{Error, ParticleStore};
+    ///
+    /// let mut store = ParticleStore::<2>::new(3);
+    /// let made_for = store.generation();
+    /// store.check_generation(made_for)?;
+    /// store.permute(&[2, 0, 1])?;
+    /// let refused = store.check_generation(made_for);
+    /// assert!(matches!(refused, Err(Error::StaleGeneration { made_for: 0, generation: 1 })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn check_generation(&self, made_for: u64) -> Result<(), Error> {
+        let generation = self.generation;
+        if made_for == generation {
+            Ok(())
+        } else {
+            Err(Error::StaleGeneration { made_for, generation })
+        }
     }
 
     /// Adds a column of any [`Element`] type, one value for each particle in the present order.

@@ -4,6 +4,7 @@ mod batch;
 mod corrections;
 mod cubic_spline;
 mod error;
+mod exponential;
 mod geometry;
 mod kernel;
 mod lucy;

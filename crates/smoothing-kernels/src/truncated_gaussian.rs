@@ -1,6 +1,7 @@
 //! A Gaussian with an end.
 
-use crate::geometry::{integer_power, unit_sphere_surface};
+use crate::exponential::exponential;
+use crate::geometry::{capped, integer_power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
 /// The Gaussian `exp(-q^2)`, cut off at [`TRUNCATION`](Self::TRUNCATION) smoothing lengths and normalised with the cut.
@@ -54,18 +55,15 @@ impl<const D: usize> Kernel<D> for TruncatedGaussian {
 
     #[inline]
     fn shape(&self, q: f64) -> f64 {
-        if q >= Self::TRUNCATION {
-            return 0.0;
-        }
-        (-q * q).exp()
+        // Both sides of the cut are computed and one is taken: a choice and not a branch.
+        let inside = capped(q, Self::TRUNCATION);
+        let shape = exponential(-(inside * inside));
+        if q >= Self::TRUNCATION { 0.0 } else { shape }
     }
 
     #[inline]
     fn shape_derivative(&self, q: f64) -> f64 {
-        if q >= Self::TRUNCATION {
-            return 0.0;
-        }
-        -2.0 * q * (-q * q).exp()
+        -2.0 * capped(q, Self::TRUNCATION) * Kernel::<D>::shape(self, q)
     }
 
     #[inline]

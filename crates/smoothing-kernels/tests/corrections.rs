@@ -1,5 +1,6 @@
 //! What the corrections promise: constants and slopes to roundoff, for every kernel, at a corner of a disordered cloud.
 
+use proptest::prelude::*;
 use smoothing_kernels::{
     Error, Kernel, all, corrected_gradient, renormalisation_matrix, shepard_factor,
 };
@@ -83,4 +84,53 @@ fn mixed_gradients_need_the_transposition() -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// `B M^T = 1`, or an error that says how near to singular the moment is.
+fn matrix_is_the_inverse<const D: usize>(entries: &[f64]) {
+    let moment: [[f64; D]; D] =
+        std::array::from_fn(|row| std::array::from_fn(|column| entries[row * D + column]));
+    match renormalisation_matrix(&moment) {
+        Ok(matrix) => {
+            for row in 0..D {
+                let unit = corrected_gradient(&matrix, &moment[row]);
+                for (column, value) in unit.iter().enumerate() {
+                    let expected = if row == column { 1.0 } else { 0.0 };
+                    // Roundoff times the condition, 1e8 at most, and the growth of pivots.
+                    assert!((value - expected).abs() < 1e-5, "{moment:?}: {matrix:?}");
+                }
+            }
+        }
+        Err(Error::SingularMoment { value, limit }) => assert!(value < limit, "{moment:?}"),
+        Err(other) => assert_eq!(other.to_string(), "", "no other error is promised"),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100_000))]
+
+    #[test]
+    fn renormalisation_inverts_or_says_why_not(
+        entries in prop::array::uniform32(-1.0..1.0_f64), more in prop::array::uniform4(-1.0..1.0_f64),
+        round in any::<bool>(),
+    ) {
+        // Rounded to -1, 0 and 1 many of the small ones are singular.
+        let value = |entry: &f64| if round { entry.round() } else { *entry };
+        let entries: Vec<f64> = entries.iter().chain(&more).map(value).collect();
+        matrix_is_the_inverse::<1>(&entries);
+        matrix_is_the_inverse::<2>(&entries);
+        matrix_is_the_inverse::<3>(&entries);
+        matrix_is_the_inverse::<4>(&entries);
+        matrix_is_the_inverse::<5>(&entries);
+        matrix_is_the_inverse::<6>(&entries);
+    }
+
+    #[test]
+    fn shepard_divides_or_says_why_not(mantissa in -2.0..2.0_f64, exponent in -20..300_i32) {
+        let sum = mantissa * 10.0_f64.powi(exponent);
+        match shepard_factor(sum) {
+            Ok(factor) => prop_assert!((factor * sum - 1.0).abs() < 2.0 * f64::EPSILON),
+            Err(error) => prop_assert!(sum < 1e-10, "{error}"),
+        }
+    }
 }

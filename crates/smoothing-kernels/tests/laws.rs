@@ -206,7 +206,39 @@ fn scales_with_length<const D: usize>(q: f64, h: f64, scale: f64) {
     }
 }
 
+/// Of two places the nearer has the larger value; neither is negative, and beyond the support there is nothing.
+fn nearer_is_larger<const D: usize>(a: f64, b: f64) {
+    let (near, far) = (a.min(b), a.max(b));
+    for (name, kernel) in all::<D>() {
+        let (larger, smaller) = (kernel.shape(near), kernel.shape(far));
+        // Half a dozen roundings of numbers below one; of the quintic spline's pieces, up to 6 * 3^5 / 66 times one.
+        assert!(
+            larger >= smaller - 64.0 * f64::EPSILON && larger <= 1.0 + 64.0 * f64::EPSILON,
+            "{name} in {D} dimensions at {near} and {far}: {larger} {smaller}"
+        );
+        for (q, shape) in [(near, larger), (far, smaller)] {
+            let is_inside = q < kernel.support();
+            // Within a hundredth of the edge the tenth power of a distance may be lost.
+            let is_well_inside = q < 0.99 * kernel.support();
+            assert!(
+                shape >= 0.0 && (shape > 0.0 || !is_well_inside) && (is_inside || shape == 0.0),
+                "{name} in {D} dimensions at {q}: {shape}"
+            );
+            let slope = kernel.shape_derivative(q);
+            let small = 64.0 * f64::EPSILON;
+            assert!(slope <= small && (is_inside || slope == 0.0), "{name} at {q}: {slope}");
+        }
+    }
+}
+
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100_000))]
+
+    #[test]
+    fn nearer_of_two_places_has_the_larger_value(a in 0.0..4.0_f64, b in 0.0..4.0_f64) {
+        in_every_dimension!(nearer_is_larger(a, b));
+    }
+
     #[test]
     fn derivatives_are_the_differences_of_the_value(
         direction in prop::collection::vec(-1.0..1.0_f64, 6),

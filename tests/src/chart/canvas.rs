@@ -28,8 +28,8 @@ pub(super) const STRIP: RGBColor = RGBColor(246, 247, 249);
 /// The ground of the picture.
 pub(super) const GROUND: RGBColor = RGBColor(255, 255, 255);
 
-/// Okabe and Ito's colours that stand out on white, the most distinct first.
-const PALETTE: [RGBColor; 7] = [
+/// Okabe and Ito's colours that stand out on white, the most distinct first, and a grey.
+const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -37,6 +37,7 @@ const PALETTE: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
+    RGBColor(125, 125, 125),
 ];
 
 /// Lengths of dash and gap; none for a solid line.

@@ -1,7 +1,7 @@
 //! The better estimator: a local quadratic through the logarithms of volume densities.
 
 use neighbour_search::Criterion;
-use smoothing_kernels::{Kernel, Lucy, power};
+use smoothing_kernels::{Kernel, Lucy};
 
 use super::cell_geometry::{determinant, lattice_jacobian};
 use super::quadratic_fit::{NormalEquations, Quadratic, SMALLEST_PIVOT, unknowns};
@@ -57,24 +57,36 @@ struct Fitted<const D: usize> {
     kernel_sum: f64,
 }
 
-impl<K> LogDensityFit<K> {
-    /// `V = h^D / (sigma_D sum_j shape(r_ij / h))`: the inverse of the kernel sum, given the sum of the shapes.
-    fn volume_of<const D: usize>(&self, shapes: f64, h: f64) -> f64
-    where
-        K: Kernel<D>,
-    {
-        power::<D>(h) / (self.kernel.normalisation() * shapes)
-    }
+/// Neighbours that are weighed by one call to the kernel: a few registers full, and little enough for the stack.
+const BLOCK: usize = 64;
 
+/// The weights `W(r_ij, h_i)` of at most [`BLOCK`] neighbours.
+fn weights_of<'w, K: Kernel<D>, const D: usize>(
+    kernel: &K,
+    cloud: &Cloud<'_, D>,
+    i: usize,
+    neighbours: &[u32],
+    weights: &'w mut [f64; BLOCK],
+) -> Result<&'w [f64], Error> {
+    let n = neighbours.len();
+    let mut r_squared = [0.0; BLOCK];
+    for (r_squared, &j) in r_squared.iter_mut().zip(neighbours) {
+        *r_squared = cloud.offset(i, j as usize).1;
+    }
+    kernel.values(&r_squared[..n], cloud.smoothing_lengths[i], &mut weights[..n])?;
+    Ok(&weights[..n])
+}
+
+impl<K> LogDensityFit<K> {
     /// The volume of particle `i` by the kernel sum.
     fn kernel_volume<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> f64
     where
         K: Kernel<D>,
     {
         let h = cloud.smoothing_lengths[i];
-        let shape_at = |j: u32| self.kernel.shape(cloud.offset(i, j as usize).1 / h);
-        let others: f64 = cloud.neighbours.of(i).iter().map(|&j| shape_at(j)).sum();
-        self.volume_of(self.kernel.shape(0.0) + others, h)
+        let value_at = |j: u32| self.kernel.value(cloud.offset(i, j as usize).1.sqrt(), h);
+        let others: f64 = cloud.neighbours.of(i).iter().map(|&j| value_at(j)).sum();
+        1.0 / (self.kernel.value(0.0, h) + others)
     }
 
     /// The volume of particle `i`; none where it has no lattice cell.
@@ -127,18 +139,21 @@ impl<K> LogDensityFit<K> {
         // Offsets in units of the support keep the normal matrix near unity whatever the scale.
         let reach = 1.0 / (self.kernel.support() * h);
         equations.clear();
-        let mut kernel_sum = self.kernel.shape(0.0);
+        let mut kernel_sum = self.kernel.value(0.0, h);
         equations.add(&[0.0; D], kernel_sum, 0.0);
         let neighbours = cloud.neighbours.of(i);
-        for &j in neighbours {
-            let j = j as usize;
-            let (mut u, r) = cloud.offset(i, j);
-            for value in &mut u {
-                *value *= reach;
+        let mut weights = [0.0; BLOCK];
+        for block in neighbours.chunks(BLOCK) {
+            let weights = weights_of(&self.kernel, cloud, i, block, &mut weights)?;
+            for (&j, &weight) in block.iter().zip(weights) {
+                let j = j as usize;
+                let (mut u, _) = cloud.offset(i, j);
+                for value in &mut u {
+                    *value *= reach;
+                }
+                kernel_sum += weight;
+                equations.add(&u, weight, log_density[j] - log_density[i]);
             }
-            let weight = self.kernel.shape(r / h);
-            kernel_sum += weight;
-            equations.add(&u, weight, log_density[j] - log_density[i]);
         }
         let quadratic = solve(cloud, i, neighbours.len() + 1, equations)?;
         let mut hessian = quadratic.hessian;
@@ -225,7 +240,7 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         let log_density = &*out.density;
         for_each_fit(out.score, out.volume, NormalEquations::new, |equations, i| {
             let Fitted { fit, kernel_sum } = self.fit(cloud, log_density, i, equations)?;
-            Ok((fit.gradient, self.volume_of(kernel_sum, cloud.smoothing_lengths[i])))
+            Ok((fit.gradient, 1.0 / kernel_sum))
         })?;
         for value in out.density.iter_mut() {
             *value = value.exp();

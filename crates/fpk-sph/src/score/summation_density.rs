@@ -39,7 +39,8 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
             let mut gradient = [0.0; D];
             for &j in cloud.neighbours.of(i) {
                 let j = j as usize;
-                let (x_ji, r) = cloud.offset(i, j);
+                let (x_ji, r_squared) = cloud.offset(i, j);
+                let r = r_squared.sqrt();
                 let (mut w, mut dw) = (0.0, 0.0);
                 for h in [h_i, cloud.smoothing_lengths[j]] {
                     let scale = 0.5 * normalisation / power::<D>(h);

@@ -26,7 +26,7 @@ use crate::trust::Trust;
 /// For lognormal inputs the same formulas hold in normal coordinates; see [`RandomVector`].
 ///
 /// Sources: Ang and Tang 2007 (first order); the cumulants of a quadratic form in Gaussian variables, Mathai and Provost
-/// 1992, theorem 3.2b.3; the third-derivative term by the same expansion carried to $O(\sigma^4)$.
+/// 1992, chapter 3; the third-derivative term by the same expansion carried to $O(\sigma^4)$.
 ///
 /// ```
 /// use perturbation_moments::{Expansion, Moments, RandomVector};

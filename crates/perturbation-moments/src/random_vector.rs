@@ -45,7 +45,7 @@ pub enum Marginal {
 /// ```
 ///
 /// Source of the closed correlations: Liu and Der Kiureghian 1986, Multivariate distribution models with prescribed
-/// marginals and covariances, table 4.
+/// marginals and covariances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomVector<const N: usize> {
     mean: [f64; N],

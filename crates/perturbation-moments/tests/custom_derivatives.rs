@@ -1,5 +1,7 @@
 //! The seams as a user would plug into them: a way to have derivatives, and a response.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
+
 use perturbation_moments::{
     CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, HighestOrder,
     JetCurvature, JetDifferentiation, Known, Moments, RandomVector, Response, Scalar, Verdict,

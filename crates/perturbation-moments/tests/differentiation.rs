@@ -1,5 +1,7 @@
 //! Jets, dual numbers, closed forms and differences against each other.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
+
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
     CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, HighestOrder, Jet,

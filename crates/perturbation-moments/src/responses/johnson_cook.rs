@@ -146,8 +146,8 @@ impl Response<5> for JohnsonCook {
         let [a, b, c, n, m] = *x;
         // Both factors with the sign turned: their product is the same, and a subtraction from one is saved.
         let c1 = a + b * n.exp_scaled(self.log_strain);
-        let minus_c2 = c * -self.log_rate - 1.0;
+        let minus_c12 = c1 * (c * -self.log_rate - 1.0);
         let minus_c3 = m.exp_scaled(self.log_temperature) - 1.0;
-        c1 * minus_c2 * minus_c3
+        minus_c12 * minus_c3
     }
 }

@@ -38,6 +38,9 @@ pub struct CentralDifferences<F> {
     pub order: crate::forward::HighestOrder,
 }
 
+/// Of a value of the response, over its size: a few operations.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// A number and its estimated error.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
@@ -147,22 +150,23 @@ impl<F: Fn(&[f64; N]) -> f64, const N: usize> Along<'_, F, N> {
     /// The derivative by the scaled inputs `by`, by Neville's table over falling steps.
     fn settle(&self, by: &[usize], first_step: f64) -> Result<Settled, Error> {
         let mut best = Settled { value: f64::NAN, error: f64::INFINITY };
-        let mut previous: Vec<f64> = Vec::new();
+        // Values with what rounding may have left in them, which extrapolation amplifies.
+        let mut previous: Vec<Settled> = Vec::new();
         let mut step = first_step;
         for _ in 0..LEVELS {
-            let (difference, noise) = self.difference(by, step)?;
-            let mut row = vec![difference];
+            let mut row = vec![self.difference(by, step)?];
             let mut factor = 1.0;
             for older in &previous {
                 factor *= RATIO * RATIO;
                 let newest = row[row.len() - 1];
-                let better = (factor * newest - older) / (factor - 1.0);
-                // The distance to both parents, and never less than what rounding leaves in the differences.
-                let error = (better - newest).abs().max((better - older).abs()).max(noise);
-                if error < best.error {
-                    best = Settled { value: better, error };
+                let value = (factor * newest.value - older.value) / (factor - 1.0);
+                let noise = (factor * newest.error + older.error) / (factor - 1.0);
+                // The distance to both parents, and never less than the noise.
+                let distance = (value - newest.value).abs().max((value - older.value).abs());
+                if distance.max(noise) < best.error {
+                    best = Settled { value, error: distance.max(noise) };
                 }
-                row.push(better);
+                row.push(Settled { value, error: noise });
             }
             previous = row;
             step /= RATIO;
@@ -171,7 +175,7 @@ impl<F: Fn(&[f64; N]) -> f64, const N: usize> Along<'_, F, N> {
     }
 
     /// The central difference at one step, and its rounding error.
-    fn difference(&self, by: &[usize], step: f64) -> Result<(f64, f64), Error> {
+    fn difference(&self, by: &[usize], step: f64) -> Result<Settled, Error> {
         let (mut sum, mut size) = (0.0, 0.0_f64);
         for signs in 0..1_u32 << by.len() {
             let mut x = *self.centre;
@@ -187,6 +191,6 @@ impl<F: Fn(&[f64; N]) -> f64, const N: usize> Along<'_, F, N> {
             size = size.max(y.abs());
         }
         let scale: f64 = by.iter().map(|_| 2.0 * step).product();
-        Ok((sum / scale, f64::EPSILON * size / scale))
+        Ok(Settled { value: sum / scale, error: ROUNDING * size / scale })
     }
 }

@@ -19,7 +19,7 @@ use crate::trust::Trust;
 /// | [`variance_with_curvature`](Self::variance_with_curvature) | $g^T \Sigma g + \tfrac12 \operatorname{tr} H\Sigma H\Sigma$ | quadratic |
 /// | [`variance_fourth_order`](Self::variance_fourth_order) | the same $+ \sum g_i T_{jkl} \Sigma_{ij} \Sigma_{kl}$ | quadratic; to $O(\sigma^4)$ for all |
 /// | [`third_central_moment`](Self::third_central_moment) | $3 g^T \Sigma H \Sigma g + \operatorname{tr} (H\Sigma)^3$ | quadratic; to $O(\sigma^4)$ for all |
-/// | [`fourth_cumulant`](Self::fourth_cumulant) | $12\, g^T \Sigma H \Sigma H \Sigma g + 3 \operatorname{tr} (H\Sigma)^4$ | quadratic |
+/// | [`fourth_cumulant`](Self::fourth_cumulant) | $12 g^T \Sigma H \Sigma H \Sigma g + 3 \operatorname{tr} (H\Sigma)^4$ | quadratic |
 ///
 /// The variance with curvature alone is **not** of fourth order: it leaves out a term as large as the one it adds, and can be
 /// worse than the first-order one. See [`trust`](Self::trust).

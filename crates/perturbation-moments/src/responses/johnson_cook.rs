@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 /// $\dot\varepsilon^{\ast}$ = strain rate over the reference rate (1/s in the source), $T^{\ast}$ = homologous temperature,
 /// `(T - T_room)/(T_melt - T_room)`.
 ///
-/// Source: Johnson and Cook 1983; derivatives Chen et al. 2019, eq 34-35 [@chen2019], five entries of which are wrong in
+/// Source: Johnson and Cook 1983; derivatives Chen et al. 2019, eq 34-35, five entries of which are wrong in
 /// print (docs/errata.md): the second derivatives in `n` and `m` are not zero, and `C4`, `C5`, `C6` are products of
 /// logarithms, not logarithms of sums.
 ///
@@ -144,10 +144,12 @@ impl Response<5> for JohnsonCook {
     #[inline(always)]
     fn value<S: Scalar>(&self, x: &[S; 5]) -> S {
         let [a, b, c, n, m] = *x;
-        // Both factors with the sign turned: their product is the same, and a subtraction from one is saved.
-        let c1 = a + b * n.exp_scaled(self.log_strain);
-        let minus_c12 = c1 * (c * -self.log_rate - 1.0);
-        let minus_c3 = m.exp_scaled(self.log_temperature) - 1.0;
-        minus_c12 * minus_c3
+        // The exponentials first, so that what follows is one run of lane-wise operations without a call. Both factors with
+        // the sign turned: their product is the same, and a subtraction from one is saved.
+        let (strain, temperature) =
+            (n.exp_scaled(self.log_strain), m.exp_scaled(self.log_temperature));
+        let minus_c2 = c * -self.log_rate - 1.0;
+        let minus_c3 = temperature - 1.0;
+        (a + b * strain) * (minus_c2 * minus_c3)
     }
 }

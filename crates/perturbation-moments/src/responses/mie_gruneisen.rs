@@ -31,7 +31,7 @@ pub struct MieGruneisenState {
 /// All parameters are pure numbers. The pressure has a pole where the denominator vanishes, at `S1 = 1 + 1/mu` for
 /// `S2 = S3 = 0`: under a Gaussian `S1` its moments do not exist. See [`denominator`](Self::denominator).
 ///
-/// Source: Chen et al. 2019, eq 10 and 31-33 [@chen2019], right in print.
+/// Source: Chen et al. 2019, eq 10 and 31-33, right in print.
 ///
 /// ```
 /// use perturbation_moments::responses::{MieGruneisen, MieGruneisenState};
@@ -91,7 +91,7 @@ impl MieGruneisen {
         let [w1, w2, w3] = self.weights;
         // Whatever does not need the division stands before it; after it only powers of the inverse follow.
         let cold = bulk_modulus * mu;
-        let half = if mu > 0.0 { -0.5 * mu * cold } else { 0.0 };
+        let half = -0.5 * mu.max(0.0) * cold;
         let gruneisen = x[3] + x[4] * mu;
         let numerator = cold * self.polynomial() + half * gruneisen;
         let thermal = gruneisen * energy;

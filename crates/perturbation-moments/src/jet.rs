@@ -101,7 +101,14 @@ impl Scalar for Jet {
     #[inline(always)]
     fn squared(self) -> Self {
         let twice = self.value + self.value;
-        self.compose(self.value * self.value, twice, 2.0)
+        Self {
+            value: self.value * self.value,
+            first: lanes(|k| twice * self.first[k]),
+            second: lanes(|k| {
+                let square = self.first[k] * self.first[k];
+                twice * self.second[k] + (square + square)
+            }),
+        }
     }
 
     #[inline(always)]

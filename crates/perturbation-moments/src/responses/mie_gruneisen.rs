@@ -80,7 +80,7 @@ impl MieGruneisen {
     #[inline(always)]
     pub fn denominator<S: Scalar>(&self, x: &[S; 5]) -> S {
         let [w1, w2, w3] = self.weights;
-        x[0] * -w1 - x[1] * w2 - x[2] * w3 + (1.0 + w1)
+        (x[0] * -w1 + (1.0 + w1)) - (x[1] * w2 + x[2] * w3)
     }
 
     /// Value, the five first and the five own second derivatives, in closed form.

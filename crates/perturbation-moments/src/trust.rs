@@ -9,7 +9,7 @@
 /// 0.3 it is 0.006 while the variance is wrong by 32 %, and it is $\tau = 0.31$ that tells.
 /// Neither sees a kink that lies away from the centre; the sigma-point ratio does, if a direction $L e_k$ crosses it.
 ///
-/// None of them is a bound. How often they were right on 51 cases is a table of the verification
+/// None of them is a bound. How often they were right on the reference cases is a table of the verification
 /// (`perturbation-moments/trust`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]

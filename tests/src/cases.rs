@@ -5,6 +5,7 @@
 mod fpk;
 mod neighbour_search;
 mod particle_store;
+mod perturbation_moments;
 mod smoothing_kernels;
 
 use crate::case::Case;
@@ -23,6 +24,9 @@ pub const ALL: &[Case] = &[
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,
+    perturbation_moments::reference::CASE,
+    perturbation_moments::trust::CASE,
+    perturbation_moments::judge::CASE,
 ];
 
 #[cfg(test)]

@@ -1,1 +1,33 @@
 #![doc = include_str!("../README.md")]
+
+mod along;
+mod derivatives;
+mod differences;
+mod error;
+mod expansion;
+mod forward;
+mod jet;
+mod moments;
+mod monte_carlo;
+mod random_vector;
+mod response;
+pub mod responses;
+mod scalar;
+mod sigma_points;
+mod symmetric;
+mod trust;
+
+pub use along::AlongDirections;
+pub use derivatives::{Derivatives, Known};
+pub use differences::{CentralDifferences, Differenced};
+pub use error::Error;
+pub use expansion::Expansion;
+pub use forward::{ForwardDifferentiation, HighestOrder, JetCurvature, JetDifferentiation};
+pub use jet::{Jet, LANES, in_widest_registers};
+pub use moments::Moments;
+pub use monte_carlo::{Judgement, MonteCarlo};
+pub use random_vector::{Marginal, RandomVector};
+pub use response::Response;
+pub use scalar::Scalar;
+pub use sigma_points::{BySigmaPoints, SIGMA_POINT_DISTANCE, SigmaPoints};
+pub use trust::{Trust, Verdict};

@@ -1,0 +1,115 @@
+//! Derivatives along the directions `L e_k`: what a solver's jets carry.
+
+use crate::error::{Error, require_finite};
+use crate::jet::{Jet, LANES};
+use crate::random_vector::RandomVector;
+
+/// Value with first and own second derivatives along the `N` independent standard normals $t$ of a random vector.
+///
+/// $$ a_k = \frac{\partial y}{\partial t_k}, \qquad A_{kk} = \frac{\partial^2 y}{\partial t_k^2}, \qquad x = x(L t) $$
+///
+/// That is enough for the second-order mean, correlated inputs included, since $\operatorname{tr}(H \Sigma) = \sum_k
+/// A_{kk}$. It is not enough for any second-order variance, which needs the mixed $A_{kl}$.
+///
+/// Probes give them in the mean: along a direction of signs $v_k = \pm 1$ the second derivative is
+/// $\operatorname{tr} A + 2 \sum_{k<l} A_{kl} v_k v_l$, so that
+/// $2 \sum_{k \ne l} A_{kl}^2 = \operatorname{E} (v^T A v - \operatorname{tr} A)^2$ over random signs. Few probes give an
+/// estimate; the $2^{N-1}$ signs with $v_1 = 1$ give it exactly.
+///
+/// Source of the estimator: Hutchinson 1989, A stochastic estimator of the trace, for the square of the matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AlongDirections<const N: usize> {
+    /// $y_0$.
+    pub value: f64,
+    /// $a_k$, in the unit of the response.
+    pub first: [f64; N],
+    /// $A_{kk}$, in the unit of the response.
+    pub second: [f64; N],
+    /// An estimate of $\sum_{k \ne l} A_{kl}^2$ by probes, where there is one.
+    pub mixed_squares: Option<f64>,
+}
+
+impl<const N: usize> AlongDirections<N> {
+    /// From the jet of a response whose inputs were [`RandomVector::jets`] or [`RandomVector::jets_with_probes`];
+    /// `n_probes` of the lanes after the first `N` are taken for probes.
+    ///
+    /// ```
+    /// use perturbation_moments::{AlongDirections, Moments, RandomVector};
+    ///
+    /// // Var(x1 x2) = (m2 s1)^2 + (m1 s2)^2 + (s1 s2)^2; for two inputs one probe is exact.
+    /// let inputs = RandomVector::independent([2.0, 3.0], [0.2, 0.25])?;
+    /// let [x1, x2] = inputs.jets_with_probes(&[[1.0, -1.0]]);
+    /// let known = AlongDirections::<2>::from_jet(&(x1 * x2), 1);
+    /// let moments = Moments::along(&inputs, &known)?;
+    /// let exact = (3.0 * 0.2_f64).powi(2) + (2.0 * 0.25_f64).powi(2) + (0.2 * 0.25_f64).powi(2);
+    /// assert!((moments.variance_with_curvature()? / exact - 1.0).abs() < 1e-14);
+    /// # Ok::<(), perturbation_moments::Error>(())
+    /// ```
+    #[must_use]
+    pub fn from_jet(jet: &Jet, n_probes: usize) -> Self {
+        const { assert!(N <= LANES, "a jet has eight lanes") }
+        let second: [f64; N] = std::array::from_fn(|k| jet.second[k]);
+        let trace: f64 = second.iter().sum();
+        let probes = &jet.second[N..LANES.min(N + n_probes)];
+        let mixed_squares = (!probes.is_empty()).then(|| {
+            let squares: f64 = probes.iter().map(|q| (q - trace) * (q - trace)).sum();
+            0.5 * squares / probes.len() as f64
+        });
+        Self {
+            value: jet.value,
+            first: std::array::from_fn(|k| jet.first[k]),
+            second,
+            mixed_squares,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        require_finite("value of the response", 0, self.value)?;
+        for k in 0..N {
+            require_finite("first derivative along direction", k, self.first[k])?;
+            require_finite("second derivative along direction", k, self.second[k])?;
+        }
+        require_finite("sum of squared mixed derivatives", 0, self.mixed_squares.unwrap_or(0.0))
+    }
+}
+
+impl<const N: usize> RandomVector<N> {
+    /// The inputs as jets along the directions `L e_k`, one lane each; the other lanes rest.
+    ///
+    /// ```
+    /// use perturbation_moments::RandomVector;
+    ///
+    /// // y = x1 x2 along the directions of a correlated pair: 2 (L e_1)_1 (L e_1)_2.
+    /// let inputs = RandomVector::new([2.0, 3.0], [0.5, 0.25], [[1.0, 0.5], [0.5, 1.0]])?;
+    /// let [x1, x2] = inputs.jets();
+    /// assert_eq!((x1 * x2).second[0], 2.0 * 0.5 * (0.25 * 0.5));
+    /// # Ok::<(), perturbation_moments::Error>(())
+    /// ```
+    #[must_use]
+    pub fn jets(&self) -> [Jet; N] {
+        self.jets_with_probes(&[])
+    }
+
+    /// As [`jets`](Self::jets), and lane `N + p` along the combination `probes[p]` of the directions: signs for
+    /// [`AlongDirections::from_jet`], or any weights. Probes beyond the eighth lane are left out.
+    #[must_use]
+    pub fn jets_with_probes(&self, probes: &[[f64; N]]) -> [Jet; N] {
+        const { assert!(N <= LANES, "a jet has eight lanes") }
+        let centre = self.centre();
+        let (slopes, curvatures, _) = self.marginal_derivatives();
+        let l = self.lower_factor();
+        std::array::from_fn(|i| {
+            let mut jet = Jet::new(centre[i], [0.0; LANES]);
+            for lane in 0..LANES {
+                let u = match probes.get(lane.wrapping_sub(N)) {
+                    _ if lane < N => l[i][lane],
+                    Some(probe) => (0..=i).map(|k| l[i][k] * probe[k]).sum(),
+                    None => 0.0,
+                };
+                jet.first[lane] = slopes[i] * u;
+                jet.second[lane] = curvatures[i] * u * u;
+            }
+            jet
+        })
+    }
+}

@@ -1,0 +1,196 @@
+//! Derivatives by forward automatic differentiation: exact to roundoff.
+
+use num_dual::{HyperDual64, HyperHyperDual64};
+
+use crate::along::AlongDirections;
+use crate::derivatives::{Derivatives, Known};
+use crate::error::Error;
+use crate::expansion::{Expansion, set_symmetric};
+use crate::jet::{Jet, LANES};
+use crate::random_vector::RandomVector;
+use crate::response::Response;
+
+/// The highest derivatives that are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HighestOrder {
+    /// Up to the Hessian: `N(N+1)/2` evaluations over hyper-dual numbers.
+    Second,
+    /// Up to all third derivatives: `N(N+1)(N+2)/6` evaluations over numbers of eight parts.
+    Third,
+}
+
+/// All derivatives of a response by the dual numbers of num-dual.
+///
+/// Exact to roundoff, also where differences would fail. Needs the response as a [`Response`]; a branch is followed as it is
+/// at the centre, so a kink beside it is not seen.
+///
+/// Source: Fike and Alonso 2011, The development of hyper-dual numbers for exact second-derivative calculations.
+///
+/// ```
+/// use perturbation_moments::{ForwardDifferentiation, HighestOrder, Moments, RandomVector, Response, Scalar};
+///
+/// struct Ishigami;
+/// impl Response<3> for Ishigami {
+///     fn value<S: Scalar>(&self, x: &[S; 3]) -> S {
+///         x[0].sin() + x[1].sin().squared() * 7.0 + x[2].powi(4) * x[0].sin() * 0.1
+///     }
+/// }
+///
+/// let inputs = RandomVector::independent([1.0, 0.8, 1.5], [0.3; 3])?;
+/// let way = ForwardDifferentiation { response: Ishigami, order: HighestOrder::Third };
+/// let trust = Moments::by(&inputs, &way)?.trust()?;
+/// assert!(trust.curvature_ratio.unwrap() < 0.01 && trust.third_ratio.unwrap() > 0.3);
+/// # Ok::<(), perturbation_moments::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct ForwardDifferentiation<R> {
+    /// What is differentiated.
+    pub response: R,
+    /// How far.
+    pub order: HighestOrder,
+}
+
+impl<R> ForwardDifferentiation<R> {
+    /// The derivatives at a point.
+    #[must_use]
+    pub fn expansion<const N: usize>(&self, x: &[f64; N]) -> Expansion<N>
+    where
+        R: Response<N>,
+    {
+        match self.order {
+            HighestOrder::Second => second_order(&self.response, x),
+            HighestOrder::Third => third_order(&self.response, x),
+        }
+    }
+}
+
+impl<const N: usize, R: Response<N>> Derivatives<N> for ForwardDifferentiation<R> {
+    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
+        Ok(Known::ByInputs(self.expansion(&inputs.centre())))
+    }
+}
+
+fn second_order<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion<N> {
+    let mut out = empty(response, x);
+    let mut hessian = [[0.0; N]; N];
+    for i in 0..N {
+        for j in i..N {
+            let mut seeded = x.map(HyperDual64::from_re);
+            seeded[i].eps1 = 1.0;
+            seeded[j].eps2 = 1.0;
+            let y = response.value(&seeded);
+            (hessian[i][j], hessian[j][i]) = (y.eps1eps2, y.eps1eps2);
+            out.gradient[j] = y.eps2;
+        }
+    }
+    Expansion { hessian: Some(hessian), ..out }
+}
+
+fn third_order<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion<N> {
+    let mut out = empty(response, x);
+    let mut hessian = [[0.0; N]; N];
+    let mut third = [[[0.0; N]; N]; N];
+    for i in 0..N {
+        for j in i..N {
+            for k in j..N {
+                let mut seeded = x.map(HyperHyperDual64::from_re);
+                seeded[i].eps1 = 1.0;
+                seeded[j].eps2 = 1.0;
+                seeded[k].eps3 = 1.0;
+                let y = response.value(&seeded);
+                set_symmetric(&mut third, [i, j, k], y.eps1eps2eps3);
+                (hessian[j][k], hessian[k][j]) = (y.eps2eps3, y.eps2eps3);
+                out.gradient[k] = y.eps3;
+            }
+        }
+    }
+    Expansion { hessian: Some(hessian), third: Some(third), ..out }
+}
+
+fn empty<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion<N> {
+    Expansion { value: response.value(x), gradient: [0.0; N], hessian: None, third: None }
+}
+
+/// Which second derivatives jets compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JetCurvature {
+    /// Those along the directions `L e_k`: one evaluation, enough for the second-order mean.
+    Diagonal,
+    /// All, by polarisation: `N(N+1)/2` directions, eight per evaluation.
+    Full,
+}
+
+/// Second derivatives of a response by [`Jet`]s, for at most eight inputs. Exact to roundoff; no third derivatives.
+///
+/// A solver carries jets through its own step instead and uses [`AlongDirections::from_jet`].
+///
+/// $$ H_{ij} = \tfrac12 (q(e_i + e_j) - q(e_i) - q(e_j)), \qquad q(v) = v^T H v $$
+#[derive(Debug, Clone, Copy)]
+pub struct JetDifferentiation<R> {
+    /// What is differentiated.
+    pub response: R,
+    /// Which second derivatives.
+    pub curvature: JetCurvature,
+}
+
+impl<const N: usize, R: Response<N>> Derivatives<N> for JetDifferentiation<R> {
+    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
+        Ok(match self.curvature {
+            JetCurvature::Diagonal => {
+                let jet = self.response.value(&inputs.jets());
+                Known::AlongDirections(AlongDirections::from_jet(&jet, 0))
+            }
+            JetCurvature::Full => {
+                let scales = input_scales(inputs);
+                Known::ByInputs(polarised(&self.response, &inputs.centre(), &scales))
+            }
+        })
+    }
+}
+
+fn polarised<const N: usize>(
+    response: &impl Response<N>,
+    x: &[f64; N],
+    scales: &[f64; N],
+) -> Expansion<N> {
+    let mut pairs = (0..N).flat_map(|i| (i..N).map(move |j| (i, j))).peekable();
+    let mut out = empty(response, x);
+    let mut along = [[0.0; N]; N];
+    while pairs.peek().is_some() {
+        let batch: [Option<(usize, usize)>; LANES] = std::array::from_fn(|_| pairs.next());
+        let jets = std::array::from_fn(|k| {
+            let weight = |pair: Option<(usize, usize)>| match pair {
+                Some((i, j)) if k == i || k == j => scales[k],
+                _ => 0.0,
+            };
+            Jet::new(x[k], batch.map(weight))
+        });
+        let y = response.value(&jets);
+        for (lane, (i, j)) in batch.iter().enumerate().filter_map(|(lane, p)| Some((lane, (*p)?))) {
+            along[i][j] = y.second[lane];
+            if i == j {
+                out.gradient[i] = y.first[lane] / scales[i];
+            }
+        }
+    }
+    let mut hessian = [[0.0; N]; N];
+    for i in 0..N {
+        hessian[i][i] = along[i][i] / (scales[i] * scales[i]);
+        for j in i + 1..N {
+            let mixed = 0.5 * (along[i][j] - along[i][i] - along[j][j]);
+            hessian[i][j] = mixed / (scales[i] * scales[j]);
+            hessian[j][i] = hessian[i][j];
+        }
+    }
+    Expansion { hessian: Some(hessian), ..out }
+}
+
+/// How far the inputs go: their deviations, or for certain inputs their size.
+pub(crate) fn input_scales<const N: usize>(inputs: &RandomVector<N>) -> [f64; N] {
+    let centre = inputs.centre();
+    std::array::from_fn(|i| match (inputs.deviations()[i], centre[i].abs()) {
+        (deviation, _) if deviation > 0.0 => deviation,
+        (_, size) if size > 0.0 => size,
+        _ => 1.0,
+    })
+}

@@ -1,0 +1,327 @@
+//! A number with its derivatives along eight directions.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::scalar::Scalar;
+
+/// How many directions a [`Jet`] has: one AVX-512 register of doubles, two of AVX2, four of SSE2.
+pub const LANES: usize = 8;
+
+/// A value with its first and its own second derivatives along up to eight directions at once.
+///
+/// $$ \left( y, \; \frac{d y}{d t_k}, \; \frac{d^2 y}{d t_k^2} \right)_{k = 1..8}, \qquad x(t) = x_0 + \sum_k t_k v_k $$
+///
+/// Each direction is a curve of its own: mixed derivatives are not carried. What is needed of them comes from a direction
+/// that mixes inputs: `q(u + v) = q(u) + q(v) + 2 u^T H v`.
+///
+/// An operation costs one calculation on the value (`exp`, `ln`, `powf` are taken once, not once per lane) and a few
+/// lane-wise multiplications. Everything is `#[inline(always)]`: inside one `pulp` dispatch it is compiled for the widest
+/// registers of the machine. Nothing is fused, so that all machines give the same bits where the value's own functions do.
+///
+/// Domain: that of the same operation on the value. `powf`, `ln` and `sqrt` of zero have infinite derivatives.
+///
+/// ```
+/// use perturbation_moments::{Jet, Scalar};
+///
+/// // y = x1 exp(x2) at (3, 0): dy/dx1 = 1, dy/dx2 = 3, and along (1, 1) the second derivative is 2 + 3.
+/// let x1 = Jet::new(3.0, [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let x2 = Jet::new(0.0, [0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let y = x1 * x2.exp();
+/// assert_eq!((y.value, y.first[0], y.first[1], y.second[2]), (3.0, 1.0, 3.0, 5.0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub struct Jet {
+    /// `dy/dt_k`.
+    pub first: [f64; LANES],
+    /// `d^2y/dt_k^2`.
+    pub second: [f64; LANES],
+    /// `y`.
+    pub value: f64,
+}
+
+/// Every lane by the same formula.
+#[inline(always)]
+fn lanes(formula: impl Fn(usize) -> f64) -> [f64; LANES] {
+    let mut out = [0.0; LANES];
+    for k in 0..LANES {
+        out[k] = formula(k);
+    }
+    out
+}
+
+impl Jet {
+    /// A number that moves along straight lines: its first derivatives, no curvature.
+    #[must_use]
+    #[inline(always)]
+    pub const fn new(value: f64, first: [f64; LANES]) -> Self {
+        Self { first, second: [0.0; LANES], value }
+    }
+
+    /// Input number `lane` of a response, to be differentiated by itself.
+    ///
+    /// For `lane >= 8` no lane is set: the number is a constant.
+    #[must_use]
+    #[inline(always)]
+    pub fn variable(value: f64, lane: usize) -> Self {
+        Self::new(value, lanes(|k| if k == lane { 1.0 } else { 0.0 }))
+    }
+
+    /// A function of this number from its value `y` and its derivatives `d` and `c` at this value:
+    /// `y' = d x'`, `y'' = d x'' + c x'^2`.
+    #[must_use]
+    #[inline(always)]
+    pub fn compose(self, value: f64, derivative: f64, curvature: f64) -> Self {
+        Self {
+            value,
+            first: lanes(|k| derivative * self.first[k]),
+            second: lanes(|k| {
+                derivative * self.second[k] + curvature * (self.first[k] * self.first[k])
+            }),
+        }
+    }
+}
+
+impl Scalar for Jet {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::new(value, [0.0; LANES])
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn squared(self) -> Self {
+        let twice = self.value + self.value;
+        Self {
+            value: self.value * self.value,
+            first: lanes(|k| twice * self.first[k]),
+            second: lanes(|k| {
+                let square = self.first[k] * self.first[k];
+                twice * self.second[k] + (square + square)
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let y = 1.0 / self.value;
+        let square = y * y;
+        self.compose(y, -square, 2.0 * square * y)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let y = self.value.sqrt();
+        let derivative = 0.5 / y;
+        self.compose(y, derivative, -0.5 * derivative / self.value)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let y = self.value.exp();
+        self.compose(y, y, y)
+    }
+
+    #[inline(always)]
+    fn exp_scaled(self, factor: f64) -> Self {
+        let y = (self.value * factor).exp();
+        let derivative = factor * y;
+        self.compose(y, derivative, factor * derivative)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        let inverse = 1.0 / self.value;
+        self.compose(self.value.ln(), inverse, -(inverse * inverse))
+    }
+
+    #[inline(always)]
+    fn sin(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.compose(sin, cos, -sin)
+    }
+
+    #[inline(always)]
+    fn cos(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.compose(cos, -sin, -cos)
+    }
+
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        let p = f64::from(exponent);
+        if exponent < 0 {
+            let (y, inverse) = (self.value.powi(exponent), 1.0 / self.value);
+            let derivative = p * y * inverse;
+            return self.compose(y, derivative, (p - 1.0) * derivative * inverse);
+        }
+        // No power below zero: at x = 0 it would be infinite times nothing.
+        let power = |below: i32, factor: f64| {
+            if exponent < below { 0.0 } else { factor * self.value.powi(exponent - below) }
+        };
+        self.compose(self.value.powi(exponent), power(1, p), power(2, p * (p - 1.0)))
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        let y = self.value.powf(exponent);
+        let inverse = 1.0 / self.value;
+        let derivative = exponent * y * inverse;
+        self.compose(y, derivative, (exponent - 1.0) * derivative * inverse)
+    }
+}
+
+impl Neg for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            value: -self.value,
+            first: lanes(|k| -self.first[k]),
+            second: lanes(|k| -self.second[k]),
+        }
+    }
+}
+
+impl Add for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            first: lanes(|k| self.first[k] + other.first[k]),
+            second: lanes(|k| self.second[k] + other.second[k]),
+        }
+    }
+}
+
+impl Sub for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            value: self.value - other.value,
+            first: lanes(|k| self.first[k] - other.first[k]),
+            second: lanes(|k| self.second[k] - other.second[k]),
+        }
+    }
+}
+
+#[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
+impl Mul for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let (a, b) = (self.value, other.value);
+        Self {
+            value: a * b,
+            first: lanes(|k| a * other.first[k] + self.first[k] * b),
+            second: lanes(|k| {
+                let cross = self.first[k] * other.first[k];
+                (a * other.second[k] + self.second[k] * b) + (cross + cross)
+            }),
+        }
+    }
+}
+
+impl Div for Jet {
+    type Output = Self;
+    /// `q = a/b`: `q' = (a' - q b')/b`, `q'' = (a'' - q b'' - 2 q' b')/b`.
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // The value by its own division: the bits of the same formula over `f64`.
+        let (value, inverse) = (self.value / other.value, 1.0 / other.value);
+        let first = lanes(|k| (self.first[k] - value * other.first[k]) * inverse);
+        let second = lanes(|k| {
+            let cross = first[k] * other.first[k];
+            ((self.second[k] - value * other.second[k]) - (cross + cross)) * inverse
+        });
+        Self { first, second, value }
+    }
+}
+
+impl Add<f64> for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, constant: f64) -> Self {
+        Self { value: self.value + constant, ..self }
+    }
+}
+
+impl Sub<f64> for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, constant: f64) -> Self {
+        Self { value: self.value - constant, ..self }
+    }
+}
+
+impl Mul<f64> for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            value: self.value * factor,
+            first: lanes(|k| self.first[k] * factor),
+            second: lanes(|k| self.second[k] * factor),
+        }
+    }
+}
+
+impl Div<f64> for Jet {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: f64) -> Self {
+        let inverse = 1.0 / divisor;
+        Self {
+            value: self.value / divisor,
+            first: lanes(|k| self.first[k] * inverse),
+            second: lanes(|k| self.second[k] * inverse),
+        }
+    }
+}
+
+/// Runs `work` compiled for the widest registers of this machine, chosen at run time: what is `#[inline(always)]` in it, such
+/// as every operation of a [`Jet`], is compiled anew for them. AVX2 and portable; AVX-512 with the feature `avx512`.
+///
+/// A whole loop belongs inside, not one evaluation: a call costs a few nanoseconds. The closures that are passed on inside
+/// should be `#[inline(always)]` too.
+///
+/// ```
+/// use perturbation_moments::{Jet, Scalar, in_widest_registers};
+///
+/// let jets = [1.0, 2.0, 3.0].map(|value| Jet::variable(value, 0));
+/// let mut squares = jets;
+/// in_widest_registers(|| {
+///     for (square, jet) in squares.iter_mut().zip(&jets) {
+///         *square = jet.squared();
+///     }
+/// });
+/// assert_eq!((squares[2].value, squares[2].first[0], squares[2].second[0]), (9.0, 6.0, 2.0));
+/// ```
+#[inline]
+pub fn in_widest_registers<R>(work: impl FnMut() -> R) -> R {
+    pulp::Arch::new().dispatch(Work(work))
+}
+
+/// Called by reference: calling a closure by value goes through a function of the compiler's that is not inlined when there
+/// are two callers, and would then be compiled for the narrowest registers.
+struct Work<F>(F);
+
+impl<R, F: FnMut() -> R> pulp::NullaryFnOnce for Work<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn call(mut self) -> R {
+        (self.0)()
+    }
+}

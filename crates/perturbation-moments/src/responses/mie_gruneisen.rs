@@ -1,0 +1,162 @@
+//! The pressure of Mie and Grüneisen, its five parameters random.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::error::{Error, require_finite, require_positive};
+use crate::expansion::Expansion;
+use crate::response::Response;
+use crate::scalar::Scalar;
+
+/// The state at which the pressure is asked for, and what of the material is certain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MieGruneisenState {
+    /// `rho0 c0^2`: initial density times the square of the bulk sound speed (Pa).
+    pub bulk_modulus: f64,
+    /// `mu = rho/rho0 - 1`, above -1.
+    pub compression: f64,
+    /// `e`: internal energy per initial volume (Pa).
+    pub energy: f64,
+}
+
+/// Pressure at a given state as a function of its parameters `x = [S1, S2, S3, gamma0, a]`.
+///
+/// $$ p = \frac{\rho_0 c_0^2 \mu \left( 1 + (1 - \tfrac{\gamma_0}{2}) \mu - \tfrac{a}{2} \mu^2 \right)}
+///             {\left( 1 - (S_1 - 1) \mu - S_2 \frac{\mu^2}{\mu + 1} - S_3 \frac{\mu^3}{(\mu + 1)^2} \right)^2}
+///        + (\gamma_0 + a \mu) e, \quad \mu > 0; \qquad
+///    p = \rho_0 c_0^2 \mu + (\gamma_0 + a \mu) e, \quad \mu \le 0 $$
+///
+/// All parameters are pure numbers. The pressure has a pole where the denominator vanishes, at `S1 = 1 + 1/mu` for
+/// `S2 = S3 = 0`: under a Gaussian `S1` its moments do not exist. See [`denominator`](Self::denominator).
+///
+/// Source: Chen et al. 2019, eq 10 and 31-33, right in print.
+///
+/// ```
+/// use perturbation_moments::responses::{MieGruneisen, MieGruneisenState};
+///
+/// let state = MieGruneisenState { bulk_modulus: 4.0, compression: 0.5, energy: 3.0 };
+/// let response = MieGruneisen::new(state)?;
+/// // S1 = 1 leaves the denominator at one: p = 4 * 0.5 * 1.5 + 0 with gamma0 = a = 0.
+/// let (value, first, second) = response.diagonal(&[1.0, 0.0, 0.0, 0.0, 0.0]);
+/// assert_eq!(value, 3.0);
+/// assert_eq!((first[0], second[0]), (3.0 * 2.0 * 0.5, 3.0 * 6.0 * 0.25));
+/// # Ok::<(), perturbation_moments::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MieGruneisen {
+    state: MieGruneisenState,
+    /// What `S1 - 1`, `S2` and `S3` stand before in the denominator.
+    weights: [f64; 3],
+}
+
+impl MieGruneisen {
+    /// The response at a state.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for a bulk modulus or `1 + mu` that is not finite and above zero, [`Error::NotFinite`] for
+    /// the energy.
+    pub fn new(state: MieGruneisenState) -> Result<Self, Error> {
+        require_positive("bulk modulus", state.bulk_modulus)?;
+        require_positive("relative density 1 + mu", 1.0 + state.compression)?;
+        require_finite("internal energy", 0, state.energy)?;
+        Ok(Self::from_state(state))
+    }
+
+    /// The same, unchecked: what a loop over many states uses.
+    #[must_use]
+    #[inline(always)]
+    pub fn from_state(state: MieGruneisenState) -> Self {
+        let mu = state.compression;
+        // No shock, no denominator: with these weights at zero the one formula holds for both signs.
+        let ratio = mu / (1.0 + mu);
+        let weights = if mu > 0.0 { [mu, mu * ratio, mu * ratio * ratio] } else { [0.0; 3] };
+        Self { state, weights }
+    }
+
+    /// `1 - (S1 - 1) mu - ..`: at zero the pressure has its pole, which physics does not reach.
+    #[must_use]
+    #[inline(always)]
+    pub fn denominator<S: Scalar>(&self, x: &[S; 5]) -> S {
+        let [w1, w2, w3] = self.weights;
+        (x[0] * -w1 + (1.0 + w1)) - (x[1] * w2 + x[2] * w3)
+    }
+
+    /// Value, the five first and the five own second derivatives, in closed form.
+    #[must_use]
+    #[inline(always)]
+    pub fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
+        let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
+        let [w1, w2, w3] = self.weights;
+        // Whatever does not need the division stands before it; after it only powers of the inverse follow.
+        let cold = bulk_modulus * mu;
+        let half = -0.5 * mu.max(0.0) * cold;
+        let gruneisen = x[3] + x[4] * mu;
+        let numerator = cold * self.polynomial() + half * gruneisen;
+        let thermal = gruneisen * energy;
+        let inverse = 1.0 / self.denominator(x);
+        let square = inverse * inverse;
+        let (twice, six) =
+            ((2.0 * numerator) * (square * inverse), (6.0 * numerator) * (square * square));
+        let by_gamma = half * square + energy;
+        (
+            numerator * square + thermal,
+            [twice * w1, twice * w2, twice * w3, by_gamma, by_gamma * mu],
+            [six * (w1 * w1), six * (w2 * w2), six * (w3 * w3), 0.0, 0.0],
+        )
+    }
+
+    /// Value, gradient, Hessian and third derivatives, in closed form.
+    #[must_use]
+    pub fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
+        let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
+        let inverse = 1.0 / self.denominator(x);
+        let half = if mu > 0.0 { -0.5 * mu } else { 0.0 };
+        let numerator = self.polynomial() + half * (x[3] + x[4] * mu);
+        // Linear in gamma0 and a: at most one derivative by either, and (k+1)! D^-(2+k) of the denominator.
+        let derivative = |by: &[usize]| {
+            let (mut cold, mut thermal) = (bulk_modulus * mu * inverse * inverse, energy);
+            let (mut order, mut linear) = (0_u32, 0);
+            for &i in by {
+                if i < 3 {
+                    cold *= f64::from(order + 2) * inverse * self.weights[i];
+                    order += 1;
+                } else {
+                    linear += 1;
+                    let weight = if i == 3 { 1.0 } else { mu };
+                    (cold, thermal) = (cold * half * weight, thermal * weight);
+                }
+            }
+            match (linear, order) {
+                (0, 0) => cold * numerator + thermal * (x[3] + x[4] * mu),
+                (0, _) => cold * numerator,
+                (1, 0) => cold + thermal,
+                (1, _) => cold,
+                _ => 0.0,
+            }
+        };
+        Expansion::from_derivatives(derivative)
+    }
+
+    /// The numerator without `gamma0` and `a`: `1 + mu` under compression, else one.
+    #[inline(always)]
+    fn polynomial(&self) -> f64 {
+        1.0 + self.state.compression.max(0.0)
+    }
+}
+
+impl Response<5> for MieGruneisen {
+    #[inline(always)]
+    fn value<S: Scalar>(&self, x: &[S; 5]) -> S {
+        let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
+        let gruneisen = x[3] + x[4] * mu;
+        if mu > 0.0 {
+            let slope = bulk_modulus * mu;
+            let numerator = gruneisen * (-0.5 * mu * slope) + (1.0 + mu) * slope;
+            numerator / self.denominator(x).squared() + gruneisen * energy
+        } else {
+            gruneisen * energy + bulk_modulus * mu
+        }
+    }
+}

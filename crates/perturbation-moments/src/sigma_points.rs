@@ -1,0 +1,113 @@
+//! The 2N+1 sigma points: moments without derivatives.
+
+use crate::along::AlongDirections;
+use crate::derivatives::{Derivatives, Known};
+use crate::error::{Error, require_finite};
+use crate::moments::Moments;
+use crate::random_vector::RandomVector;
+use crate::trust::Trust;
+
+/// How far the points lie from the centre, in deviations: the spread that gives the fourth moment of a normal.
+pub const SIGMA_POINT_DISTANCE: f64 = 1.732_050_807_568_877_2;
+
+/// Moments from the response at the centre and at $\pm\sqrt3$ deviations along each direction `L e_k`.
+///
+/// $$ a_k = \frac{y_k^+ - y_k^-}{2\sqrt3}, \quad q_k = \frac{y_k^+ - 2 y_0 + y_k^-}{3}, \qquad
+///    \operatorname{E} y \approx y_0 + \tfrac12 \sum q_k, \quad \operatorname{Var} y \approx \sum a_k^2 + \tfrac12 \sum q_k^2 $$
+///
+/// The fallback where nothing can be differentiated: `2N + 1` values, no smoothness assumed. It looks three deviations wide
+/// and so **notices a kink** beside the centre, which derivatives at the centre cannot: [`judge`](Self::judge).
+/// The mean is that of the unscented transform with $\kappa = 3 - N$; the variance, a sum of squares, cannot become
+/// negative as that one can. Mixed terms are not seen: `x1 x2` at zero mean has none of its variance here.
+///
+/// Sources: Julier and Uhlmann 2004, Unscented filtering and nonlinear estimation; Nørgaard, Poulsen and Ravn 2000, New
+/// developments in state estimation for nonlinear systems, the variance.
+///
+/// ```
+/// use perturbation_moments::{Moments, RandomVector, SigmaPoints, CentralDifferences, HighestOrder, Verdict};
+///
+/// // A kink 0.8 deviations from the mean: derivatives there are those of a line, in peace and wrong.
+/// let gap = |&[x]: &[f64; 1]| (x - 0.8).max(0.0) + 0.1 * x;
+/// let inputs = RandomVector::independent([0.0], [1.0])?;
+/// let smooth = CentralDifferences { first_step: 0.2, ..CentralDifferences::new(gap, HighestOrder::Third) };
+/// let moments = Moments::by(&inputs, &smooth)?;
+/// assert_eq!(moments.trust()?.verdict(), Verdict::InPeace);
+///
+/// let points = SigmaPoints::new(&inputs, gap)?;
+/// assert_eq!(points.judge(&moments)?.verdict(), Verdict::Warned);
+/// # Ok::<(), perturbation_moments::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SigmaPoints<const N: usize> {
+    known: AlongDirections<N>,
+}
+
+impl<const N: usize> SigmaPoints<N> {
+    /// Asks the response at the `2N + 1` points.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] where the response is not finite; points count the centre, then `+` and `-` of each direction.
+    pub fn new(
+        inputs: &RandomVector<N>,
+        response: impl Fn(&[f64; N]) -> f64,
+    ) -> Result<Self, Error> {
+        let at = |index: usize, t: &[f64; N]| {
+            let y = response(&inputs.point(t));
+            require_finite("response at sigma point", index, y).map(|()| y)
+        };
+        let value = at(0, &[0.0; N])?;
+        let (mut first, mut second) = ([0.0; N], [0.0; N]);
+        for k in 0..N {
+            let mut t = [0.0; N];
+            t[k] = SIGMA_POINT_DISTANCE;
+            let above = at(2 * k + 1, &t)?;
+            t[k] = -SIGMA_POINT_DISTANCE;
+            let below = at(2 * k + 2, &t)?;
+            first[k] = (above - below) / (2.0 * SIGMA_POINT_DISTANCE);
+            second[k] = ((above - value) + (below - value)) / 3.0;
+        }
+        Ok(Self { known: AlongDirections { value, first, second, mixed_squares: None } })
+    }
+
+    /// $y_0 + \tfrac12 \sum q_k$.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.known.value + 0.5 * self.known.second.iter().sum::<f64>()
+    }
+
+    /// $\sum a_k^2 + \tfrac12 \sum q_k^2$.
+    #[must_use]
+    pub fn variance(&self) -> f64 {
+        let squares = |v: &[f64; N]| v.iter().map(|x| x * x).sum::<f64>();
+        squares(&self.known.first) + 0.5 * squares(&self.known.second)
+    }
+
+    /// The slopes and curvatures as seen from three deviations away.
+    #[must_use]
+    pub const fn along(&self) -> &AlongDirections<N> {
+        &self.known
+    }
+
+    /// The trust in Taylor moments with the sigma points as a witness.
+    ///
+    /// # Errors
+    /// [`Error::NoFirstOrderVariance`].
+    pub fn judge(&self, moments: &Moments<N>) -> Result<Trust, Error> {
+        let first_order = moments.first_order_variance()?;
+        let ratio = (self.variance() / first_order - 1.0).abs();
+        Ok(Trust { sigma_point_ratio: Some(ratio), ..moments.trust()? })
+    }
+}
+
+/// The sigma points of a response as a way to have slopes and curvatures along `L e_k`.
+#[derive(Debug, Clone, Copy)]
+pub struct BySigmaPoints<F>(
+    /// The response: a value at a point.
+    pub F,
+);
+
+impl<const N: usize, F: Fn(&[f64; N]) -> f64> Derivatives<N> for BySigmaPoints<F> {
+    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
+        Ok(Known::AlongDirections(*SigmaPoints::new(inputs, &self.0)?.along()))
+    }
+}

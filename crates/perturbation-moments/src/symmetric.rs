@@ -1,0 +1,99 @@
+//! Symmetric matrices: eigenvalues and a factor, of positive semidefinite ones too.
+
+/// Sweeps over all pairs after which the rotations end. Convergence is quadratic; six are typical, so this is never
+/// reached by a finite matrix.
+const MOST_SWEEPS: usize = 60;
+
+/// The eigenvalues of a symmetric matrix in ascending order, by cyclic Jacobi rotations.
+///
+/// Source: Golub and Van Loan 2013, Matrix Computations, algorithm 8.5.3.
+pub(crate) fn eigenvalues<const N: usize>(matrix: &[[f64; N]; N]) -> [f64; N] {
+    let mut a = *matrix;
+    for _ in 0..MOST_SWEEPS {
+        let mut rotated = false;
+        for p in 0..N {
+            for q in p + 1..N {
+                if a[p][q].abs() > f64::EPSILON * 1e-3 * (a[p][p].abs() + a[q][q].abs()) {
+                    rotate(&mut a, p, q);
+                    rotated = true;
+                }
+            }
+        }
+        if !rotated {
+            break;
+        }
+    }
+    let mut values = std::array::from_fn(|i| a[i][i]);
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// The rotation of the plane (p, q) that makes `a[p][q]` zero.
+fn rotate<const N: usize>(a: &mut [[f64; N]; N], p: usize, q: usize) {
+    let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    let sign = if tau < 0.0 { -1.0 } else { 1.0 };
+    let tangent = sign / (tau.abs() + tau.hypot(1.0));
+    let cosine = 1.0 / tangent.hypot(1.0);
+    let sine = tangent * cosine;
+    for k in 0..N {
+        let (x, y) = (a[k][p], a[k][q]);
+        (a[k][p], a[k][q]) = (cosine * x - sine * y, sine * x + cosine * y);
+    }
+    for k in 0..N {
+        let (x, y) = (a[p][k], a[q][k]);
+        (a[p][k], a[q][k]) = (cosine * x - sine * y, sine * x + cosine * y);
+    }
+    (a[p][q], a[q][p]) = (0.0, 0.0);
+}
+
+/// A lower triangular `L` with `S = L L^T` for a positive semidefinite `S` of unit diagonal.
+///
+/// Where a pivot is roundoff, the row is a combination of those before it: its column of the factor is zero.
+pub(crate) fn factor<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut l = [[0.0; N]; N];
+    for j in 0..N {
+        let pivot = matrix[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
+        if pivot <= roundoff(N) {
+            continue;
+        }
+        l[j][j] = pivot.sqrt();
+        for i in j + 1..N {
+            let rest = matrix[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            l[i][j] = rest / l[j][j];
+        }
+    }
+    l
+}
+
+/// Below this, in size, an eigenvalue or pivot of a matrix of unit diagonal is taken for zero.
+pub(crate) const fn roundoff(n: usize) -> f64 {
+    16.0 * f64::EPSILON * n as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalues_are_those_of_the_characteristic_polynomial() {
+        // Equal correlation r in three dimensions: 1 - r twice, 1 + 2r.
+        let r = -0.45;
+        let [a, b, c] = eigenvalues(&[[1.0, r, r], [r, 1.0, r], [r, r, 1.0]]);
+        assert!((a - 0.1).abs() < 1e-15 && (b - 1.45).abs() < 1e-15 && (c - 1.45).abs() < 1e-15);
+        let [a, b] = eigenvalues(&[[3.0, 0.0], [0.0, -1.0]]);
+        assert!(a.to_bits() == (-1.0_f64).to_bits() && b.to_bits() == 3.0_f64.to_bits());
+    }
+
+    #[test]
+    fn a_singular_correlation_has_a_factor() {
+        let s = [[1.0, 1.0, 0.6], [1.0, 1.0, 0.6], [0.6, 0.6, 1.0]];
+        let l = factor(&s);
+        assert_eq!(l[1][1].to_bits(), 0.0_f64.to_bits());
+        for i in 0..3 {
+            for j in 0..3 {
+                let product: f64 = (0..3).map(|k| l[i][k] * l[j][k]).sum();
+                assert!((product - s[i][j]).abs() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! What the cases of `perturbation-moments` share: the reference and its responses.
+
+pub mod reference;
+pub mod responses;

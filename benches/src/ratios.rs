@@ -181,6 +181,45 @@ impl Ratios {
         ]);
     }
 
+    /// Measures two ways of ours by wall time: what more threads bring shows in nothing else.
+    pub fn wall(
+        &mut self,
+        work: &str,
+        [name, other_name]: [&str; 2],
+        target: f64,
+        mut run: impl FnMut(),
+        mut other: impl FnMut(),
+    ) {
+        if !self.wants(work) {
+            return;
+        }
+        let wall = |run: &mut dyn FnMut()| {
+            let start = Instant::now();
+            run();
+            start.elapsed().as_secs_f64()
+        };
+        // The first runs grow buffers.
+        wall(&mut run);
+        wall(&mut other);
+        let rounds: Vec<[f64; 2]> =
+            (0..*ROUNDS.start()).map(|_| [wall(&mut run), wall(&mut other)]).collect();
+        let ours = Quartiles::of(rounds.iter().map(|seconds| seconds[0]));
+        let its = Quartiles::of(rounds.iter().map(|seconds| seconds[1]));
+        let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[1] / seconds[0]));
+        self.table.add_row([
+            format!("{work}, {name}"),
+            duration(ours.median),
+            "-".to_owned(),
+            other_name.to_owned(),
+            duration(its.median),
+            format!("{:.2}", ratio.median),
+            format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
+            target.to_string(),
+            ratio.reaches(target).to_owned(),
+            rounds.len().to_string(),
+        ]);
+    }
+
     /// A line below the table.
     pub fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());

@@ -23,7 +23,9 @@ use benches::ratios::{Ratios, Work};
 use cap::Cap;
 use criterion::Criterion;
 use linkcell::PairColumns;
-use neighbour_search::{CellGrid, Criterion as Sight, NeighbourList, NeighbourSearch, Radii};
+use neighbour_search::{
+    CellGrid, Criterion as Sight, LeafTree, NeighbourList, NeighbourSearch, Radii,
+};
 
 use crate::found::{Fingerprint, Rows, Sense, agreed};
 use crate::rivals::{kiddo_join, linkcell_columns, linkcell_rows, plane, rstar, space, zelll};
@@ -42,10 +44,20 @@ fn ours<const D: usize>(
     radii: Radii<'_>,
     sense: Sense,
 ) -> (Fingerprint, impl FnMut()) {
-    let (mut grid, mut list) = (CellGrid::new(), NeighbourList::new());
+    by(CellGrid::new(), points, radii, sense)
+}
+
+/// By one of our searches.
+fn by<const D: usize>(
+    mut search: impl NeighbourSearch<D>,
+    points: &[[f64; D]],
+    radii: Radii<'_>,
+    sense: Sense,
+) -> (Fingerprint, impl FnMut()) {
+    let mut list = NeighbourList::new();
     let mut search = move |list: &mut NeighbourList| match sense {
-        Sense::Directed => grid.full_list(black_box(points), radii, list).unwrap(),
-        Sense::Unordered => grid.half_list(black_box(points), radii, list).unwrap(),
+        Sense::Directed => search.full_list(black_box(points), radii, list).unwrap(),
+        Sense::Unordered => search.half_list(black_box(points), radii, list).unwrap(),
     };
     search(&mut list);
     (Fingerprint::of(&list, sense), move || search(&mut list))
@@ -131,18 +143,17 @@ fn full_in_plane(ratios: &mut Ratios) {
 fn gather(ratios: &mut Ratios) {
     let (points, radii) = clouds::normal::<3>(100_000, IN_SPACE);
     let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Gather };
-    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let (pairs, leaf_tree) = by(LeafTree::new(), &points, sight, Sense::Directed);
+    let (same_pairs, cell_grid) = by(CellGrid::new(), &points, sight, Sense::Directed);
+    assert_eq!(pairs, same_pairs);
     let queries = agreed(pairs, "kiddo", Rows::default(), |rows| {
         space::kiddo(&points, |i| radii[i], rows);
     });
+    let work = "3-D normal cloud, 100k, radii 20:1, gather";
     ratios.measure(
-        Work::new(
-            "3-D normal cloud, 100k, radii 20:1, gather",
-            pairs.n_pairs,
-            "CellGrid",
-            cell_grid,
-        )
-        .rival_to_beat("kiddo", 3.5, queries),
+        Work::new(work, pairs.n_pairs, "LeafTree", leaf_tree)
+            .rival_to_beat("kiddo", 3.5, queries)
+            .rival("our CellGrid", cell_grid),
     );
 }
 
@@ -151,21 +162,55 @@ fn larger(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     let name = |d: usize| format!("neighbour/{d}-D normal cloud, 20k, radii 20 to 1, max");
     let (points, radii) = clouds::normal::<2>(20_000, IN_PLANE);
     let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Max };
-    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let (pairs, leaf_tree) = by(LeafTree::new(), &points, sight, Sense::Directed);
     let queries = agreed(pairs, "kiddo", Vec::new(), |found| {
         plane::kiddo_max(&points, &radii, found);
     });
-    let work = Work::new(name(2), pairs.n_pairs, "CellGrid", cell_grid);
+    let work = Work::new(name(2), pairs.n_pairs, "LeafTree", leaf_tree);
     ratios.measure(work.rival("kiddo", queries).in_criterion(criterion));
 
     let (points, radii) = clouds::normal::<3>(20_000, IN_SPACE);
     let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Max };
-    let (pairs, cell_grid) = ours(&points, sight, Sense::Directed);
+    let (pairs, leaf_tree) = by(LeafTree::new(), &points, sight, Sense::Directed);
     let queries = agreed(pairs, "kiddo", Vec::new(), |found| {
         space::kiddo_max(&points, &radii, found);
     });
-    let work = Work::new(name(3), pairs.n_pairs, "CellGrid", cell_grid);
+    let work = Work::new(name(3), pairs.n_pairs, "LeafTree", leaf_tree);
     ratios.measure(work.rival("kiddo", queries).in_criterion(criterion));
+}
+
+/// A cloud in space with instructions that every machine has; linkcell keeps its own.
+fn portable(ratios: &mut Ratios) {
+    let (points, radius) = clouds::uniform::<3>(100_000, IN_SPACE);
+    let (points, sense) = (points.as_slice(), Sense::Directed);
+    let portable = CellGrid::new().with_portable_instructions();
+    let (pairs, cell_grid) = by(portable, points, Radii::Uniform(radius), sense);
+    let (rows, columns) = linkcell(points, radius, pairs, sense);
+    let name = "3-D full list, 100k, portable";
+    ratios.measure(
+        Work::new(name, pairs.n_pairs, "CellGrid", cell_grid)
+            .rival_to_beat("linkcell, rows", 1.0, rows)
+            .rival_to_beat("linkcell, columns", 1.0, columns),
+    );
+}
+
+/// Two threads against one, by wall time.
+fn two_threads(ratios: &mut Ratios) {
+    let (points, radius) = clouds::uniform::<3>(1_000_000, IN_SPACE);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let list_by = |threads| {
+        let (pool, mut grid, mut list) = (pool(threads), CellGrid::new(), NeighbourList::new());
+        let radii = Radii::Uniform(radius);
+        let points = points.as_slice();
+        move || pool.install(|| grid.full_list(black_box(points), radii, &mut list).unwrap())
+    };
+    ratios.wall(
+        "3-D full list, 1M, wall time",
+        ["two threads", "one"],
+        1.7,
+        list_by(2),
+        list_by(1),
+    );
 }
 
 /// The cloud of a density solver, small and dense.
@@ -217,23 +262,32 @@ fn peak(run: impl FnOnce()) -> usize {
 
 fn main() {
     let mut ratios = Ratios::from_args("neighbour");
-    let mut criterion = benches::criterion();
-    memory(&mut ratios);
-    lattice(&mut criterion, &mut ratios);
-    full_in_plane(&mut ratios);
-    full_in_space(&mut ratios, "3-D full list, 100k", 100_000);
-    half_in_space(&mut ratios, "3-D half list, 100k", 100_000);
-    // Here, once the crate has them: two threads against one, by wall time, and the portable path against linkcell.
-    gather(&mut ratios);
-    larger(&mut criterion, &mut ratios);
+    // On one thread, as the rivals are.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| one_thread(&mut ratios));
     if ratios.is_measured() {
-        full_in_space(&mut ratios, "3-D full list, 1M", 1_000_000);
-        half_in_space(&mut ratios, "3-D half list, 1M", 1_000_000);
+        two_threads(&mut ratios);
     }
-    criterion.final_summary();
     ratios.note(
         "TreeNSearch (C++, f32, not run here), 3-D full list on an EPYC of Zen 4: 235 M/s at 100k and 221 at 1M on points \
          already sorted, 56 and 32 in random order.",
     );
     ratios.print();
+}
+
+fn one_thread(ratios: &mut Ratios) {
+    let mut criterion = benches::criterion();
+    memory(ratios);
+    lattice(&mut criterion, ratios);
+    full_in_plane(ratios);
+    full_in_space(ratios, "3-D full list, 100k", 100_000);
+    half_in_space(ratios, "3-D half list, 100k", 100_000);
+    portable(ratios);
+    gather(ratios);
+    larger(&mut criterion, ratios);
+    if ratios.is_measured() {
+        full_in_space(ratios, "3-D full list, 1M", 1_000_000);
+        half_in_space(ratios, "3-D half list, 1M", 1_000_000);
+    }
+    criterion.final_summary();
 }

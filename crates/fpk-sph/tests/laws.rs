@@ -55,7 +55,7 @@ fn estimate<const D: usize>(
     let radii: Vec<f64> = smoothing_lengths.iter().map(|h| h * estimator.support()).collect();
     let mut neighbours = NeighbourList::new();
     let radii = Radii::PerPoint { radii: &radii, criterion: estimator.criterion() };
-    BruteForce.full_list(positions, radii, &mut neighbours)?;
+    BruteForce::new().full_list(positions, radii, &mut neighbours)?;
     let cloud = Cloud {
         positions,
         masses,

@@ -1,34 +1,48 @@
 //! Every point against every other.
 
+use crate::domain::Domain;
 use crate::error::Error;
 use crate::list::NeighbourList;
 use crate::radii::Radii;
-use crate::search::{NeighbourSearch, check, squared_distance};
+use crate::search::{NeighbourSearch, check, stored};
 
 /// Tests every pair: the definition of the answer, and the oracle of the tests.
 ///
-/// Time `O(n^2)`, memory none of its own. Below some hundred points it is as quick as a grid.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct BruteForce;
+/// Time `O(n^2)`, memory none of its own. Below some hundred points it is as quick as a grid. Rows ascend.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BruteForce<const D: usize> {
+    domain: Domain<D>,
+}
 
-impl<const D: usize> NeighbourSearch<D> for BruteForce {
+impl<const D: usize> BruteForce<D> {
+    /// In a space without end.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// In a space that may be periodic.
+    #[must_use]
+    pub fn in_domain(domain: Domain<D>) -> Self {
+        Self { domain }
+    }
+}
+
+impl<const D: usize> NeighbourSearch<D> for BruteForce<D> {
     fn full_list(
         &mut self,
         points: &[[f64; D]],
         radii: Radii<'_>,
         list: &mut NeighbourList,
     ) -> Result<(), Error> {
-        check(points, radii)?;
-        list.restart();
-        for (i, x_i) in points.iter().enumerate() {
+        check(points, radii, &self.domain)?;
+        list.fill(points.len(), &self.domain, |i, found| {
             for (j, x_j) in points.iter().enumerate() {
                 let limit = radii.limit(i, j);
-                if i != j && squared_distance(x_i, x_j) <= limit * limit {
-                    list.push(j);
+                if i != j && self.domain.squared_distance(&points[i], x_j) <= limit * limit {
+                    found.push(stored(j));
                 }
             }
-            list.end_row();
-        }
-        Ok(())
+        })
     }
 }

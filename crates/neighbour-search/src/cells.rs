@@ -1,7 +1,13 @@
 //! Points sorted into the cells of a regular grid.
 
+use core::ops::Range;
+
+use crate::domain::Domain;
+use crate::frame::Bounds;
+use crate::parallel;
+use crate::radii::Radii;
 use crate::search::stored;
-use crate::simd::LANES;
+use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
 /// Cells allowed for each point, and a few for small clouds: what bounds the memory whatever the cloud.
 const CELLS_PER_POINT: usize = 2;
@@ -10,9 +16,8 @@ const SPARE_CELLS: usize = 64;
 /// Of a cloud with outliers, this part is left out at either end of an axis before the grid is laid.
 const TRIMMED_PART: usize = 64;
 
-/// Relative slack on a radius when cells are chosen: covers the roundings of the squared distance and its sum, below
-/// `(D + 2)` units of 1.1e-16 each.
-const SLACK: f64 = 1.0 + 1e-14;
+/// Most threads that sort: each looks through all points.
+const MAX_SLABS: usize = 16;
 
 /// A regular grid over a cloud, and the points in the order of its cells, those of a cell in their own order.
 ///
@@ -21,65 +26,52 @@ const SLACK: f64 = 1.0 + 1e-14;
 /// box are in the outermost cells, and the search stays exact.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells<const D: usize> {
+    sorted: Sorted<D>,
     /// How wide the cells were asked to be.
     edge: f64,
     origin: [f64; D],
+    extent: [f64; D],
     inverse_width: [f64; D],
     count: [usize; D],
-    /// Points of cell `c` are `start[c]..start[c + 1]` in `points` and `ids`.
+    /// Points of cell `c` are in the slots `start[c]..start[c + 1]`.
     start: Vec<u32>,
     /// Cell of each point, by its index.
     cell_of: Vec<u32>,
-    /// Point of each slot, and `LANES` more of no account, so that eight can be read from any slot.
-    ids: Vec<u32>,
-    /// Coordinates of each slot, axis by axis, padded alike.
-    columns: [Vec<f64>; D],
     sample: Vec<f64>,
 }
 
 impl<const D: usize> Default for Cells<D> {
     fn default() -> Self {
         Self {
+            sorted: Sorted::default(),
             edge: 1.0,
             origin: [0.0; D],
+            extent: [0.0; D],
             inverse_width: [0.0; D],
             count: [1; D],
             start: Vec::new(),
             cell_of: Vec::new(),
-            ids: Vec::new(),
-            columns: [const { Vec::new() }; D],
             sample: Vec::new(),
         }
     }
 }
 
 impl<const D: usize> Cells<D> {
-    /// Indices of the points in the order of the cells, and padding.
+    /// Cells in a space.
+    pub(crate) fn new(domain: Domain<D>) -> Self {
+        let mut cells = Self::default();
+        cells.sorted.domain = domain;
+        cells
+    }
+
+    /// The space.
+    pub(crate) fn domain(&self) -> &Domain<D> {
+        &self.sorted.domain
+    }
+
+    /// Point of each slot.
     pub(crate) fn ids(&self) -> &[u32] {
-        &self.ids
-    }
-
-    /// Coordinates in the order of the cells along each axis, and padding.
-    #[inline(always)]
-    pub(crate) fn columns(&self) -> [&[f64]; D] {
-        core::array::from_fn(|axis| self.columns[axis].as_slice())
-    }
-
-    /// How wide the cells were asked to be; they may be wider.
-    pub(crate) fn edge(&self) -> f64 {
-        self.edge
-    }
-
-    /// Number of points.
-    pub(crate) fn n_points(&self) -> usize {
-        self.cell_of.len()
-    }
-
-    /// Writes one value of each point in the order of the cells, and padding.
-    pub(crate) fn gather(&self, values: &[f64], column: &mut Vec<f64>) {
-        column.clear();
-        column.extend(self.ids[..self.n_points()].iter().map(|&id| values[id as usize]));
-        column.resize(self.ids.len(), 0.0);
+        self.sorted.order()
     }
 
     /// Median of the radii: half of the points see farther than a cell.
@@ -94,51 +86,79 @@ impl<const D: usize> Cells<D> {
     }
 
     /// Lays a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
-    pub(crate) fn build(&mut self, points: &[[f64; D]], edge: f64) {
+    pub(crate) fn build(&mut self, points: &[[f64; D]], radii: Radii<'_>, edge: f64) {
         self.edge = edge;
         self.lay(points, edge);
+        let mut cell_of = core::mem::take(&mut self.cell_of);
+        cell_of.resize(points.len(), 0);
+        parallel::fill_from(&mut cell_of, points, |x| {
+            stored(self.cell(&self.sorted.domain.wrap_all(x)))
+        });
+        self.count_and_place(&cell_of);
+        self.cell_of = cell_of;
+        let far = core::array::from_fn(|axis| self.origin[axis] + self.extent[axis]);
+        let bounds = Bounds { low: self.origin, high: far, radius: 0.0 };
+        self.sorted.gather(points, radii, &bounds);
+    }
+
+    /// Sorts by counting. Every thread has cells of its own, and looks through all points for those in its cells.
+    fn count_and_place(&mut self, cell_of: &[u32]) {
         let n_cells: usize = self.count.iter().product();
         self.start.clear();
         self.start.resize(n_cells + 1, 0);
-        let mut cell_of = core::mem::take(&mut self.cell_of);
-        cell_of.clear();
-        cell_of.extend(points.iter().map(|x| stored(self.cell(x))));
+        self.sorted.ids.resize(cell_of.len(), 0);
+        let slabs = parallel::threads().min(MAX_SLABS).min(n_cells);
+        let first_of = |slab: usize| slab * n_cells / slabs;
+        let mut lengths: [[usize; 2]; MAX_SLABS] =
+            core::array::from_fn(|slab| [first_of(slab + 1).saturating_sub(first_of(slab)), 0]);
         // Shifted by one, so that what is the cursor of a cell while placing is its end afterwards.
         let cursors = &mut self.start[1..];
-        for &cell in &cell_of {
-            cursors[cell as usize] += 1;
-        }
+        parallel::for_each_pair_of_stretches(
+            (&mut *cursors, &mut self.sorted.ids),
+            &lengths[..slabs],
+            &|slab, counts, _: &mut [u32]| {
+                let first = first_of(slab);
+                for &cell in cell_of {
+                    if let Some(count) = counts.get_mut((cell as usize).wrapping_sub(first)) {
+                        *count += 1;
+                    }
+                }
+            },
+        );
         let mut total = 0;
-        for cursor in cursors.iter_mut() {
-            total += core::mem::replace(cursor, total);
+        for (slab, length) in lengths[..slabs].iter_mut().enumerate() {
+            let before = total;
+            for cursor in &mut cursors[first_of(slab)..first_of(slab + 1)] {
+                total += core::mem::replace(cursor, total);
+            }
+            length[1] = (total - before) as usize;
         }
-        self.ids.clear();
-        self.ids.resize(points.len() + LANES, 0);
-        for (id, &cell) in cell_of.iter().enumerate() {
-            let cursor = &mut cursors[cell as usize];
-            self.ids[*cursor as usize] = stored(id);
-            *cursor += 1;
-        }
-        for (axis, column) in self.columns.iter_mut().enumerate() {
-            column.clear();
-            let slots = self.ids[..points.len()].iter();
-            column.extend(slots.map(|&id| points[id as usize][axis]));
-            column.resize(points.len() + LANES, 0.0);
-        }
-        self.cell_of = cell_of;
+        parallel::for_each_pair_of_stretches(
+            (cursors, &mut self.sorted.ids),
+            &lengths[..slabs],
+            &|slab, cursors, ids: &mut [u32]| {
+                let first = first_of(slab);
+                let first_slot = cursors.first().map_or(0, |&slot| slot as usize);
+                for (id, &cell) in cell_of.iter().enumerate() {
+                    if let Some(cursor) = cursors.get_mut((cell as usize).wrapping_sub(first)) {
+                        ids[*cursor as usize - first_slot] = stored(id);
+                        *cursor += 1;
+                    }
+                }
+            },
+        );
     }
 
-    /// Hands `visit` every range of slots whose cells a ball touches: one range for each row of cells along the first axis.
+    /// Hands `visit` the slots of every row of cells along the first axis that a box touches.
     #[inline(always)]
-    pub(crate) fn for_each_range(
+    pub(crate) fn for_each_row(
         &self,
-        centre: &[f64; D],
-        radius: f64,
-        mut visit: impl FnMut(core::ops::Range<usize>),
+        low: &[f64; D],
+        high: &[f64; D],
+        mut visit: impl FnMut(Range<usize>),
     ) {
-        let reach = radius * SLACK;
-        let low: [usize; D] = core::array::from_fn(|a| self.along(centre[a] - reach, a));
-        let high: [usize; D] = core::array::from_fn(|a| self.along(centre[a] + reach, a));
+        let low: [usize; D] = core::array::from_fn(|axis| self.along(low[axis], axis));
+        let high: [usize; D] = core::array::from_fn(|axis| self.along(high[axis], axis));
         let mut row = low;
         loop {
             let first = self.index(&row);
@@ -157,6 +177,7 @@ impl<const D: usize> Cells<D> {
         }
     }
 
+    #[inline(always)]
     fn cell(&self, x: &[f64; D]) -> usize {
         self.index(&core::array::from_fn(|axis| self.along(x[axis], axis)))
     }
@@ -184,7 +205,7 @@ impl<const D: usize> Cells<D> {
     fn lay(&mut self, points: &[[f64; D]], edge: f64) {
         let allowed = points.len().saturating_mul(CELLS_PER_POINT).saturating_add(SPARE_CELLS);
         let allowed = allowed.min(u32::MAX as usize) as f64;
-        let mut bounds = bounding_box(points);
+        let mut bounds = bounding_box(points, &self.sorted.domain);
         let mut cells = cells_across(&bounds, edge, allowed);
         if cells.iter().product::<f64>() > allowed {
             for (axis, bounds) in bounds.iter_mut().enumerate() {
@@ -202,6 +223,7 @@ impl<const D: usize> Cells<D> {
             let count = cells[axis] as usize;
             self.count[axis] = count;
             self.origin[axis] = low;
+            self.extent[axis] = high - low;
             // A single cell needs no width, and the cloud may have none along this axis.
             self.inverse_width[axis] = if count > 1 { cells[axis] / (high - low) } else { 0.0 };
         }
@@ -212,7 +234,8 @@ impl<const D: usize> Cells<D> {
         let n = points.len();
         let cut = n / TRIMMED_PART;
         self.sample.clear();
-        self.sample.extend(points.iter().map(|x| x[axis]));
+        let domain = &self.sorted.domain;
+        self.sample.extend(points.iter().map(|x| domain.wrap(x[axis], axis)));
         let first = *self.sample.select_nth_unstable_by(cut, f64::total_cmp).1;
         let last = *self.sample.select_nth_unstable_by(n - 1 - cut, f64::total_cmp).1;
         let margin = 0.5 * (last - first);
@@ -220,12 +243,59 @@ impl<const D: usize> Cells<D> {
     }
 }
 
+impl<const D: usize> Order<D> for Cells<D> {
+    fn sorted(&self) -> &Sorted<D> {
+        &self.sorted
+    }
+
+    #[inline(always)]
+    fn group_of(&self, slot: usize) -> usize {
+        self.cell_of[self.sorted.ids[slot] as usize] as usize
+    }
+
+    #[inline(always)]
+    fn group_end(&self, cell: usize) -> usize {
+        self.start[cell + 1] as usize
+    }
+
+    fn stretches(
+        &self,
+        targets: &Range<usize>,
+        bounds: &Bounds<D>,
+        rule: Rule,
+        listed: Listed,
+        found: &mut Vec<Stretch<D>>,
+    ) -> usize {
+        stretches(self, targets, bounds, rule, listed, found)
+    }
+}
+
+impl<const D: usize> Near<D> for Cells<D> {
+    #[inline(always)]
+    fn for_each_stretch(
+        &self,
+        bounds: &Bounds<D>,
+        rule: Rule,
+        shift: &[f64; D],
+        visit: impl FnMut(Range<usize>),
+    ) {
+        let reach = self.sorted.domain.reach(rule.limit(bounds.radius, self.sorted.largest));
+        let low = core::array::from_fn(|axis| bounds.low[axis] - shift[axis] - reach[axis]);
+        let high = core::array::from_fn(|axis| bounds.high[axis] - shift[axis] + reach[axis]);
+        self.for_each_row(&low, &high, visit);
+    }
+
+    fn radius_for(&self, _: &[f64; D], _: usize) -> f64 {
+        self.edge
+    }
+}
+
 /// Lowest and highest coordinate along each axis.
-fn bounding_box<const D: usize>(points: &[[f64; D]]) -> [[f64; 2]; D] {
+fn bounding_box<const D: usize>(points: &[[f64; D]], domain: &Domain<D>) -> [[f64; 2]; D] {
     let Some(first) = points.first() else { return [[0.0; 2]; D] };
-    let mut bounds = first.map(|value| [value; 2]);
+    let mut bounds = domain.wrap_all(first).map(|value| [value; 2]);
     for x in points {
-        for (bounds, &value) in bounds.iter_mut().zip(x) {
+        for (bounds, value) in bounds.iter_mut().zip(domain.wrap_all(x)) {
             *bounds = [bounds[0].min(value), bounds[1].max(value)];
         }
     }
@@ -266,7 +336,7 @@ mod tests {
             }
             points.push([far; 3]);
             let mut cells = Cells::default();
-            cells.build(&points, 1.0);
+            cells.build(&points, Radii::Uniform(1.0), 1.0);
             let n_cells: usize = cells.count.iter().product();
             assert!(n_cells <= 1001 * CELLS_PER_POINT + SPARE_CELLS, "{n_cells} cells");
             // The cloud itself stays divided: 18 cells across at most, 9 of them on the cloud.
@@ -278,9 +348,15 @@ mod tests {
     fn sorting_is_stable_and_keeps_every_point() {
         let points = [[2.5], [0.5], [2.6], [0.4], [1.5]];
         let mut cells = Cells::default();
-        cells.build(&points, 0.7);
-        assert_eq!(cells.ids()[..cells.n_points()], [1, 3, 4, 0, 2]);
-        assert_eq!(cells.columns()[0][2].to_bits(), 1.5_f64.to_bits());
+        cells.build(&points, Radii::Uniform(0.7), 0.7);
+        assert_eq!(cells.ids(), [1, 3, 4, 0, 2]);
+        // From the middle, in units of 0.7.
+        let expected: [f64; 5] = [-1.0, -1.1, 0.0, 1.0, 1.1].map(|x| x / 0.7);
+        let found = &cells.sorted.columns[0];
+        assert!(
+            found.iter().zip(expected).all(|(&a, b)| (f64::from(a) - b).abs() < 1e-6),
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -288,12 +364,14 @@ mod tests {
         let points: Vec<[f64; 2]> =
             (0..100).map(|k| [f64::from(k % 10), f64::from(k / 10)]).collect();
         let mut cells = Cells::default();
-        cells.build(&points, 1.0);
-        let [x, y] = cells.columns();
+        cells.build(&points, Radii::Uniform(1.0), 1.0);
         let mut found = 0;
-        cells.for_each_range(&[4.0, 5.0], 2.0, |range| {
-            let inside = |&k: &usize| (x[k] - 4.0).powi(2) + (y[k] - 5.0).powi(2) <= 4.0;
-            found += range.filter(inside).count();
+        cells.for_each_row(&[2.0, 3.0], &[6.0, 7.0], |slots| {
+            let inside = |&slot: &usize| {
+                let [x, y] = points[cells.sorted.ids[slot] as usize];
+                (x - 4.0).powi(2) + (y - 5.0).powi(2) <= 4.0
+            };
+            found += slots.filter(inside).count();
         });
         // Integer points within 2 of one of them: 1 + 4 + 4 + 4.
         assert_eq!(found, 13);

@@ -44,6 +44,24 @@ pub enum Error {
         /// The criterion.
         criterion: Criterion,
     },
+    /// The period of an axis is NaN, infinite, not positive, or has no square in double precision.
+    #[error("period {value} of axis {axis} is not between {MIN_RADIUS:e} and {MAX_RADIUS:e}")]
+    Period {
+        /// Axis, from 0.
+        axis: usize,
+        /// Its period.
+        value: f64,
+    },
+    /// A period is so short that a point would have neighbours through two images of the same point.
+    #[error("period {period} of axis {axis} is shorter than {least}, twice the largest radius")]
+    PeriodTooShort {
+        /// Axis, from 0.
+        axis: usize,
+        /// Its period.
+        period: f64,
+        /// Twice the largest radius.
+        least: f64,
+    },
     /// A skin is NaN, infinite, not positive, or has no square in double precision.
     #[error("skin {value} is not between {MIN_RADIUS:e} and {MAX_RADIUS:e}")]
     Skin {
@@ -64,6 +82,16 @@ pub enum Error {
         /// Number of points the list was built of.
         listed: usize,
         /// Number of points it is read with.
+        points: usize,
+    },
+    /// A row of a list names what is no point.
+    #[error("row {i} of a list of {points} points holds {j}")]
+    NotAPoint {
+        /// The row.
+        i: usize,
+        /// Its entry.
+        j: u32,
+        /// Number of points.
         points: usize,
     },
     /// There are more points than a 32-bit index counts.

@@ -4,22 +4,35 @@
     reason = "what a loop over lanes calls must be compiled within it, or it lacks its instructions"
 )]
 
+mod aligned;
 mod brute_force;
+mod candidates;
 mod cell_grid;
 mod cells;
+mod domain;
 mod error;
+mod frame;
+mod leaf_tree;
+mod leaves;
 mod list;
+mod neighbourhood;
+mod parallel;
 mod query;
 mod radii;
+mod rows;
 mod search;
 mod simd;
 mod skin_list;
+mod sorted;
 
 pub use brute_force::BruteForce;
 pub use cell_grid::CellGrid;
+pub use domain::Domain;
 pub use error::Error;
+pub use leaf_tree::LeafTree;
 pub use list::{NeighbourList, Pair};
 pub use query::Near;
 pub use radii::{Criterion, MAX_RADIUS, MIN_RADIUS, Radii};
+pub use rows::Row;
 pub use search::NeighbourSearch;
 pub use skin_list::{SkinList, Update};

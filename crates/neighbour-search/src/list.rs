@@ -1,7 +1,17 @@
 //! The neighbour list, and the visitor that hands out its pairs.
 
+use core::ops::Range;
+
+use crate::domain::{Domain, square};
 use crate::error::Error;
-use crate::search::{difference, squared_distance, stored};
+use crate::parallel::{self, Part};
+use crate::search::stored;
+
+/// Rows that share a stretch of memory, and that one thread writes.
+pub(crate) const CHUNK: usize = 1024;
+
+/// Most axes that a search is generic over.
+pub(crate) const MAX_DIMENSION: usize = 6;
 
 /// A point and one of its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,20 +20,36 @@ pub struct Pair<const D: usize> {
     pub i: usize,
     /// Its neighbour.
     pub j: usize,
-    /// `x_i - x_j`, unit of length of the points.
+    /// `x_i - x_j` of the nearest images, unit of length of the points.
     pub x_ij: [f64; D],
     /// `|x_ij|`.
     pub r: f64,
 }
 
-/// Neighbours of every point in compressed rows: 32-bit indices, one row per point, sorted.
+/// Neighbours of every point in compressed rows: 32-bit indices, one row per point.
 ///
-/// Memory: 4 bytes per listed neighbour and 8 per point. A pair that is mutual is listed twice, once in either row.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+/// The entries of a row stand in the order in which the search found them, which points, radii and search determine, not
+/// the number of threads. [`sort_rows`](Self::sort_rows) makes them ascend, and full lists of all searches the same.
+///
+/// Memory: 4 bytes per listed neighbour and 12 per point. Rows lie in memory in the order of the search, a thousand at a
+/// time, so that they need not be moved once they are found. A pair that is mutual is listed twice in a full list.
+#[derive(Debug, Clone, Default)]
 pub struct NeighbourList {
-    /// Row `i` is `indices[offsets[i]..offsets[i + 1]]`; empty before the first build.
-    offsets: Vec<usize>,
-    indices: Vec<u32>,
+    /// Where the row of each point stands among the rows; empty if they stand in the order of the points.
+    slot_of: Vec<u32>,
+    /// Where each row ends in its chunk.
+    ends: Vec<usize>,
+    /// Entries of a thousand rows each, as many as there ever were; what is beyond the last row is of no account.
+    chunks: Vec<Vec<u32>>,
+    /// Period along each axis, or zero.
+    periods: [f64; MAX_DIMENSION],
+}
+
+impl PartialEq for NeighbourList {
+    /// Whether rows hold the same entries in the same order, and the space is the same.
+    fn eq(&self, other: &Self) -> bool {
+        self.rows().eq(other.rows()) && self.periods == other.periods
+    }
 }
 
 impl NeighbourList {
@@ -36,7 +62,7 @@ impl NeighbourList {
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.offsets.len().saturating_sub(1)
+        self.ends.len()
     }
 
     /// Whether there are no points. A list of points without neighbours is not empty.
@@ -48,10 +74,10 @@ impl NeighbourList {
     /// Number of listed neighbours, over all points.
     #[must_use]
     pub fn n_pairs(&self) -> usize {
-        self.indices.len()
+        self.ends.chunks(CHUNK).filter_map(<[usize]>::last).sum()
     }
 
-    /// Neighbours of point `i`, ascending, without `i` itself.
+    /// Neighbours of point `i`, without `i` itself.
     ///
     /// # Panics
     ///
@@ -59,12 +85,13 @@ impl NeighbourList {
     #[inline]
     #[must_use]
     pub fn of(&self, i: usize) -> &[u32] {
-        &self.indices[self.offsets[i]..self.offsets[i + 1]]
+        let slot = if self.slot_of.is_empty() { i } else { self.slot_of[i] as usize };
+        &self.chunks[slot / CHUNK][row(&self.ends, slot)]
     }
 
     /// All rows, in order of the points.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        self.offsets.windows(2).map(|ends| &self.indices[ends[0]..ends[1]])
+        (0..self.len()).map(|i| self.of(i))
     }
 
     /// Fewest neighbours of any point; 0 for a list of no points.
@@ -85,9 +112,33 @@ impl NeighbourList {
         self.rows().map(<[u32]>::len).max().unwrap_or(0)
     }
 
-    /// Visits every listed pair, rows in order and neighbours ascending.
+    /// The list in compressed sparse rows, for those who want it so: row `i` is `indices[offsets[i]..offsets[i + 1]]`.
+    #[must_use]
+    pub fn to_compressed_rows(&self) -> (Vec<usize>, Vec<u32>) {
+        let mut offsets = Vec::with_capacity(self.len() + 1);
+        let mut indices = Vec::with_capacity(self.n_pairs());
+        offsets.push(0);
+        for row in self.rows() {
+            indices.extend_from_slice(row);
+            offsets.push(indices.len());
+        }
+        (offsets, indices)
+    }
+
+    /// Makes the entries of every row ascend.
+    pub fn sort_rows(&mut self) {
+        let mut nothing = vec![(); self.chunks.len()];
+        self.for_each_part(&mut nothing, |Part { indices, ends, .. }| {
+            for slot in 0..ends.len() {
+                indices[row(ends, slot)].sort_unstable();
+            }
+        });
+    }
+
+    /// Visits every listed pair, rows in order of the points.
     ///
-    /// The points may have moved since the list was built: distances are those of the points given here.
+    /// The points may have moved since the list was built: distances are those of the points given here, in the space
+    /// that the list was built in.
     ///
     /// # Errors
     ///
@@ -99,13 +150,14 @@ impl NeighbourList {
         mut visit: impl FnMut(Pair<D>),
     ) -> Result<(), Error> {
         self.check_length(points.len())?;
+        let domain = self.domain();
         for i in 0..self.len() {
-            self.visit_row(i, points, &mut visit);
+            self.visit_row(i, &domain, points, &mut visit);
         }
         Ok(())
     }
 
-    /// Visits the pairs of point `i`, neighbours ascending.
+    /// Visits the pairs of point `i`.
     ///
     /// # Errors
     ///
@@ -122,7 +174,7 @@ impl NeighbourList {
         mut visit: impl FnMut(Pair<D>),
     ) -> Result<(), Error> {
         self.check_length(points.len())?;
-        self.visit_row(i, points, &mut visit);
+        self.visit_row(i, &self.domain(), points, &mut visit);
         Ok(())
     }
 
@@ -130,16 +182,22 @@ impl NeighbourList {
     fn visit_row<const D: usize>(
         &self,
         i: usize,
+        domain: &Domain<D>,
         points: &[[f64; D]],
         visit: &mut impl FnMut(Pair<D>),
     ) {
         let x_i = points[i];
         for &j in self.of(i) {
             let j = j as usize;
-            let x_j = &points[j];
-            let r = squared_distance(&x_i, x_j).sqrt();
-            visit(Pair { i, j, x_ij: difference(&x_i, x_j), r });
+            let x_ij = domain.difference(&x_i, &points[j]);
+            visit(Pair { i, j, x_ij, r: square(&x_ij).sqrt() });
         }
+    }
+
+    fn domain<const D: usize>(&self) -> Domain<D> {
+        Domain::of(core::array::from_fn(|axis| {
+            self.periods.get(axis).copied().filter(|&period| period > 0.0)
+        }))
     }
 
     fn check_length(&self, points: usize) -> Result<(), Error> {
@@ -147,131 +205,140 @@ impl NeighbourList {
         if listed == points { Ok(()) } else { Err(Error::ListLength { listed, points }) }
     }
 
-    /// Empties the list, to be filled with [`end_row`](Self::end_row).
-    pub(crate) fn restart(&mut self) {
-        self.indices.clear();
-        self.offsets.clear();
-        self.offsets.push(0);
-    }
-
-    pub(crate) fn push(&mut self, j: usize) {
-        self.indices.push(stored(j));
-    }
-
-    pub(crate) fn end_row(&mut self) {
-        self.offsets.push(self.indices.len());
-    }
-
-    /// Transposes `n` rows: row `j` becomes the ascending list of all `i` whose `row(i)` holds `j`.
+    /// Fills the list with rows of a search of one's own: `row(i, found)` appends the neighbours of point `i`.
     ///
-    /// However the given rows are ordered, those of the transpose are sorted: points are taken in order.
-    pub(crate) fn transpose<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.place(n, row, |i, j| [[j, i]]);
-    }
-
-    /// Transposes `n` rows of which every entry is mutual, so that a row is as long as its transpose: sorts them.
-    pub(crate) fn transpose_symmetric<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.offsets.clear();
-        self.offsets.push(0);
-        let mut total = 0;
-        // Shifted by one, so that what is the cursor of row j while placing is its end afterwards.
-        for i in 0..n {
-            self.offsets.push(total);
-            total += row(i).len();
-        }
-        self.indices.resize(total, 0);
-        let cursors = &mut self.offsets[1..];
-        for i in 0..n {
-            for &j in row(i) {
-                place_one(&mut self.indices, &mut cursors[j as usize], stored(i));
-            }
-        }
-    }
-
-    /// Lists each entry `j` of `row(i)` both ways, `j` under `i` and `i` under `j`; rows come out unsorted.
-    pub(crate) fn mutual<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.place(n, row, |i, j| [[i, j], [j, i]]);
-    }
-
-    /// Lists each entry `j` of `row(i)` once, the smaller of both under the larger; rows come out unsorted.
-    pub(crate) fn under_larger<'a>(&mut self, n: usize, row: impl Fn(usize) -> &'a [u32]) {
-        self.place(n, row, |i, j| [[i.max(j), i.min(j)]]);
-    }
-
-    /// Keeps what comes after the point itself: of a symmetric list, each pair once.
-    pub(crate) fn keep_later(&mut self) {
-        let mut kept = 0;
-        let mut begin = 0;
-        for i in 0..self.len() {
-            let end = self.offsets[i + 1];
-            let first = begin + self.indices[begin..end].partition_point(|&j| j as usize <= i);
-            self.indices.copy_within(first..end, kept);
-            kept += end - first;
-            self.offsets[i + 1] = kept;
-            begin = end;
-        }
-        self.indices.truncate(kept);
-    }
-
-    /// Counting sort: of each entry `j` of `row(i)` come entries `[row, index]`, placed in the order of `i`.
-    fn place<'a, const K: usize>(
+    /// # Errors
+    ///
+    /// [`Error::NotAPoint`] for an entry that is not below `n_points`. The list is then empty.
+    pub fn fill<const D: usize>(
         &mut self,
-        n: usize,
-        row: impl Fn(usize) -> &'a [u32],
-        entries: impl Fn(u32, u32) -> [[u32; 2]; K],
-    ) {
-        self.offsets.clear();
-        self.offsets.resize(n + 1, 0);
-        // Shifted by one, so that what is the cursor of row j while placing is its end afterwards.
-        let cursors = &mut self.offsets[1..];
-        for i in 0..n {
-            for &j in row(i) {
-                for [row, _] in entries(stored(i), j) {
-                    cursors[row as usize] += 1;
-                }
+        n_points: usize,
+        domain: &Domain<D>,
+        mut row: impl FnMut(usize, &mut Vec<u32>),
+    ) -> Result<(), Error> {
+        self.restart(n_points, domain, None);
+        for (slot, end) in self.ends.iter_mut().enumerate() {
+            let indices = &mut self.chunks[slot / CHUNK];
+            if slot.is_multiple_of(CHUNK) {
+                indices.clear();
+            }
+            let begin = indices.len();
+            row(slot, indices);
+            *end = indices.len();
+            if let Some(&j) = indices[begin..].iter().find(|&&j| j as usize >= n_points) {
+                self.ends.clear();
+                return Err(Error::NotAPoint { i: slot, j, points: n_points });
             }
         }
-        let mut total = 0;
-        for cursor in cursors.iter_mut() {
-            total += core::mem::replace(cursor, total);
+        Ok(())
+    }
+
+    /// Makes room for as many rows, in the order of `ids` or of the points.
+    pub(crate) fn restart<const D: usize>(
+        &mut self,
+        n_points: usize,
+        domain: &Domain<D>,
+        ids: Option<&[u32]>,
+    ) {
+        self.slot_of.clear();
+        if let Some(ids) = ids {
+            self.slot_of.resize(n_points, 0);
+            for (slot, &id) in ids.iter().enumerate() {
+                self.slot_of[id as usize] = stored(slot);
+            }
         }
-        self.indices.resize(total, 0);
-        for i in 0..n {
-            for &j in row(i) {
-                for [row, index] in entries(stored(i), j) {
-                    place_one(&mut self.indices, &mut cursors[row as usize], index);
+        self.ends.clear();
+        self.ends.resize(n_points, 0);
+        self.chunks.resize_with(n_points.div_ceil(CHUNK).max(self.chunks.len()), Vec::new);
+        self.periods = [0.0; MAX_DIMENSION];
+        for (period, of_axis) in self.periods.iter_mut().zip(domain.periods()) {
+            *period = of_axis.unwrap_or(0.0);
+        }
+    }
+
+    /// Does `work` for every chunk of rows; `scratch` is one for each chunk.
+    pub(crate) fn for_each_part<S: Send>(
+        &mut self,
+        scratch: &mut [S],
+        work: impl Fn(Part<'_, S>) + Sync + Send,
+    ) {
+        parallel::for_each_part(&mut self.chunks, &mut self.ends, CHUNK, scratch, work);
+    }
+
+    /// Keeps the entries that come after their point: of a symmetric list, each pair once.
+    pub(crate) fn keep_later(&mut self) {
+        let Self { slot_of, ends, chunks, .. } = self;
+        let mut id_of: Vec<u32> = (0..stored(ends.len())).collect();
+        for (id, &slot) in slot_of.iter().enumerate() {
+            id_of[slot as usize] = stored(id);
+        }
+        for ((indices, ends), ids) in
+            chunks.iter_mut().zip(ends.chunks_mut(CHUNK)).zip(id_of.chunks(CHUNK))
+        {
+            let (mut begin, mut kept) = (0, 0);
+            for (end, &id) in ends.iter_mut().zip(ids) {
+                for at in begin..*end {
+                    indices[kept] = indices[at];
+                    kept += usize::from(indices[at] > id);
                 }
+                begin = core::mem::replace(end, kept);
             }
         }
     }
 }
 
+/// Entries of a row in its chunk.
 #[inline]
-fn place_one(indices: &mut [u32], cursor: &mut usize, index: u32) {
-    indices[*cursor] = index;
-    *cursor += 1;
+fn row(ends: &[usize], slot: usize) -> Range<usize> {
+    let begin = if slot.is_multiple_of(CHUNK) { 0 } else { ends[slot - 1] };
+    begin..ends[slot]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn transpose_sorts_rows_and_turns_them_over() {
-        let rows: [&[u32]; 3] = [&[2, 1], &[2], &[1]];
+    fn list(rows: &[&[u32]]) -> NeighbourList {
         let mut list = NeighbourList::new();
-        list.transpose(3, |i| rows[i]);
-        assert_eq!(list.rows().collect::<Vec<_>>(), [&[][..], &[0, 2], &[0, 1]]);
+        let domain = Domain::<1>::unbounded();
+        list.fill(rows.len(), &domain, |i, found| found.extend_from_slice(rows[i])).unwrap();
+        list
     }
 
     #[test]
-    fn mutual_lists_every_entry_in_both_rows() {
-        let rows: [&[u32]; 3] = [&[2], &[0], &[]];
+    fn rows_of_several_chunks_are_found_again() {
+        let rows: Vec<Vec<u32>> = (0..3000).map(|i| (0..i % 5).collect()).collect();
+        let rows: Vec<&[u32]> = rows.iter().map(Vec::as_slice).collect();
+        let list = list(&rows);
+        assert_eq!(list.rows().collect::<Vec<_>>(), rows);
+        assert_eq!((list.min_count(), list.max_count(), list.n_pairs()), (0, 4, 6000));
+        assert!((list.mean_count() - 2.0).abs() < f64::EPSILON);
+        let (offsets, indices) = list.to_compressed_rows();
+        assert_eq!((offsets.len(), offsets[3000], indices.len()), (3001, 6000, 6000));
+        assert_eq!(indices[offsets[1999]..offsets[2000]], [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn rows_are_found_where_the_search_put_them() {
         let mut list = NeighbourList::new();
-        list.mutual(3, |i| rows[i]);
-        assert_eq!(list.rows().collect::<Vec<_>>(), [&[2, 1][..], &[0], &[0]]);
-        assert_eq!((list.min_count(), list.max_count(), list.n_pairs()), (1, 2, 4));
-        assert!((list.mean_count() - 4.0 / 3.0).abs() < f64::EPSILON);
+        list.restart(3, &Domain::<2>::unbounded(), Some(&[2, 0, 1]));
+        list.for_each_part(&mut [()], |Part { indices, ends, .. }| {
+            indices.extend([1, 0, 2, 1]);
+            ends.copy_from_slice(&[2, 3, 4]);
+        });
+        assert_eq!(list.rows().collect::<Vec<_>>(), [&[2][..], &[1], &[1, 0]]);
+        list.sort_rows();
+        assert_eq!(list.of(2), [0, 1]);
+        list.keep_later();
+        assert_eq!(list.rows().collect::<Vec<_>>(), [&[2][..], &[], &[]]);
+    }
+
+    #[test]
+    fn entry_that_is_no_point_is_refused() {
+        let mut list = NeighbourList::new();
+        let refused = list.fill(2, &Domain::<1>::unbounded(), |i, found| found.push(1 + stored(i)));
+        assert_eq!(refused, Err(Error::NotAPoint { i: 1, j: 2, points: 2 }));
+        assert!(list.is_empty());
     }
 
     #[test]
@@ -284,9 +351,17 @@ mod tests {
 
     #[test]
     fn visitor_refuses_points_of_another_number() {
-        let mut list = NeighbourList::new();
-        list.transpose(2, |_| &[]);
-        let refused = list.for_each_pair(&[[0.0]], |_| ());
+        let refused = list(&[&[], &[]]).for_each_pair(&[[0.0]], |_| ());
         assert_eq!(refused, Err(Error::ListLength { listed: 2, points: 1 }));
+    }
+
+    #[test]
+    fn pairs_are_those_of_the_nearest_images() {
+        let mut list = NeighbourList::new();
+        let ring = Domain::periodic([Some(8.0)]).unwrap();
+        list.fill(2, &ring, |i, found| found.push(1 - stored(i))).unwrap();
+        let mut along = Vec::new();
+        list.for_each_pair(&[[0.5], [7.0]], |pair| along.push(pair.x_ij[0])).unwrap();
+        assert_eq!(along, [1.5, -1.5]);
     }
 }

@@ -3,126 +3,169 @@
 use core::ops::ControlFlow;
 
 use crate::cell_grid::CellGrid;
+use crate::domain::square;
 use crate::error::Error;
-use crate::radii::{MAX_RADIUS, Radii};
-use crate::search::{check, difference, squared_distance};
+use crate::frame::Bounds;
+use crate::leaf_tree::LeafTree;
+use crate::radii::{Radii, in_range};
+use crate::search::check;
+use crate::sorted::{Near as Order, Rule, for_each_image};
 
 /// A point near a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Near<const D: usize> {
     /// The point.
     pub j: usize,
-    /// The place less the point, unit of length of the points.
+    /// The place less the point, of the nearest images, unit of length of the points.
     pub x_ij: [f64; D],
     /// `|x_ij|`.
     pub r: f64,
 }
 
-impl<const D: usize> CellGrid<D> {
-    /// Sorts points into cells about `edge` wide, to be asked by [`for_each_within`](Self::for_each_within) and
-    /// [`nearest`](Self::nearest). A list built by the same grid puts its own points in their place.
-    ///
-    /// `edge` in the unit of the points, best near the radius of the questions; it does not change the answers.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`full_list`](crate::NeighbourSearch::full_list), [`Error::UniformRadius`] for the edge. The grid is then
-    /// as it was.
-    pub fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error> {
-        check(points, Radii::Uniform(edge))?;
-        self.cells.build(points, edge);
-        Ok(())
-    }
+macro_rules! answers_about_places {
+    ($search:ident, $order:ident, |$this:ident, $points:ident, $edge:ident| $build:expr) => {
+        impl<const D: usize> $search<D> {
+            /// Sorts points, to be asked by [`for_each_within`](Self::for_each_within) and [`nearest`](Self::nearest). A list
+            /// built by the same search puts its own points in their place.
+            ///
+            /// `edge` in the unit of the points, best near the radius of the questions: the width of a cell. It changes
+            /// neither the answers nor a tree.
+            ///
+            /// # Errors
+            ///
+            /// Those of [`full_list`](crate::NeighbourSearch::full_list), [`Error::UniformRadius`] for the edge. What was
+            /// built before is then as it was.
+            pub fn build(&mut self, $points: &[[f64; D]], $edge: f64) -> Result<(), Error> {
+                // Any edge will do in a periodic space: only radii are held against the periods.
+                Radii::Uniform($edge).check(0)?;
+                check($points, Radii::Uniform(crate::MIN_RADIUS), self.$order.domain())?;
+                let $this = self;
+                $build
+                Ok(())
+            }
 
-    /// Number of points in the cells.
-    #[must_use]
-    pub fn n_points(&self) -> usize {
-        self.cells.n_points()
-    }
+            /// Number of points at the last build.
+            #[must_use]
+            pub fn n_points(&self) -> usize {
+                self.$order.ids().len()
+            }
 
-    /// Visits every point at `r <= radius` of a place, in an order that the points and the edge determine, until
-    /// `visit` breaks. A point at the place itself is among them.
-    ///
-    /// `centre` and `radius` in the unit of the points. Decided by the same formula as a list.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::PlaceNotFinite`] and [`Error::UniformRadius`].
-    pub fn for_each_within<B>(
-        &self,
-        centre: &[f64; D],
-        radius: f64,
-        mut visit: impl FnMut(Near<D>) -> ControlFlow<B>,
-    ) -> Result<ControlFlow<B>, Error> {
-        check_place(centre)?;
-        Radii::Uniform(radius).check(0)?;
-        let mut flow = ControlFlow::Continue(());
-        self.cells.for_each_range(centre, radius, |slots| {
+            /// Visits every point at `r <= radius` of a place, in an order that points and search determine, until
+            /// `visit` breaks. A point at the place itself is among them.
+            ///
+            /// `centre` and `radius` in the unit of the points. Decided by the same formula as a list; in a periodic space
+            /// by the images of the points in the first period, which are rounded.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::PlaceNotFinite`], [`Error::UniformRadius`] and [`Error::PeriodTooShort`].
+            pub fn for_each_within<B>(
+                &self,
+                centre: &[f64; D],
+                radius: f64,
+                visit: impl FnMut(Near<D>) -> ControlFlow<B>,
+            ) -> Result<ControlFlow<B>, Error> {
+                check_place(centre)?;
+                Radii::Uniform(radius).check(0)?;
+                self.$order.domain().check(radius)?;
+                Ok(within(&self.$order, centre, radius, visit))
+            }
+
+            /// Fills `found` with the `k` points nearest to a place, nearest first, those alike in order of their index;
+            /// with all points if there are fewer. A point at the place itself is among them.
+            ///
+            /// # Errors
+            ///
+            /// [`Error::PlaceNotFinite`].
+            pub fn nearest(
+                &self,
+                centre: &[f64; D],
+                k: usize,
+                found: &mut Vec<Near<D>>,
+            ) -> Result<(), Error> {
+                check_place(centre)?;
+                nearest(&self.$order, centre, k, found);
+                Ok(())
+            }
+        }
+    };
+}
+answers_about_places!(CellGrid, cells, |this, points, edge| {
+    this.cells.build(points, Radii::Uniform(edge), edge);
+});
+answers_about_places!(LeafTree, leaves, |this, points, edge| {
+    this.leaves.build(points, Radii::Uniform(edge));
+});
+
+fn within<const D: usize, B>(
+    order: &impl Order<D>,
+    centre: &[f64; D],
+    radius: f64,
+    mut visit: impl FnMut(Near<D>) -> ControlFlow<B>,
+) -> ControlFlow<B> {
+    let sorted = order.sorted();
+    let place = sorted.domain.wrap_all(centre);
+    let bounds = Bounds { low: place, high: place, radius };
+    let mut flow = ControlFlow::Continue(());
+    if sorted.n_points() == 0 {
+        return flow;
+    }
+    for_each_image(sorted, &bounds, radius, |bounds, shift| {
+        order.for_each_stretch(bounds, Rule::Uniform(radius), shift, |slots| {
             for slot in slots {
                 if flow.is_break() {
                     return;
                 }
-                let near = self.near(centre, slot);
-                if square(&near) <= radius * radius {
+                let near = near(order, centre, slot);
+                if square(&near.x_ij) <= radius * radius
+                    && sorted.domain.is_image(&place, &sorted.points[slot], shift, &near.x_ij)
+                {
                     flow = visit(near);
                 }
             }
         });
-        Ok(flow)
-    }
-
-    /// Fills `found` with the `k` points nearest to a place, nearest first, those alike in order of their index; with all
-    /// points if there are fewer. A point at the place itself is among them.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::PlaceNotFinite`].
-    pub fn nearest(
-        &self,
-        centre: &[f64; D],
-        k: usize,
-        found: &mut Vec<Near<D>>,
-    ) -> Result<(), Error> {
-        check_place(centre)?;
-        found.clear();
-        let wanted = k.min(self.n_points());
-        if wanted == 0 {
-            return Ok(());
-        }
-        // Balls of twice the radius until one holds enough. Beyond the largest radius squares overflow: then everyone.
-        let mut radius = self.cells.edge();
-        while found.len() < wanted && radius <= MAX_RADIUS {
-            found.clear();
-            self.cells.for_each_range(centre, radius, |slots| {
-                let near = slots.map(|slot| self.near(centre, slot));
-                found.extend(near.filter(|near| square(near) <= radius * radius));
-            });
-            radius *= 2.0;
-        }
-        if found.len() < wanted {
-            found.clear();
-            found.extend((0..self.n_points()).map(|slot| self.near(centre, slot)));
-        }
-        let nearer = |a: &Near<D>, b: &Near<D>| square(a).total_cmp(&square(b)).then(a.j.cmp(&b.j));
-        found.select_nth_unstable_by(wanted - 1, nearer);
-        found.truncate(wanted);
-        found.sort_unstable_by(nearer);
-        Ok(())
-    }
-
-    #[inline]
-    fn near(&self, centre: &[f64; D], slot: usize) -> Near<D> {
-        let columns = self.cells.columns();
-        let x_j = core::array::from_fn(|axis| columns[axis][slot]);
-        let r = squared_distance(centre, &x_j).sqrt();
-        Near { j: self.cells.ids()[slot] as usize, x_ij: difference(centre, &x_j), r }
-    }
+    });
+    flow
 }
 
-/// The square that decides, with the bits of [`squared_distance`].
+fn nearest<const D: usize>(
+    order: &impl Order<D>,
+    centre: &[f64; D],
+    k: usize,
+    found: &mut Vec<Near<D>>,
+) {
+    let sorted = order.sorted();
+    found.clear();
+    let wanted = k.min(sorted.n_points());
+    if wanted == 0 {
+        return;
+    }
+    // Balls of twice the radius until one holds enough; where squares overflow or a ball meets its image, everyone.
+    let mut radius = order.radius_for(&sorted.domain.wrap_all(centre), wanted);
+    while found.len() < wanted && in_range(radius) && sorted.domain.check(radius).is_ok() {
+        found.clear();
+        let _: ControlFlow<()> = within(order, centre, radius, |near| {
+            found.push(near);
+            ControlFlow::Continue(())
+        });
+        radius *= 2.0;
+    }
+    if found.len() < wanted {
+        found.clear();
+        found.extend((0..sorted.n_points()).map(|slot| near(order, centre, slot)));
+    }
+    let nearer =
+        |a: &Near<D>, b: &Near<D>| square(&a.x_ij).total_cmp(&square(&b.x_ij)).then(a.j.cmp(&b.j));
+    found.select_nth_unstable_by(wanted - 1, nearer);
+    found.truncate(wanted);
+    found.sort_unstable_by(nearer);
+}
+
 #[inline]
-fn square<const D: usize>(near: &Near<D>) -> f64 {
-    squared_distance(&near.x_ij, &[0.0; D])
+fn near<const D: usize>(order: &impl Order<D>, centre: &[f64; D], slot: usize) -> Near<D> {
+    let sorted = order.sorted();
+    let x_ij = sorted.domain.difference(centre, &sorted.points[slot]);
+    Near { j: sorted.ids[slot] as usize, x_ij, r: square(&x_ij).sqrt() }
 }
 
 fn check_place<const D: usize>(centre: &[f64; D]) -> Result<(), Error> {

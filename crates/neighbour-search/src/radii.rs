@@ -25,6 +25,17 @@ impl Criterion {
     /// Every criterion, for tests and tables.
     pub const ALL: [Self; 4] = [Self::Gather, Self::Scatter, Self::Max, Self::Mean];
 
+    /// The radius within which a point of radius `h_j` is listed under one of radius `h_i`; grows with both.
+    #[inline(always)]
+    pub(crate) fn limit(self, h_i: f64, h_j: f64) -> f64 {
+        match self {
+            Self::Gather => h_i,
+            Self::Scatter => h_j,
+            Self::Max => h_i.max(h_j),
+            Self::Mean => mean(h_i, h_j),
+        }
+    }
+
     /// Whether neighbours are mutual.
     #[must_use]
     pub fn is_symmetric(self) -> bool {
@@ -54,12 +65,15 @@ impl Radii<'_> {
     pub(crate) fn limit(&self, i: usize, j: usize) -> f64 {
         match *self {
             Radii::Uniform(radius) => radius,
-            Radii::PerPoint { radii, criterion } => match criterion {
-                Criterion::Gather => radii[i],
-                Criterion::Scatter => radii[j],
-                Criterion::Max => radii[i].max(radii[j]),
-                Criterion::Mean => mean(radii[i], radii[j]),
-            },
+            Radii::PerPoint { radii, criterion } => criterion.limit(radii[i], radii[j]),
+        }
+    }
+
+    /// The largest radius, 0 if there is none.
+    pub(crate) fn largest(&self) -> f64 {
+        match *self {
+            Radii::Uniform(radius) => radius,
+            Radii::PerPoint { radii, .. } => radii.iter().copied().fold(0.0, f64::max),
         }
     }
 
@@ -92,7 +106,7 @@ impl Radii<'_> {
 
 /// Mean of two radii; the same bits whichever comes first.
 #[inline]
-pub(crate) fn mean(a: f64, b: f64) -> f64 {
+fn mean(a: f64, b: f64) -> f64 {
     0.5 * (a + b)
 }
 

@@ -1,10 +1,12 @@
 //! A list that outlives small movements.
 
 use crate::cell_grid::CellGrid;
+use crate::domain::{Domain, square};
 use crate::error::Error;
+use crate::leaf_tree::LeafTree;
 use crate::list::{NeighbourList, Pair};
-use crate::radii::{Radii, in_range};
-use crate::search::{NeighbourSearch, check, squared_distance};
+use crate::radii::{Criterion, Radii, in_range};
+use crate::search::{NeighbourSearch, check};
 
 /// Relative slack on the wide radius: covers the roundings of two distances and two displacements, each below
 /// `(D + 2)` units of 1.1e-16.
@@ -13,64 +15,144 @@ const SLACK: f64 = 1.0 + 1e-14;
 /// What an update did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// Nobody has moved by more than half of the skin since the last build: the list still holds every pair.
+    /// Points have moved and radii have grown by less than the skin since the last build: the list still holds every pair.
     Reused,
     /// The list is new.
     Rebuilt,
 }
 
-/// The pairs within a radius, found again only when a point has moved by more than half of a skin.
+/// The pairs within a radius, found again only when points have moved too far for a skin.
 ///
-/// It lists the pairs within radius and skin, and hands out those within the radius as the points stand: the same pairs
-/// in the same order as a new list. Memory: that of a [`CellGrid`] and a list with radius and skin, and the points at the
-/// last build.
+/// It lists the pairs within radius and skin, and hands out those within the radius as points and radii stand: the pairs
+/// of a new list. With `d` the largest displacement since the last build and `g` the largest growth of a radius, no pair
+/// is missing while `2 d + g <= skin`. Memory: that of a search and a list with radius and skin, and of points and radii
+/// at the last build. It searches with a [`CellGrid`], and with a [`LeafTree`] where points have radii of their own.
 ///
 /// Worth it where the movement of a step is much smaller than the radius: an update without a build is one pass over the
 /// points, but every sweep over the pairs passes over `(1 + skin/radius)^D` times as many.
 #[derive(Debug, Clone)]
 pub struct SkinList<const D: usize> {
     skin: f64,
-    radius: f64,
+    domain: Domain<D>,
     grid: CellGrid<D>,
+    tree: LeafTree<D>,
     wide: NeighbourList,
     built_at: Vec<[f64; D]>,
+    built_with: Held,
+    now: Held,
+    wide_radii: Vec<f64>,
+}
+
+/// Radii that are kept.
+#[derive(Debug, Clone, Default)]
+struct Held {
+    /// Of every point; one alone without a criterion.
+    radii: Vec<f64>,
+    criterion: Option<Criterion>,
+}
+
+impl Held {
+    fn keep(&mut self, radii: Radii<'_>) {
+        self.radii.clear();
+        match radii {
+            Radii::Uniform(radius) => {
+                self.criterion = None;
+                self.radii.push(radius);
+            }
+            Radii::PerPoint { radii, criterion } => {
+                self.criterion = Some(criterion);
+                self.radii.extend_from_slice(radii);
+            }
+        }
+    }
+
+    fn radii(&self) -> Radii<'_> {
+        match self.criterion {
+            Some(criterion) => Radii::PerPoint { radii: &self.radii, criterion },
+            None => Radii::Uniform(self.radii.first().copied().unwrap_or(0.0)),
+        }
+    }
+
+    /// By how much the radius has grown that has grown most, at least 0; infinite if they are not the same kind of radii.
+    fn growth(&self, radii: Radii<'_>) -> f64 {
+        let (criterion, now) = match &radii {
+            Radii::Uniform(radius) => (None, core::slice::from_ref(radius)),
+            Radii::PerPoint { radii, criterion } => (Some(*criterion), *radii),
+        };
+        if criterion != self.criterion || now.len() != self.radii.len() {
+            return f64::INFINITY;
+        }
+        now.iter().zip(&self.radii).map(|(now, then)| now - then).fold(0.0, f64::max)
+    }
 }
 
 impl<const D: usize> SkinList<D> {
-    /// A list of no points with a skin, unit of length of the points.
+    /// A list of no points with a skin, unit of length of the points, in a space without end.
     ///
     /// # Errors
     ///
     /// [`Error::Skin`] if it is not between [`MIN_RADIUS`](crate::MIN_RADIUS) and [`MAX_RADIUS`](crate::MAX_RADIUS).
     pub fn new(skin: f64) -> Result<Self, Error> {
+        Self::in_domain(Domain::unbounded(), skin)
+    }
+
+    /// A list of no points with a skin in a space that may be periodic.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] if it is not between [`MIN_RADIUS`](crate::MIN_RADIUS) and [`MAX_RADIUS`](crate::MAX_RADIUS).
+    pub fn in_domain(domain: Domain<D>, skin: f64) -> Result<Self, Error> {
         if !in_range(skin) {
             return Err(Error::Skin { value: skin });
         }
-        let (grid, wide) = (CellGrid::new(), NeighbourList::new());
-        Ok(Self { skin, radius: 0.0, grid, wide, built_at: Vec::new() })
+        Ok(Self {
+            skin,
+            domain,
+            grid: CellGrid::in_domain(domain),
+            tree: LeafTree::in_domain(domain),
+            wide: NeighbourList::new(),
+            built_at: Vec::new(),
+            built_with: Held::default(),
+            now: Held::default(),
+            wide_radii: Vec::new(),
+        })
     }
 
-    /// Makes the list hold every pair within `radius` of the points as they stand. Points may be more or fewer than before.
+    /// Makes the list hold every pair within the radii of the points as they stand. Points may be more or fewer than before.
     ///
     /// Without a build it takes one pass over the points; a build of the same size allocates nothing.
     ///
     /// # Errors
     ///
-    /// Those of [`full_list`](NeighbourSearch::full_list), the radius being refused with its skin where both together are
+    /// Those of [`full_list`](NeighbourSearch::full_list), a radius being refused with its skin where both together are
     /// too large. The list is then as it was.
-    pub fn update(&mut self, points: &[[f64; D]], radius: f64) -> Result<Update, Error> {
-        check(points, Radii::Uniform(radius))?;
-        let half = 0.5 * self.skin;
-        let is_near = |(x, then): (&[f64; D], &[f64; D])| squared_distance(x, then) <= half * half;
-        if radius.to_bits() == self.radius.to_bits()
+    pub fn update(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<Update, Error> {
+        check(points, radii, &self.domain)?;
+        let reserve = 0.5 * (self.skin - self.built_with.growth(radii));
+        let is_near = |(x, then): (&[f64; D], &[f64; D])| {
+            self.domain.squared_distance(x, then) <= reserve * reserve
+        };
+        if reserve >= 0.0
             && points.len() == self.built_at.len()
             && points.iter().zip(&self.built_at).all(is_near)
         {
+            self.now.keep(radii);
             return Ok(Update::Reused);
         }
-        let wide = Radii::Uniform((radius + self.skin) * SLACK);
-        self.grid.full_list(points, wide, &mut self.wide)?;
-        self.radius = radius;
+        let widened = |radius: f64| (radius + self.skin) * SLACK;
+        match radii {
+            Radii::Uniform(radius) => {
+                self.grid.full_list(points, Radii::Uniform(widened(radius)), &mut self.wide)?;
+            }
+            Radii::PerPoint { radii, criterion } => {
+                self.wide_radii.clear();
+                self.wide_radii.extend(radii.iter().map(|&radius| widened(radius)));
+                let radii = Radii::PerPoint { radii: &self.wide_radii, criterion };
+                self.tree.full_list(points, radii, &mut self.wide)?;
+            }
+        }
+        self.now.keep(radii);
+        self.built_with.keep(radii);
         self.built_at.clear();
         self.built_at.extend_from_slice(points);
         Ok(Update::Rebuilt)
@@ -82,7 +164,7 @@ impl<const D: usize> SkinList<D> {
         &self.wide
     }
 
-    /// Visits the pairs within the radius, rows in order and neighbours ascending; `points` are those of the last update.
+    /// Visits the pairs within the radius, rows in order; `points` are those of the last update.
     ///
     /// # Errors
     ///
@@ -93,9 +175,10 @@ impl<const D: usize> SkinList<D> {
         points: &[[f64; D]],
         mut visit: impl FnMut(Pair<D>),
     ) -> Result<(), Error> {
-        let limit = self.radius * self.radius;
+        let radii = self.now.radii();
         self.wide.for_each_pair(points, |pair| {
-            if squared_distance(&pair.x_ij, &[0.0; D]) <= limit {
+            let limit = radii.limit(pair.i, pair.j);
+            if square(&pair.x_ij) <= limit * limit {
                 visit(pair);
             }
         })

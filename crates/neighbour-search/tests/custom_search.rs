@@ -62,7 +62,7 @@ fn users_search_serves_a_solver_in_place_of_ours() -> Result<(), Error> {
     assert_eq!(contacts(&mut reusing, &chain, 1.0)?, 9);
     chain[9][0] += 0.1;
     assert_eq!(contacts(&mut reusing, &chain, 1.0)?, 8);
-    assert_eq!(contacts(&mut BruteForce, &chain, 1.0)?, 8);
+    assert_eq!(contacts(&mut BruteForce::new(), &chain, 1.0)?, 8);
     assert_eq!(reusing.builds, 1, "a shift below half of the skin reuses the list");
     chain[9][0] += 0.1;
     assert_eq!(contacts(&mut reusing, &chain, 1.0)?, 8);

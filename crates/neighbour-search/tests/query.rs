@@ -4,7 +4,9 @@
 
 use std::ops::ControlFlow;
 
-use neighbour_search::{CellGrid, Criterion, Error, NeighbourList, NeighbourSearch, Radii};
+use neighbour_search::{
+    CellGrid, Criterion, Domain, Error, LeafTree, NeighbourList, NeighbourSearch, Radii,
+};
 use proptest::prelude::*;
 
 /// As the crate decides: axes summed in order from 0.
@@ -40,16 +42,19 @@ fn answers_are_those_of_a_loop<const D: usize>(
         random[..1].iter().map(point).collect(),
         Vec::new(),
     ];
-    let (mut grid, mut found) = (CellGrid::new(), Vec::new());
+    let (mut grid, mut tree, mut found) = (CellGrid::new(), LeafTree::new(), Vec::new());
     for points in clouds {
         grid.build(&points, edge).unwrap();
-        assert_eq!(grid.n_points(), points.len());
+        tree.build(&points, edge).unwrap();
+        assert_eq!([grid.n_points(), tree.n_points()], [points.len(); 2]);
         let far = point(&random[1]).map(|value| -value * scale);
         let places = [point(&random[0]), lattice(&random[1]), far];
         for centre in places {
             let all = by_distance(&points, &centre);
             grid.nearest(&centre, k, &mut found).unwrap();
             let expected: Vec<usize> = all.iter().take(k).map(|near| near.1).collect();
+            assert_eq!(found.iter().map(|near| near.j).collect::<Vec<_>>(), expected);
+            tree.nearest(&centre, k, &mut found).unwrap();
             assert_eq!(found.iter().map(|near| near.j).collect::<Vec<_>>(), expected);
 
             let mut visited = Vec::new();
@@ -60,11 +65,18 @@ fn answers_are_those_of_a_loop<const D: usize>(
                 ControlFlow::<()>::Continue(())
             });
             assert_eq!(flow, Ok(ControlFlow::Continue(())));
+            let mut by_tree = Vec::new();
+            let _ = tree.for_each_within(&centre, radius, |near| {
+                by_tree.push(near.j);
+                ControlFlow::<()>::Continue(())
+            });
+            by_tree.sort_unstable();
             visited.sort_unstable();
             let within = all.iter().filter(|near| near.0 <= radius * radius);
             let mut expected: Vec<usize> = within.map(|near| near.1).collect();
             expected.sort_unstable();
             assert_eq!(visited, expected);
+            assert_eq!(by_tree, expected);
         }
     }
 }
@@ -130,4 +142,32 @@ fn places_and_edges_that_are_none_are_refused() {
     let point = Error::CoordinateNotFinite { particle: 0, axis: 0, value: f64::NEG_INFINITY };
     assert_eq!(grid.build(&[[f64::NEG_INFINITY, 0.0]], 1.0), Err(point));
     assert_eq!(grid.n_points(), 1, "a refused build leaves the grid as it was");
+}
+
+#[test]
+fn places_in_a_periodic_space_see_images() {
+    let ring = Domain::periodic([Some(10.0), None]).unwrap();
+    let points: Vec<[f64; 2]> = (0..10).map(|k| [f64::from(k) + 20.0, 0.0]).collect();
+    let mut grid = CellGrid::in_domain(ring);
+    let mut tree = LeafTree::in_domain(ring);
+    grid.build(&points, 3.0).unwrap();
+    tree.build(&points, 3.0).unwrap();
+    let mut found = Vec::new();
+    grid.nearest(&[9.75, 0.0], 4, &mut found).unwrap();
+    assert_eq!(found.iter().map(|near| near.j).collect::<Vec<_>>(), [0, 9, 1, 8]);
+    assert!((found[0].x_ij[0] + 0.25).abs() == 0.0);
+    tree.nearest(&[-0.25, 0.0], 10, &mut found).unwrap();
+    assert_eq!(found.len(), 10);
+    assert_eq!(found[9].j, 5);
+    let mut n_within = 0;
+    let _ = tree
+        .for_each_within(&[9.75, 0.0], 5.0, |near| {
+            n_within += usize::from(near.r <= 5.0);
+            ControlFlow::<()>::Continue(())
+        })
+        .unwrap();
+    assert_eq!(n_within, 10);
+    let go_on = |_| ControlFlow::<()>::Continue(());
+    let refused = Error::PeriodTooShort { axis: 0, period: 10.0, least: 12.0 };
+    assert_eq!(grid.for_each_within(&[0.0; 2], 6.0, go_on), Err(refused));
 }

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
 
 use neighbour_search::{
-    BruteForce, Error, NeighbourList, NeighbourSearch, Radii, SkinList, Update,
+    BruteForce, Criterion, Domain, Error, NeighbourList, NeighbourSearch, Radii, SkinList, Update,
 };
 use proptest::prelude::*;
 
@@ -16,8 +16,9 @@ fn both<const D: usize>(
     let (mut ours, mut expected) = (Vec::new(), Vec::new());
     skin.for_each_pair(points, |pair| ours.push([pair.i, pair.j])).unwrap();
     let mut list = NeighbourList::new();
-    BruteForce.full_list(points, Radii::Uniform(radius), &mut list).unwrap();
+    BruteForce::new().full_list(points, Radii::Uniform(radius), &mut list).unwrap();
     list.for_each_pair(points, |pair| expected.push([pair.i, pair.j])).unwrap();
+    ours.sort_unstable();
     [ours, expected]
 }
 
@@ -27,7 +28,7 @@ fn walks<const D: usize>(random: &[[f64; 6]], radius: f64, skin: f64, step: f64)
     let mut list = SkinList::new(skin).unwrap();
     let mut updates = [0; 2];
     for turn in 0..12_usize {
-        let update = list.update(&points, radius).unwrap();
+        let update = list.update(&points, Radii::Uniform(radius)).unwrap();
         updates[usize::from(update == Update::Rebuilt)] += 1;
         let [ours, expected] = both(&list, &points, radius);
         assert_eq!(ours, expected, "turn {turn} in {D} dimensions");
@@ -68,10 +69,22 @@ proptest! {
 fn change_of_radius_or_number_rebuilds() {
     let mut list = SkinList::new(0.5).unwrap();
     let points = [[0.0], [1.0], [2.0]];
-    assert_eq!(list.update(&points, 1.0), Ok(Update::Rebuilt));
-    assert_eq!(list.update(&points, 1.0), Ok(Update::Reused));
-    assert_eq!(list.update(&points, 1.1), Ok(Update::Rebuilt));
-    assert_eq!(list.update(&points[..2], 1.1), Ok(Update::Rebuilt));
+    assert_eq!(list.update(&points, Radii::Uniform(1.0)), Ok(Update::Rebuilt));
+    assert_eq!(list.update(&points, Radii::Uniform(1.0)), Ok(Update::Reused));
+    assert_eq!(list.update(&points, Radii::Uniform(0.2)), Ok(Update::Reused), "it shrinks");
+    assert_eq!(
+        list.update(&points, Radii::Uniform(1.5)),
+        Ok(Update::Reused),
+        "half of the skin, and half of it again"
+    );
+    assert_eq!(list.update(&points, Radii::Uniform(1.6)), Ok(Update::Rebuilt));
+    let own = Radii::PerPoint { radii: &[1.0; 3], criterion: Criterion::Max };
+    assert_eq!(list.update(&points, own), Ok(Update::Rebuilt));
+    let grown = Radii::PerPoint { radii: &[1.0, 1.4, 0.1], criterion: Criterion::Max };
+    assert_eq!(list.update(&points, grown), Ok(Update::Reused));
+    let other = Radii::PerPoint { radii: &[1.0; 3], criterion: Criterion::Mean };
+    assert_eq!(list.update(&points, other), Ok(Update::Rebuilt));
+    assert_eq!(list.update(&points[..2], Radii::Uniform(1.1)), Ok(Update::Rebuilt));
     assert_eq!(list.candidates().n_pairs(), 2);
     assert_eq!(
         list.for_each_pair(&points, |_| ()),
@@ -85,8 +98,56 @@ fn what_is_no_skin_or_no_cloud_is_refused() {
         assert_eq!(SkinList::<2>::new(value).map(|_| ()), Err(Error::Skin { value }));
     }
     let mut list = SkinList::new(0.5).unwrap();
-    list.update(&[[0.0], [1.0]], 1.0).unwrap();
+    list.update(&[[0.0], [1.0]], Radii::Uniform(1.0)).unwrap();
     let refused = Error::CoordinateNotFinite { particle: 1, axis: 0, value: f64::INFINITY };
-    assert_eq!(list.update(&[[0.0], [f64::INFINITY]], 1.0), Err(refused));
-    assert_eq!(list.update(&[[0.0], [1.0]], 1.0), Ok(Update::Reused), "the list is as it was");
+    assert_eq!(list.update(&[[0.0], [f64::INFINITY]], Radii::Uniform(1.0)), Err(refused));
+    assert_eq!(
+        list.update(&[[0.0], [1.0]], Radii::Uniform(1.0)),
+        Ok(Update::Reused),
+        "the list is as it was"
+    );
+}
+
+#[test]
+fn point_that_leaves_a_period_on_one_side_and_enters_on_the_other_has_hardly_moved() {
+    let ring = Domain::periodic([Some(10.0)]).unwrap();
+    let mut list = SkinList::in_domain(ring, 0.5).unwrap();
+    let radii = Radii::Uniform(1.0);
+    assert_eq!(list.update(&[[0.1], [9.3]], radii), Ok(Update::Rebuilt));
+    let points = [[9.9], [9.3]];
+    assert_eq!(list.update(&points, radii), Ok(Update::Reused));
+    let mut along = Vec::new();
+    list.for_each_pair(&points, |pair| along.push(pair.x_ij[0])).unwrap();
+    assert!(along.len() == 2 && (along[0] - 0.6).abs() < 1e-12, "{along:?}");
+}
+
+#[test]
+fn pairs_of_radii_that_grow_and_points_that_move_are_those_of_a_new_list() {
+    let mut points: Vec<[f64; 2]> = (0..60).map(|k| [f64::from(k % 8), f64::from(k / 8)]).collect();
+    let mut radii: Vec<f64> = (0..60).map(|k| 0.8 + 0.05 * f64::from(k % 13)).collect();
+    let mut list = SkinList::new(0.4).unwrap();
+    let (mut reused, mut expected) = (0, NeighbourList::new());
+    for turn in 0..40 {
+        for (k, (x, h)) in points.iter_mut().zip(&mut radii).enumerate() {
+            let turn = f64::from(turn) + k as f64;
+            x[0] += 0.02 * turn.sin();
+            *h += 0.01 * (1.3 * turn).cos();
+        }
+        for criterion in [Criterion::Max, Criterion::Gather] {
+            let radii = Radii::PerPoint { radii: &radii, criterion };
+            let update = list.update(&points, radii).unwrap();
+            reused += usize::from(update == Update::Reused);
+            BruteForce::new().full_list(&points, radii, &mut expected).unwrap();
+            let mut ours = Vec::new();
+            list.for_each_pair(&points, |pair| ours.push([pair.i, pair.j])).unwrap();
+            ours.sort_unstable();
+            let mut theirs = Vec::new();
+            expected.for_each_pair(&points, |pair| theirs.push([pair.i, pair.j])).unwrap();
+            assert_eq!(ours, theirs);
+            if turn % 2 == 0 {
+                break;
+            }
+        }
+    }
+    assert!(reused > 5, "{reused}");
 }

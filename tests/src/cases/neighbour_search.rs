@@ -1,6 +1,8 @@
 //! What is claimed of `neighbour-search`: the pairs of brute force, no more and no fewer.
 
-use neighbour_search::{BruteForce, CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
+use neighbour_search::{
+    BruteForce, CellGrid, Criterion, Domain, LeafTree, NeighbourList, NeighbourSearch, Radii,
+};
 use sde_integrators::{Noise, Purpose, Stream};
 
 use crate::case::{Case, CaseError, Context, Profile};
@@ -8,7 +10,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "neighbour-search/exactness",
-    title: "Cell grid against brute force: every pair, in every dimension, on clouds that break searches",
+    title: "Cell grid and leaf tree against brute force: every pair, in every dimension, periodic or not, on clouds that break searches",
     source: "by definition: pairs within a radius in f64, the particle itself excluded",
     cost: Profile::Quick,
     run,
@@ -54,7 +56,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// One claim per dimension and cloud: uniform radius and every criterion of radii that vary 70-fold.
+/// One claim per dimension, search, space and cloud: full and half lists, visits by rows, a uniform radius and every
+/// criterion of radii that vary 70-fold.
 fn dimension<const D: usize>(
     context: &Context<'_>,
     radius: f64,
@@ -66,42 +69,87 @@ fn dimension<const D: usize>(
         let points = cloud.points::<D>(&mut random);
         let own: Vec<f64> =
             points.iter().map(|_| radius * 70_f64.powf(random.next_uniform() - 0.7)).collect();
-        let per_point = Criterion::ALL.map(|criterion| Radii::PerPoint { radii: &own, criterion });
-        let (mut expected, mut found) = (NeighbourList::new(), NeighbourList::new());
-        let mut grid = CellGrid::<D>::new();
-        let (mut different, mut compared) = (0, 0);
-        for radii in [Radii::Uniform(radius)].into_iter().chain(per_point) {
-            BruteForce.full_list(&points, radii, &mut expected)?;
-            grid.full_list(&points, radii, &mut found)?;
-            compared += expected.n_pairs() + expected.len();
-            different += differences(&expected, &found);
+        let largest = own.iter().copied().fold(radius, f64::max);
+        // Every other axis is periodic, by barely two radii.
+        let periods = std::array::from_fn(|axis| (axis % 2 == 0).then_some(2.0 * largest));
+        let spaces = [("", Domain::unbounded()), ("/periodic", Domain::periodic(periods)?)];
+        for (space, domain) in spaces {
+            let searches: [(&str, Box<dyn NeighbourSearch<D>>); 2] = [
+                ("cell-grid", Box::new(CellGrid::in_domain(domain))),
+                ("leaf-tree", Box::new(LeafTree::in_domain(domain))),
+            ];
+            for (search_name, mut search) in searches {
+                let (different, compared) =
+                    compare(search.as_mut(), &domain, &points, &own, radius)?;
+                let id = format!("{search_name}/{name}{space}/{D}d");
+                claims.push(claim(context, &id, points.len(), different, compared));
+            }
         }
-        let subject = context.subject(
-            &format!("cell-grid/{name}/{D}d"),
-            "pairs that differ",
-            "",
-            &format!(
-                "cell grid, {D}-D, {name} cloud of {} points; one radius and four criteria",
-                points.len()
-            ),
-        );
-        let reason = "the same comparison of squared distances in both, so ties fall alike";
-        let empty = points.len() < 2;
-        claims.push(if empty {
-            // No pair can be compared: what is claimed is that none is found.
-            let none = crate::claim::Measured::exact(different as f64);
-            Claim::as_measured(
-                subject,
-                none,
-                0.0,
-                0.0,
-                "a cloud of fewer than two points has no pair",
-            )
-        } else {
-            Claim::same_bits(subject, different, compared, reason)
-        });
     }
     Ok(())
+}
+
+/// Entries that differ from brute force, and entries and points compared.
+fn compare<const D: usize>(
+    search: &mut dyn NeighbourSearch<D>,
+    domain: &Domain<D>,
+    points: &[[f64; D]],
+    own: &[f64],
+    radius: f64,
+) -> Result<(usize, usize), CaseError> {
+    let per_point = Criterion::ALL.map(|criterion| Radii::PerPoint { radii: own, criterion });
+    let (mut expected, mut found) = (NeighbourList::new(), NeighbourList::new());
+    let (mut different, mut compared) = (0, 0);
+    for radii in [Radii::Uniform(radius)].into_iter().chain(per_point) {
+        BruteForce::in_domain(*domain).full_list(points, radii, &mut expected)?;
+        search.full_list(points, radii, &mut found)?;
+        found.sort_rows();
+        compared += expected.n_pairs() + expected.len();
+        different += differences(&expected, &found);
+
+        let mut rows = vec![Vec::new(); points.len()];
+        search.for_each_row(points, radii, &mut |row| rows[row.i] = row.j.to_vec())?;
+        for row in &mut rows {
+            row.sort_unstable();
+        }
+        let same = rows.iter().map(Vec::as_slice).eq(expected.rows());
+        different += usize::from(!same);
+
+        let is_symmetric = !matches!(
+            radii,
+            Radii::PerPoint { criterion: Criterion::Gather | Criterion::Scatter, .. }
+        );
+        if is_symmetric {
+            search.half_list(points, radii, &mut found)?;
+            different += (2 * found.n_pairs()).abs_diff(expected.n_pairs());
+            let listed =
+                (0_u32..).zip(found.rows()).flat_map(|(i, row)| row.iter().map(move |&j| [i, j]));
+            different +=
+                listed.filter(|&[i, j]| expected.of(i as usize).binary_search(&j).is_err()).count();
+        }
+    }
+    Ok((different, compared))
+}
+
+fn claim(
+    context: &Context<'_>,
+    id: &str,
+    n_points: usize,
+    different: usize,
+    compared: usize,
+) -> Claim {
+    let setup =
+        format!("{id}, {n_points} points; one radius and four criteria, full, half and by rows");
+    let subject = context.subject(id, "pairs that differ", "", &setup);
+    if n_points < 2 {
+        // No pair can be compared: what is claimed is that none is found.
+        let none = crate::claim::Measured::exact(different as f64);
+        let reason = "a cloud of fewer than two points has no pair";
+        Claim::as_measured(subject, none, 0.0, 0.0, reason)
+    } else {
+        let reason = "the same comparison of squared distances in both, so ties fall alike";
+        Claim::same_bits(subject, different, compared, reason)
+    }
 }
 
 impl Cloud {

@@ -1,0 +1,427 @@
+//! The neighbourhood of a group of points, and who of it is listed under whom.
+//!
+//! Points of one group (a cell, a leaf) have almost the same neighbourhood. So it is gathered once: the coordinates of
+//! every candidate that comes within reach of the group's box, in single precision and one after the other in memory. Then
+//! each point of the group is compared with all of them, sixteen at a time.
+//!
+//! **Why the answer is exact in double precision.** Let `u = (x - c)/R` be what single precision rounds to
+//! `û = u (1 + δ)`, `|δ| <= 2^-24 (1 + 2^-20)`, the slack being for the few roundings in double precision. Here `c` is the
+//! middle of the cloud and `R` its largest radius: the frame of [`Sorted`]. With the group within `G` of the middle,
+//! `|u_i| <= G`, and a candidate at distance `ρ` (in units of `R`), `|u_j| <= G + ρ`, the difference of both errs by
+//! `2^-24 (2G + ρ)`, the subtraction by `2^-24 ρ`, and the sum of `D` squares by `(D + 1) 2^-24` of itself, which is half of
+//! that in the distance. So the computed distance `ρ̂` satisfies, with room for second order,
+//!
+//! ```text
+//! |ρ̂ - ρ| <= 1.01 * 2^-24 (2G + (D + 5)/2 ρ),
+//! ```
+//!
+//! and with `a(ℓ) = 2^-22 (G + 2) + 2^-23 (D + 4) ℓ + 2^-60`, squares of bounds rounded too, `ρ̂² < (ℓ - a)²` proves `ρ < ℓ`,
+//! and `ρ <= ℓ` proves `ρ̂² < (ℓ + a)²`. Candidates between both bounds are decided by the formula of `NeighbourSearch` in
+//! double precision: few, unless distances tie with the radius. `2^-60` covers underflow; a coordinate that overflows is
+//! infinitely far from every point of a group whose own do not. Images along periodic axes are displaced in single
+//! precision, which adds `2^-22 L/R` to `a` for each period `L`.
+//!
+//! A group that lies outside of the cloud's middle part, or for whose radius `a` is no longer small, gets a frame of its
+//! own: `c` is the middle of its box and `R` its own reach, and images are displaced in double precision. If it is
+//! wider than `2^20 R`, which only clouds do that are thinner than their cells, all of its pairs are decided in double
+//! precision.
+
+use core::ops::Range;
+
+use crate::aligned::Aligned;
+use crate::candidates::{Candidates, Larger, Middle, Mine, Sight};
+use crate::domain::square;
+use crate::frame::{Bounds, Frame};
+use crate::radii::{Criterion, Radii};
+use crate::search::stored;
+use crate::simd::{Lanes, PAD, Work};
+use crate::sorted::{Listed, Order, Rule, Sorted, Stretch};
+
+/// Coordinate of what is no candidate: its square overflows to infinity, which is below nothing.
+const NOWHERE: f32 = 1e30;
+
+/// What rows are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Entries {
+    /// Indices of the points.
+    Ids,
+    /// Their slots.
+    Slots,
+}
+
+/// What is asked about every group.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Question<'a, const D: usize> {
+    pub(crate) points: &'a [[f64; D]],
+    pub(crate) radii: Radii<'a>,
+    pub(crate) listed: Listed,
+    pub(crate) entries: Entries,
+}
+
+/// The candidates of one group.
+#[derive(Debug, Clone)]
+pub(crate) struct Neighbourhood<const D: usize> {
+    /// Coordinates, padded with [`NOWHERE`].
+    columns: [Aligned<f32>; D],
+    /// What is listed of each.
+    entries: Aligned<u32>,
+    /// Bounds on the radius of each, where it matters.
+    lower: Aligned<f32>,
+    upper: Aligned<f32>,
+    /// The stretch that each came from, where it matters.
+    from: Aligned<u32>,
+    stretches: Vec<Stretch<D>>,
+    /// Stretches of own points, and how many these are.
+    own_stretches: usize,
+    n_own: usize,
+    len: usize,
+}
+
+impl<const D: usize> Default for Neighbourhood<D> {
+    fn default() -> Self {
+        Self {
+            columns: core::array::from_fn(|_| Aligned::default()),
+            entries: Aligned::default(),
+            lower: Aligned::default(),
+            upper: Aligned::default(),
+            from: Aligned::default(),
+            stretches: Vec::new(),
+            own_stretches: 0,
+            n_own: 0,
+            len: 0,
+        }
+    }
+}
+
+impl<const D: usize> Neighbourhood<D> {
+    /// Makes room for all candidates there may be.
+    fn grow(&mut self) {
+        let slots: usize = self.stretches.iter().map(|stretch| stretch.slots.len()).sum();
+        let needed = slots + 2 * PAD;
+        if self.entries.len() < needed {
+            let room = needed.next_power_of_two();
+            for column in self.columns.iter_mut().chain([&mut self.lower, &mut self.upper]) {
+                column.grow(room);
+            }
+            for column in [&mut self.entries, &mut self.from] {
+                column.grow(room);
+            }
+        }
+    }
+
+    /// Asks where the candidates of the group `targets` are: its own points, their images, and all others near it.
+    fn choose(
+        &mut self,
+        order: &dyn Order<D>,
+        targets: &Range<usize>,
+        bounds: &Bounds<D>,
+        question: &Question<'_, D>,
+    ) {
+        self.stretches.clear();
+        let rule = Rule::of(question.radii);
+        self.own_stretches =
+            order.stretches(targets, bounds, rule, question.listed, &mut self.stretches);
+        self.grow();
+    }
+
+    /// Gathers the candidates of the group `targets`; returns the frame they are in.
+    #[inline(always)]
+    fn gather<L: Lanes, S: Sight>(
+        &mut self,
+        lanes: L,
+        order: &dyn Order<D>,
+        targets: &Range<usize>,
+        question: &Question<'_, D>,
+        sight: S,
+    ) -> Frame<D> {
+        let sorted = order.sorted();
+        let narrow = sorted.narrow_bounds(targets.clone());
+        let is_covered = sorted.frame.covers(&narrow);
+        let bounds =
+            if is_covered { sorted.widened(narrow) } else { exact_bounds(sorted, targets) };
+        self.choose(order, targets, &bounds, question);
+        let rule = Rule::of(question.radii);
+        let typical = rule.limit(bounds.radius, bounds.radius);
+        let frame = if is_covered && sorted.frame.resolves(typical) {
+            self.select(lanes, sorted, &narrow, question, sight);
+            sorted.frame
+        } else {
+            self.place_anew(sorted, &bounds, question)
+        };
+        let own = &self.stretches[..self.own_stretches];
+        self.n_own = own.iter().map(|stretch| stretch.slots.len()).sum();
+        for column in &mut self.columns {
+            column[self.len..self.len + PAD].fill(NOWHERE);
+        }
+        frame
+    }
+
+    /// Takes the group's own points and, of the others, those that come within reach of its box.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "covered by the bounds of the frame")]
+    fn select<L: Lanes, S: Sight>(
+        &mut self,
+        lanes: L,
+        sorted: &Sorted<D>,
+        (low, high, radius): &([f32; D], [f32; D], f64),
+        question: &Question<'_, D>,
+        sight: S,
+    ) {
+        let columns: [&[f32]; D] = core::array::from_fn(|axis| sorted.columns[axis].as_slice());
+        let ids = match question.entries {
+            Entries::Ids => sorted.ids.as_slice(),
+            Entries::Slots => sorted.slots.as_slice(),
+        };
+        let (mut lows, mut highs) = ([lanes.splat(0.0); D], [lanes.splat(0.0); D]);
+        for axis in 0..D {
+            (lows[axis], highs[axis]) = (lanes.splat(low[axis]), lanes.splat(high[axis]));
+        }
+        let zero = lanes.splat(0.0);
+        let mine = lanes.splat(sorted.frame.reach(Rule::of(question.radii).mine(*radius)));
+        let is_periodic = sorted.domain.is_periodic();
+        let Self { columns: placed, entries, lower: lowers, upper: uppers, from, .. } = self;
+        let placed: [&mut [f32]; D] = placed.each_mut().map(|column| &mut **column);
+        let (entries, from): (&mut [u32], &mut [u32]) = (entries, from);
+        let (lowers, uppers): (&mut [f32], &mut [f32]) = (lowers, uppers);
+        let mut len = 0;
+        for (k, stretch) in self.stretches.iter().enumerate() {
+            let Stretch { slots: Range { start, end }, shift } = stretch;
+            let (is_own, end) = (k < self.own_stretches, *end);
+            let mut at = *start;
+            while at < end {
+                let (mut x, mut apart) = (lows, zero);
+                for axis in 0..D {
+                    x[axis] = lanes.load(L::floats_at(columns[axis], at));
+                    if is_periodic {
+                        let shift = (shift[axis] * sorted.frame.scale) as f32;
+                        x[axis] = lanes.add(x[axis], lanes.splat(shift));
+                    }
+                    let (below, above) =
+                        (lanes.sub(lows[axis], x[axis]), lanes.sub(x[axis], highs[axis]));
+                    let gap = lanes.max(lanes.max(below, above), zero);
+                    apart = lanes.mul_add(gap, gap, apart);
+                }
+                let mut limit = mine;
+                if S::THEIRS {
+                    limit = sight.of(lanes, mine, lanes.load(L::floats_at(&sorted.upper, at)));
+                }
+                let within = lanes.below(apart, lanes.mul(limit, limit));
+                let within = if is_own { u32::MAX } else { within };
+                let in_stretch = first_bits((end - at).min(L::N));
+                let mask = within & in_stretch;
+                for axis in 0..D {
+                    lanes.compress_vector(mask, x[axis], placed[axis], len);
+                }
+                if S::THEIRS {
+                    let lower = lanes.load(L::floats_at(&sorted.lower, at));
+                    lanes.compress_vector(mask, lower, lowers, len);
+                    let upper = lanes.load(L::floats_at(&sorted.upper, at));
+                    lanes.compress_vector(mask, upper, uppers, len);
+                }
+                if is_periodic {
+                    from[len..len + PAD].fill(stored(k));
+                }
+                len += lanes.compress(mask, L::ids_at(ids, at), entries, len);
+                at += L::N;
+            }
+        }
+        self.len = len;
+    }
+
+    /// Takes all candidates, and places them in a frame of the group's own.
+    #[cold]
+    #[inline(never)]
+    fn place_anew(
+        &mut self,
+        sorted: &Sorted<D>,
+        bounds: &Bounds<D>,
+        question: &Question<'_, D>,
+    ) -> Frame<D> {
+        let reach = Rule::of(question.radii).limit(bounds.radius, sorted.largest);
+        let frame = Frame::new(bounds, reach, &sorted.domain, 2.0_f64.powi(-50));
+        let mut len = 0;
+        for (k, Stretch { slots, shift }) in self.stretches.iter().enumerate() {
+            let places = frame.places(shift);
+            for slot in slots.clone() {
+                for (axis, &x) in sorted.points[slot].iter().enumerate() {
+                    // Where nothing is known in single precision all are close.
+                    let is_known = frame.fixed.is_finite();
+                    self.columns[axis][len] = if is_known { places[axis].of(x) } else { 0.0 };
+                }
+                if let Some(&radius) = sorted.radii.get(slot) {
+                    [self.lower[len], self.upper[len]] = frame.bounds(radius);
+                }
+                self.entries[len] = match question.entries {
+                    Entries::Ids => sorted.ids[slot],
+                    Entries::Slots => stored(slot),
+                };
+                self.from[len] = stored(k);
+                len += 1;
+            }
+        }
+        self.len = len;
+        frame
+    }
+
+    /// All candidates, block by block.
+    #[inline(always)]
+    fn candidates<L: Lanes>(&self) -> Candidates<'_, L, D> {
+        let padded = self.len.next_multiple_of(L::N);
+        Candidates {
+            columns: core::array::from_fn(|axis| L::floats(&self.columns[axis][..padded])),
+            lower: L::floats(&self.lower[..padded]),
+            upper: L::floats(&self.upper[..padded]),
+            entries: L::ids(&self.entries[..padded]),
+            n_own: self.n_own.div_ceil(L::N).min(padded / L::N),
+        }
+    }
+
+    /// Of the candidates `at`, `at + 1`, ..., those that may be listed under the `k`-th point of the group: not itself,
+    /// and in a half list none of the group that comes before it.
+    #[inline(always)]
+    fn others(&self, k: usize, listed: Listed, at: usize) -> u32 {
+        match listed {
+            Listed::Full => !bit(k.wrapping_sub(at)),
+            Listed::Half if self.own_stretches == 1 => {
+                // The point and all before it.
+                if k < at { u32::MAX } else { !first_bits(k + 1 - at) }
+            }
+            Listed::Half => self.others_with_images(k, at),
+        }
+    }
+
+    /// In a period so short that a group meets its own images.
+    #[cold]
+    #[inline(never)]
+    fn others_with_images(&self, k: usize, at: usize) -> u32 {
+        let target = self.stretches.first().map_or(0, |targets| targets.slots.start + k);
+        let own = self.stretches[..self.own_stretches].iter();
+        let slots = own.flat_map(|stretch| stretch.slots.clone()).skip(at).take(PAD);
+        let listed = slots.enumerate().filter(|&(_, slot)| slot > target);
+        let of_others = !first_bits(self.n_own.saturating_sub(at));
+        listed.fold(of_others, |mask, (candidate, _)| mask | bit(candidate))
+    }
+
+    /// Which of the candidates `at + k`, bit `k` of a mask, are within reach of the point in `slot`, in double precision.
+    #[cold]
+    #[inline(never)]
+    fn decide(
+        &self,
+        sorted: &Sorted<D>,
+        question: &Question<'_, D>,
+        at: usize,
+        slot: usize,
+        mask: u32,
+    ) -> u32 {
+        let i = sorted.ids[slot] as usize;
+        let x_i = sorted.points[slot];
+        let mut hits = 0;
+        for k in (0..u32::BITS).filter(|k| mask >> k & 1 == 1) {
+            let candidate = at + k as usize;
+            if candidate >= self.len {
+                break;
+            }
+            let j = match question.entries {
+                Entries::Ids => self.entries[candidate],
+                Entries::Slots => sorted.ids[self.entries[candidate] as usize],
+            } as usize;
+            let limit = question.radii.limit(i, j);
+            let x_ij = sorted.domain.difference(&question.points[i], &question.points[j]);
+            // Of the images of one point, the nearest.
+            let is_nearest = !sorted.domain.is_periodic() || {
+                let shift = &self.stretches[self.from[candidate] as usize].shift;
+                let x_j = sorted.domain.wrap_all(&question.points[j]);
+                sorted.domain.is_image(&x_i, &x_j, shift, &x_ij)
+            };
+            hits |= u32::from(is_nearest && square(&x_ij) <= limit * limit) << k;
+        }
+        hits
+    }
+}
+
+/// The box of a group, and the largest of its radii.
+#[cold]
+#[inline(never)]
+fn exact_bounds<const D: usize>(sorted: &Sorted<D>, targets: &Range<usize>) -> Bounds<D> {
+    let first = sorted.points[targets.start];
+    let mut bounds = Bounds { low: first, high: first, radius: 0.0 };
+    for slot in targets.clone() {
+        for (axis, x) in sorted.points[slot].into_iter().enumerate() {
+            bounds.low[axis] = bounds.low[axis].min(x);
+            bounds.high[axis] = bounds.high[axis].max(x);
+        }
+        bounds.radius = sorted.radii.get(slot).map_or(0.0, |&radius| radius.max(bounds.radius));
+    }
+    bounds
+}
+
+/// A mask of one bit, or of none if there is no such bit.
+#[inline(always)]
+fn bit(k: usize) -> u32 {
+    if k < 32 { 1 << k } else { 0 }
+}
+
+/// A mask of the first so many bits.
+#[inline(always)]
+fn first_bits(count: usize) -> u32 {
+    if count >= 32 { u32::MAX } else { (1 << count) - 1 }
+}
+
+/// Makes the rows of some slots, group by group, one after the other in `memory`.
+pub(crate) struct Scan<'a, const D: usize> {
+    pub(crate) order: &'a dyn Order<D>,
+    pub(crate) question: Question<'a, D>,
+    pub(crate) slots: Range<usize>,
+    pub(crate) neighbourhood: &'a mut Neighbourhood<D>,
+    pub(crate) memory: &'a mut Vec<u32>,
+    /// Where the row of each slot ends.
+    pub(crate) ends: &'a mut [usize],
+}
+
+impl<const D: usize> Work for Scan<'_, D> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        match Rule::of(self.question.radii) {
+            Rule::Uniform(_) | Rule::PerPoint(Criterion::Gather) => self.scan(lanes, Mine),
+            // A point whose own radius is nothing sees as far as it is seen.
+            Rule::PerPoint(Criterion::Max | Criterion::Scatter) => self.scan(lanes, Larger),
+            Rule::PerPoint(Criterion::Mean) => self.scan(lanes, Middle),
+        }
+    }
+}
+
+impl<const D: usize> Scan<'_, D> {
+    #[inline(always)]
+    fn scan<L: Lanes, S: Sight>(self, lanes: L, sight: S) {
+        let Self { order, question, slots, neighbourhood, memory, ends } = self;
+        let (rule, sorted) = (Rule::of(question.radii), order.sorted());
+        let (mut filled, mut slot) = (0, slots.start);
+        let mut group = if slots.is_empty() { 0 } else { order.group_of(slot) };
+        while slot < slots.end {
+            let targets = slot..order.group_end(group).min(slots.end);
+            group += 1;
+            if targets.is_empty() {
+                continue;
+            }
+            let frame = neighbourhood.gather(lanes, order, &targets, &question, sight);
+            let shared = frame.bounds(rule.mine(0.0));
+            let candidates = neighbourhood.candidates::<L>();
+            for (k, slot) in targets.clone().enumerate() {
+                let room = filled + neighbourhood.len + 2 * PAD;
+                if memory.len() < room {
+                    memory.resize(room, 0);
+                }
+                let own = sorted.radii.get(slot);
+                let bounds = own.map_or(shared, |&radius| frame.bounds(rule.mine(radius)));
+                let x_i = core::array::from_fn(|axis| neighbourhood.columns[axis][k]);
+                let others = |first| neighbourhood.others(k, question.listed, first);
+                let close =
+                    |first, mask| neighbourhood.decide(sorted, &question, first, slot, mask);
+                let out = (memory.as_mut_slice(), filled);
+                filled = candidates.row(lanes, (x_i, bounds), sight, others, close, out);
+                ends[slot - slots.start] = filled;
+            }
+            slot = targets.end;
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! From an order of points to lists and visits.
+
+use crate::domain::square;
+use crate::error::Error;
+use crate::list::{CHUNK, NeighbourList};
+use crate::neighbourhood::{Entries, Neighbourhood, Question, Scan};
+use crate::parallel::Part;
+use crate::radii::Radii;
+use crate::simd::Level;
+use crate::sorted::{Listed, Order, Sorted};
+
+/// A point and all of its neighbours, for loops over whole rows; `n` neighbours, in an order that the search determines.
+#[derive(Debug, Clone, Copy)]
+pub struct Row<'a, const D: usize> {
+    /// The point.
+    pub i: usize,
+    /// Its neighbours, `n` indices.
+    pub j: &'a [u32],
+    /// `x_i - x_j` of the nearest images, axis by axis, `n` values each, unit of length of the points.
+    pub x_ij: [&'a [f64]; D],
+    /// `|x_ij|^2`, `n` values.
+    pub squared_distances: &'a [f64],
+}
+
+/// What searches work with.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows<const D: usize> {
+    level: Level,
+    scratch: Vec<Neighbourhood<D>>,
+    memory: Vec<u32>,
+    ends: Vec<usize>,
+    batch: Batch<D>,
+}
+
+impl<const D: usize> Default for Rows<D> {
+    fn default() -> Self {
+        let batch = Batch::default();
+        Self {
+            level: Level::best(),
+            scratch: Vec::new(),
+            memory: Vec::new(),
+            ends: Vec::new(),
+            batch,
+        }
+    }
+}
+
+impl<const D: usize> Rows<D> {
+    /// With the given instructions.
+    pub(crate) fn at(level: Level) -> Self {
+        Self { level, ..Self::default() }
+    }
+
+    /// Fills `list` with the rows of every point.
+    pub(crate) fn list(
+        &mut self,
+        order: &dyn Order<D>,
+        points: &[[f64; D]],
+        radii: Radii<'_>,
+        listed: Listed,
+        list: &mut NeighbourList,
+    ) {
+        let sorted = order.sorted();
+        list.restart(points.len(), &sorted.domain, Some(sorted.order()));
+        self.make_room(points.len().div_ceil(CHUNK));
+        let question = Question { points, radii, listed, entries: Entries::Ids };
+        let level = self.level;
+        list.for_each_part(&mut self.scratch, |Part { chunk, indices, ends, scratch }| {
+            let first = chunk * CHUNK;
+            let slots = first..first + ends.len();
+            level.run(Scan {
+                order,
+                question,
+                slots,
+                neighbourhood: scratch,
+                memory: indices,
+                ends,
+            });
+        });
+    }
+
+    /// Hands every row to `visit`, in the order of the slots: a stretch of rows is found, and then handed out.
+    pub(crate) fn visit(
+        &mut self,
+        order: &dyn Order<D>,
+        points: &[[f64; D]],
+        radii: Radii<'_>,
+        visit: &mut dyn FnMut(Row<'_, D>),
+    ) {
+        self.make_room(1);
+        let Self { level, scratch, memory, ends, batch } = self;
+        let Some(neighbourhood) = scratch.first_mut() else { return };
+        let (sorted, listed) = (order.sorted(), Listed::Full);
+        let question = Question { points, radii, listed, entries: Entries::Slots };
+        ends.resize(CHUNK, 0);
+        for first in (0..points.len()).step_by(CHUNK) {
+            let slots = first..points.len().min(first + CHUNK);
+            let ends = &mut ends[..slots.len()];
+            let neighbourhood = &mut *neighbourhood;
+            level.run(Scan { order, question, slots: slots.clone(), neighbourhood, memory, ends });
+            let mut begin = 0;
+            for (slot, &mut end) in slots.zip(ends) {
+                batch.fill(sorted, points, slot, &memory[begin..end]);
+                begin = end;
+                visit(Row {
+                    i: sorted.ids[slot] as usize,
+                    j: &batch.ids,
+                    x_ij: core::array::from_fn(|axis| batch.x_ij[axis].as_slice()),
+                    squared_distances: &batch.squared_distances,
+                });
+            }
+        }
+    }
+
+    fn make_room(&mut self, chunks: usize) {
+        if self.scratch.len() < chunks {
+            self.scratch.resize_with(chunks, Neighbourhood::default);
+        }
+    }
+}
+
+/// Coordinates of a row.
+#[derive(Debug, Clone)]
+struct Batch<const D: usize> {
+    ids: Vec<u32>,
+    x_ij: [Vec<f64>; D],
+    squared_distances: Vec<f64>,
+}
+
+impl<const D: usize> Default for Batch<D> {
+    fn default() -> Self {
+        let x_ij = [const { Vec::new() }; D];
+        Self { ids: Vec::new(), x_ij, squared_distances: Vec::new() }
+    }
+}
+
+impl<const D: usize> Batch<D> {
+    #[inline(always)]
+    fn fill(&mut self, sorted: &Sorted<D>, points: &[[f64; D]], slot: usize, row: &[u32]) {
+        let n = row.len();
+        self.ids.clear();
+        self.ids.extend(row.iter().map(|&slot| sorted.ids[slot as usize]));
+        for column in self.x_ij.iter_mut().chain([&mut self.squared_distances]) {
+            column.resize(n, 0.0);
+        }
+        let Self { ids, x_ij, squared_distances } = self;
+        let mut put = |k: usize, difference: [f64; D]| {
+            for axis in 0..D {
+                x_ij[axis][k] = difference[axis];
+            }
+            squared_distances[k] = square(&difference);
+        };
+        if sorted.domain.is_periodic() {
+            // Kept points are images: what a list gives comes from the points themselves.
+            let x_i = &points[sorted.ids[slot] as usize];
+            for (k, &id) in ids.iter().enumerate() {
+                put(k, sorted.domain.difference(x_i, &points[id as usize]));
+            }
+        } else {
+            let x_i = &sorted.points[slot];
+            for (k, &slot) in row.iter().enumerate() {
+                let x_j = &sorted.points[slot as usize];
+                put(k, core::array::from_fn(|axis| x_i[axis] - x_j[axis]));
+            }
+        }
+    }
+}
+
+/// The rows of a list, one by one.
+pub(crate) fn visit_list<const D: usize>(
+    list: &NeighbourList,
+    points: &[[f64; D]],
+    visit: &mut dyn FnMut(Row<'_, D>),
+) -> Result<(), Error> {
+    let (mut x_ij, mut squared_distances) = ([const { Vec::new() }; D], Vec::new());
+    for (i, j) in list.rows().enumerate() {
+        x_ij.iter_mut().for_each(Vec::clear);
+        squared_distances.clear();
+        list.for_each_pair_of(i, points, |pair| {
+            for (column, along) in x_ij.iter_mut().zip(pair.x_ij) {
+                column.push(along);
+            }
+            squared_distances.push(square(&pair.x_ij));
+        })?;
+        let x_ij = core::array::from_fn(|axis| x_ij[axis].as_slice());
+        visit(Row { i, j, x_ij, squared_distances: &squared_distances });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::Cells;
+    use crate::radii::Criterion;
+
+    #[test]
+    fn every_level_of_this_machine_lists_the_same_rows_in_the_same_order() {
+        // Multiples of a turn by the golden angle, with duplicates at the end.
+        let points: Vec<[f64; 3]> = (0..500)
+            .map(|k| f64::from(if k < 400 { k } else { k - 150 }))
+            .map(|k| [(2.4 * k).cos(), (2.4 * k).sin(), 0.005 * k])
+            .collect();
+        let own: Vec<f64> = (0..500).map(|k| 0.1 + 0.05 * f64::from(k % 7)).collect();
+        let per_point = Criterion::ALL.map(|criterion| Radii::PerPoint { radii: &own, criterion });
+        for radii in [Radii::Uniform(0.3)].into_iter().chain(per_point) {
+            let mut cells = Cells::default();
+            cells.build(&points, radii, 0.3);
+            let mut portable = NeighbourList::new();
+            Rows::at(Level::Portable).list(&cells, &points, radii, Listed::Full, &mut portable);
+            assert!(portable.n_pairs() > 1000);
+            for level in Level::all() {
+                let mut list = NeighbourList::new();
+                Rows::at(level).list(&cells, &points, radii, Listed::Full, &mut list);
+                assert_eq!(list, portable, "{level:?}");
+            }
+        }
+    }
+}

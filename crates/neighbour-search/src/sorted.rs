@@ -1,0 +1,293 @@
+//! Points in an order in which near ones are close in memory, and what a search asks of such an order.
+
+use core::ops::Range;
+
+use crate::domain::Domain;
+use crate::frame::{Bounds, Frame};
+use crate::parallel;
+use crate::radii::{Criterion, Radii};
+use crate::search::stored;
+use crate::simd::PAD;
+
+/// Points in the order of a search: slot by slot, in single precision, padded so that a full vector can be read from any slot.
+#[derive(Debug, Clone)]
+pub(crate) struct Sorted<const D: usize> {
+    pub(crate) domain: Domain<D>,
+    /// Point of each slot, padded, and the slots themselves.
+    pub(crate) ids: Vec<u32>,
+    pub(crate) slots: Vec<u32>,
+    /// Coordinates, in the first period along a periodic axis, as the frame has them.
+    pub(crate) columns: [Vec<f32>; D],
+    pub(crate) frame: Frame<D>,
+    /// Radii, where each point has its own, without padding.
+    pub(crate) radii: Vec<f64>,
+    /// Bounds on them in units of the frame, padded.
+    pub(crate) lower: Vec<f32>,
+    pub(crate) upper: Vec<f32>,
+    /// Largest of them.
+    pub(crate) largest: f64,
+    /// Coordinates in double precision, in the first period along a periodic axis.
+    pub(crate) points: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Default for Sorted<D> {
+    fn default() -> Self {
+        Self {
+            domain: Domain::unbounded(),
+            ids: Vec::new(),
+            slots: Vec::new(),
+            columns: [const { Vec::new() }; D],
+            frame: Frame::default(),
+            radii: Vec::new(),
+            lower: Vec::new(),
+            upper: Vec::new(),
+            largest: 0.0,
+            points: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Sorted<D> {
+    /// Number of points.
+    pub(crate) fn n_points(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Point of each slot.
+    pub(crate) fn order(&self) -> &[u32] {
+        &self.ids[..self.n_points()]
+    }
+
+    /// Copies coordinates and radii in the order of the ids; `bounds` is a box of most points.
+    pub(crate) fn gather(&mut self, points: &[[f64; D]], radii: Radii<'_>, bounds: &Bounds<D>) {
+        let Self { domain, ids, slots, columns, radii: own, points: kept, .. } = self;
+        let n = points.len();
+        self.largest = radii.largest();
+        let reach = if n == 0 { 1.0 } else { self.largest };
+        let frame = Frame::new(bounds, reach, domain, 2.0_f64.powi(-22));
+        ids.resize(n + PAD, 0);
+        slots.resize(n + PAD, 0);
+        parallel::fill(slots, stored);
+        kept.resize(n, [0.0; D]);
+        parallel::fill_from(kept, ids, |&id| domain.wrap_all(&points[id as usize]));
+        for ((axis, column), place) in columns.iter_mut().enumerate().zip(frame.places(&[0.0; D])) {
+            column.resize(n + PAD, 0.0);
+            parallel::fill_from(&mut column[..n], kept, |x| place.of(x[axis]));
+        }
+        self.frame = frame;
+        match radii {
+            Radii::Uniform(_) => own.clear(),
+            Radii::PerPoint { radii, .. } => {
+                own.resize(n, 0.0);
+                parallel::fill_from(own, ids, |&id| radii[id as usize]);
+                for (column, which) in [(&mut self.lower, 0), (&mut self.upper, 1)] {
+                    column.resize(n + PAD, 0.0);
+                    parallel::fill_from(&mut column[..n], own, |&radius| {
+                        frame.bounds(radius)[which]
+                    });
+                }
+            }
+        }
+    }
+
+    /// A box around some slots, and the largest of their radii; in units of the frame, and not finite if it is too wide.
+    #[inline(always)]
+    pub(crate) fn narrow_bounds(&self, slots: Range<usize>) -> ([f32; D], [f32; D], f64) {
+        let (mut low, mut high) = ([0.0; D], [0.0; D]);
+        for axis in 0..D {
+            let column = &self.columns[axis][slots.clone()];
+            let (mut least, mut most) = (column[0], column[0]);
+            for &x in column {
+                least = if x < least { x } else { least };
+                most = if x > most { x } else { most };
+            }
+            (low[axis], high[axis]) = (least, most);
+        }
+        let radius = if self.radii.is_empty() {
+            0.0
+        } else {
+            self.radii[slots].iter().fold(0.0, |largest: f64, &radius| largest.max(radius))
+        };
+        (low, high, radius)
+    }
+
+    /// The box in the unit of the points, a little wider than it need be.
+    #[inline(always)]
+    pub(crate) fn widened(&self, (low, high, radius): ([f32; D], [f32; D], f64)) -> Bounds<D> {
+        let Frame { origin, scale, fixed, .. } = self.frame;
+        let mut bounds = Bounds { low: origin, high: origin, radius };
+        for axis in 0..D {
+            bounds.low[axis] += (f64::from(low[axis]) - fixed) / scale;
+            bounds.high[axis] += (f64::from(high[axis]) + fixed) / scale;
+        }
+        bounds
+    }
+}
+
+/// Whose radius decides, as in [`Radii`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Rule {
+    Uniform(f64),
+    PerPoint(Criterion),
+}
+
+impl Rule {
+    pub(crate) fn of(radii: Radii<'_>) -> Self {
+        match radii {
+            Radii::Uniform(radius) => Self::Uniform(radius),
+            Radii::PerPoint { criterion, .. } => Self::PerPoint(criterion),
+        }
+    }
+
+    /// What of the limit is a point's own: the limit is this, or the larger or the mean of this and that of the other.
+    #[inline(always)]
+    pub(crate) fn mine(self, h_i: f64) -> f64 {
+        match self {
+            Self::Uniform(radius) => radius,
+            Self::PerPoint(Criterion::Scatter) => 0.0,
+            Self::PerPoint(_) => h_i,
+        }
+    }
+
+    /// The radius within which a point of radius `h_j` is listed under one of radius `h_i`; grows with both.
+    #[inline(always)]
+    pub(crate) fn limit(self, h_i: f64, h_j: f64) -> f64 {
+        match self {
+            Self::Uniform(radius) => radius,
+            Self::PerPoint(criterion) => criterion.limit(h_i, h_j),
+        }
+    }
+}
+
+/// Which pairs are listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Listed {
+    /// All, in both directions where they are mutual.
+    Full,
+    /// Each once, under the point whose slot comes first.
+    Half,
+}
+
+/// Slots that may hold candidates, and how far their points are displaced.
+#[derive(Debug, Clone)]
+pub(crate) struct Stretch<const D: usize> {
+    pub(crate) slots: Range<usize>,
+    pub(crate) shift: [f64; D],
+}
+
+/// An order of points in which those near a box are found as stretches of slots.
+pub(crate) trait Order<const D: usize>: Sync {
+    fn sorted(&self) -> &Sorted<D>;
+
+    /// The group that a slot is in: groups are stretches of slots whose points are near each other.
+    fn group_of(&self, slot: usize) -> usize;
+
+    /// Where a group ends.
+    fn group_end(&self, group: usize) -> usize;
+
+    /// Appends where the candidates of the group `targets` are: its own points, their images, and all others near it.
+    /// Returns how many stretches are of own points.
+    fn stretches(
+        &self,
+        targets: &Range<usize>,
+        bounds: &Bounds<D>,
+        rule: Rule,
+        listed: Listed,
+        found: &mut Vec<Stretch<D>>,
+    ) -> usize;
+}
+
+/// How an order finds what is near a box.
+pub(crate) trait Near<const D: usize>: Order<D> {
+    /// Hands `visit` stretches of slots, ascending and each slot once at most, that hold every point to be listed under a
+    /// point of the box by `rule`, when all points are displaced by `shift`.
+    fn for_each_stretch(
+        &self,
+        bounds: &Bounds<D>,
+        rule: Rule,
+        shift: &[f64; D],
+        visit: impl FnMut(Range<usize>),
+    );
+
+    /// A radius that may hold so many points around a place.
+    fn radius_for(&self, place: &[f64; D], wanted: usize) -> f64;
+}
+
+/// [`Order::stretches`] of an order that knows what is near.
+#[inline]
+pub(crate) fn stretches<const D: usize>(
+    order: &impl Near<D>,
+    targets: &Range<usize>,
+    bounds: &Bounds<D>,
+    rule: Rule,
+    listed: Listed,
+    found: &mut Vec<Stretch<D>>,
+) -> usize {
+    let sorted = order.sorted();
+    let reach = rule.limit(bounds.radius, sorted.largest);
+    let mut push = |slots: Range<usize>, shift: &[f64; D]| {
+        if !slots.is_empty() {
+            found.push(Stretch { slots, shift: *shift });
+        }
+        found.len()
+    };
+    let mut own = push(targets.clone(), &[0.0; D]);
+    if sorted.domain.is_periodic() {
+        for_each_image(sorted, bounds, reach, |bounds, shift| {
+            if shift.iter().any(|&along| along != 0.0) {
+                order.for_each_stretch(bounds, rule, shift, |slots| {
+                    own = push(slots.start.max(targets.start)..slots.end.min(targets.end), shift);
+                });
+            }
+        });
+    }
+    for_each_image(sorted, bounds, reach, |bounds, shift| {
+        order.for_each_stretch(bounds, rule, shift, |slots| {
+            if listed == Listed::Full {
+                push(slots.start..slots.end.min(targets.start), shift);
+            }
+            push(slots.start.max(targets.end)..slots.end, shift);
+        });
+    });
+    own
+}
+
+/// Hands `visit` every displacement by which the points of a periodic space may come within reach of a box.
+#[inline]
+pub(crate) fn for_each_image<const D: usize>(
+    sorted: &Sorted<D>,
+    bounds: &Bounds<D>,
+    reach: f64,
+    mut visit: impl FnMut(&Bounds<D>, &[f64; D]),
+) {
+    let mut shift = [0.0; D];
+    if !sorted.domain.is_periodic() {
+        return visit(bounds, &shift);
+    }
+    let (periods, reach) = (sorted.domain.periods(), sorted.domain.reach(reach));
+    let choices: [[bool; 3]; D] = core::array::from_fn(|axis| match periods[axis] {
+        None => [true, false, false],
+        Some(period) => {
+            [true, bounds.low[axis] - reach[axis] <= 0.0, bounds.high[axis] + reach[axis] >= period]
+        }
+    });
+    let mut choice = [0; D];
+    loop {
+        if (0..D).all(|axis| choices[axis][choice[axis]]) {
+            for axis in 0..D {
+                let period = periods[axis].unwrap_or(0.0);
+                shift[axis] = [0.0, -period, period][choice[axis]];
+            }
+            visit(bounds, &shift);
+        }
+        let mut axis = 0;
+        while axis < D && choice[axis] == 2 {
+            choice[axis] = 0;
+            axis += 1;
+        }
+        if axis == D {
+            return;
+        }
+        choice[axis] += 1;
+    }
+}

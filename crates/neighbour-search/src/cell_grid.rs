@@ -3,12 +3,9 @@
 use crate::cells::Cells;
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::list::NeighbourList;
 use crate::radii::Radii;
-use crate::rows::{Row, Rows};
-use crate::search::{NeighbourSearch, check};
-use crate::simd::Level;
-use crate::sorted::Listed;
+use crate::rows::{Rows, lists_rows};
+use crate::search::check;
 
 /// Points in the cells of a regular grid: the search for one radius.
 ///
@@ -42,19 +39,6 @@ impl<const D: usize> CellGrid<D> {
         Self { cells: Cells::new(domain), rows: Rows::default() }
     }
 
-    /// The same search with only those instructions that every machine has. The lists are the same; it is for comparison.
-    #[must_use]
-    pub fn with_portable_instructions(self) -> Self {
-        Self { rows: Rows::at(Level::Portable), ..self }
-    }
-
-    /// The order of the cells: `order()[slot]` is the point in that slot at the last build. Data in this order lie in
-    /// memory as the points lie in space, which makes loops over pairs several times faster.
-    #[must_use]
-    pub fn order(&self) -> &[u32] {
-        self.cells.ids()
-    }
-
     /// Checks the input, sorts the points into cells as wide as what is typical of the radii, and these with them.
     fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
         check(points, radii, self.cells.domain())?;
@@ -67,40 +51,4 @@ impl<const D: usize> CellGrid<D> {
     }
 }
 
-impl<const D: usize> NeighbourSearch<D> for CellGrid<D> {
-    fn full_list(
-        &mut self,
-        points: &[[f64; D]],
-        radii: Radii<'_>,
-        list: &mut NeighbourList,
-    ) -> Result<(), Error> {
-        self.sort(points, radii)?;
-        self.rows.list(&self.cells, points, radii, Listed::Full, list);
-        Ok(())
-    }
-
-    /// Written directly: half of the full list's memory and candidates.
-    fn half_list(
-        &mut self,
-        points: &[[f64; D]],
-        radii: Radii<'_>,
-        list: &mut NeighbourList,
-    ) -> Result<(), Error> {
-        radii.check_symmetric()?;
-        self.sort(points, radii)?;
-        self.rows.list(&self.cells, points, radii, Listed::Half, list);
-        Ok(())
-    }
-
-    /// Without a list, in the order of the cells.
-    fn for_each_row(
-        &mut self,
-        points: &[[f64; D]],
-        radii: Radii<'_>,
-        visit: &mut dyn FnMut(Row<'_, D>),
-    ) -> Result<(), Error> {
-        self.sort(points, radii)?;
-        self.rows.visit(&self.cells, points, radii, visit);
-        Ok(())
-    }
-}
+lists_rows!(CellGrid, cells, "cells");

@@ -119,6 +119,68 @@ impl<const D: usize> Rows<D> {
     }
 }
 
+/// What every search does that sorts its points into an order: `sort` checks and sorts, the rest is rows.
+macro_rules! lists_rows {
+    ($search:ident, $order:ident, $groups:literal) => {
+        impl<const D: usize> $search<D> {
+            /// The same search with only those instructions that every machine has. The lists are the same; it is for
+            /// comparison.
+            #[must_use]
+            pub fn with_portable_instructions(self) -> Self {
+                Self { rows: Rows::at($crate::simd::Level::Portable), ..self }
+            }
+
+            #[doc = concat!("The order of the ", $groups, ": `order()[slot]` is the point in that slot at the last build.")]
+            ///
+            /// Data in this order lie in memory as the points lie in space, which makes loops over pairs several times
+            /// faster.
+            #[must_use]
+            pub fn order(&self) -> &[u32] {
+                self.$order.ids()
+            }
+        }
+
+        impl<const D: usize> $crate::NeighbourSearch<D> for $search<D> {
+            fn full_list(
+                &mut self,
+                points: &[[f64; D]],
+                radii: Radii<'_>,
+                list: &mut $crate::NeighbourList,
+            ) -> Result<(), Error> {
+                self.sort(points, radii)?;
+                self.rows.list(&self.$order, points, radii, $crate::sorted::Listed::Full, list);
+                Ok(())
+            }
+
+            /// Written directly: half of the full list's memory and candidates.
+            fn half_list(
+                &mut self,
+                points: &[[f64; D]],
+                radii: Radii<'_>,
+                list: &mut $crate::NeighbourList,
+            ) -> Result<(), Error> {
+                radii.check_symmetric()?;
+                self.sort(points, radii)?;
+                self.rows.list(&self.$order, points, radii, $crate::sorted::Listed::Half, list);
+                Ok(())
+            }
+
+            #[doc = concat!("Without a list, in the order of the ", $groups, ".")]
+            fn for_each_row(
+                &mut self,
+                points: &[[f64; D]],
+                radii: Radii<'_>,
+                visit: &mut dyn FnMut($crate::Row<'_, D>),
+            ) -> Result<(), Error> {
+                self.sort(points, radii)?;
+                self.rows.visit(&self.$order, points, radii, visit);
+                Ok(())
+            }
+        }
+    };
+}
+pub(crate) use lists_rows;
+
 /// Coordinates of a row.
 #[derive(Debug, Clone)]
 struct Batch<const D: usize> {

@@ -107,6 +107,31 @@ fn first_mut<T, const N: usize>(slice: &mut [T], at: usize) -> &mut [T; N] {
     slice[at..at + N].first_chunk_mut().expect("a slice of N")
 }
 
+/// Slices as so many values at a time.
+macro_rules! views {
+    ($n:expr) => {
+        type Floats = [f32; $n];
+        type Ids = [u32; $n];
+
+        #[inline(always)]
+        fn floats(values: &[f32]) -> &[Self::Floats] {
+            values.as_chunks().0
+        }
+        #[inline(always)]
+        fn ids(ids: &[u32]) -> &[Self::Ids] {
+            ids.as_chunks().0
+        }
+        #[inline(always)]
+        fn floats_at(values: &[f32], at: usize) -> &Self::Floats {
+            first(values, at)
+        }
+        #[inline(always)]
+        fn ids_at(ids: &[u32], at: usize) -> &Self::Ids {
+            first(ids, at)
+        }
+    };
+}
+
 /// Instructions that every machine has.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable {
@@ -146,25 +171,7 @@ fn to_front<T: Copy>(mask: u32, values: &[T; PORTABLE], out: &mut [T; PORTABLE])
 impl Lanes for Portable {
     const N: usize = PORTABLE;
     type Vector = [f32; PORTABLE];
-    type Floats = [f32; PORTABLE];
-    type Ids = [u32; PORTABLE];
-
-    #[inline(always)]
-    fn floats(values: &[f32]) -> &[Self::Floats] {
-        values.as_chunks().0
-    }
-    #[inline(always)]
-    fn ids(ids: &[u32]) -> &[Self::Ids] {
-        ids.as_chunks().0
-    }
-    #[inline(always)]
-    fn floats_at(values: &[f32], at: usize) -> &Self::Floats {
-        first(values, at)
-    }
-    #[inline(always)]
-    fn ids_at(ids: &[u32], at: usize) -> &Self::Ids {
-        first(ids, at)
-    }
+    views!(PORTABLE);
     #[inline(always)]
     fn splat(self, value: f32) -> Self::Vector {
         [value; PORTABLE]
@@ -254,25 +261,7 @@ mod x86 {
     impl Lanes for V3 {
         const N: usize = 8;
         type Vector = __m256;
-        type Floats = [f32; 8];
-        type Ids = [u32; 8];
-
-        #[inline(always)]
-        fn floats(values: &[f32]) -> &[Self::Floats] {
-            values.as_chunks().0
-        }
-        #[inline(always)]
-        fn ids(ids: &[u32]) -> &[Self::Ids] {
-            ids.as_chunks().0
-        }
-        #[inline(always)]
-        fn floats_at(values: &[f32], at: usize) -> &Self::Floats {
-            first(values, at)
-        }
-        #[inline(always)]
-        fn ids_at(ids: &[u32], at: usize) -> &Self::Ids {
-            first(ids, at)
-        }
+        views!(8);
         #[inline(always)]
         fn splat(self, value: f32) -> Self::Vector {
             cast([value; 8])
@@ -322,25 +311,7 @@ mod x86 {
     impl Lanes for V4 {
         const N: usize = 16;
         type Vector = __m512;
-        type Floats = [f32; 16];
-        type Ids = [u32; 16];
-
-        #[inline(always)]
-        fn floats(values: &[f32]) -> &[Self::Floats] {
-            values.as_chunks().0
-        }
-        #[inline(always)]
-        fn ids(ids: &[u32]) -> &[Self::Ids] {
-            ids.as_chunks().0
-        }
-        #[inline(always)]
-        fn floats_at(values: &[f32], at: usize) -> &Self::Floats {
-            first(values, at)
-        }
-        #[inline(always)]
-        fn ids_at(ids: &[u32], at: usize) -> &Self::Ids {
-            first(ids, at)
-        }
+        views!(16);
         #[inline(always)]
         fn splat(self, value: f32) -> Self::Vector {
             cast([value; 16])

@@ -5,6 +5,7 @@
 mod fpk;
 mod neighbour_search;
 mod particle_store;
+mod sde;
 mod smoothing_kernels;
 
 use crate::case::Case;
@@ -23,6 +24,13 @@ pub const ALL: &[Case] = &[
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,
+    sde::orders::ADDITIVE,
+    sde::orders::DIAGONAL,
+    sde::orders::SECOND_ORDER,
+    sde::stationary::CASE,
+    sde::mean_square::CASE,
+    sde::explosion::CASE,
+    sde::oscillator_bias::CASE,
 ];
 
 #[cfg(test)]

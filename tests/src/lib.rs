@@ -24,6 +24,7 @@ pub mod output;
 pub mod report;
 pub mod scene;
 pub mod scenes;
+pub mod sde;
 pub mod verify;
 
 /// The example of the front page, compiled and run.

@@ -10,6 +10,8 @@ mod smoothing_kernels;
 
 use crate::case::Case;
 pub(crate) use fpk::canor_denoel::config as papers_config;
+pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
+pub(crate) use sde::oscillator_limits;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[
@@ -28,6 +30,7 @@ pub const ALL: &[Case] = &[
     sde::orders::DIAGONAL,
     sde::orders::SECOND_ORDER,
     sde::stationary::CASE,
+    oscillator_limits::CASE,
     sde::mean_square::CASE,
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,

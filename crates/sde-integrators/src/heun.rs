@@ -21,7 +21,7 @@ use crate::stratonovich::StratonovichSde;
 /// `z = (l - m^2/2) h + m w`: between Euler-Maruyama and Milstein for little noise, beyond both for much. For a lightly
 /// damped oscillator about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
 ///
-/// Source: Rümelin 1982, Numerical treatment of stochastic differential equations; Kloeden and Platen 1992, section
+/// Source: Rümelin 1982 [@ruemelin1982]; Kloeden and Platen 1992, section
 /// 15.5.
 ///
 /// An Ito equation with noise that depends on the state does not compile:

@@ -23,7 +23,7 @@ use crate::system::{Additive, Sde};
 /// up to about `(8 xi)^(1/3)`.
 ///
 /// Source: Foster, dos Reis and Strange 2024, High order splitting methods for SDEs satisfying a commutativity
-/// condition, eq 6.1.
+/// condition, eq 6.1 [@foster2024].
 ///
 /// Noise that depends on the state does not compile:
 ///

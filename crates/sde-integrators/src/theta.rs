@@ -13,8 +13,8 @@ use crate::system::Sde;
 /// Solves `dX = f dt + g dB` in the sense of Ito, for any noise. Symbols: `h` = `dt`, `w` = `dw.brownian`.
 /// `theta` = 0 is Euler-Maruyama, 1/2 the trapezoidal rule, 1 backward Euler.
 ///
-/// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, for the trapezoidal rule and additive noise that
-/// is constant 2 in linear systems. Without noise 1, the trapezoidal rule 2.
+/// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, for the trapezoidal rule and constant additive
+/// noise 2. Without noise 1, the trapezoidal rule 2.
 ///
 /// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l h)^2`;
 /// for `theta >= 1/2` that is whenever the equation itself is stable. The trapezoidal rule has the exact stationary
@@ -27,7 +27,7 @@ use crate::system::Sde;
 /// Cost: per step one noise, and per iteration `D + 1` drifts.
 ///
 /// Sources: Kloeden and Platen 1992, eq 12.2.2; stability: Higham 2000, Mean-square and asymptotic stability of the
-/// stochastic theta method.
+/// stochastic theta method [@higham2000].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticTheta {
     theta: f64,
@@ -41,7 +41,7 @@ impl StochasticTheta {
     /// The largest correction that ends the iteration, relative to the largest state.
     pub const TOLERANCE: f64 = 1e-9;
     /// How many iterations are made at most.
-    pub const MAX_ITERATIONS: usize = 30;
+    pub const MAX_ITERATIONS: usize = 50;
 
     /// A method with `0 <= theta <= 1`.
     ///
@@ -90,7 +90,14 @@ where
     }
 }
 
-/// The solution of `y = known + tau f(t, y)`.
+fn largest<const D: usize>(x: &[f64; D]) -> f64 {
+    x.iter().fold(
+        0.0,
+        |largest, value| if value.is_nan() { f64::NAN } else { largest.max(value.abs()) },
+    )
+}
+
+/// The solution of `y = known + tau f(t, y)`, by Newton's method; a correction that makes the residual larger is halved.
 fn implicit<S, const D: usize, const M: usize>(
     system: &S,
     t: f64,
@@ -101,40 +108,58 @@ fn implicit<S, const D: usize, const M: usize>(
 where
     S: Sde<D, M> + ?Sized,
 {
-    let largest = |x: &[f64; D]| x.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    let (mut y, mut last, mut limit) = (*guess, f64::INFINITY, 0.0);
+    let (mut y, mut correction) = (*guess, [0.0; D]);
+    let (mut least, mut last, mut limit) = (f64::INFINITY, f64::INFINITY, 0.0);
     for _ in 0..StochasticTheta::MAX_ITERATIONS {
         let drift = system.drift(t, &y);
         let residual = std::array::from_fn(|i| known[i] + tau * drift[i] - y[i]);
-        let mut jacobian = [[0.0; D]; D];
-        for j in 0..D {
-            let mut moved = y;
-            moved[j] += f64::EPSILON.sqrt() * y[j].abs().max(1.0);
-            let length = moved[j] - y[j];
-            let drift_moved = system.drift(t, &moved);
+        let size = largest(&residual);
+        if size.is_nan() || size > least {
             for i in 0..D {
-                let slope = (drift_moved[i] - drift[i]) / length;
-                jacobian[i][j] = f64::from(u8::from(i == j)) - tau * slope;
+                correction[i] *= 0.5;
+                y[i] -= correction[i];
             }
+            continue;
         }
-        let correction = solve(jacobian, residual)?;
+        least = size;
+        let jacobian = implicit_jacobian(system, t, tau, &y, &drift);
+        correction = solve(jacobian, residual)?;
         for i in 0..D {
             y[i] += correction[i];
         }
-        last = correction
-            .iter()
-            .map(|c| c.abs())
-            .fold(0.0, |a: f64, b| if b > a || b.is_nan() { b } else { a });
+        last = largest(&correction);
         limit = StochasticTheta::TOLERANCE * largest(&y).max(largest(known));
         if last <= limit {
             return Ok(y);
         }
     }
-    Err(StepError::NotConverged {
-        iterations: StochasticTheta::MAX_ITERATIONS,
-        residual: last,
-        limit,
-    })
+    let iterations = StochasticTheta::MAX_ITERATIONS;
+    Err(StepError::NotConverged { iterations, residual: last, limit })
+}
+
+/// `1 - tau f'` by forward differences.
+fn implicit_jacobian<S, const D: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    tau: f64,
+    y: &[f64; D],
+    drift: &[f64; D],
+) -> [[f64; D]; D]
+where
+    S: Sde<D, M> + ?Sized,
+{
+    let mut jacobian = [[0.0; D]; D];
+    for j in 0..D {
+        let mut moved = *y;
+        moved[j] += f64::EPSILON.sqrt() * y[j].abs().max(1.0);
+        let length = moved[j] - y[j];
+        let drift_moved = system.drift(t, &moved);
+        for i in 0..D {
+            let slope = (drift_moved[i] - drift[i]) / length;
+            jacobian[i][j] = f64::from(u8::from(i == j)) - tau * slope;
+        }
+    }
+    jacobian
 }
 
 #[cfg(test)]
@@ -169,7 +194,7 @@ mod tests {
         assert!(
             matches!(
                 error,
-                StepError::NotConverged { iterations: 30, .. } | StepError::Singular { .. }
+                StepError::NotConverged { iterations: 50, .. } | StepError::Singular { .. }
             ),
             "{error}"
         );

@@ -4,4 +4,5 @@ pub(crate) mod explosion;
 pub(crate) mod mean_square;
 pub(crate) mod orders;
 pub(crate) mod oscillator_bias;
+pub(crate) mod oscillator_limits;
 pub(crate) mod stationary;

@@ -36,17 +36,25 @@ where
         method.step(system, 0.0, dt, &dw, &mut x, &mut memory)?;
         Ok((x.to_vec(), read(&x, &memory).to_vec()))
     };
-    let unit = |j: usize| std::array::from_fn(|i| f64::from(u8::from(i == j)));
-    let columns = (0..D).map(|j| image(unit(j), 0.0, 0.0)).collect::<Result<Vec<_>, _>>()?;
-    let (by_w, by_h) = (image([0.0; D], 1.0, 0.0)?, image([0.0; D], 0.0, 1.0)?);
-    let (state, memory): (Matrix, Matrix) = columns.into_iter().unzip();
-    Ok((
-        StepMap { a: transpose(&state), by_w: by_w.0, by_h: by_h.0 },
-        StepMap { a: transpose(&memory), by_w: by_w.1, by_h: by_h.1 },
-    ))
+    let state = StepMap::of(|x, w, h| Ok(image(x, w, h)?.0))?;
+    let memory = StepMap::of(|x, w, h| Ok(image(x, w, h)?.1))?;
+    Ok((state, memory))
 }
 
 impl StepMap {
+    /// The map of a function of state, `w` and `H` that is linear in all of them.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn of<E, const D: usize>(
+        image: impl Fn([f64; D], f64, f64) -> Result<Vec<f64>, E>,
+    ) -> Result<Self, E> {
+        let unit = |j: usize| std::array::from_fn(|i| f64::from(u8::from(i == j)));
+        let columns: Matrix = (0..D).map(|j| image(unit(j), 0.0, 0.0)).collect::<Result<_, _>>()?;
+        let (by_w, by_h) = (image([0.0; D], 1.0, 0.0)?, image([0.0; D], 0.0, 1.0)?);
+        Ok(Self { a: transpose(&columns), by_w, by_h })
+    }
+
     /// `a P a^T` and the covariance that the noise of one step of length `dt` adds.
     #[must_use]
     pub fn covariance(&self, p: &Matrix, dt: f64) -> Matrix {

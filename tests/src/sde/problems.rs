@@ -21,14 +21,15 @@ impl Sde<1, 1> for Sine {
     }
 }
 
-/// `dX = (b/sqrt(1 + t) - X/(2 (1 + t))) dt + a b/sqrt(1 + t) dW` with `a = 0.1`, `b = 0.05`: noise that changes in
-/// time. `X_t = X_0/sqrt(1 + t) + b (t + a W_t)/sqrt(1 + t)`. From the SciML collection (`prob_sde_additive`).
+/// `dX = (b/sqrt(1 + t) - X/(2 (1 + t))) dt + a b/sqrt(1 + t) dW` with `a = 0.8`, `b = 1`: noise that changes in
+/// time. `X_t = X_0/sqrt(1 + t) + b (t + a W_t)/sqrt(1 + t)`. From the SciML collection (`prob_sde_additive`), with more noise: there
+/// `a = 0.1`, `b = 0.05`, and the order without noise is what one sees.
 #[derive(Debug, Clone, Copy)]
 pub struct Ageing;
 
 impl Ageing {
-    const A: f64 = 0.1;
-    const B: f64 = 0.05;
+    const A: f64 = 0.8;
+    const B: f64 = 1.0;
 
     /// The solution for a given path.
     #[must_use]
@@ -98,13 +99,12 @@ impl DiagonalSde<1> for HyperbolicSine {
     }
 }
 
-/// Two populations, `dX_1 = (X_1 - X_1 X_2) dt + 0.3 X_1 dB_1`, `dX_2 = (X_1 X_2 - X_2) dt + 0.2 X_2 dB_2`: diagonal
+/// Two populations, `dX_1 = (X_1 - X_1 X_2) dt + s_1 X_1 dB_1`, `dX_2 = (X_1 X_2 - X_2) dt + s_2 X_2 dB_2`: diagonal
 /// noise in two states that the drift couples.
 #[derive(Debug, Clone, Copy)]
-pub struct Populations;
-
-impl Populations {
-    const INTENSITY: [f64; 2] = [0.3, 0.2];
+pub struct Populations {
+    /// `s_1` and `s_2`.
+    pub intensity: [f64; 2],
 }
 
 impl DiagonalSde<2> for Populations {
@@ -113,11 +113,11 @@ impl DiagonalSde<2> for Populations {
     }
 
     fn intensity(&self, _: f64, x: &[f64; 2]) -> [f64; 2] {
-        [Self::INTENSITY[0] * x[0], Self::INTENSITY[1] * x[1]]
+        [self.intensity[0] * x[0], self.intensity[1] * x[1]]
     }
 
     fn intensity_derivative(&self, _: f64, _: &[f64; 2]) -> [f64; 2] {
-        Self::INTENSITY
+        self.intensity
     }
 }
 

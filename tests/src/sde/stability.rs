@@ -134,6 +134,14 @@ pub fn boundary(ray: f64, factor: &Factor<'_>) -> Result<Option<f64>, CaseError>
     Ok(first_crossing(|size| amplification(&system, size, factor))?)
 }
 
+/// The boundary of the method that a formula belongs to, by quadrature.
+///
+/// # Errors
+/// As [`boundary`].
+pub fn measured_boundary(ray: f64, formula: Formula) -> Result<Option<f64>, CaseError> {
+    first_crossing(|size| amplification_of(formula, -1.0, (2.0 * ray).sqrt(), size))
+}
+
 /// The same by formula.
 #[must_use]
 pub fn formula_boundary(ray: f64, formula: Formula) -> Option<f64> {

@@ -70,7 +70,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// Without noise `|x|` grows where `|1 - h x^2| > 1`: from 0.99 of the edge the state decays, from 1.01 it leaves.
 fn edge_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
-    for dt in [0.2, 0.05, 0.005] {
+    for dt in [0.2_f64, 0.05, 0.005] {
         for (share, stays) in [(0.99, true), (1.01, false)] {
             let mut x = [share * (2.0 / dt).sqrt()];
             for _ in 0..1000 {

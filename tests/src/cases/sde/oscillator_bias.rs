@@ -103,7 +103,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         method("strang-oscillator", "Strang", StrangOscillator, none),
     ];
     let n_paths = match context.profile {
-        Profile::Quick => 3200,
+        Profile::Quick => 2560,
         Profile::Default => 16_000,
         Profile::Full => 80_000,
     };

@@ -34,6 +34,7 @@ pub const ALL: &[Case] = &[
     sde::mean_square::CASE,
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
+    sde::fields::CASE,
 ];
 
 #[cfg(test)]

@@ -9,4 +9,5 @@ pub mod methods;
 pub mod orders;
 pub mod problems;
 pub mod quadrature;
+pub mod reference;
 pub mod stability;

@@ -29,8 +29,8 @@ use crate::system::SecondOrder;
 /// Cost: two flows of `r` and one intensity per step.
 ///
 /// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling
-/// [@leimkuhler2013]. Reporting the velocity of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
-/// efficient thermostat scheme for the canonical ensemble [@zhang2019].
+///. Reporting the velocity of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
+/// efficient thermostat scheme for the canonical ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Baoab;
 

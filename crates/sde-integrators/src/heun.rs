@@ -9,8 +9,8 @@ use crate::stratonovich::StratonovichSde;
 /// Heun's method: an Euler step as predictor, then drift and noise averaged over both ends.
 ///
 /// $$ \bar X = X_n + h f(t_n, X_n) + g(t_n, X_n) w, $$
-/// $$ X_{n+1} = X_n + \frac h2 \left(f(t_n, X_n) + f(t_{n+1}, \bar X)\right)
-///    + \frac12 \left(g(t_n, X_n) + g(t_{n+1}, \bar X)\right) w $$
+/// $$ X_{n+1} = X_n + \frac h2 \left(f(t_n, X_n) + f(t_{n+1}, \bar X)\right) +
+///    \frac12 \left(g(t_n, X_n) + g(t_{n+1}, \bar X)\right) w $$
 ///
 /// Solves `dX = f dt + g o dB` in the sense of Stratonovich. Symbols: `h` = `dt`, `w` = `dw.brownian`.
 ///
@@ -21,7 +21,7 @@ use crate::stratonovich::StratonovichSde;
 /// `z = (l - m^2/2) h + m w`: between Euler-Maruyama and Milstein for little noise, beyond both for much. For a lightly
 /// damped oscillator about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
 ///
-/// Source: Rümelin 1982 [@ruemelin1982]; Kloeden and Platen 1992, section
+/// Source: Rümelin 1982, Numerical treatment of stochastic differential equations; Kloeden and Platen 1992, section
 /// 15.5.
 ///
 /// An Ito equation with noise that depends on the state does not compile:

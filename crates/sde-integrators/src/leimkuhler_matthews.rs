@@ -21,7 +21,7 @@ use crate::system::{Additive, Sde};
 /// Stable for: as [`EulerMaruyama`](crate::EulerMaruyama), `|1 + h l| < 1` with every eigenvalue `l` of the drift.
 ///
 /// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling,
-/// eq 7 [@leimkuhler2013].
+/// eq 7.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeimkuhlerMatthews;
 

@@ -18,7 +18,7 @@ use crate::noise::Increment;
 /// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + l h)^2 + q + q^2/2 < 1` with `q = m^2 h`. That
 /// is less than Euler-Maruyama: it is more accurate on a path and yet explodes sooner.
 ///
-/// Source: Milstein 1975 [@milstein1975]; Kloeden and Platen 1992,
+/// Source: Milstein 1975, Approximate integration of stochastic differential equations; Kloeden and Platen 1992,
 /// eq 10.3.12.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Milstein;

@@ -10,8 +10,8 @@ use crate::system::{Additive, Sde};
 ///
 /// $$ Z = X_n + g H, \quad k_1 = f(t_n, Z), \quad
 ///    k_2 = f\left(t_n + \tfrac56 h, Z + \tfrac56 (h k_1 + g w)\right), $$
-/// $$ X_{n+1} = X_n + h \left(\tfrac25 k_1 + \tfrac35 k_2\right) + g w
-///    + (g(t_{n+1}) - g(t_n)) \left(\tfrac12 w - H\right) $$
+/// $$ X_{n+1} = X_n + h \left(\tfrac25 k_1 + \tfrac35 k_2\right) + g w +
+///    (g(t_{n+1}) - g(t_n)) \left(\tfrac12 w - H\right) $$
 ///
 /// with `g = g(t_n)`. The last term is what the source leaves to the case of constant noise: the integral of a `g` that
 /// is linear over the step. Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`,
@@ -23,7 +23,7 @@ use crate::system::{Additive, Sde};
 /// up to about `(8 xi)^(1/3)`.
 ///
 /// Source: Foster, dos Reis and Strange 2024, High order splitting methods for SDEs satisfying a commutativity
-/// condition, eq 6.1 [@foster2024].
+/// condition, eq 6.1.
 ///
 /// Noise that depends on the state does not compile:
 ///

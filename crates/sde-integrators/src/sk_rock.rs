@@ -29,7 +29,7 @@ use crate::system::Sde;
 /// Cost: `s` drifts and one noise per step.
 ///
 /// Source: Abdulle, Almuslimani and Vilmart 2018, Optimal explicit stabilized integrator of weak order 1 for stiff and
-/// ergodic stochastic differential equations, eq 2.4 [@abdulle2018].
+/// ergodic stochastic differential equations, eq 2.4.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkRock {
     stages: Vec<Stage>,

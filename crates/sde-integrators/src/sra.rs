@@ -8,11 +8,11 @@ use crate::system::{Additive, Sde};
 /// The coefficients of a method with `S` stages.
 ///
 /// $$ H_i = X_n + h \sum_j A^0_{ij} f(t_n + c^0_j h, H_j) + \frac Ih \sum_j B^0_{ij} g(t_n + c^1_j h), $$
-/// $$ X_{n+1} = X_n + h \sum_i a_i f(t_n + c^0_i h, H_i)
-///    + \sum_i \left(b^1_i w + b^2_i \frac Ih\right) g(t_n + c^1_i h), \quad I = h \left(\tfrac12 w + H\right) $$
+/// $$ X_{n+1} = X_n + h \sum_i a_i f(t_n + c^0_i h, H_i) +
+///    \sum_i \left(b^1_i w + b^2_i \frac Ih\right) g(t_n + c^1_i h), \quad I = h \left(\tfrac12 w + H\right) $$
 ///
 /// Source: Rößler 2010, Runge-Kutta methods for the strong approximation of solutions of stochastic differential
-/// equations, eq 5.1 and theorem 5.1 [@roessler2010].
+/// equations, eq 5.1 and theorem 5.1.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tableau<const S: usize> {
     pub(crate) a: [f64; S],

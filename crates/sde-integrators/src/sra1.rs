@@ -5,8 +5,8 @@ use crate::sra::{Tableau, integrate_by_tableau};
 /// Rößler's SRA1, for additive noise: the method that others are measured by.
 ///
 /// $$ H_2 = X_n + \tfrac34 h f(t_n, X_n) + \tfrac32 \frac Ih g(t_{n+1}), \qquad I = h \left(\tfrac12 w + H\right), $$
-/// $$ X_{n+1} = X_n + h \left(\tfrac13 f(t_n, X_n) + \tfrac23 f(t_n + \tfrac34 h, H_2)\right)
-///    + g(t_{n+1}) w + (g(t_n) - g(t_{n+1})) \frac Ih $$
+/// $$ X_{n+1} = X_n + h \left(\tfrac13 f(t_n, X_n) + \tfrac23 f(t_n + \tfrac34 h, H_2)\right) +
+///    g(t_{n+1}) w + (g(t_n) - g(t_{n+1})) \frac Ih $$
 ///
 /// Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`, `w` = `dw.brownian`, `H` =
 /// `dw.space_time_area`.
@@ -16,7 +16,7 @@ use crate::sra::{Tableau, integrate_by_tableau};
 /// Stable for: as Heun without noise, `|1 + z + z^2/2| < 1` with `z = h l`; a lightly damped oscillator for `h omega`
 /// up to about `(8 xi)^(1/3)`.
 ///
-/// Source: Rößler 2010, table 6.1 [@roessler2010]. Its conditions of order are tested, and that no coefficient can be
+/// Source: Rößler 2010, table 6.1. Its conditions of order are tested, and that no coefficient can be
 /// changed without breaking one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sra1;

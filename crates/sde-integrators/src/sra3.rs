@@ -5,10 +5,10 @@ use crate::sra::{Tableau, integrate_by_tableau};
 /// Rößler's SRA3, for additive noise that is small.
 ///
 /// $$ H_2 = X_n + h f(t_n, X_n), \qquad
-///    H_3 = X_n + \tfrac14 h \left(f(t_n, X_n) + f(t_{n+1}, H_2)\right)
-///    + \frac Ih \left(g(t_{n+1}) + \tfrac12 g(t_n)\right), $$
-/// $$ X_{n+1} = X_n + \tfrac16 h \left(f(t_n, X_n) + f(t_{n+1}, H_2) + 4 f(t_n + \tfrac12 h, H_3)\right)
-///    + g(t_{n+1}) w + (g(t_n) - g(t_{n+1})) \frac Ih $$
+///    H_3 = X_n + \tfrac14 h \left(f(t_n, X_n) + f(t_{n+1}, H_2)\right) +
+///    \frac Ih \left(g(t_{n+1}) + \tfrac12 g(t_n)\right), $$
+/// $$ X_{n+1} = X_n + \tfrac16 h \left(f(t_n, X_n) + f(t_{n+1}, H_2) + 4 f(t_n + \tfrac12 h, H_3)\right) +
+///    g(t_{n+1}) w + (g(t_n) - g(t_{n+1})) \frac Ih $$
 ///
 /// with `I = h (w/2 + H)`. Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`, `w` =
 /// `dw.brownian`, `H` = `dw.space_time_area`.
@@ -17,7 +17,7 @@ use crate::sra::{Tableau, integrate_by_tableau};
 ///
 /// Stable for: `|1 + z + z^2/2 + z^3/6| < 1` with `z = h l`; an undamped oscillator for `h omega < sqrt(3)`.
 ///
-/// Source: Rößler 2010, table 6.3 [@roessler2010]. One published implementation has the sign of `b2` wrong, which
+/// Source: Rößler 2010, table 6.3. One published implementation has the sign of `b2` wrong, which
 /// lowers the order to 1 where the noise changes in time; the test of the conditions knows that mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sra3;

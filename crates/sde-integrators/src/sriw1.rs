@@ -7,11 +7,11 @@ use crate::noise::Increment;
 
 /// Rößler's SRIW1, for diagonal noise.
 ///
-/// $$ H^0_i = X_n + h \sum_j A^0_{ij} f(t_n + c^0_j h, H^0_j)
-///    + \frac{I_{10}}h \sum_j B^0_{ij} b(t_n + c^1_j h, H^1_j), $$
+/// $$ H^0_i = X_n + h \sum_j A^0_{ij} f(t_n + c^0_j h, H^0_j) +
+///    \frac{I_{10}}h \sum_j B^0_{ij} b(t_n + c^1_j h, H^1_j), $$
 /// $$ H^1_i = X_n + h \sum_j A^1_{ij} f(t_n + c^0_j h, H^0_j) + \sqrt h \sum_j B^1_{ij} b(t_n + c^1_j h, H^1_j), $$
-/// $$ X_{n+1} = X_n + h \sum_i a_i f(t_n + c^0_i h, H^0_i) + \sum_i \left(b^1_i w + b^2_i \frac{I_{11}}{\sqrt h}
-///    + b^3_i \frac{I_{10}}h + b^4_i \frac{I_{111}}h\right) b(t_n + c^1_i h, H^1_i), $$
+/// $$ X_{n+1} = X_n + h \sum_i a_i f(t_n + c^0_i h, H^0_i) + \sum_i \left(b^1_i w + b^2_i \frac{I_{11}}{\sqrt h} +
+///    b^3_i \frac{I_{10}}h + b^4_i \frac{I_{111}}h\right) b(t_n + c^1_i h, H^1_i), $$
 ///
 /// per state, with `I11 = (w^2 - h)/2`, `I10 = h (w/2 + H)` and `I111 = (w^3 - 3 h w)/6`. Solves
 /// `dX_i = f_i dt + b_i(t, X_i) dB_i` in the sense of Ito. Symbols: `h` = `dt`, `w` = `dw.brownian`, `H` =
@@ -24,7 +24,7 @@ use crate::noise::Increment;
 ///
 /// Cost: two drifts and four intensities per step.
 ///
-/// Source: Rößler 2010, table 6.2 [@roessler2010].
+/// Source: Rößler 2010, table 6.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sriw1;
 

@@ -20,7 +20,7 @@ use crate::system::Sde;
 /// Stable for: a drift that is one-sided Lipschitz and of polynomial growth keeps its moments at every `h`.
 ///
 /// Source: Hutzenthaler, Jentzen and Kloeden 2012, Strong convergence of an explicit numerical method for SDEs with
-/// nonglobally Lipschitz continuous coefficients, eq 4 [@hutzenthaler2012].
+/// nonglobally Lipschitz continuous coefficients, eq 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TamedEuler;
 

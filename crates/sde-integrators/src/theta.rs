@@ -27,7 +27,7 @@ use crate::system::Sde;
 /// Cost: per step one noise, and per iteration `D + 1` drifts.
 ///
 /// Sources: Kloeden and Platen 1992, eq 12.2.2; stability: Higham 2000, Mean-square and asymptotic stability of the
-/// stochastic theta method [@higham2000].
+/// stochastic theta method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StochasticTheta {
     theta: f64,

@@ -67,16 +67,21 @@ where
     I: FieldIntegrator,
     I: Integrator<Chain<DiagonalFactor>, 3, 3>,
 {
-    let small = Chain { factor: DiagonalFactor::new(vec![1.0; 3]).unwrap(), rows: L };
+    let small = Chain {
+        factor: DiagonalFactor::new(vec![1.0; 3]).expect("a path of finite states"),
+        rows: L,
+    };
     let field = Chain { factor, rows: L };
     let (noise, dt, start) = (Noise::new(9), 0.05, [0.4, -0.2, 0.1]);
-    let mut path = FieldPath::new(&field, method, &noise, 3, start.to_vec()).unwrap();
+    let mut path =
+        FieldPath::new(&field, method, &noise, 3, start.to_vec()).expect("a path of finite states");
     let (mut increments, mut x) = (noise.path::<3>(3), start);
     let mut memory = <I as Integrator<Chain<DiagonalFactor>, 3, 3>>::Memory::default();
     for _ in 0..50 {
         let dw = increments.next_increment(dt);
-        Integrator::step(method, &small, path.time(), dt, &dw, &mut x, &mut memory).unwrap();
-        path.step(dt).unwrap();
+        Integrator::step(method, &small, path.time(), dt, &dw, &mut x, &mut memory)
+            .expect("a path of finite states");
+        path.step(dt).expect("a path of finite states");
     }
     for (a, b) in path.state().iter().zip(x) {
         assert!((a - b).abs() < 1e-13 && b.abs() > 1e-3, "{name}: {a} and {b}");

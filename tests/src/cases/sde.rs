@@ -1,6 +1,7 @@
 //! What is claimed of the methods of `sde-integrators`.
 
 pub(crate) mod explosion;
+pub(crate) mod fields;
 pub(crate) mod mean_square;
 pub(crate) mod orders;
 pub(crate) mod oscillator_bias;

@@ -35,6 +35,9 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
+/// A scalar loop of Euler's method over one path: from normals, the number of steps and their length to a state.
+type Rival<'a> = dyn Fn(&mut dyn FnMut() -> f64, usize, f64) -> f64 + 'a;
+
 /// A problem and how finely it is looked at.
 struct Problem<'a, S, const D: usize, const M: usize> {
     name: &'a str,
@@ -44,8 +47,7 @@ struct Problem<'a, S, const D: usize, const M: usize> {
     strong: Study,
     weak: Study,
     observable: (&'a str, fn(&[f64; D]) -> f64),
-    /// A scalar loop of Euler's method: steps and step length to the end of one path.
-    rival: Option<&'a dyn Fn(&mut dyn FnMut() -> f64, usize, f64) -> f64>,
+    rival: Option<&'a Rival<'a>>,
 }
 
 fn paths(context: &Context<'_>, default: u64) -> u64 {
@@ -220,7 +222,11 @@ where
             series.push(Series { name: "rival: scalar Euler loop".into(), runs });
         }
         let words = Words {
-            title: format!("{} error against cost", if kind == "strong" { "Strong" } else { "Weak" }),
+            title: if kind == "strong" {
+                "Strong error against cost".into()
+            } else {
+                format!("Weak error of {what} against cost")
+            },
             subtitle: problem.equation.into(),
             x_label: "CPU time per path, noise included (µs)".into(),
             y_label: y_label.into(),
@@ -229,7 +235,7 @@ where
                     "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
                     study.n_paths
                 ),
-                "The rival takes ChaCha8 and StandardNormal in turn; its error is that of Euler-Maruyama. Labels: steps.".into(),
+                "The rival takes one StandardNormal of ChaCha8 per step, the methods w and H; its error is that of Euler-Maruyama. Labels: steps.".into(),
                 Machine::read().caption(),
             ],
         };
@@ -244,6 +250,7 @@ where
 }
 
 fn runs(errors: &Errors, costs: &[(usize, f64, f64)]) -> Vec<Run> {
+    let ends = [costs.first(), costs.last()].map(|end| end.map_or(0, |cost| cost.0));
     errors
         .levels
         .iter()
@@ -259,7 +266,7 @@ fn runs(errors: &Errors, costs: &[(usize, f64, f64)]) -> Vec<Run> {
             } else {
                 RunOutcome::Failed { reason: format!("error {}", level.error.value) }
             },
-            label: Some(n_steps.to_string()),
+            label: ends.contains(&n_steps).then(|| n_steps.to_string()),
         })
         .collect()
 }
@@ -307,10 +314,7 @@ fn costs<S, const D: usize, const M: usize>(
         .collect()
 }
 
-fn rival_costs(
-    rival: &dyn Fn(&mut dyn FnMut() -> f64, usize, f64) -> f64,
-    study: &Study,
-) -> Vec<(usize, f64, f64)> {
+fn rival_costs(rival: &Rival<'_>, study: &Study) -> Vec<(usize, f64, f64)> {
     let mut generator = ChaCha8Rng::seed_from_u64(1);
     let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
     (0..study.n_levels)

@@ -219,8 +219,8 @@ fn errors(steps: &[f64], batches: &[Vec<f64>], of: impl Fn(f64) -> f64) -> Error
             4.0 * standard_error.unwrap_or(0.0) < value.abs()
         })
         .collect();
-    let sign = usable.first().map_or(1.0, |&k| levels[k].error.value.signum());
-    let one_sided = usable.iter().all(|&k| levels[k].error.value.signum() == sign);
+    let positive = |&k: &usize| levels[k].error.value > 0.0;
+    let one_sided = usable.iter().all(positive) || !usable.iter().any(positive);
     let slope = |error: &dyn Fn(usize) -> f64| {
         let points: Vec<(f64, f64)> = usable.iter().map(|&k| (steps[k], error(k))).collect();
         order::fit(&points).ok()

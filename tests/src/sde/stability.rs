@@ -44,17 +44,23 @@ impl Formula {
                 1.0 + 2.0 * a + 2.0 * second + third + 0.25 * fourth
             }
             Self::SkRock(n_stages) => {
-                let s = n_stages as f64;
-                let w_0 = 1.0 + SkRock::DAMPING / (s * s);
-                // T_s' = s U_{s-1}
-                let w_1 = chebyshev(s, w_0).0 / (s * chebyshev(s, w_0).1);
-                let x = w_0 + w_1 * p;
-                let a = chebyshev(s, x).0 / chebyshev(s, w_0).0;
-                let b = chebyshev(s, x).1 / chebyshev(s, w_0).1 * (1.0 + 0.5 * w_1 * p);
+                let (a, b) = sk_rock_factors(n_stages, p);
                 a * a + b * b * q
             }
         }
     }
+}
+
+/// `A` and `B` of SK-ROCK at `p = l h`: on `dX = l X dt + g dB` a step is `A x + B g w`.
+#[must_use]
+pub fn sk_rock_factors(n_stages: u64, p: f64) -> (f64, f64) {
+    let s = n_stages as f64;
+    let w_0 = 1.0 + SkRock::DAMPING / (s * s);
+    // T_s' = s U_{s-1}
+    let w_1 = chebyshev(s, w_0).0 / (s * chebyshev(s, w_0).1);
+    let x = w_0 + w_1 * p;
+    let a = chebyshev(s, x).0 / chebyshev(s, w_0).0;
+    (a, chebyshev(s, x).1 / chebyshev(s, w_0).1 * (1.0 + 0.5 * w_1 * p))
 }
 
 /// `T_s(x)` and `U_{s-1}(x)` by their trigonometric and hyperbolic forms.

@@ -10,44 +10,28 @@ use crate::claim::{Criterion, Measured, Reference};
 use crate::report::{Claim, ErrorKind};
 use crate::sde::explosion::departures;
 use crate::sde::problems::Cubic;
+use crate::sde::reference::Explosion as Survey;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/explosion",
     title: "explosion of Euler-Maruyama on -X^3: the edge sqrt(2/h) without noise, fractions of paths with noise",
-    source: "derived/sde/failure_thresholds.txt, an independent code with 10,000 paths",
+    source: "derived/sde/explosion.json, an independent code with 10,000 paths",
     cost: Profile::Quick,
     run,
 };
 
-/// (sigma, h, fraction beyond 1e10 within 20 units of time)
-const SURVEY: [(f64, f64, f64); 12] = [
-    (1.0, 0.2, 0.0),
-    (2.0, 0.2, 0.2382),
-    (2.0, 0.1, 0.0),
-    (4.0, 0.2, 1.0),
-    (4.0, 0.1, 0.4288),
-    (4.0, 0.05, 0.0),
-    (4.0, 0.02, 0.0),
-    (8.0, 0.2, 1.0),
-    (8.0, 0.1, 1.0),
-    (8.0, 0.05, 0.6783),
-    (8.0, 0.02, 0.0),
-    (8.0, 0.01, 0.0),
-];
-const PATHS: u64 = 10_000;
-const END: f64 = 20.0;
-
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = edge_claims(context)?;
-    for (sigma, dt, published) in SURVEY {
+    let survey = Survey::read()?;
+    for (sigma, dt, published) in survey.rows {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2000 at most")]
-        let n_steps = (END / dt).round() as u64;
+        let n_steps = (survey.end / dt).round() as u64;
         let system = Cubic { intensity: sigma };
-        let left = departures(system, (41, PATHS), (dt, n_steps), 1e10)?.len();
-        let fraction = left as f64 / PATHS as f64;
+        let left = departures(system, (41, survey.paths), (dt, n_steps), 1e10)?.len();
+        let fraction = left as f64 / survey.paths as f64;
         // For none or all of n paths the rule of three stands for three standard errors.
         let error = |p: f64| {
-            let n = PATHS as f64;
+            let n = survey.paths as f64;
             if p * (1.0 - p) > 0.0 { (p * (1.0 - p) / n).sqrt() } else { 1.0 / n }
         };
         let subject = context.subject(
@@ -104,11 +88,10 @@ fn error_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let system = Cubic { intensity: 4.0 };
     let left = departures(system, (seed, 64), (dt, 200), f64::MAX)?;
     let first = left.first().ok_or("no path leaves")?;
-    let config = EnsembleConfig { seed, n_paths: 64, dt, times: vec![END] };
+    let config = EnsembleConfig { seed, n_paths: 64, dt, times: vec![20.0] };
     let observables = [Observable::Mean(&|_, x: &[f64; 1]| x[0])];
-    let error = match simulate(&system, &EulerMaruyama, &[0.0], &config, &observables) {
-        Ok(_) => return Err("an ensemble with exploding paths gave a result".into()),
-        Err(error) => error,
+    let Err(error) = simulate(&system, &EulerMaruyama, &[0.0], &config, &observables) else {
+        return Err("an ensemble with exploding paths gave a result".into());
     };
     let Error::NonFiniteState { realisation, steps, t, .. } = error else {
         return Err(format!("not the error expected: {error}").into());

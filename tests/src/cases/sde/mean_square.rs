@@ -9,6 +9,7 @@ use crate::case::{Case, CaseError, Context, Profile};
 use crate::claim::{Criterion, Measured, Reference};
 use crate::report::{Claim, ErrorKind};
 use crate::sde::problems::Geometric;
+use crate::sde::reference::MeanSquare;
 use crate::sde::stability::{Formula, boundary, formula_boundary};
 
 pub(crate) const CASE: Case = Case {
@@ -19,22 +20,11 @@ pub(crate) const CASE: Case = Case {
     run,
 };
 
-/// `m^2 h / (2 |l| h)`: zero is no noise, one the edge of the stability of the equation itself.
-const RAYS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 0.9];
-/// What an independent script found on a grid of 0.3 %: Euler-Maruyama, Milstein, Heun, ray by ray.
-const SURVEY: [(&str, [f64; 5]); 3] = [
-    ("euler-maruyama", [2.0029, 1.5029, 1.0013, 0.50058, 0.20016]),
-    ("milstein", [2.0029, 1.3344, 0.66711, 0.23546, 0.076405]),
-    ("heun", [2.0029, 1.1278, 0.71728, 0.45225, 0.31746]),
-];
-/// The same for SK-ROCK without noise.
-const SK_ROCK_SURVEY: [(u64, f64); 4] =
-    [(3, 17.493975), (5, 48.462469), (10, 193.698779), (20, 774.547173)];
-
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let theta = StochasticTheta::new(0.25)?;
     let mut claims = Vec::new();
-    for ray in RAYS {
+    let survey = MeanSquare::read()?;
+    for (k, &ray) in survey.rays.iter().enumerate() {
         let rows: [(&str, Measured, Formula); 4] = [
             ("euler-maruyama", on_ray(ray, &EulerMaruyama)?, Formula::Theta(0.0)),
             ("milstein", on_ray(ray, &Milstein)?, Formula::Milstein),
@@ -43,16 +33,20 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ];
         for (id, measured, formula) in rows {
             claims.push(boundary_claim(context, id, ray, measured, formula)?);
-            let published = SURVEY.iter().find(|row| row.0 == id).map(|row| row.1);
-            let ray_index = RAYS.iter().position(|&r| r.to_bits() == ray.to_bits());
-            if let (Some(values), Some(k)) = (published, ray_index) {
-                claims.push(survey_claim(context, id, ray, measured, values[k]));
+            let published = match id {
+                "euler-maruyama" => survey.euler_maruyama.get(k),
+                "milstein" => survey.milstein.get(k),
+                "heun" => survey.heun.get(k),
+                _ => None,
+            };
+            if let Some(&published) = published {
+                claims.push(survey_claim(context, id, ray, measured, published));
             }
         }
     }
-    for (n_stages, published) in SK_ROCK_SURVEY {
+    for (n_stages, without_noise, with_noise) in survey.sk_rock {
         let method = SkRock::new(n_stages)?;
-        for ray in [0.0, 0.999] {
+        for (ray, published) in [(0.0, without_noise), (0.999, with_noise)] {
             let id = format!("sk-rock-{n_stages}");
             let measured = on_ray(ray, &method)?;
             let formula = Formula::SkRock(n_stages);

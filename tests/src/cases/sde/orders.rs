@@ -51,6 +51,8 @@ const WEAK: Tolerance = Tolerance {
 };
 
 const NOISE_FREE: f64 = 0.12;
+/// Steps of the reference without noise: 64 times the finest level, so that its error is below 1e-3 of it.
+const FINE: usize = 1 << 15;
 
 /// The claims of a table on one problem, strong and weak.
 fn order_claims<S, const D: usize, const M: usize>(
@@ -142,9 +144,7 @@ fn run_additive(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         Some(&strong.methods),
         Some((&weak.methods, &names)),
     );
-    let n = 1 << 15;
-    let exact =
-        follow(&Sine, &Sra3, start, 1.0 / f64::from(n), &vec![Increment::ZERO; n as usize])?;
+    let exact = follow(&Sine, &Sra3, start, 1.0 / FINE as f64, &vec![Increment::ZERO; FINE])?;
     claims.extend(noise_free_claims(context, "sine", (&Sine, start, 1.0), &methods, exact)?);
     claims.extend(ageing_claims(context)?);
     Ok(claims)
@@ -217,11 +217,9 @@ fn run_diagonal(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let outcomes = measure(&study, (&system, start), &coupled, &reference, &[])?;
     claims.extend(order_claims(context, "populations", &coupled, Some(&outcomes.methods), None));
-    let n = 1 << 15;
-    let fine = vec![Increment::ZERO; n as usize];
     // Without noise the terms that are left of it at zero increments, such as b b' h/2, must vanish too.
     let system = DiagonalNoise(Populations { intensity: [0.0; 2] });
-    let exact = follow(&system, &Sriw1, start, 1.0 / f64::from(n), &fine)?;
+    let exact = follow(&system, &Sriw1, start, 1.0 / FINE as f64, &vec![Increment::ZERO; FINE])?;
     claims.extend(noise_free_claims(
         context,
         "populations",
@@ -313,9 +311,7 @@ fn run_second_order(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         Some(&outcomes.methods),
         Some((&outcomes.methods, &["second-moment-q"])),
     );
-    let n = 1 << 15;
-    let fine = vec![Increment::ZERO; n as usize];
-    let exact = follow(&system, &Sra3, start, 2.0 / f64::from(n), &fine)?;
+    let exact = follow(&system, &Sra3, start, 2.0 / FINE as f64, &vec![Increment::ZERO; FINE])?;
     claims.extend(noise_free_claims(context, "duffing", (&system, start, 2.0), &methods, exact)?);
     claims.extend(linear_claims(context)?);
     Ok(claims)
@@ -323,8 +319,8 @@ fn run_second_order(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 /// `E[q^2]` of a linear oscillator that starts from rest, by the moments of one step: no sampling.
 ///
-/// $$ E q^2 = \frac{s^2}{4 \xi \omega^3} \left(1 - e^{-2 \xi \omega t} \left(1 + \frac{\xi\omega}{\omega_d} \sin 2 \omega_d t
-///    + 2 \frac{\xi^2\omega^2}{\omega_d^2} \sin^2 \omega_d t\right)\right) $$
+/// $$ E q^2 = \frac{s^2}{4 \xi \omega^3} \left(1 - e^{-2 \xi \omega t} \left(1 + \frac{\xi\omega}{\omega_d} \sin 2 \omega_d t +
+///    2 \frac{\xi^2\omega^2}{\omega_d^2} \sin^2 \omega_d t\right)\right) $$
 ///
 /// Source: Caughey and Stumpf 1961, Transient response of a dynamic system under random excitation.
 fn linear_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {

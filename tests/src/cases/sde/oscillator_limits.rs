@@ -13,7 +13,7 @@ use crate::sde::problems::Oscillator;
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-stability",
     title: "largest stable step of a linear oscillator, by the spectral radius of one step",
-    source: "trace and determinant of one step; derived/sde/order_and_stationary.json",
+    source: "trace and determinant of one step; an independent script, values below",
     cost: Profile::Quick,
     run,
 };

@@ -1,8 +1,8 @@
 //! Stationary laws of the linear oscillator by the discrete Lyapunov equation: no sampling.
 
 use sde_integrators::{
-    Additive, Baoab, EulerMaruyama, Increment, Integrator, LeimkuhlerMatthews, Sde, SecondOrder,
-    SemiImplicitEuler, Sra1, StateSpace, StepError, StochasticTheta, StrangOscillator,
+    Additive, Baoab, EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Sde,
+    SecondOrder, SemiImplicitEuler, Sra1, StateSpace, StepError, StochasticTheta, StrangOscillator,
 };
 
 use crate::case::{Case, CaseError, Context, Profile};
@@ -244,7 +244,7 @@ fn leimkuhler_matthews() -> Result<f64, CaseError> {
     for dt in [0.05, 0.4, 1.0, 1.5, 1.9] {
         let image = |x: f64, before: f64, w: f64| -> Result<f64, StepError> {
             let dw = |w| Increment { brownian: [w], space_time_area: [0.0] };
-            let (mut memory, mut state) = (Default::default(), [0.0]);
+            let (mut memory, mut state) = (LastKick::default(), [0.0]);
             LeimkuhlerMatthews.step(&Relaxation, 0.0, dt, &dw(before), &mut state, &mut memory)?;
             let mut state = [x];
             LeimkuhlerMatthews.step(&Relaxation, dt, dt, &dw(w), &mut state, &mut memory)?;

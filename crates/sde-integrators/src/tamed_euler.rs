@@ -14,8 +14,8 @@ use crate::system::Sde;
 /// Euclidean norm. The drift moves a state by less than one unit per step: the units of the state matter.
 ///
 /// Order: strong 1/2 for general noise, 1 for additive noise; weak 1. The constant is large: the stationary `E[x^2]` of
-/// `dX = -X^3 dt + sqrt(2) dB` is too large by 19 %, 8.5 %, 3.8 % at `h` = 0.1, 0.05, 0.025, where Euler-Maruyama errs
-/// by 1.6 %, 0.8 %, 0.2 %. Use it to survive, not for statistics.
+/// `dX = -X^3 dt + sqrt(2) dB` is too large by 18.8 %, 8.3 %, 3.9 % at `h` = 0.1, 0.05, 0.025, where Euler-Maruyama errs
+/// by 1.6 %, 0.72 %, 0.35 %. Use it to survive, not for statistics.
 ///
 /// Stable for: a drift that is one-sided Lipschitz and of polynomial growth keeps its moments at every `h`.
 ///

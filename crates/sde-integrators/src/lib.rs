@@ -3,6 +3,8 @@
 mod baoab;
 mod blocks;
 mod cholesky;
+#[cfg(feature = "dense")]
+mod dense_factor;
 mod diagonal;
 mod ensemble;
 mod error;
@@ -34,6 +36,8 @@ mod theta;
 
 pub use baoab::{Baoab, HalfStep};
 pub use blocks::{BLOCK_LENGTH, reduce_blocks};
+#[cfg(feature = "dense")]
+pub use dense_factor::DenseFactor;
 pub use diagonal::{DiagonalNoise, DiagonalSde, StratonovichForm, check_diagonal_noise};
 pub use ensemble::{Ensemble, EnsembleConfig, Observable, simulate};
 pub use error::{Error, StepError};
@@ -46,7 +50,7 @@ pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
 pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};
 pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
-pub use noise_factor::{DenseFactor, DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
+pub use noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
 pub use semi_implicit_euler::SemiImplicitEuler;
 pub use shark::Shark;
 pub use sk_rock::SkRock;

@@ -30,6 +30,14 @@ use crate::system::Sde;
 ///
 /// Source: Abdulle, Almuslimani and Vilmart 2018, Optimal explicit stabilized integrator of weak order 1 for stiff and
 /// ergodic stochastic differential equations, eq 2.4.
+///
+/// ```
+/// use sde_integrators::SkRock;
+///
+/// // Over 0.17 units of time Euler-Maruyama would take 85 drifts or more.
+/// assert_eq!(SkRock::for_stiffness(1000.0, 0.17)?.n_stages(), 10);
+/// # Ok::<(), sde_integrators::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkRock {
     stages: Vec<Stage>,

@@ -1,4 +1,5 @@
 //! A field, a factor of its noise and a method for it, as a user writes them.
+#![cfg(feature = "dense")]
 
 use sde_integrators::{
     Additive, DenseFactor, DiagonalFactor, Error, EulerMaruyama, FieldIncrement, FieldIntegrator,

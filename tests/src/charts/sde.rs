@@ -17,7 +17,7 @@ use crate::machine::Machine;
 use crate::sde::methods::{Method, additive, diagonal, follow, second_order};
 use crate::sde::orders::{Errors, Outcome, Study, Target, measure};
 use crate::sde::problems::{Geometric, Populations, Sine};
-use crate::sde::stability::{Formula, formula_boundary, measured_boundary};
+use crate::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "sde",
@@ -79,7 +79,7 @@ fn sine(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     };
     let problem = Problem {
         name: "sde-sine",
-        equation: "dX = (-sin 3X - 0.2 X) dt + 0.8 dW from 1, t = 1; reference SRA3 at h = 1/4096",
+        equation: "dX = (-sin 3X - 0.2 X) dt + 0.8 dW from 1, t = 1; reference SRA3 at 1/16 (weak: 1/8) of the finest step",
         system: &Sine,
         start,
         strong: study,
@@ -180,7 +180,7 @@ fn populations(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     };
     let problem = Problem {
         name: "sde-populations",
-        equation: "two populations with noise 0.9 X_1, 0.7 X_2 from (1.2, 0.8), t = 1; reference SRIW1 at h = 1/2048",
+        equation: "two populations with noise 0.9 X_1, 0.7 X_2 from (1.2, 0.8), t = 1; reference SRIW1 at 1/8 of the finest step",
         system: &system,
         start,
         strong: study,
@@ -230,14 +230,18 @@ where
             subtitle: problem.equation.into(),
             x_label: "CPU time per path, noise included (µs)".into(),
             y_label: y_label.into(),
-            caption: vec![
-                format!(
+            caption: [
+                Some(format!(
                     "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
                     study.n_paths
-                ),
-                "The rival takes one StandardNormal of ChaCha8 per step, the methods w and H; its error is that of Euler-Maruyama. Labels: steps.".into(),
-                Machine::read().caption(),
-            ],
+                )),
+                Some("Labels: steps. The methods draw w and H.".into()),
+                problem.rival.map(|_| "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.".into()),
+                Some(Machine::read().caption()),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
         };
         let name = format!("{}-{kind}", problem.name);
         Ok::<_, CaseError>(Drawing::work_precision(&name, &WorkPrecision { words, series })?)
@@ -356,12 +360,17 @@ fn mean_square_map() -> Result<Drawing, CaseError> {
         x_label: "m² / (2 |l|), noise against damping".into(),
         y_label: "largest stable |l| h".into(),
         caption: vec![
-            "Lines: formulas. Points: E|R|² = 1 by Gauss-Hermite quadrature over a step of the code and bisection (to 1e-10: no bar).".into(),
+            "Lines: formulas (SRIW1: none known, so quadrature). Points: E|R|² = 1 by Gauss-Hermite quadrature over a step of the code and bisection (to 1e-10: no bar).".into(),
         ],
     };
     let references =
         vec![ReferencePoints { name: "measured, one step of the code".into(), points }];
-    let lines = methods.iter().map(line).collect();
+    let mut lines: Vec<Line> = methods.iter().map(line).collect();
+    let of_sriw1 = (0..=49)
+        .map(|k| 0.02 * f64::from(k))
+        .map(|ray| Ok((ray, boundary(ray, &of(&Sriw1))?)))
+        .collect::<Result<_, CaseError>>()?;
+    lines.push(Line { name: "SRIW1, by quadrature".into(), points: of_sriw1 });
     let chart = TimeSeries { words, scale: Scale::Log, lines, references };
     Ok(Drawing::time_series("sde-stability-mean-square", &chart)?)
 }

@@ -6,10 +6,13 @@ mod fpk;
 mod neighbour_search;
 mod particle_store;
 mod perturbation_moments;
+mod sde;
 mod smoothing_kernels;
 
 use crate::case::Case;
 pub(crate) use fpk::canor_denoel::config as papers_config;
+pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
+pub(crate) use sde::oscillator_limits;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[
@@ -27,6 +30,16 @@ pub const ALL: &[Case] = &[
     perturbation_moments::reference::CASE,
     perturbation_moments::trust::CASE,
     perturbation_moments::judge::CASE,
+    sde::orders::ADDITIVE,
+    sde::orders::DIAGONAL,
+    sde::orders::SECOND_ORDER,
+    sde::stationary::CASE,
+    oscillator_limits::CASE,
+    sde::mean_square::CASE,
+    sde::quartic::CASE,
+    sde::explosion::CASE,
+    sde::oscillator_bias::CASE,
+    sde::fields::CASE,
 ];
 
 #[cfg(test)]

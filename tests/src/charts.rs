@@ -4,6 +4,7 @@
 
 pub(crate) mod fpk;
 mod kernels;
+mod sde;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use crate::nearest::nearest;
 use crate::output::write_text;
 
 /// Every chart of `chart`.
-pub const ALL: &[ChartKind] = &[fpk::CHART, kernels::CHART];
+pub const ALL: &[ChartKind] = &[fpk::CHART, kernels::CHART, sde::CHART];
 
 /// Every sweep of `stability`.
 pub const STABILITY: &[ChartKind] = &[];

@@ -25,6 +25,7 @@ pub mod perturbation_moments;
 pub mod report;
 pub mod scene;
 pub mod scenes;
+pub mod sde;
 pub mod verify;
 
 /// The example of the front page, compiled and run.

@@ -9,7 +9,7 @@ pub enum StepError {
     NotConverged {
         /// How many iterations were made.
         iterations: usize,
-        /// What was left of the equation.
+        /// What was left: the last correction of the state.
         residual: f64,
         /// What would have been accepted.
         limit: f64,
@@ -20,6 +20,16 @@ pub enum StepError {
         /// The step length asked for.
         dt: f64,
         /// The largest one.
+        limit: f64,
+    },
+    /// A linear system within an implicit step has no unique solution.
+    #[error("pivot {pivot:e} in row {row}, must exceed {limit:e}")]
+    Singular {
+        /// The row where the elimination failed.
+        row: usize,
+        /// The pivot found there.
+        pivot: f64,
+        /// What its size must exceed: roundoff.
         limit: f64,
     },
 }
@@ -65,6 +75,74 @@ pub enum Error {
         index: usize,
         /// Its value.
         value: f64,
+    },
+    /// A quantity lies outside its range.
+    #[error("{quantity} is {value}, must lie in {from}..={to}")]
+    OutOfRange {
+        /// Which one.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value.
+        from: f64,
+        /// The largest value.
+        to: f64,
+    },
+    /// A slice has not the length that belongs to another.
+    #[error("{value} {quantity}, {expected} expected")]
+    Length {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there are.
+        value: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// The covariance of a field's noise is not symmetric.
+    #[error(
+        "covariance of the noise differs by {difference:e} between ({row}, {column}) and ({column}, {row}), the limit is {limit:e}"
+    )]
+    CovarianceNotSymmetric {
+        /// The row of the entry.
+        row: usize,
+        /// The column of the entry.
+        column: usize,
+        /// By how much the two entries differ.
+        difference: f64,
+        /// By how much they may differ.
+        limit: f64,
+    },
+    /// The covariance of a field's noise is not positive definite.
+    #[error(
+        "covariance of the noise is not positive definite: the pivot of row {row} is not positive"
+    )]
+    CovarianceNotPositiveDefinite {
+        /// The row where the factorisation failed.
+        row: usize,
+    },
+    /// The start of a compressed row is out of order.
+    #[error(
+        "compressed row {row} starts at entry {start}, must lie in {from}..={to} and the last at the end"
+    )]
+    SparseRow {
+        /// Which row.
+        row: usize,
+        /// Where it starts.
+        start: usize,
+        /// The start of the row before it.
+        from: usize,
+        /// The largest start.
+        to: usize,
+    },
+    /// A compressed row has an entry in a column that does not exist.
+    #[error("entry {entry} lies in column {column}, of {n_motions}")]
+    SparseColumn {
+        /// Which entry.
+        entry: usize,
+        /// Its column.
+        column: usize,
+        /// How many columns there are.
+        n_motions: usize,
     },
     /// The weights of a mixture do not add up to one.
     #[error("weights of the components sum to {sum}, must be 1 within {tolerance:e}")]

@@ -1,6 +1,7 @@
 //! The method of Euler and Maruyama.
 
 use crate::error::StepError;
+use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
 use crate::noise::Increment;
 use crate::system::Sde;
@@ -44,6 +45,29 @@ where
         let kick = apply(&system.noise(t, x), &dw.brownian);
         for i in 0..D {
             x[i] += dt * drift[i] + kick[i];
+        }
+        Ok(())
+    }
+}
+
+impl FieldIntegrator for EulerMaruyama {
+    type Memory = ();
+
+    fn step<S: FieldSde + ?Sized>(
+        &self,
+        system: &S,
+        t: f64,
+        dt: f64,
+        dw: FieldIncrement<'_>,
+        x: &mut [f64],
+        workspace: &mut Workspace,
+        _memory: &mut (),
+    ) -> Result<(), StepError> {
+        let [drift] = workspace.buffers(x.len());
+        system.drift(t, x, drift);
+        let intensity = system.intensity(t);
+        for i in 0..x.len() {
+            x[i] += dt * drift[i] + intensity * dw.brownian[i];
         }
         Ok(())
     }

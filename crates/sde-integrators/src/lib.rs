@@ -1,29 +1,65 @@
 #![doc = include_str!("../README.md")]
 
+mod baoab;
 mod blocks;
 mod cholesky;
+#[cfg(feature = "dense")]
+mod dense_factor;
+mod diagonal;
 mod ensemble;
 mod error;
 mod estimate;
 mod euler_maruyama;
+mod field;
+mod heun;
 mod integrator;
 mod law;
+mod leimkuhler_matthews;
+mod linear_solve;
+mod milstein;
 mod noise;
+mod noise_factor;
 mod normal;
 mod semi_implicit_euler;
+mod shark;
+mod sk_rock;
+mod sra;
+mod sra1;
+mod sra3;
+mod sriw1;
 mod state_space;
 mod strang_oscillator;
+mod stratonovich;
 mod system;
+mod tamed_euler;
+mod theta;
 
+pub use baoab::{Baoab, HalfStep};
 pub use blocks::{BLOCK_LENGTH, reduce_blocks};
+#[cfg(feature = "dense")]
+pub use dense_factor::DenseFactor;
+pub use diagonal::{DiagonalNoise, DiagonalSde, StratonovichForm, check_diagonal_noise};
 pub use ensemble::{Ensemble, EnsembleConfig, Observable, simulate};
 pub use error::{Error, StepError};
 pub use estimate::{Accumulator, Estimate, Uncertainty};
 pub use euler_maruyama::EulerMaruyama;
+pub use field::{FieldIncrement, FieldIntegrator, FieldPath, FieldSde, Workspace};
+pub use heun::Heun;
 pub use integrator::Integrator;
 pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
+pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};
+pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
+pub use noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
 pub use semi_implicit_euler::SemiImplicitEuler;
+pub use shark::Shark;
+pub use sk_rock::SkRock;
+pub use sra1::Sra1;
+pub use sra3::Sra3;
+pub use sriw1::Sriw1;
 pub use state_space::StateSpace;
 pub use strang_oscillator::{LinearFlows, StrangOscillator};
+pub use stratonovich::{ItoForm, StratonovichSde};
 pub use system::{Additive, General, NoiseClass, Sde, SecondOrder, check_diffusion_divergence};
+pub use tamed_euler::TamedEuler;
+pub use theta::StochasticTheta;

@@ -1,0 +1,64 @@
+//! A noise factor from a full covariance.
+
+use crate::error::Error;
+use crate::noise_factor::{NoiseFactor, require_finite, require_length};
+
+/// The Cholesky factor of a full covariance: `O(n^3)` once, `O(n^2)` per step. For a few thousand unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DenseFactor {
+    n: usize,
+    /// Row after row, each up to its diagonal.
+    rows: Vec<f64>,
+}
+
+impl DenseFactor {
+    /// From the covariance per unit of time, row after row; it must be symmetric to `1e-12` of its diagonal, and
+    /// positive definite.
+    ///
+    /// # Errors
+    /// [`Error::Length`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
+    /// [`Error::CovarianceNotPositiveDefinite`] with the first row that fails.
+    pub fn new(n: usize, covariance: &[f64]) -> Result<Self, Error> {
+        require_length("entries of the covariance", covariance.len(), n * n)?;
+        require_finite("entry of the covariance", covariance)?;
+        for row in 0..n {
+            for column in 0..row {
+                let difference =
+                    (covariance[row * n + column] - covariance[column * n + row]).abs();
+                let limit = 1e-12
+                    * (covariance[row * n + row] * covariance[column * n + column]).abs().sqrt();
+                if difference > limit {
+                    return Err(Error::CovarianceNotSymmetric { row, column, difference, limit });
+                }
+            }
+        }
+        let matrix = faer::Mat::from_fn(n, n, |row, column| covariance[row * n + column]);
+        let factor = matrix.llt(faer::Side::Lower).map_err(|error| match error {
+            faer::linalg::solvers::LltError::NonPositivePivot { index } => {
+                Error::CovarianceNotPositiveDefinite { row: index }
+            }
+        })?;
+        let l = factor.L();
+        let rows = (0..n).flat_map(|row| (0..=row).map(move |column| l[(row, column)])).collect();
+        Ok(Self { n, rows })
+    }
+}
+
+impl NoiseFactor for DenseFactor {
+    fn n_unknowns(&self) -> usize {
+        self.n
+    }
+
+    fn n_motions(&self) -> usize {
+        self.n
+    }
+
+    fn apply(&self, z: &[f64], result: &mut [f64]) {
+        let mut rest = self.rows.as_slice();
+        for (i, result) in result.iter_mut().enumerate().take(self.n) {
+            let (row, tail) = rest.split_at(i + 1);
+            *result = row.iter().zip(z).map(|(l, z)| l * z).sum();
+            rest = tail;
+        }
+    }
+}

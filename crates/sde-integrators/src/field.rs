@@ -1,0 +1,263 @@
+//! Fields: states of many unknowns, in slices, with additive noise that is correlated over them.
+
+use crate::error::{Error, StepError};
+use crate::noise::{Noise, Purpose, Stream, WORDS_PER_PAIR};
+use crate::noise_factor::NoiseFactor;
+
+/// A system of many unknowns with additive noise,
+///
+/// $$ dX = f(t, X) dt + a(t) L dB, $$
+///
+/// with `L` a [`NoiseFactor`] that does not change. Ito and Stratonovich agree. Its methods are those of
+/// [`FieldIntegrator`]; one for noise that depends on the state does not compile.
+///
+/// ```compile_fail
+/// use sde_integrators::{DiagonalFactor, FieldPath, FieldSde, Milstein, Noise};
+///
+/// struct Heat(DiagonalFactor);
+///
+/// impl FieldSde for Heat {
+///     type Factor = DiagonalFactor;
+///     fn drift(&self, _t: f64, x: &[f64], drift: &mut [f64]) {
+///         drift.iter_mut().zip(x).for_each(|(f, x)| *f = -x);
+///     }
+///     fn factor(&self) -> &DiagonalFactor { &self.0 }
+/// }
+///
+/// let heat = Heat(DiagonalFactor::new(vec![1.0; 4]).unwrap());
+/// FieldPath::new(&heat, &Milstein, &Noise::new(1), 0, vec![0.0; 4]);
+/// ```
+pub trait FieldSde: Sync {
+    /// How the noise is correlated.
+    type Factor: NoiseFactor;
+
+    /// `f(t, x)` into `drift`; both have as many entries as the factor has rows. Every entry is to be written.
+    fn drift(&self, t: f64, x: &[f64], drift: &mut [f64]);
+
+    /// `L`.
+    fn factor(&self) -> &Self::Factor;
+
+    /// `a(t)`; 1 unless given.
+    fn intensity(&self, t: f64) -> f64 {
+        let _ = t;
+        1.0
+    }
+}
+
+/// The increments of a field over one step, correlated already: `L w` and `L H`, entry by entry of the state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldIncrement<'a> {
+    /// `L w`.
+    pub brownian: &'a [f64],
+    /// `L H`.
+    pub space_time_area: &'a [f64],
+}
+
+/// A method that takes one step of a field. As [`Integrator`](crate::Integrator), it owns no clock, storage or
+/// randomness; buffers come from the [`Workspace`], so that after the first step nothing is allocated.
+pub trait FieldIntegrator: Sync {
+    /// What the method keeps of a path between steps, other than its state.
+    type Memory: Default + Clone + Send;
+
+    /// Move `x` from `t` to `t + dt`, along the increment `dw` over that step.
+    ///
+    /// # Errors
+    /// Where the method cannot take the step. A non-finite result is no error here; [`FieldPath`] checks.
+    #[allow(clippy::too_many_arguments, reason = "the seven parts of a step, as in Integrator")]
+    fn step<S: FieldSde + ?Sized>(
+        &self,
+        system: &S,
+        t: f64,
+        dt: f64,
+        dw: FieldIncrement<'_>,
+        x: &mut [f64],
+        workspace: &mut Workspace,
+        memory: &mut Self::Memory,
+    ) -> Result<(), StepError>;
+}
+
+/// Buffers that a method may use during a step. What they hold between steps is undefined.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    values: Vec<f64>,
+}
+
+impl Workspace {
+    /// One buffer of `length` values.
+    pub fn flat(&mut self, length: usize) -> &mut [f64] {
+        if self.values.len() < length {
+            self.values.resize(length, 0.0);
+        }
+        &mut self.values[..length]
+    }
+
+    /// `K` buffers of `length` values each.
+    pub fn buffers<const K: usize>(&mut self, length: usize) -> [&mut [f64]; K] {
+        let mut rest = self.flat(K * length);
+        std::array::from_fn(|_| {
+            let (buffer, tail) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = tail;
+            buffer
+        })
+    }
+}
+
+/// One path of a field: its state, its time, and the noise that drives it.
+///
+/// The increments are a function of seed, realisation and step, as those of [`PathNoise`](crate::PathNoise): a field of
+/// `M` motions sees the same noise as a small state of `M` motions.
+///
+/// ```
+/// use sde_integrators::{DiagonalFactor, FieldPath, FieldSde, Noise, Shark};
+///
+/// /// A thousand springs that relax, each with its own noise.
+/// struct Springs(DiagonalFactor);
+///
+/// impl FieldSde for Springs {
+///     type Factor = DiagonalFactor;
+///     fn drift(&self, _t: f64, x: &[f64], drift: &mut [f64]) {
+///         drift.iter_mut().zip(x).for_each(|(f, x)| *f = -x);
+///     }
+///     fn factor(&self) -> &DiagonalFactor { &self.0 }
+/// }
+///
+/// let springs = Springs(DiagonalFactor::new(vec![2.0_f64.sqrt(); 1000])?);
+/// let mut path = FieldPath::new(&springs, &Shark, &Noise::new(1), 0, vec![0.0; 1000])?;
+/// for _ in 0..100 {
+///     path.step(0.1)?;
+/// }
+/// // The stationary variance is 1; of 1000 springs it is known to sqrt(2/1000) = 0.045.
+/// let variance = path.state().iter().map(|x| x * x).sum::<f64>() / 1000.0;
+/// assert!((variance - 1.0).abs() < 4.0 * 0.045, "{variance}");
+/// # Ok::<(), sde_integrators::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct FieldPath<'a, S: ?Sized, I: FieldIntegrator> {
+    system: &'a S,
+    integrator: &'a I,
+    stream: Stream,
+    realisation: u64,
+    t: f64,
+    steps: u64,
+    state: Vec<f64>,
+    /// The state before the step, which a failed step leaves.
+    before: Vec<f64>,
+    normals: Vec<f64>,
+    increments: Vec<f64>,
+    workspace: Workspace,
+    memory: I::Memory,
+}
+
+impl<'a, S, I> FieldPath<'a, S, I>
+where
+    S: FieldSde + ?Sized,
+    I: FieldIntegrator,
+{
+    /// A path from `start` at time 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] where `start` has not as many entries as the factor has rows, [`Error::NotFinite`].
+    pub fn new(
+        system: &'a S,
+        integrator: &'a I,
+        noise: &Noise,
+        realisation: u64,
+        start: Vec<f64>,
+    ) -> Result<Self, Error> {
+        let n = system.factor().n_unknowns();
+        if start.len() != n {
+            let (quantity, value) = ("unknowns of the start", start.len());
+            return Err(Error::Length { quantity, value, expected: n });
+        }
+        if let Some(index) = start.iter().position(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { quantity: "unknown", index, value: start[index] });
+        }
+        Ok(Self {
+            system,
+            integrator,
+            stream: noise.stream(Purpose::Path, realisation),
+            realisation,
+            t: 0.0,
+            steps: 0,
+            before: start.clone(),
+            state: start,
+            normals: vec![0.0; 2 * system.factor().n_motions()],
+            increments: vec![0.0; 2 * n],
+            workspace: Workspace::default(),
+            memory: I::Memory::default(),
+        })
+    }
+
+    /// The state.
+    #[must_use]
+    pub fn state(&self) -> &[f64] {
+        &self.state
+    }
+
+    /// The time.
+    #[must_use]
+    pub const fn time(&self) -> f64 {
+        self.t
+    }
+
+    /// How many steps were taken.
+    #[must_use]
+    pub const fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// What the method remembers of the path.
+    #[must_use]
+    pub const fn memory(&self) -> &I::Memory {
+        &self.memory
+    }
+
+    /// One step of length `dt`. A step that fails leaves the state as it was.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] (`dt`), [`Error::Step`], [`Error::NonFiniteState`] with step, time, path and unknown.
+    pub fn step(&mut self, dt: f64) -> Result<(), Error> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(Error::NotPositive { quantity: "dt", value: dt });
+        }
+        self.draw(dt);
+        let (brownian, space_time_area) = self.increments.split_at(self.state.len());
+        let dw = FieldIncrement { brownian, space_time_area };
+        self.before.copy_from_slice(&self.state);
+        let (t, step, realisation) = (self.t, self.steps, self.realisation);
+        let (state, memory) = (&mut self.state, &mut self.memory);
+        self.integrator
+            .step(self.system, t, dt, dw, state, &mut self.workspace, memory)
+            .map_err(|source| Error::Step { realisation, step, t, source })
+            .and_then(|()| match state.iter().position(|value| !value.is_finite()) {
+                Some(component) => Err(Error::NonFiniteState {
+                    realisation,
+                    steps: step + 1,
+                    t: t + dt,
+                    component,
+                    value: state[component],
+                }),
+                None => Ok(()),
+            })
+            .inspect_err(|_| state.copy_from_slice(&self.before))?;
+        self.t += dt;
+        self.steps += 1;
+        Ok(())
+    }
+
+    /// The increments of the step that comes next. The words of a step follow from its number alone.
+    fn draw(&mut self, dt: f64) {
+        let n_motions = self.system.factor().n_motions();
+        self.stream.seek(u128::from(self.steps) * WORDS_PER_PAIR * n_motions as u128);
+        let (w, area) = self.normals.split_at_mut(n_motions);
+        let (brownian_deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
+        for (w, area) in w.iter_mut().zip(area) {
+            let [first, second] = self.stream.next_normal_pair();
+            (*w, *area) = (brownian_deviation * first, area_deviation * second);
+        }
+        let (w, area) = self.normals.split_at(n_motions);
+        let (brownian, space_time_area) = self.increments.split_at_mut(self.state.len());
+        self.system.factor().apply(w, brownian);
+        self.system.factor().apply(area, space_time_area);
+    }
+}

@@ -1,0 +1,10 @@
+//! What is claimed of the methods of `sde-integrators`.
+
+pub(crate) mod explosion;
+pub(crate) mod fields;
+pub(crate) mod mean_square;
+pub(crate) mod orders;
+pub(crate) mod oscillator_bias;
+pub(crate) mod oscillator_limits;
+pub(crate) mod quartic;
+pub(crate) mod stationary;

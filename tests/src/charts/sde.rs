@@ -1,0 +1,409 @@
+//! Error against CPU time for four problems, strong and weak; and maps of stability.
+
+use cpu_time::ProcessTime;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use sde_integrators::{DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StrangOscillator};
+
+use crate::case::{CaseError, Context, Profile};
+use crate::cases::viscous_damper_at_rest;
+use crate::chart::{
+    Line, Method as Series, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries,
+    Words, WorkPrecision,
+};
+use crate::charts::{ChartKind, Drawing};
+use crate::machine::Machine;
+use crate::sde::methods::{Method, additive, diagonal, follow, second_order};
+use crate::sde::orders::{Errors, Outcome, Study, Target, measure};
+use crate::sde::problems::{Geometric, Populations, Sine};
+use crate::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "sde",
+    title: "methods of sde-integrators: strong and weak error against CPU time on four problems, maps of stability",
+    draw,
+};
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = sine(context)?;
+    drawings.extend(damper(context)?);
+    drawings.extend(geometric(context)?);
+    drawings.extend(populations(context)?);
+    drawings.push(mean_square_map()?);
+    drawings.push(oscillator_map()?);
+    Ok(drawings)
+}
+
+/// A scalar loop of Euler's method over one path: from normals, the number of steps and their length to a state.
+type Rival<'a> = dyn Fn(&mut dyn FnMut() -> f64, usize, f64) -> f64 + 'a;
+
+/// A problem and how finely it is looked at.
+struct Problem<'a, S, const D: usize, const M: usize> {
+    name: &'a str,
+    equation: &'a str,
+    system: &'a S,
+    start: [f64; D],
+    strong: Study,
+    weak: Study,
+    observable: (&'a str, fn(&[f64; D]) -> f64),
+    rival: Option<&'a Rival<'a>>,
+}
+
+fn paths(context: &Context<'_>, default: u64) -> u64 {
+    match context.profile {
+        Profile::Quick => default / 8,
+        Profile::Default => default,
+        Profile::Full => 8 * default,
+    }
+}
+
+fn sine(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let start = [1.0];
+    let reference =
+        |dt: f64, increments: &[Increment<1>]| Ok(follow(&Sine, &Sra3, start, dt, increments)?);
+    let rival = |normal: &mut dyn FnMut() -> f64, n: usize, dt: f64| {
+        let mut x = 1.0_f64;
+        for _ in 0..n {
+            x += dt * (-(3.0 * x).sin() - 0.2 * x) + 0.8 * dt.sqrt() * normal();
+        }
+        x
+    };
+    let study = Study {
+        n_paths: paths(context, 8192),
+        seed: 61,
+        end: 1.0,
+        coarsest: 4,
+        n_levels: 7,
+        refinements: 4,
+    };
+    let problem = Problem {
+        name: "sde-sine",
+        equation: "dX = (-sin 3X - 0.2 X) dt + 0.8 dW from 1, t = 1; reference SRA3 at 1/16 (weak: 1/8) of the finest step",
+        system: &Sine,
+        start,
+        strong: study,
+        weak: Study {
+            n_paths: paths(context, 65_536),
+            n_levels: 5,
+            refinements: 3,
+            seed: 62,
+            ..study
+        },
+        observable: ("E X^2", |x| x[0] * x[0]),
+        rival: Some(&rival),
+    };
+    drawings(context, &problem, &additive()?, &reference)
+}
+
+fn damper(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let system = StateSpace(viscous_damper_at_rest()?);
+    let start = [0.0; 2];
+    let reference = |dt: f64, increments: &[Increment<1>]| {
+        Ok(follow(&system, &StrangOscillator, start, dt, increments)?)
+    };
+    let rival = |normal: &mut dyn FnMut() -> f64, n: usize, dt: f64| {
+        let omega = std::f64::consts::PI;
+        let (mut q, mut v, kick) = (0.0_f64, 0.0_f64, (2.0 * 0.2 * dt).sqrt());
+        for _ in 0..n {
+            let damping = 0.02 * omega * v + 0.25 * v.signum() * v.abs().powf(0.35);
+            (q, v) = (q + dt * v, v - dt * (damping + omega * omega * q) + kick * normal());
+        }
+        q
+    };
+    // The implicit rule is left out: the damper is not Lipschitz at rest, and Newton's method does not converge there.
+    let methods: Vec<_> =
+        second_order().into_iter().filter(|method| method.id != "trapezoidal").collect();
+    let study = Study {
+        n_paths: paths(context, 4096),
+        seed: 63,
+        end: 10.0,
+        coarsest: 128,
+        n_levels: 5,
+        refinements: 1,
+    };
+    let problem = Problem {
+        name: "sde-damper",
+        equation: "oscillator with viscous damper (Canor & Denoël 2013, eq 26, a = 1), from rest, t = 10 s; reference Strang at h = 0.0024",
+        system: &system,
+        start,
+        strong: study,
+        weak: Study { n_paths: paths(context, 16_384), seed: 64, ..study },
+        observable: ("E q^2", |x| x[0] * x[0]),
+        rival: Some(&rival),
+    };
+    drawings(context, &problem, &methods, &reference)
+}
+
+fn geometric(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let geometric = Geometric { drift: 0.5, intensity: 0.6 };
+    let exact = |_: f64, increments: &[Increment<1>]| {
+        let w: f64 = increments.iter().map(|dw| dw.brownian[0]).sum();
+        Ok([geometric.factor(1.0, w)])
+    };
+    let rival = |normal: &mut dyn FnMut() -> f64, n: usize, dt: f64| {
+        (0..n).fold(1.0, |x, _| x + 0.5 * x * dt + 0.6 * x * dt.sqrt() * normal())
+    };
+    let study = Study {
+        n_paths: paths(context, 8192),
+        seed: 65,
+        end: 1.0,
+        coarsest: 4,
+        n_levels: 7,
+        refinements: 0,
+    };
+    let problem = Problem {
+        name: "sde-geometric",
+        equation: "dX = 0.5 X dt + 0.6 X dB from 1, t = 1; closed form",
+        system: &DiagonalNoise(geometric),
+        start: [1.0],
+        strong: study,
+        weak: Study { n_paths: paths(context, 262_144), n_levels: 5, seed: 66, ..study },
+        observable: ("E X^2", |x| x[0] * x[0]),
+        rival: Some(&rival),
+    };
+    drawings(context, &problem, &diagonal()?, &exact)
+}
+
+fn populations(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let system = DiagonalNoise(Populations { intensity: [0.9, 0.7] });
+    let start = [1.2, 0.8];
+    let reference =
+        |dt: f64, increments: &[Increment<2>]| Ok(follow(&system, &Sriw1, start, dt, increments)?);
+    let study = Study {
+        n_paths: paths(context, 4096),
+        seed: 67,
+        end: 1.0,
+        coarsest: 8,
+        n_levels: 6,
+        refinements: 3,
+    };
+    let problem = Problem {
+        name: "sde-populations",
+        equation: "two populations with noise 0.9 X_1, 0.7 X_2 from (1.2, 0.8), t = 1; reference SRIW1 at 1/8 of the finest step",
+        system: &system,
+        start,
+        strong: study,
+        weak: Study { n_paths: paths(context, 32_768), n_levels: 5, seed: 68, ..study },
+        observable: ("E X_1", |x| x[0]),
+        rival: None,
+    };
+    drawings(context, &problem, &diagonal()?, &reference)
+}
+
+fn drawings<S, const D: usize, const M: usize>(
+    context: &Context<'_>,
+    problem: &Problem<'_, S, D, M>,
+    methods: &[Method<S, D, M>],
+    target: &Target<'_, D, M>,
+) -> Result<Vec<Drawing>, CaseError>
+where
+    S: Sync,
+{
+    let pair = (problem.system, problem.start);
+    let (what, observable) = problem.observable;
+    context.progress(&format!("{}: strong errors", problem.name));
+    let strong = measure(&problem.strong, pair, methods, target, &[])?;
+    context.progress(&format!("{}: weak errors", problem.name));
+    let weak = measure(&problem.weak, pair, methods, target, &[observable])?;
+    context.progress(&format!("{}: CPU time", problem.name));
+    let picture = |kind: &str, y_label: &str, study: &Study, outcomes: &[Outcome]| {
+        let errors = |outcome: &'_ Outcome| -> Errors {
+            if kind == "strong" { outcome.strong.clone() } else { outcome.weak[0].clone() }
+        };
+        let mut series = Vec::new();
+        for (method, outcome) in methods.iter().zip(outcomes) {
+            let costs = costs(problem, method, study)?;
+            series.push(Series { name: method.name.into(), runs: runs(&errors(outcome), &costs) });
+        }
+        if let Some(rival) = problem.rival {
+            let costs = rival_costs(rival, study);
+            let runs = runs(&errors(&outcomes[0]), &costs);
+            series.push(Series { name: "rival: scalar Euler loop".into(), runs });
+        }
+        let words = Words {
+            title: if kind == "strong" {
+                "Strong error against cost".into()
+            } else {
+                format!("Weak error of {what} against cost")
+            },
+            subtitle: problem.equation.into(),
+            x_label: "CPU time per path, noise included (µs)".into(),
+            y_label: y_label.into(),
+            caption: [
+                Some(format!(
+                    "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
+                    study.n_paths
+                )),
+                Some("Labels: steps. The methods draw w and H.".into()),
+                problem.rival.map(|_| "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.".into()),
+                Some(Machine::read().caption()),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
+        };
+        let name = format!("{}-{kind}", problem.name);
+        Ok::<_, CaseError>(Drawing::work_precision(&name, &WorkPrecision { words, series })?)
+    };
+    let y_label = format!("error of {what}");
+    Ok(vec![
+        picture("strong", "root mean square error", &problem.strong, &strong.methods)?,
+        picture("weak", &y_label, &problem.weak, &weak.methods)?,
+    ])
+}
+
+fn runs(errors: &Errors, costs: &[(usize, f64, f64)]) -> Vec<Run> {
+    let ends = [costs.first(), costs.last()].map(|end| end.map_or(0, |cost| cost.0));
+    errors
+        .levels
+        .iter()
+        .zip(costs)
+        .map(|(level, &(n_steps, cost, spread))| Run {
+            cost,
+            cost_error: (spread > 0.0).then_some(spread),
+            outcome: if level.error.value.abs() > 0.0 && level.error.value.is_finite() {
+                RunOutcome::Error {
+                    value: level.error.value.abs(),
+                    standard_error: level.error.standard_error,
+                }
+            } else {
+                RunOutcome::Failed { reason: format!("error {}", level.error.value) }
+            },
+            label: ends.contains(&n_steps).then(|| n_steps.to_string()),
+        })
+        .collect()
+}
+
+/// Median and half range of five CPU times of one path, in microseconds.
+fn timed(
+    n_steps: usize,
+    mut paths: impl FnMut(u64) -> Result<f64, CaseError>,
+) -> Result<(usize, f64, f64), CaseError> {
+    // About two million steps in all five rounds.
+    let n_paths = (400_000 / n_steps as u64).max(8);
+    let mut sum = 0.0;
+    let mut times = Vec::new();
+    for round in 0..5 {
+        let start = ProcessTime::now();
+        for path in 0..n_paths {
+            sum += paths(round * n_paths + path)?;
+        }
+        times.push(start.elapsed().as_secs_f64() * 1e6 / n_paths as f64);
+    }
+    if sum.is_nan() {
+        return Err("a path that was timed is not a number".into());
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((n_steps, times[2], 0.5 * (times[4] - times[0])))
+}
+
+fn costs<S, const D: usize, const M: usize>(
+    problem: &Problem<'_, S, D, M>,
+    method: &Method<S, D, M>,
+    study: &Study,
+) -> Result<Vec<(usize, f64, f64)>, CaseError> {
+    (0..study.n_levels)
+        .map(|level| {
+            let n_steps = study.coarsest << level;
+            let dt = study.end / n_steps as f64;
+            let mut increments = Vec::with_capacity(n_steps);
+            timed(n_steps, |path| {
+                let mut noise = Noise::new(1).path::<M>(path);
+                increments.clear();
+                increments.extend((0..n_steps).map(|_| noise.next_increment(dt)));
+                Ok((method.run)(problem.system, problem.start, dt, &increments)?[0])
+            })
+        })
+        .collect()
+}
+
+fn rival_costs(rival: &Rival<'_>, study: &Study) -> Vec<(usize, f64, f64)> {
+    let mut generator = ChaCha8Rng::seed_from_u64(1);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
+    (0..study.n_levels)
+        .filter_map(|level| {
+            let n_steps = study.coarsest << level;
+            timed(n_steps, |_| Ok(rival(&mut normal, n_steps, study.end / n_steps as f64))).ok()
+        })
+        .collect()
+}
+
+/// The largest stable step over the strength of the noise: formula as line, measured by quadrature as points.
+fn mean_square_map() -> Result<Drawing, CaseError> {
+    let methods = [
+        ("Euler-Maruyama", Formula::Theta(0.0)),
+        ("Milstein", Formula::Milstein),
+        ("Heun", Formula::Heun),
+        ("theta = 0.25", Formula::Theta(0.25)),
+        ("SK-ROCK, 5 stages", Formula::SkRock(5)),
+    ];
+    let line = |&(name, formula): &(&str, Formula)| Line {
+        name: name.into(),
+        points: (0..=98)
+            .map(|k| 0.01 * f64::from(k))
+            .map(|ray| (ray, formula_boundary(ray, formula)))
+            .collect(),
+    };
+    let mut points = Vec::new();
+    for (_, formula) in methods {
+        for k in 0..=9 {
+            let ray = 0.1 * f64::from(k) + 0.05;
+            if let Some(y) = measured_boundary(ray, formula)? {
+                points.push(ReferencePoint { x: ray, y, error: None });
+            }
+        }
+    }
+    let words = Words {
+        title: "Mean-square stability on dX = l X dt + m X dB".into(),
+        subtitle: "a method is stable below its line; theta >= 1/2 everywhere, the equation itself left of 1".into(),
+        x_label: "m² / (2 |l|), noise against damping".into(),
+        y_label: "largest stable |l| h".into(),
+        caption: vec![
+            "Lines: formulas (SRIW1: none known, so quadrature). Points: E|R|² = 1 by Gauss-Hermite quadrature over a step of the code and bisection (to 1e-10: no bar).".into(),
+        ],
+    };
+    let references =
+        vec![ReferencePoints { name: "measured, one step of the code".into(), points }];
+    let mut lines: Vec<Line> = methods.iter().map(line).collect();
+    let of_sriw1 = (0..=49)
+        .map(|k| 0.02 * f64::from(k))
+        .map(|ray| Ok((ray, boundary(ray, &of(&Sriw1))?)))
+        .collect::<Result<_, CaseError>>()?;
+    lines.push(Line { name: "SRIW1, by quadrature".into(), points: of_sriw1 });
+    let chart = TimeSeries { words, scale: Scale::Log, lines, references };
+    Ok(Drawing::time_series("sde-stability-mean-square", &chart)?)
+}
+
+/// The largest stable step of a linear oscillator over its damping ratio.
+fn oscillator_map() -> Result<Drawing, CaseError> {
+    use crate::cases::oscillator_limits as limits;
+    let ratio = |k: i32| 0.01 + 0.0245 * f64::from(k);
+    let lines = limits::METHODS
+        .iter()
+        .map(|&(name, method)| Line {
+            name: name.into(),
+            points: (0..=40).map(|k| (ratio(k), Some(limits::formula(method, ratio(k))))).collect(),
+        })
+        .collect();
+    let mut points = Vec::new();
+    for &(_, method) in limits::METHODS {
+        for k in 0..=10 {
+            let x = ratio(4 * k);
+            points.push(ReferencePoint { x, y: limits::measured(method, x)?, error: None });
+        }
+    }
+    let words = Words {
+        title: "Stability on the oscillator q'' + 2 ξ ω q' + ω² q = s W".into(),
+        subtitle: "a method is stable below its line; Strang, trapezoidal and backward Euler everywhere".into(),
+        x_label: "damping ratio ξ".into(),
+        y_label: "largest stable h ω".into(),
+        caption: vec![
+            "Lines: formulas. Points: spectral radius of a step of the code, by bisection (to 1e-9: no bar).".into(),
+        ],
+    };
+    let references =
+        vec![ReferencePoints { name: "measured, one step of the code".into(), points }];
+    let chart = TimeSeries { words, scale: Scale::Log, lines, references };
+    Ok(Drawing::time_series("sde-stability-oscillator", &chart)?)
+}

@@ -18,7 +18,8 @@ use crate::stratonovich::StratonovichSde;
 /// noise 2.
 ///
 /// Stable for: in the mean square of `dX = l X dt + m X dB` (Ito) where `E (1 + z + z^2/2)^2 < 1` with
-/// `z = (l - m^2/2) h + m w`: between Euler-Maruyama and Milstein for little noise, beyond both for much. For a lightly
+/// `z = (l - m^2/2) h + m w`: less than Milstein for little noise, more than Euler-Maruyama for
+/// much. For a lightly
 /// damped oscillator about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
 ///
 /// Source: Rümelin 1982, Numerical treatment of stochastic differential equations; Kloeden and Platen 1992, section

@@ -7,6 +7,7 @@ mod neighbour_search;
 mod particle_store;
 mod perturbation_moments;
 mod sde;
+mod sde_ensembles;
 mod smoothing_kernels;
 
 use crate::case::Case;
@@ -40,6 +41,10 @@ pub const ALL: &[Case] = &[
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
     sde::fields::CASE,
+    sde_ensembles::reproducibility::CASE,
+    sde_ensembles::failures::CASE,
+    sde_ensembles::first_passage::CASE,
+    sde_ensembles::rare_events::CASE,
 ];
 
 #[cfg(test)]

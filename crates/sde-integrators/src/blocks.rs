@@ -74,12 +74,56 @@ impl<B, M> Tree<B, M> {
         if block > self.lowest_failed.load(Ordering::Relaxed) {
             return Err(Failure::LeftOut);
         }
-        let start = block * BLOCK_LENGTH;
-        let end = self.n_realisations.min(start.saturating_add(BLOCK_LENGTH));
-        (self.block)(start..end).map_err(|error| {
+        (self.block)(realisations(self.n_realisations, block)).map_err(|error| {
             self.lowest_failed.fetch_min(block, Ordering::Relaxed);
             Failure::Block(error)
         })
+    }
+}
+
+/// A result for each block of a range, in order.
+#[cfg(feature = "rayon")]
+pub(crate) fn map_blocks<T: Send>(
+    n_realisations: u64,
+    blocks: Range<u64>,
+    block: impl Fn(Range<u64>) -> T + Sync,
+) -> Vec<T> {
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    let blocks: Vec<u64> = blocks.collect();
+    blocks.into_par_iter().map(|b| block(realisations(n_realisations, b))).collect()
+}
+
+/// A result for each block of a range, in order.
+#[cfg(not(feature = "rayon"))]
+pub(crate) fn map_blocks<T: Send>(
+    n_realisations: u64,
+    blocks: Range<u64>,
+    block: impl Fn(Range<u64>) -> T + Sync,
+) -> Vec<T> {
+    blocks.map(|b| block(realisations(n_realisations, b))).collect()
+}
+
+fn realisations(n_realisations: u64, block: u64) -> Range<u64> {
+    let start = block * BLOCK_LENGTH;
+    start..n_realisations.min(start.saturating_add(BLOCK_LENGTH))
+}
+
+/// Merge results of all blocks in the tree of [`reduce_blocks`].
+pub(crate) fn reduce_in_tree<B, T>(
+    blocks: &[B],
+    result: &impl Fn(&B) -> T,
+    merge: &impl Fn(T, T) -> T,
+) -> Option<T> {
+    match blocks {
+        [] => None,
+        [block] => Some(result(block)),
+        _ => {
+            let (lower, upper) = blocks.split_at(blocks.len().div_ceil(2).next_power_of_two());
+            match (reduce_in_tree(lower, result, merge), reduce_in_tree(upper, result, merge)) {
+                (Some(earlier), Some(later)) => Some(merge(earlier, later)),
+                (one, other) => one.or(other),
+            }
+        }
     }
 }
 

@@ -234,4 +234,116 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A number must be even.
+    #[error("{value} {quantity}, must be even")]
+    NotEven {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there are.
+        value: u64,
+    },
+    /// Some paths of a study failed: those that are left are not a sample of the law.
+    #[error("{n_failed} of {n_paths} paths failed, the first of them {realisation}: {message}")]
+    PathsFailed {
+        /// How many failed.
+        n_failed: u64,
+        /// Of how many.
+        n_paths: u64,
+        /// The lowest realisation that failed.
+        realisation: u64,
+        /// Why it failed.
+        message: String,
+    },
+    /// There is no shard of this number.
+    #[error("shard {shard} of {n_shards}: they are counted from 0")]
+    NoSuchShard {
+        /// The number asked for.
+        shard: u64,
+        /// How many shards there are.
+        n_shards: u64,
+    },
+    /// A shard was not given.
+    #[error("shard {shard} of {n_shards} is missing")]
+    MissingShard {
+        /// Which one: the lowest that is missing.
+        shard: u64,
+        /// How many there must be.
+        n_shards: u64,
+    },
+    /// A shard was given twice.
+    #[error("shard {shard} was given twice")]
+    DoubledShard {
+        /// Which one.
+        shard: u64,
+    },
+    /// A shard belongs to another study than the first one given.
+    #[error(
+        "shard {shard} is of another study: its {field} is {value}, that of the first is {expected}"
+    )]
+    ForeignShard {
+        /// Which one.
+        shard: u64,
+        /// What differs first.
+        field: &'static str,
+        /// What the shard has.
+        value: String,
+        /// What the first has.
+        expected: String,
+    },
+    /// A record does not hold the blocks of its shard.
+    #[error(
+        "shard {shard} holds {n_blocks} blocks, must hold {expected}, each with all its results"
+    )]
+    BrokenShard {
+        /// Which one.
+        shard: u64,
+        /// How many blocks it holds.
+        n_blocks: u64,
+        /// How many it must hold.
+        expected: u64,
+    },
+    /// The state has no such component.
+    #[error("component {component} of the state, must be below {limit}")]
+    NoSuchComponent {
+        /// The one asked for.
+        component: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// A step turns an oscillator too far for the arc between its ends to be known.
+    #[error("a step turns the oscillator by {angle} rad, must be below {limit}")]
+    ArcTooLong {
+        /// By how much.
+        angle: f64,
+        /// Half a turn.
+        limit: f64,
+    },
+    /// A slice has another length than it must have.
+    #[error("{value} {quantity}, must be {expected}")]
+    WrongLength {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there are.
+        value: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+    /// The iteration found no design point.
+    #[error(
+        "no design point after {iterations} iterations; square of the gradient: {gradient_square:e}"
+    )]
+    NoDesignPoint {
+        /// How many iterations were made.
+        iterations: usize,
+        /// Zero where the response does not depend on the noise, not a number where the iterations ran out.
+        gradient_square: f64,
+    },
+    /// Subset simulation did not reach its threshold.
+    #[error("threshold {threshold} not reached after {limit} levels")]
+    TooManyLevels {
+        /// How many levels were tried.
+        limit: u32,
+        /// The threshold.
+        threshold: f64,
+    },
 }

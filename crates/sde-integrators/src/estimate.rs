@@ -82,6 +82,7 @@ impl fmt::Display for Estimate {
 /// Sources: Welford 1962, Note on a method for calculating corrected sums of squares and products; Chan, Golub and
 /// LeVeque 1983, Algorithms for computing the sample variance, eq 2.1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Accumulator {
     count: u64,
     mean: f64,
@@ -142,5 +143,50 @@ impl Accumulator {
     pub fn estimate(&self) -> Result<Estimate, Error> {
         let standard_error = (self.variance()? / self.count as f64).sqrt();
         Ok(Estimate { value: self.mean, uncertainty: Uncertainty::StandardError(standard_error) })
+    }
+}
+
+/// Means, variances and covariance of pairs `(y, c)`, for a control variate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ControlledAccumulator {
+    values: Accumulator,
+    controls: Accumulator,
+    /// The sum of the products of the distances to the means.
+    products: f64,
+}
+
+impl ControlledAccumulator {
+    pub(crate) fn push(&mut self, value: f64, control: f64) {
+        let distance = value - self.values.mean;
+        self.values.push(value);
+        self.controls.push(control);
+        self.products += distance * (control - self.controls.mean);
+    }
+
+    pub(crate) fn merge(&mut self, later: &Self) {
+        if later.values.count == 0 {
+            return;
+        }
+        let (n_a, n_b) = (self.values.count as f64, later.values.count as f64);
+        let distances =
+            (later.values.mean - self.values.mean) * (later.controls.mean - self.controls.mean);
+        self.products += later.products + distances * (n_a * (n_b / (n_a + n_b)));
+        self.values.merge(&later.values);
+        self.controls.merge(&later.controls);
+    }
+
+    /// The mean of `y`, given that of `c`; the standard error is that of the residual of the regression on `c`.
+    pub(crate) fn estimate(&self, expected: f64) -> Result<Estimate, Error> {
+        let n = self.values.count;
+        if n < 3 {
+            return Err(Error::TooFew { quantity: "values with a control", value: n, limit: 3 });
+        }
+        let slope =
+            if self.controls.squares > 0.0 { self.products / self.controls.squares } else { 0.0 };
+        let residual = (self.values.squares - slope * self.products).max(0.0);
+        let standard_error = (residual / (n - 2) as f64 / n as f64).sqrt();
+        let value = self.values.mean - slope * (self.controls.mean - expected);
+        Ok(Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) })
     }
 }

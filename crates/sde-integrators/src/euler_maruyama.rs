@@ -3,8 +3,9 @@
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
+use crate::lanes::{LANES, LaneIncrements};
 use crate::noise::Increment;
-use crate::system::Sde;
+use crate::system::{NoiseClass, Sde};
 
 /// Euler and Maruyama's method, for any system.
 ///
@@ -30,6 +31,7 @@ where
     S: Sde<D, M> + ?Sized,
 {
     type Memory = ();
+    const USES_AREA: bool = false;
 
     #[inline]
     fn step(
@@ -47,6 +49,34 @@ where
             x[i] += dt * drift[i] + kick[i];
         }
         Ok(())
+    }
+
+    #[allow(
+        clippy::inline_always,
+        reason = "what is not inlined into a dispatched function is not compiled for its registers"
+    )]
+    #[inline(always)]
+    fn step_lanes(
+        &self,
+        system: &S,
+        t: f64,
+        dt: f64,
+        dw: &LaneIncrements<M>,
+        x: &mut [[f64; LANES]; D],
+        _memory: &mut [(); LANES],
+        _failed: &mut dyn FnMut(usize, StepError),
+    ) {
+        // Noise that is the same for every state is asked for once.
+        let common = system.noise(t, &std::array::from_fn(|i| x[i][0]));
+        for lane in 0..LANES {
+            let state = std::array::from_fn(|i| x[i][lane]);
+            let noise = if S::Noise::STATE_DEPENDENT { system.noise(t, &state) } else { common };
+            let drift = system.drift(t, &state);
+            let kick = apply(&noise, &dw.lane(lane).brownian);
+            for i in 0..D {
+                x[i][lane] += dt * drift[i] + kick[i];
+            }
+        }
     }
 }
 

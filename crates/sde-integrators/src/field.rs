@@ -136,6 +136,7 @@ pub struct FieldPath<'a, S: ?Sized, I: FieldIntegrator> {
     system: &'a S,
     integrator: &'a I,
     stream: Stream,
+    area_stream: Stream,
     realisation: u64,
     t: f64,
     steps: u64,
@@ -176,12 +177,13 @@ where
             system,
             integrator,
             stream: noise.stream(Purpose::Path, realisation),
+            area_stream: noise.stream(Purpose::PathArea, realisation),
             realisation,
             t: 0.0,
             steps: 0,
             before: start.clone(),
             state: start,
-            normals: vec![0.0; 2 * system.factor().n_motions()],
+            normals: vec![0.0; 2 * (system.factor().n_motions() + 1)],
             increments: vec![0.0; 2 * n],
             workspace: Workspace::default(),
             memory: I::Memory::default(),
@@ -245,19 +247,28 @@ where
         Ok(())
     }
 
-    /// The increments of the step that comes next. The words of a step follow from its number alone.
+    /// The increments of the step that comes next. Normal number `k M + m` belongs to step `k` and motion `m`, as for a small
+    /// state.
     fn draw(&mut self, dt: f64) {
         let n_motions = self.system.factor().n_motions();
-        self.stream.seek(u128::from(self.steps) * WORDS_PER_PAIR * n_motions as u128);
-        let (w, area) = self.normals.split_at_mut(n_motions);
-        let (brownian_deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
-        for (w, area) in w.iter_mut().zip(area) {
-            let [first, second] = self.stream.next_normal_pair();
-            (*w, *area) = (brownian_deviation * first, area_deviation * second);
+        let first = u128::from(self.steps) * n_motions as u128;
+        // Normals come in pairs, of which the first may belong to the step before.
+        let before = usize::from(!first.is_multiple_of(2));
+        let (w, area) = self.normals.split_at_mut(n_motions + 1);
+        for (stream, normals, deviation) in [
+            (&mut self.stream, &mut *w, dt.sqrt()),
+            (&mut self.area_stream, &mut *area, (dt / 12.0).sqrt()),
+        ] {
+            stream.seek(first / 2 * WORDS_PER_PAIR);
+            let normals = &mut normals[..before + n_motions];
+            stream.fill_normal(normals);
+            for normal in normals.iter_mut() {
+                *normal *= deviation;
+            }
         }
-        let (w, area) = self.normals.split_at(n_motions);
         let (brownian, space_time_area) = self.increments.split_at_mut(self.state.len());
-        self.system.factor().apply(w, brownian);
-        self.system.factor().apply(area, space_time_area);
+        let of_step = before..before + n_motions;
+        self.system.factor().apply(&w[of_step.clone()], brownian);
+        self.system.factor().apply(&area[of_step], space_time_area);
     }
 }

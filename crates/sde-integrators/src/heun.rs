@@ -48,6 +48,7 @@ where
     S: StratonovichSde<D, M> + ?Sized,
 {
     type Memory = ();
+    const USES_AREA: bool = false;
 
     #[inline]
     fn step(

@@ -2,25 +2,36 @@
 
 mod baoab;
 mod blocks;
+mod bridge;
+mod chacha;
 mod cholesky;
 #[cfg(feature = "dense")]
 mod dense_factor;
 mod diagonal;
+mod elementary;
 mod ensemble;
 mod error;
 mod estimate;
 mod euler_maruyama;
 mod field;
+mod follow;
 mod heun;
 mod integrator;
+mod lanes;
 mod law;
 mod leimkuhler_matthews;
+mod level;
 mod linear_solve;
+mod maximum;
 mod milstein;
 mod noise;
 mod noise_factor;
 mod normal;
+mod rare;
+mod samples;
+mod schedule;
 mod semi_implicit_euler;
+mod shard;
 mod shark;
 mod sk_rock;
 mod sra;
@@ -31,27 +42,40 @@ mod state_space;
 mod strang_oscillator;
 mod stratonovich;
 mod system;
+mod tally;
 mod tamed_euler;
 mod theta;
 
 pub use baoab::{Baoab, HalfStep};
 pub use blocks::{BLOCK_LENGTH, reduce_blocks};
+pub use bridge::BrownianTree;
 #[cfg(feature = "dense")]
 pub use dense_factor::DenseFactor;
 pub use diagonal::{DiagonalNoise, DiagonalSde, StratonovichForm, check_diagonal_noise};
-pub use ensemble::{Ensemble, EnsembleConfig, Observable, simulate};
+pub use elementary::{exp, ln, power};
+pub use ensemble::{Ensemble, Study, simulate};
 pub use error::{Error, StepError};
 pub use estimate::{Accumulator, Estimate, Uncertainty};
 pub use euler_maruyama::EulerMaruyama;
 pub use field::{FieldIncrement, FieldIntegrator, FieldPath, FieldSde, Workspace};
 pub use heun::Heun;
 pub use integrator::Integrator;
+pub use lanes::{LANES, LaneIncrements};
 pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
 pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};
+pub use level::SimdLevel;
+pub use maximum::{Between, Response, Side, maxima};
 pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
 pub use noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
+pub use rare::{
+    DesignPoint, DrivenPath, NormalResponse, SubsetConfig, design_point, importance_sampling,
+    subset_simulation,
+};
+pub use samples::Samples;
+pub use schedule::EnsembleConfig;
 pub use semi_implicit_euler::SemiImplicitEuler;
+pub use shard::{FailedPath, Outcome, ShardRecord, merge};
 pub use shark::Shark;
 pub use sk_rock::SkRock;
 pub use sra1::Sra1;
@@ -61,5 +85,6 @@ pub use state_space::StateSpace;
 pub use strang_oscillator::{LinearFlows, StrangOscillator};
 pub use stratonovich::{ItoForm, StratonovichSde};
 pub use system::{Additive, General, NoiseClass, Sde, SecondOrder, check_diffusion_divergence};
+pub use tally::{Observable, Sampling};
 pub use tamed_euler::TamedEuler;
 pub use theta::StochasticTheta;

@@ -28,6 +28,7 @@ where
     S: DiagonalSde<D> + ?Sized,
 {
     type Memory = ();
+    const USES_AREA: bool = false;
 
     #[inline]
     fn step(

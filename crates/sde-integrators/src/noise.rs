@@ -1,10 +1,11 @@
 //! Noise as a pure function of its address: (seed, purpose, realisation, step).
 
-use pulp::Arch;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::normal::{LANES, normal_pair, normal_pairs};
+use crate::chacha::{BLOCK_WORDS, blocks, key};
+use crate::level::SimdLevel;
+use crate::normal::{BLOCK_NORMALS, normal_blocks, normal_pair};
 
 /// Words of 32 bits that one pair of normals takes, always.
 pub const WORDS_PER_PAIR: u128 = 4;
@@ -16,7 +17,7 @@ pub const WORDS_PER_PAIR: u128 = 4;
 #[non_exhaustive]
 #[repr(u64)]
 pub enum Purpose {
-    /// The Brownian motion that drives a path.
+    /// The Brownian motion that drives a path: its increments `w`.
     Path = 0,
     /// The state a path starts from.
     InitialLaw = 1,
@@ -26,6 +27,26 @@ pub enum Purpose {
     Field = 3,
     /// Resampling of finished results.
     Bootstrap = 4,
+    /// The space-time areas `H` of the Brownian motion that drives a path, which only some methods look at.
+    PathArea = 5,
+    /// Proposals and decisions of a Markov chain.
+    MarkovChain = 6,
+    /// Parts of a step, given its increment.
+    Refinement = 7,
+}
+
+impl Purpose {
+    /// Every purpose there is.
+    pub const ALL: [Self; 8] = [
+        Self::Path,
+        Self::InitialLaw,
+        Self::Bridge,
+        Self::Field,
+        Self::Bootstrap,
+        Self::PathArea,
+        Self::MarkovChain,
+        Self::Refinement,
+    ];
 }
 
 /// The increments of `M` Brownian motions over one step of length `h`.
@@ -68,7 +89,7 @@ impl<const M: usize> Increment<M> {
 /// The noise of a whole study: everything that is drawn follows from its seed.
 ///
 /// It is ChaCha with 8 rounds used as a function. Key: seed (8 bytes, little endian), purpose (8 bytes), zeros;
-/// stream: realisation; word: step times words per step. Every draw takes a fixed number of words, and the normals
+/// stream: realisation; word: number of the normal times two. Every draw takes a fixed number of words, and the normals
 /// are computed without the platform's mathematics library, so that the same address gives the same bits everywhere.
 ///
 /// Source of the cipher: Bernstein 2008, ChaCha, a variant of Salsa20.
@@ -107,13 +128,14 @@ impl Noise {
         key[8..16].copy_from_slice(&(purpose as u64).to_le_bytes());
         let mut generator = ChaCha8Rng::from_seed(key);
         generator.set_stream(realisation);
-        Stream { generator }
+        let key = crate::chacha::key(self.seed, purpose as u64);
+        Stream { generator, key, realisation, level: SimdLevel::best() }
     }
 
     /// The `M` Brownian motions that drive one realisation, from step 0 on.
     #[must_use]
     pub fn path<const M: usize>(&self, realisation: u64) -> PathNoise<M> {
-        PathNoise::new(self.stream(Purpose::Path, realisation))
+        PathNoise::new(self.seed, realisation)
     }
 }
 
@@ -121,9 +143,18 @@ impl Noise {
 #[derive(Debug, Clone)]
 pub struct Stream {
     generator: ChaCha8Rng,
+    key: [u32; 8],
+    realisation: u64,
+    level: SimdLevel,
 }
 
 impl Stream {
+    /// Make many normals at once with the instructions of this level; the bits are the same at every one.
+    #[must_use]
+    pub fn at_level(self, level: SimdLevel) -> Self {
+        Self { level, ..self }
+    }
+
     /// Move to a word of 32 bits, counted from the start of the stream modulo `2^68`. Costs about 100 ns.
     pub fn seek(&mut self, word: u128) {
         self.generator.set_word_pos(word);
@@ -153,27 +184,157 @@ impl Stream {
     }
 
     /// Independent standard normals: four words for each two, the last pair taken whole also where one is left over.
+    ///
+    /// The values are those of [`next_normal_pair`](Self::next_normal_pair), made many at a time: it pays from about 50
+    /// numbers on.
     pub fn fill_normal(&mut self, normals: &mut [f64]) {
-        for pair in normals.chunks_mut(2) {
-            pair.copy_from_slice(&self.next_normal_pair()[..pair.len()]);
+        let mut rest = normals;
+        if rest.len() > FIELD_NORMALS / 2 {
+            // Up to the next block of the cipher one pair after the other; off the grid of pairs, all of them.
+            while !rest.is_empty()
+                && !self.generator.get_word_pos().is_multiple_of(BLOCK_WORDS as u128)
+            {
+                rest = self.fill_pair(rest);
+            }
+            let start = self.generator.get_word_pos();
+            if !rest.is_empty() {
+                let words = rest.len().div_ceil(2) as u128 * WORDS_PER_PAIR;
+                let (key, stream) = (&self.key, self.realisation);
+                let block = low_u64(start / BLOCK_WORDS as u128);
+                self.level.run(FillField { key, stream, block, normals: rest });
+                self.generator.set_word_pos(start + words);
+                return;
+            }
+        }
+        while !rest.is_empty() {
+            rest = self.fill_pair(rest);
+        }
+    }
+
+    fn fill_pair<'a>(&mut self, normals: &'a mut [f64]) -> &'a mut [f64] {
+        let (pair, rest) = normals.split_at_mut(normals.len().min(2));
+        pair.copy_from_slice(&self.next_normal_pair()[..pair.len()]);
+        rest
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a counter of blocks wraps at 2^64")]
+const fn low_u64(x: u128) -> u64 {
+    x as u64
+}
+
+/// Blocks of one stream that are made side by side.
+const FIELD_BLOCKS: usize = 16;
+/// Normals of these blocks.
+const FIELD_NORMALS: usize = FIELD_BLOCKS * BLOCK_NORMALS;
+
+/// The normals of one stream from a block on.
+struct FillField<'a> {
+    key: &'a [u32; 8],
+    stream: u64,
+    block: u64,
+    normals: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for FillField<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
+    #[inline(always)]
+    fn call(self) {
+        let mut rows = [[0.0; FIELD_BLOCKS]; BLOCK_NORMALS];
+        let mut block = self.block;
+        for part in self.normals.chunks_mut(FIELD_NORMALS) {
+            let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
+            normal_blocks(self.key, &[self.stream; FIELD_BLOCKS], &counters, &mut rows);
+            if let Ok(whole) = <&mut [f64; FIELD_NORMALS]>::try_from(&mut *part) {
+                for lane in 0..FIELD_BLOCKS {
+                    for row in 0..BLOCK_NORMALS {
+                        whole[lane * BLOCK_NORMALS + row] = rows[row][lane];
+                    }
+                }
+            } else {
+                for (k, normal) in part.iter_mut().enumerate() {
+                    *normal = rows[k % BLOCK_NORMALS][k / BLOCK_NORMALS];
+                }
+            }
+            block = block.wrapping_add(FIELD_BLOCKS as u64);
         }
     }
 }
 
-/// The increments of one path, step after step (fast) or at any step (about 100 ns and a batch of draws).
+/// The increments of one path, step after step (fast) or at any step (a block of the cipher for each number).
+///
+/// Normal number `k M + m` of [`Purpose::Path`] belongs to step `k` and motion `m`, that of [`Purpose::PathArea`] to its
+/// space-time area.
 #[derive(Debug, Clone)]
 pub struct PathNoise<const M: usize> {
-    stream: Stream,
-    arch: Arch,
-    /// Normals drawn ahead, the first of each pair and the second.
-    normals: [[f64; LANES]; 2],
-    /// The first of them that has not been used; [`LANES`] where there is none.
-    next: usize,
+    brownian: Ahead,
+    area: Ahead,
+    level: SimdLevel,
+    /// The number of the next normal.
+    next: u128,
+    /// Whether the normals drawn ahead are those around the next one.
+    is_ahead: bool,
+}
+
+/// Blocks of a path that are drawn ahead.
+const AHEAD_BLOCKS: usize = 8;
+const AHEAD_NORMALS: u128 = (AHEAD_BLOCKS * BLOCK_NORMALS) as u128;
+
+/// Normals drawn ahead for one purpose.
+#[derive(Debug, Clone)]
+struct Ahead {
+    key: [u32; 8],
+    stream: u64,
+    /// Row per normal of a block, column per block.
+    rows: [[f64; AHEAD_BLOCKS]; BLOCK_NORMALS],
+}
+
+impl Ahead {
+    fn new(seed: u64, purpose: Purpose, stream: u64) -> Self {
+        let rows = [[0.0; AHEAD_BLOCKS]; BLOCK_NORMALS];
+        Self { key: key(seed, purpose as u64), stream, rows }
+    }
+
+    /// One normal by its number.
+    fn one(&self, number: u128) -> f64 {
+        let block = low_u64(number / BLOCK_NORMALS as u128);
+        let place = (number % BLOCK_NORMALS as u128) as usize;
+        let mut words = [[0; 1]; BLOCK_WORDS];
+        blocks(&self.key, &[self.stream], &[block], &mut words);
+        let first = 4 * (place / 2);
+        let two = |k: usize| u64::from(words[k][0]) | u64::from(words[k + 1][0]) << 32;
+        normal_pair(two(first), two(first + 2))[place % 2]
+    }
+}
+
+struct DrawAhead<'a> {
+    ahead: &'a mut Ahead,
+    block: u64,
+}
+
+impl pulp::NullaryFnOnce for DrawAhead<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
+    #[inline(always)]
+    fn call(self) {
+        let Self { ahead: Ahead { key, stream, rows }, block } = self;
+        let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
+        normal_blocks(key, &[*stream; AHEAD_BLOCKS], &counters, rows);
+    }
 }
 
 impl<const M: usize> PathNoise<M> {
-    fn new(stream: Stream) -> Self {
-        Self { stream, arch: Arch::new(), normals: [[0.0; LANES]; 2], next: LANES }
+    fn new(seed: u64, realisation: u64) -> Self {
+        Self {
+            brownian: Ahead::new(seed, Purpose::Path, realisation),
+            area: Ahead::new(seed, Purpose::PathArea, realisation),
+            level: SimdLevel::best(),
+            next: 0,
+            is_ahead: false,
+        }
     }
 
     /// The increment over the next step, of length `dt >= 0`.
@@ -183,11 +344,13 @@ impl<const M: usize> PathNoise<M> {
         let (brownian_deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
         let mut increment = Increment::ZERO;
         for m in 0..M {
-            if self.next == LANES {
+            let place = (self.next % AHEAD_NORMALS) as usize;
+            if place == 0 || !self.is_ahead {
                 self.draw_ahead();
             }
-            increment.brownian[m] = brownian_deviation * self.normals[0][self.next];
-            increment.space_time_area[m] = area_deviation * self.normals[1][self.next];
+            let (row, column) = (place % BLOCK_NORMALS, place / BLOCK_NORMALS);
+            increment.brownian[m] = brownian_deviation * self.brownian.rows[row][column];
+            increment.space_time_area[m] = area_deviation * self.area.rows[row][column];
             self.next += 1;
         }
         increment
@@ -196,19 +359,24 @@ impl<const M: usize> PathNoise<M> {
     /// The increment over a given step, counted from 0. The path continues with the step after it.
     #[must_use]
     pub fn increment_at(&mut self, step: u64, dt: f64) -> Increment<M> {
-        self.stream.seek(u128::from(step) * WORDS_PER_PAIR * M as u128);
-        self.next = LANES;
-        self.next_increment(dt)
+        self.next = u128::from(step) * M as u128;
+        let (brownian_deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
+        let mut increment = Increment::ZERO;
+        for m in 0..M {
+            increment.brownian[m] = brownian_deviation * self.brownian.one(self.next);
+            increment.space_time_area[m] = area_deviation * self.area.one(self.next);
+            self.next += 1;
+        }
+        self.is_ahead = false;
+        increment
     }
 
+    /// The normals around the next one.
     #[inline(never)]
     fn draw_ahead(&mut self) {
-        let (mut radial, mut angular) = ([0; LANES], [0; LANES]);
-        for lane in 0..LANES {
-            radial[lane] = self.stream.next_u64();
-            angular[lane] = self.stream.next_u64();
-        }
-        self.normals = normal_pairs(self.arch, &radial, &angular);
-        self.next = 0;
+        let block = low_u64(self.next / AHEAD_NORMALS * AHEAD_BLOCKS as u128);
+        self.level.run(DrawAhead { ahead: &mut self.brownian, block });
+        self.level.run(DrawAhead { ahead: &mut self.area, block });
+        self.is_ahead = true;
     }
 }

@@ -1,6 +1,6 @@
 //! Semi-implicit Euler: velocity first, then position with the new velocity.
 
-use crate::integrator::{apply, integrate_second_order};
+use crate::integrator::{apply, integrate_second_order_lanes};
 use crate::noise::Increment;
 use crate::system::SecondOrder;
 
@@ -26,18 +26,33 @@ use crate::system::SecondOrder;
 pub struct SemiImplicitEuler;
 
 impl SemiImplicitEuler {
+    /// The intensity of the noise over the step.
     #[inline]
+    fn prepare<S, const N: usize, const M: usize>(
+        system: &S,
+        t: f64,
+        _dt: f64,
+        _memory: &mut (),
+    ) -> [[f64; M]; N]
+    where
+        S: SecondOrder<N, M> + ?Sized,
+    {
+        system.noise_intensity(t)
+    }
+
+    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[inline(always)]
     fn advance<S, const N: usize, const M: usize>(
         system: &S,
         (t, dt): (f64, f64),
         dw: &Increment<M>,
         (q, v): (&mut [f64; N], &mut [f64; N]),
-        _memory: &mut (),
+        intensity: &[[f64; M]; N],
     ) where
         S: SecondOrder<N, M> + ?Sized,
     {
         let acceleration = system.acceleration(t, q, v);
-        let kick = apply(&system.noise_intensity(t), &dw.brownian);
+        let kick = apply(intensity, &dw.brownian);
         for k in 0..N {
             v[k] += dt * acceleration[k] + kick[k];
             q[k] += dt * v[k];
@@ -45,7 +60,7 @@ impl SemiImplicitEuler {
     }
 }
 
-integrate_second_order!(SemiImplicitEuler {
+integrate_second_order_lanes!(SemiImplicitEuler, uses_area: false {
     1 => 2, ();
     2 => 4, ();
     3 => 6, ();

@@ -1,6 +1,6 @@
 //! A symmetric splitting of a noisy oscillator into parts that are each solved exactly.
 
-use crate::integrator::{apply, integrate_second_order};
+use crate::integrator::{apply, integrate_second_order_lanes};
 use crate::noise::Increment;
 use crate::system::SecondOrder;
 
@@ -104,15 +104,22 @@ impl LinearFlow {
     }
 }
 
+/// What a step has in common for all paths.
+struct Prepared<const N: usize, const M: usize> {
+    flows: [LinearFlow; N],
+    /// The intensities of the two kicks.
+    intensities: [[[f64; M]; N]; 2],
+}
+
 impl StrangOscillator {
     #[inline]
-    fn advance<S, const N: usize, const M: usize>(
+    fn prepare<S, const N: usize, const M: usize>(
         system: &S,
-        (t, dt): (f64, f64),
-        dw: &Increment<M>,
-        (q, v): (&mut [f64; N], &mut [f64; N]),
+        t: f64,
+        dt: f64,
         memory: &mut LinearFlows<N>,
-    ) where
+    ) -> Prepared<N, M>
+    where
         S: SecondOrder<N, M> + ?Sized,
     {
         let (omega, c) = (system.natural_frequency(), system.linear_damping());
@@ -122,16 +129,31 @@ impl StrangOscillator {
                 *flow = LinearFlow::new(dt, omega[k], c[k]);
             }
         }
+        let intensities = [0.25, 0.75].map(|part| system.noise_intensity(t + part * dt));
+        Prepared { flows: memory.flows, intensities }
+    }
+
+    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[inline(always)]
+    fn advance<S, const N: usize, const M: usize>(
+        system: &S,
+        (t, dt): (f64, f64),
+        dw: &Increment<M>,
+        (q, v): (&mut [f64; N], &mut [f64; N]),
+        prepared: &Prepared<N, M>,
+    ) where
+        S: SecondOrder<N, M> + ?Sized,
+    {
         let (mut first, mut second) = ([0.0; M], [0.0; M]);
         for m in 0..M {
-            let (half, skew) = (0.5 * dw.brownian[m], 3.0_f64.sqrt() * dw.space_time_area[m]);
+            let (half, skew) = (0.5 * dw.brownian[m], SQRT_3 * dw.space_time_area[m]);
             (first[m], second[m]) = (half + skew, half - skew);
         }
-        let first = apply(&system.noise_intensity(t + 0.25 * dt), &first);
-        let second = apply(&system.noise_intensity(t + 0.75 * dt), &second);
+        let first = apply(&prepared.intensities[0], &first);
+        let second = apply(&prepared.intensities[1], &second);
 
         system.remaining_flow(t, 0.5 * dt, q, v);
-        for (k, flow) in memory.flows.iter().enumerate() {
+        for (k, flow) in prepared.flows.iter().enumerate() {
             v[k] = flow.decay * v[k] + flow.kick * first[k];
             flow.rotate(&mut q[k], &mut v[k]);
             v[k] = flow.decay * v[k] + flow.kick * second[k];
@@ -140,7 +162,9 @@ impl StrangOscillator {
     }
 }
 
-integrate_second_order!(StrangOscillator {
+const SQRT_3: f64 = 1.7320508075688772;
+
+integrate_second_order_lanes!(StrangOscillator, uses_area: true {
     1 => 2, LinearFlows<1>;
     2 => 4, LinearFlows<2>;
     3 => 6, LinearFlows<3>;

@@ -36,6 +36,7 @@ where
     S: Sde<D, M> + ?Sized,
 {
     type Memory = ();
+    const USES_AREA: bool = false;
 
     #[inline]
     fn step(

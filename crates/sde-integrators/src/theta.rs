@@ -67,6 +67,7 @@ where
     S: Sde<D, M> + ?Sized,
 {
     type Memory = ();
+    const USES_AREA: bool = false;
 
     fn step(
         &self,

@@ -1,6 +1,6 @@
 //! The oscillator with a nonlinear viscous damper.
 
-use sde_integrators::{Additive, Sde, SecondOrder};
+use sde_integrators::{Additive, Sde, SecondOrder, exp, power};
 
 use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};
@@ -78,26 +78,27 @@ impl SecondOrder<1, 1> for ViscousDamper {
         self.structure.linear_damping()
     }
 
-    #[inline]
+    #[allow(clippy::inline_always, reason = "ensembles compile it for lanes of paths")]
+    #[inline(always)]
     fn remaining_acceleration(&self, _: f64, _: &[f64; 1], &[v]: &[f64; 1]) -> [f64; 1] {
-        [-self.damper_coefficient * v.signum() * v.abs().powf(self.damper_exponent)]
+        [-self.damper_coefficient * power(v.abs(), self.damper_exponent).copysign(v)]
     }
 
     /// `|v|^(1 - alpha)` falls at the constant rate `eta (1 - alpha)` until it is zero, and stays there; at
     /// `alpha = 1` the flow is `v exp(-eta dt)`.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "ensembles compile it for lanes of paths")]
+    #[inline(always)]
     fn remaining_flow(&self, _: f64, dt: f64, _: &[f64; 1], [v]: &mut [f64; 1]) {
         let (eta, beta) = (self.damper_coefficient, 1.0 - self.damper_exponent);
-        if *v == 0.0 {
+        if beta.abs() < 1e-12 {
+            *v *= exp(-eta * dt);
             return;
         }
-        *v = if beta.abs() < 1e-12 {
-            *v * (-eta * dt).exp()
-        } else {
-            let power = v.abs().powf(beta) - eta * beta * dt;
-            // For alpha < 1 the damper brings the mass to rest in finite time.
-            if power <= 0.0 && beta > 0.0 { 0.0 } else { v.signum() * power.powf(1.0 / beta) }
-        };
+        let left = power(v.abs(), beta) - eta * beta * dt;
+        // For alpha < 1 the damper brings the mass to rest in finite time.
+        let left = if left > 0.0 { left } else { 0.0 };
+        let speed = power(left, 1.0 / beta);
+        *v = if v.is_nan() { *v } else { speed.copysign(*v) };
     }
 
     #[inline]

@@ -7,4 +7,5 @@ mod methods;
 mod moments;
 mod noise;
 mod stability;
+mod studies;
 mod system;

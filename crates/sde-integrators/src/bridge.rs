@@ -1,0 +1,83 @@
+//! A path seen more finely: the increments of parts of a step, given that of the whole.
+
+use crate::noise::{Increment, Noise, Purpose, WORDS_PER_PAIR};
+
+impl<const M: usize> Increment<M> {
+    /// The increments over the two halves of a step of length `dt`, given that over the whole: a Brownian bridge with its
+    /// area. `normals` are two independent standard normals per motion.
+    ///
+    /// $$ a = \tfrac34 H + \tfrac18 \sqrt h  z_1, \quad w_{1,2} = \tfrac12 w \pm 2a, \quad
+    ///    H_{1,2} = (H - a) \pm \tfrac12 \sqrt{h/12}  z_2 $$
+    ///
+    /// They have the law of two fresh steps, and [`from_halves`](Self::from_halves) gives the whole back. It follows from
+    /// that formula: `H` is the sum of `(w_1 - w_2)/4 ~ N(0, h/16)` and `(H_1 + H_2)/2 ~ N(0, h/48)`.
+    #[must_use]
+    pub fn halves(&self, dt: f64, normals: &[[f64; 2]; M]) -> [Self; 2] {
+        let (mut first, mut second) = (Self::ZERO, Self::ZERO);
+        let (skew_deviation, area_deviation) = (0.125 * dt.sqrt(), 0.5 * (dt / 12.0).sqrt());
+        for m in 0..M {
+            let (w, area) = (self.brownian[m], self.space_time_area[m]);
+            let skew = 0.75 * area + skew_deviation * normals[m][0];
+            let difference = area_deviation * normals[m][1];
+            first.brownian[m] = 0.5 * w + 2.0 * skew;
+            second.brownian[m] = 0.5 * w - 2.0 * skew;
+            first.space_time_area[m] = (area - skew) + difference;
+            second.space_time_area[m] = (area - skew) - difference;
+        }
+        [first, second]
+    }
+}
+
+/// The path of one realisation at every dyadic part of its steps, each a pure function of its place.
+///
+/// Steps that adapt to the path must see the **same** path after a rejected step: drawing afresh conditions the accepted
+/// steps on being accepted, which biases every statistic. Here a rejected step is halved, and its halves are looked up.
+///
+/// ```
+/// use sde_integrators::{BrownianTree, Increment, Noise};
+///
+/// let tree = BrownianTree::<1>::new(Noise::new(7), 42, 0.1);
+/// let whole = tree.increment(3, &[]);
+/// let (first, second) = (tree.increment(3, &[0]), tree.increment(3, &[1]));
+/// let joined = Increment::from_halves(&first, &second);
+/// assert!((joined.brownian[0] - whole.brownian[0]).abs() < 1e-15);
+/// // The steps themselves are those of every other method.
+/// assert_eq!(whole, Noise::new(7).path::<1>(42).increment_at(3, 0.1));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrownianTree<const M: usize> {
+    noise: Noise,
+    realisation: u64,
+    dt: f64,
+}
+
+impl<const M: usize> BrownianTree<M> {
+    /// How often a step can be halved.
+    pub const MAX_DEPTH: usize = 20;
+
+    /// The path of a realisation, with steps of length `dt > 0` at its root.
+    #[must_use]
+    pub const fn new(noise: Noise, realisation: u64, dt: f64) -> Self {
+        Self { noise, realisation, dt }
+    }
+
+    /// The increment over a part of a step: `halves` says which half to take, time after time, 0 for the first. Steps and
+    /// halves beyond [`MAX_DEPTH`](Self::MAX_DEPTH) are not followed. Costs a draw per halving.
+    #[must_use]
+    pub fn increment(&self, step: u64, halves: &[u8]) -> Increment<M> {
+        let mut increment = self.noise.path::<M>(self.realisation).increment_at(step, self.dt);
+        let mut stream = self.noise.stream(Purpose::Refinement, self.realisation);
+        // A node's number in the tree of its step: the root is 1, the halves of k are 2k and 2k + 1.
+        let (mut node, mut dt) = (1_u64, self.dt);
+        for &half in halves.iter().take(Self::MAX_DEPTH) {
+            let place = u128::from(step) << Self::MAX_DEPTH | u128::from(node);
+            stream.seek(place * M as u128 * WORDS_PER_PAIR);
+            let normals = std::array::from_fn(|_| stream.next_normal_pair());
+            let parts = increment.halves(dt, &normals);
+            let is_second = half > 0;
+            increment = parts[usize::from(is_second)];
+            (node, dt) = (2 * node + u64::from(is_second), 0.5 * dt);
+        }
+        increment
+    }
+}

@@ -1,0 +1,225 @@
+//! Paths followed side by side, one in each lane.
+
+use std::ops::Range;
+
+use crate::error::Error;
+use crate::integrator::Integrator;
+use crate::lanes::{LANES, LaneIncrements, LaneNoise};
+use crate::law::InitialLaw;
+use crate::level::SimdLevel;
+use crate::noise::Noise;
+use crate::schedule::Leg;
+use crate::tally::Sampling;
+
+/// The states of [`LANES`] paths, component by component.
+pub(crate) type LaneStates<const D: usize> = [[f64; LANES]; D];
+
+/// Everything the paths share.
+pub(crate) struct Follow<'a, S: ?Sized, I, L: ?Sized> {
+    pub(crate) system: &'a S,
+    pub(crate) integrator: &'a I,
+    pub(crate) law: &'a L,
+    pub(crate) seed: u64,
+    pub(crate) legs: &'a [Leg],
+    pub(crate) sampling: Sampling,
+    pub(crate) level: SimdLevel,
+}
+
+/// Who looks at the paths while they are followed.
+pub(crate) trait Watch<const D: usize> {
+    /// Whether [`step`](Self::step) is to be called.
+    const EVERY_STEP: bool;
+
+    /// A group begins: its first realisation and its states.
+    fn start(&mut self, first: u64, x: &LaneStates<D>);
+
+    /// A step has been taken, from `before` at `t` to `after` at `t + dt`; `time` is both.
+    fn step(&mut self, time: (f64, f64), before: &LaneStates<D>, after: &LaneStates<D>);
+
+    /// An output time has come.
+    fn output(&mut self, leg: usize, t: f64, x: &LaneStates<D>, lives: &mut Lives);
+}
+
+/// Which lanes are in use, and which path has failed, with its first error.
+pub(crate) struct Lives {
+    pub(crate) first: u64,
+    pub(crate) n_active: usize,
+    failures: [Option<Box<Error>>; LANES],
+}
+
+impl Lives {
+    fn new(ids: &Range<u64>) -> Self {
+        let n_active = usize::try_from(ids.end - ids.start).unwrap_or(LANES).min(LANES);
+        Self { first: ids.start, n_active, failures: [const { None }; LANES] }
+    }
+
+    pub(crate) fn realisation(&self, lane: usize) -> u64 {
+        self.first + lane as u64
+    }
+
+    pub(crate) fn is_alive(&self, lane: usize) -> bool {
+        self.failures[lane].is_none()
+    }
+
+    #[cold]
+    pub(crate) fn fail(&mut self, lane: usize, error: impl FnOnce(u64) -> Error) {
+        if lane < self.n_active && self.is_alive(lane) {
+            self.failures[lane] = Some(Box::new(error(self.realisation(lane))));
+        }
+    }
+
+    /// Who is not finite has failed, and is set to zero lest it be found again.
+    #[cold]
+    #[inline(never)]
+    fn bury<const D: usize>(&mut self, x: &mut LaneStates<D>, steps: u64, t: f64) {
+        for lane in 0..LANES {
+            let Some(component) = (0..D).find(|&i| !x[i][lane].is_finite()) else { continue };
+            let value = x[component][lane];
+            self.fail(lane, |realisation| Error::NonFiniteState {
+                realisation,
+                steps,
+                t,
+                component,
+                value,
+            });
+            for row in x.iter_mut() {
+                row[lane] = 0.0;
+            }
+        }
+    }
+
+    /// The failures, by realisation.
+    pub(crate) fn into_failures(self) -> impl Iterator<Item = (u64, Error)> {
+        let first = self.first;
+        self.failures
+            .into_iter()
+            .enumerate()
+            .filter_map(move |(lane, error)| Some((first + lane as u64, *error?)))
+    }
+}
+
+#[allow(clippy::inline_always, reason = "it stands in a dispatched function")]
+#[inline(always)]
+fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
+    let mut largest = 0_u64;
+    for row in x {
+        for lane in 0..LANES {
+            // By bits: without sign, what is not finite is at least infinity.
+            largest = largest.max(row[lane].to_bits() << 1);
+        }
+    }
+    largest < f64::INFINITY.to_bits() << 1
+}
+
+impl<S, I, L> Follow<'_, S, I, L>
+where
+    S: Sync + ?Sized,
+    L: ?Sized,
+{
+    /// Follow at most [`LANES`] paths over the whole time.
+    pub(crate) fn group<const D: usize, const M: usize, W>(
+        &self,
+        ids: &Range<u64>,
+        watch: &mut W,
+    ) -> Lives
+    where
+        I: Integrator<S, D, M>,
+        L: InitialLaw<D>,
+        W: Watch<D>,
+    {
+        let mut lives = Lives::new(ids);
+        let lane_ids: [u64; LANES] =
+            std::array::from_fn(|lane| ids.start.wrapping_add(lane as u64));
+        let (streams, signs) = match self.sampling {
+            Sampling::Independent => (lane_ids, [1.0; LANES]),
+            Sampling::Antithetic => {
+                (lane_ids.map(|id| id / 2), lane_ids.map(|id| if id % 2 == 0 { 1.0 } else { -1.0 }))
+            }
+        };
+        let mut x = [[0.0; LANES]; D];
+        let noise = Noise::new(self.seed);
+        for lane in 0..lives.n_active {
+            let state = self.law.sample(&noise, streams[lane]);
+            for i in 0..D {
+                x[i][lane] = state[i];
+            }
+        }
+        if !all_finite(&x) {
+            lives.bury(&mut x, 0, 0.0);
+        }
+        watch.start(ids.start, &x);
+        let mut noise = LaneNoise::<M>::new(self.seed, streams, signs);
+        let mut memory: [I::Memory; LANES] = std::array::from_fn(|_| I::Memory::default());
+        let mut steps_before = 0;
+        for (index, leg) in self.legs.iter().enumerate() {
+            self.level.run(Advance {
+                follow: self,
+                leg,
+                steps_before,
+                noise: &mut noise,
+                x: &mut x,
+                memory: &mut memory,
+                lives: &mut lives,
+                watch,
+            });
+            steps_before += leg.n_steps;
+            watch.output(index, leg.end, &x, &mut lives);
+        }
+        lives
+    }
+}
+
+/// The steps between two output times.
+struct Advance<'a, 'b, S: ?Sized, I, L: ?Sized, W, Memory, const D: usize, const M: usize> {
+    follow: &'a Follow<'b, S, I, L>,
+    leg: &'a Leg,
+    steps_before: u64,
+    noise: &'a mut LaneNoise<M>,
+    x: &'a mut LaneStates<D>,
+    memory: &'a mut [Memory; LANES],
+    lives: &'a mut Lives,
+    watch: &'a mut W,
+}
+
+impl<S, I, L, W, const D: usize, const M: usize> pulp::NullaryFnOnce
+    for Advance<'_, '_, S, I, L, W, I::Memory, D, M>
+where
+    S: Sync + ?Sized,
+    I: Integrator<S, D, M>,
+    L: ?Sized,
+    W: Watch<D>,
+{
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
+    #[inline(always)]
+    fn call(self) {
+        let Self { follow, leg, steps_before, noise, x, memory, lives, watch } = self;
+        let (integrator, system) = (follow.integrator, follow.system);
+        let deviations = noise.deviations(leg.dt);
+        let mut dw = LaneIncrements::ZERO;
+        let mut before = *x;
+        for k in 0..leg.n_steps {
+            let t = leg.start + k as f64 * leg.dt;
+            if I::USES_AREA {
+                noise.next::<true>(&deviations, &mut dw);
+            } else {
+                noise.next::<false>(&deviations, &mut dw);
+            }
+            if W::EVERY_STEP {
+                before = *x;
+            }
+            let step = steps_before + k;
+            let mut failed = |lane, source| {
+                lives.fail(lane, |realisation| Error::Step { realisation, step, t, source });
+            };
+            integrator.step_lanes(system, t, leg.dt, &dw, x, memory, &mut failed);
+            if !all_finite(x) {
+                lives.bury(x, step + 1, t + leg.dt);
+            }
+            if W::EVERY_STEP {
+                watch.step((t, leg.dt), &before, x);
+            }
+        }
+    }
+}

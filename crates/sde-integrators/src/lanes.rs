@@ -1,0 +1,124 @@
+//! Paths side by side: their increments, made together.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use crate::chacha::key;
+use crate::noise::{Increment, Purpose};
+use crate::normal::{BLOCK_NORMALS, normal_blocks};
+
+/// Paths that an ensemble moves together, one in each lane.
+pub const LANES: usize = 32;
+
+/// The increments of [`LANES`] paths over one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneIncrements<const M: usize> {
+    /// `w`, per motion and lane (square root of time).
+    pub brownian: [[f64; LANES]; M],
+    /// `H`, per motion and lane (square root of time); zero where the method does not ask for it.
+    pub space_time_area: [[f64; LANES]; M],
+}
+
+impl<const M: usize> LaneIncrements<M> {
+    /// No noise at all.
+    pub const ZERO: Self = Self { brownian: [[0.0; LANES]; M], space_time_area: [[0.0; LANES]; M] };
+
+    /// The increment of one path. `lane` is below [`LANES`].
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, lane: usize) -> Increment<M> {
+        let mut increment = Increment::ZERO;
+        for m in 0..M {
+            increment.brownian[m] = self.brownian[m][lane];
+            increment.space_time_area[m] = self.space_time_area[m][lane];
+        }
+        increment
+    }
+}
+
+/// Normals for one purpose, in lanes: row after row, eight rows to a block of the cipher.
+#[derive(Debug, Clone)]
+struct Rows {
+    key: [u32; 8],
+    normals: [[f64; LANES]; BLOCK_NORMALS],
+}
+
+impl Rows {
+    fn new(seed: u64, purpose: Purpose) -> Self {
+        Self { key: key(seed, purpose as u64), normals: [[0.0; LANES]; BLOCK_NORMALS] }
+    }
+
+    #[inline(always)]
+    fn draw(&mut self, streams: &[u64; LANES], block: u64) {
+        normal_blocks(&self.key, streams, &[block; LANES], &mut self.normals);
+    }
+}
+
+/// The noise of [`LANES`] paths, step after step.
+#[derive(Debug, Clone)]
+pub(crate) struct LaneNoise<const M: usize> {
+    /// The realisation whose words a lane uses.
+    streams: [u64; LANES],
+    /// 1, or -1 for an antithetic path.
+    signs: [f64; LANES],
+    brownian: Rows,
+    area: Rows,
+    /// The row of the next normals.
+    next: usize,
+    /// The next block of the cipher.
+    block: u64,
+}
+
+/// The standard deviations of the increments over a step, with the sign of the path.
+pub(crate) struct Deviations {
+    brownian: [f64; LANES],
+    area: [f64; LANES],
+}
+
+impl<const M: usize> LaneNoise<M> {
+    pub(crate) fn new(seed: u64, streams: [u64; LANES], signs: [f64; LANES]) -> Self {
+        let brownian = Rows::new(seed, Purpose::Path);
+        let area = Rows::new(seed, Purpose::PathArea);
+        Self { streams, signs, brownian, area, next: 0, block: 0 }
+    }
+
+    pub(crate) fn deviations(&self, dt: f64) -> Deviations {
+        let (brownian, area) = (dt.sqrt(), (dt / 12.0).sqrt());
+        Deviations {
+            brownian: self.signs.map(|sign| sign * brownian),
+            area: self.signs.map(|sign| sign * area),
+        }
+    }
+
+    /// The increments over the next step.
+    #[inline(always)]
+    pub(crate) fn next<const USES_AREA: bool>(
+        &mut self,
+        deviations: &Deviations,
+        increments: &mut LaneIncrements<M>,
+    ) {
+        for m in 0..M {
+            let row = self.next;
+            if row == 0 {
+                self.brownian.draw(&self.streams, self.block);
+                if USES_AREA {
+                    self.area.draw(&self.streams, self.block);
+                }
+                self.block += 1;
+            }
+            let normals = &self.brownian.normals[row];
+            for lane in 0..LANES {
+                increments.brownian[m][lane] = deviations.brownian[lane] * normals[lane];
+            }
+            if USES_AREA {
+                let normals = &self.area.normals[row];
+                for lane in 0..LANES {
+                    increments.space_time_area[m][lane] = deviations.area[lane] * normals[lane];
+                }
+            }
+            self.next = (row + 1) % BLOCK_NORMALS;
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! The largest response of a path up to a time, between the steps as well: first passage and its law.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use std::fmt;
+
+use crate::blocks::reduce_blocks;
+use crate::error::Error;
+use crate::follow::{Follow, LaneStates, Lives, Watch};
+use crate::integrator::Integrator;
+use crate::lanes::LANES;
+use crate::law::InitialLaw;
+use crate::level::SimdLevel;
+use crate::noise::{Noise, Purpose, Stream};
+use crate::samples::Samples;
+use crate::schedule::{EnsembleConfig, schedule};
+use crate::tally::Sampling;
+
+/// What is watched.
+#[derive(Debug, Clone, Copy)]
+pub struct Response<'a, const D: usize> {
+    /// The component of the state, below `D`.
+    pub component: usize,
+    /// Which of its values are large.
+    pub side: Side,
+    /// Where it is between the ends of a step.
+    pub between: Between<'a, D>,
+}
+
+/// Which values of a response are large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Those far above zero.
+    Above,
+    /// Those far from zero.
+    Magnitude,
+}
+
+/// Where a response is between the ends of a step. Its bias is the error of the law of the maximum.
+#[derive(Clone, Copy)]
+pub enum Between<'a, const D: usize> {
+    /// Nowhere: the ends alone count. Too small always, by `0.58 s sqrt(h)` for a component with its own diffusion.
+    Endpoints,
+    /// A Brownian bridge, for a component with its own diffusion `s dB`. Its maximum is drawn from its law,
+    ///
+    /// $$ M = \frac12 \left( x_0 + x_1 + \sqrt{(x_1 - x_0)^2 - 2 s^2 h \ln U} \right), $$
+    ///
+    /// so that `P(M > b) = exp(-2 (b - x_0)(b - x_1)/(s^2 h))` (Karatzas and Shreve 1991, eq 4.3.40; Glasserman 2003,
+    /// section 6.4). Exact where drift and `s` are constant. With [`Side::Magnitude`] maximum and minimum are drawn apart:
+    /// each has its law, both in one step are as if independent. **Wrong for the position of an oscillator**, which has no
+    /// diffusion of its own.
+    BrownianBridge {
+        /// `s` at the start of the step: the norm of the row of `g` that belongs to the component.
+        intensity: &'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync),
+    },
+    /// The cubic through position and velocity at both ends, for the position of a system of second order.
+    CubicHermite {
+        /// The component that is the velocity.
+        velocity: usize,
+    },
+    /// The arc `q'' = -omega^2 q` through the positions at both ends, for an oscillator and `0 < omega h < pi`: for a
+    /// linear one the path that [`StrangOscillator`](crate::StrangOscillator) takes between its kicks.
+    RotationArc {
+        /// `omega` (rad per unit of time).
+        natural_frequency: f64,
+    },
+}
+
+impl<const D: usize> fmt::Debug for Between<'_, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Endpoints => f.write_str("Endpoints"),
+            Self::BrownianBridge { .. } => f.write_str("BrownianBridge(..)"),
+            Self::CubicHermite { velocity } => write!(f, "CubicHermite(velocity {velocity})"),
+            Self::RotationArc { natural_frequency } => {
+                write!(f, "RotationArc({natural_frequency})")
+            }
+        }
+    }
+}
+
+/// The largest response of every path from the start to each output time, one sample per time.
+///
+/// `P(first passage of b before t) = P(maximum over [0, t] > b)`: [`Samples::exceedance`] gives it for every `b`,
+/// [`Samples::quantile`] the quantiles of the maximum.
+///
+/// # Errors
+/// As [`simulate`](crate::simulate); [`Error::NoSuchComponent`]; [`Error::NotPositive`] for the frequency of an arc,
+/// [`Error::ArcTooLong`] where a step is half a turn or more.
+pub fn maxima<S, I, L, const D: usize, const M: usize>(
+    system: &S,
+    integrator: &I,
+    law: &L,
+    config: &EnsembleConfig,
+    response: &Response<'_, D>,
+) -> Result<Vec<Samples>, Error>
+where
+    S: Sync + ?Sized,
+    I: Integrator<S, D, M>,
+    L: InitialLaw<D> + ?Sized,
+{
+    let legs = schedule(config)?;
+    response.check(legs.iter().fold(0.0, |largest, leg| leg.dt.max(largest)))?;
+    let (sampling, level, seed) = (Sampling::Independent, SimdLevel::best(), config.seed);
+    let follow = Follow { system, integrator, law, seed, legs: &legs, sampling, level };
+    let block = |ids: std::ops::Range<u64>| {
+        let mut watch = Maximum::new(response, seed, legs.len());
+        let mut start = ids.start;
+        while start < ids.end {
+            let end = ids.end.min(start + LANES as u64);
+            let lives = follow.group::<D, M, _>(&(start..end), &mut watch);
+            if let Some((_, error)) = lives.into_failures().next() {
+                return Err(error);
+            }
+            start = end;
+        }
+        Ok(watch.samples)
+    };
+    let join = |mut earlier: Vec<Vec<f64>>, later: Vec<Vec<f64>>| {
+        for (values, more) in earlier.iter_mut().zip(later) {
+            values.extend(more);
+        }
+        earlier
+    };
+    let samples = reduce_blocks(config.n_paths, block, join)?.unwrap_or_default();
+    samples.into_iter().map(Samples::new).collect()
+}
+
+impl<const D: usize> Response<'_, D> {
+    fn check(&self, dt: f64) -> Result<(), Error> {
+        let component = |component: usize| {
+            if component < D { Ok(()) } else { Err(Error::NoSuchComponent { component, limit: D }) }
+        };
+        component(self.component)?;
+        match self.between {
+            Between::CubicHermite { velocity } => component(velocity),
+            Between::RotationArc { natural_frequency: omega } => {
+                if !(omega.is_finite() && omega > 0.0) {
+                    return Err(Error::NotPositive { quantity: "natural frequency", value: omega });
+                }
+                let (angle, limit) = (omega * dt, std::f64::consts::PI);
+                if angle < limit { Ok(()) } else { Err(Error::ArcTooLong { angle, limit }) }
+            }
+            Between::Endpoints | Between::BrownianBridge { .. } => Ok(()),
+        }
+    }
+}
+
+/// Keeps the largest response of each lane.
+struct Maximum<'a, const D: usize> {
+    response: &'a Response<'a, D>,
+    noise: Noise,
+    bridges: Vec<Stream>,
+    running: [f64; LANES],
+    samples: Vec<Vec<f64>>,
+}
+
+impl<'a, const D: usize> Maximum<'a, D> {
+    fn new(response: &'a Response<'a, D>, seed: u64, n_times: usize) -> Self {
+        let noise = Noise::new(seed);
+        let samples = vec![Vec::new(); n_times];
+        Self { response, noise, bridges: Vec::new(), running: [0.0; LANES], samples }
+    }
+
+    /// `above(lane, sign)` is the maximum of `sign x` over the step.
+    #[inline(always)]
+    fn raise(&mut self, above: impl Fn(usize, f64) -> f64) {
+        for lane in 0..LANES {
+            self.running[lane] = self.running[lane].max(above(lane, 1.0));
+        }
+        if self.response.side == Side::Magnitude {
+            for lane in 0..LANES {
+                self.running[lane] = self.running[lane].max(above(lane, -1.0));
+            }
+        }
+    }
+}
+
+impl<const D: usize> Watch<D> for Maximum<'_, D> {
+    const EVERY_STEP: bool = true;
+
+    fn start(&mut self, first: u64, x: &LaneStates<D>) {
+        self.running = [f64::NEG_INFINITY; LANES];
+        let row = &x[self.response.component];
+        self.raise(|lane, sign| sign * row[lane]);
+        self.bridges.clear();
+        if matches!(self.response.between, Between::BrownianBridge { .. }) {
+            let noise = self.noise;
+            let lanes = 0..LANES as u64;
+            self.bridges
+                .extend(lanes.map(|lane| noise.stream(Purpose::Bridge, first.wrapping_add(lane))));
+        }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, (t, dt): (f64, f64), before: &LaneStates<D>, after: &LaneStates<D>) {
+        let component = self.response.component;
+        let (start, end) = (&before[component], &after[component]);
+        match self.response.between {
+            Between::Endpoints => self.raise(|lane, sign| sign * end[lane]),
+            Between::BrownianBridge { intensity } => {
+                let (mut spreads, mut others) = ([0.0; LANES], [0.0; LANES]);
+                for lane in 0..LANES {
+                    let s = intensity(t, &std::array::from_fn(|i| before[i][lane]));
+                    // 1 - U is in (0, 1], so that its logarithm is finite. Two draws, whichever side is asked for.
+                    let mut draw =
+                        || -2.0 * s * s * dt * (1.0 - self.bridges[lane].next_uniform()).ln();
+                    (spreads[lane], others[lane]) = (draw(), draw());
+                }
+                self.raise(|lane, sign| {
+                    let spread = if sign > 0.0 { spreads[lane] } else { others[lane] };
+                    let difference = end[lane] - start[lane];
+                    let middle = sign * (start[lane] + end[lane]);
+                    0.5 * (middle + (difference * difference + spread).sqrt())
+                });
+            }
+            Between::CubicHermite { velocity } => {
+                let (v_0, v_1) = (&before[velocity], &after[velocity]);
+                self.raise(|lane, sign| {
+                    let ends = [start[lane], end[lane]].map(|q| sign * q);
+                    hermite_maximum(ends, [v_0[lane], v_1[lane]].map(|v| sign * v * dt))
+                });
+            }
+            Between::RotationArc { natural_frequency } => {
+                let (sin, cos) = (natural_frequency * dt).sin_cos();
+                self.raise(|lane, sign| {
+                    arc_maximum(sign * start[lane], sign * end[lane], sin, cos)
+                });
+            }
+        }
+    }
+
+    fn output(&mut self, leg: usize, _: f64, _: &LaneStates<D>, lives: &mut Lives) {
+        let n_active = lives.n_active;
+        self.samples[leg].extend_from_slice(&self.running[..n_active]);
+    }
+}
+
+/// The maximum over `[0, 1]` of the cubic with these values and slopes at its ends.
+#[inline(always)]
+fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
+    let drop = q[0] - q[1];
+    // q' = a s^2 + b s + c
+    let a = 6.0 * drop + 3.0 * (slope[0] + slope[1]);
+    let b = -6.0 * drop - 4.0 * slope[0] - 2.0 * slope[1];
+    let c = slope[0];
+    let discriminant = b * b - 4.0 * a * c;
+    // The two roots without cancellation; where there is none, a root is not a number and its value not taken.
+    let t = -0.5 * (b + discriminant.sqrt().copysign(b));
+    let value = |s: f64| {
+        let inside = s > 0.0 && s < 1.0;
+        let cubic = q[0] + s * (c + s * (0.5 * b + s * (a / 3.0)));
+        if inside { cubic } else { q[0] }
+    };
+    q[0].max(q[1]).max(value(t / a)).max(value(c / t))
+}
+
+/// The maximum of the arc `q'' = -q` through `start` and, an angle of this sine and cosine later, `end`.
+#[inline(always)]
+fn arc_maximum(start: f64, end: f64, sin: f64, cos: f64) -> f64 {
+    // Velocities over omega at both ends.
+    let v_0 = (end - start * cos) / sin;
+    let v_1 = (end * cos - start) / sin;
+    let amplitude = (start * start + v_0 * v_0).sqrt();
+    if v_0 > 0.0 && v_1 < 0.0 { amplitude } else { start.max(end) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against 2,000 points of each cubic: a parabola near its top lies 1e-6 of its curvature above the nearest point.
+    #[test]
+    fn the_maximum_of_a_cubic_is_that_of_its_points() {
+        let mut stream = Noise::new(4).stream(Purpose::Field, 0);
+        let mut interior = 0;
+        for _ in 0..500 {
+            let [q_0, q_1] = stream.next_normal_pair();
+            let [s_0, s_1] = stream.next_normal_pair().map(|slope| 4.0 * slope);
+            let found = hermite_maximum([q_0, q_1], [s_0, s_1]);
+            let mut largest = f64::NEG_INFINITY;
+            for k in 0..=2_000 {
+                let s = f64::from(k) / 2_000.0;
+                let (h_00, h_01) = ((1.0 + 2.0 * s) * (1.0 - s).powi(2), s * s * (3.0 - 2.0 * s));
+                let (h_10, h_11) = (s * (1.0 - s).powi(2), s * s * (s - 1.0));
+                largest = largest.max(h_00 * q_0 + h_10 * s_0 + h_01 * q_1 + h_11 * s_1);
+            }
+            assert!(found >= largest - 1e-12 && found < largest + 1e-5, "{found} {largest}");
+            interior += i32::from(found > q_0.max(q_1) + 1e-9);
+        }
+        assert!(interior > 50, "{interior}");
+        assert!((hermite_maximum([1.0, 1.0], [0.0, 0.0]) - 1.0).abs() < 1e-15);
+        assert!((hermite_maximum([0.0, 1.0], [1.0, 1.0]) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_maximum_of_an_arc_is_its_amplitude_where_the_top_is_inside() {
+        let q = |angle: f64| 2.0 * (angle - 1.0).cos();
+        let over =
+            |from: f64, angle: f64| arc_maximum(q(from), q(from + angle), angle.sin(), angle.cos());
+        assert!((over(0.7, 0.5) - 2.0).abs() < 1e-14);
+        assert!((over(0.2, 0.5) - q(0.7)).abs() < 1e-14);
+        assert!((over(1.2, 0.5) - q(1.2)).abs() < 1e-14);
+        assert!((over(3.0, 2.0) - q(3.0)).abs() < 1e-14);
+    }
+}

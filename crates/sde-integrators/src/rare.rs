@@ -1,0 +1,309 @@
+//! Rare events: importance sampling at a design point, and subset simulation.
+//!
+//! Both see a path as a function of independent standard normals.
+
+use std::ops::Range;
+
+use crate::blocks::{BLOCK_LENGTH, map_blocks, reduce_blocks};
+use crate::error::Error;
+use crate::estimate::{Accumulator, Estimate};
+use crate::integrator::Integrator;
+use crate::noise::{Increment, Noise, Purpose, Stream};
+
+/// A response as a function of independent standard normals. The rare event is that it exceeds a threshold.
+pub type NormalResponse<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
+
+/// A path as a function of the normals that drive it: per step `M` for `w`, then, where the method looks at them, `M` for
+/// the areas.
+#[derive(Debug)]
+pub struct DrivenPath<'a, S: ?Sized, I, const D: usize> {
+    /// The system.
+    pub system: &'a S,
+    /// The method.
+    pub integrator: &'a I,
+    /// Where the path starts. For a random start give the first normals to a law of your own.
+    pub start: [f64; D],
+    /// Step length.
+    pub dt: f64,
+    /// Number of steps.
+    pub n_steps: usize,
+}
+
+impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
+    /// How many normals it takes.
+    #[must_use]
+    pub fn n_normals<const M: usize>(&self) -> usize
+    where
+        I: Integrator<S, D, M>,
+    {
+        self.n_steps * M * (1 + usize::from(I::USES_AREA))
+    }
+
+    /// Follow the path; `look` sees time and state before and after every step. Returns the last state.
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`] for a wrong number of normals; [`Error::Step`] and [`Error::NonFiniteState`], where the
+    /// realisation is given as 0.
+    pub fn run<const M: usize>(
+        &self,
+        normals: &[f64],
+        mut look: impl FnMut(f64, &[f64; D], &[f64; D]),
+    ) -> Result<[f64; D], Error>
+    where
+        I: Integrator<S, D, M>,
+    {
+        let expected = self.n_normals::<M>();
+        if normals.len() != expected {
+            let (quantity, value) = ("normals", normals.len());
+            return Err(Error::WrongLength { quantity, value, expected });
+        }
+        let (dt, mut x, mut memory) = (self.dt, self.start, I::Memory::default());
+        let (deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
+        let per_step = expected / self.n_steps.max(1);
+        for (k, normals) in normals.chunks_exact(per_step.max(1)).enumerate() {
+            let t = k as f64 * dt;
+            let mut dw = Increment::ZERO;
+            for m in 0..M {
+                dw.brownian[m] = deviation * normals[m];
+                if I::USES_AREA {
+                    dw.space_time_area[m] = area_deviation * normals[M + m];
+                }
+            }
+            let before = x;
+            let step = k as u64;
+            self.integrator
+                .step(self.system, t, dt, &dw, &mut x, &mut memory)
+                .map_err(|source| Error::Step { realisation: 0, step, t, source })?;
+            if let Some(component) = x.iter().position(|value| !value.is_finite()) {
+                let (steps, t, value) = (step + 1, t + dt, x[component]);
+                return Err(Error::NonFiniteState { realisation: 0, steps, t, component, value });
+            }
+            look(t + dt, &before, &x);
+        }
+        Ok(x)
+    }
+}
+
+/// The point nearest to the origin where a response reaches a threshold, by the first-order reliability method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignPoint {
+    /// The point `u*`, in standard normals.
+    pub normals: Vec<f64>,
+    /// `beta = |u*|`; for a response linear in the normals the probability is `Phi(-beta)`.
+    pub reliability_index: f64,
+    /// How often the gradient was taken.
+    pub iterations: usize,
+}
+
+/// The design point by the iteration of Hasofer, Lind, Rackwitz and Fiessler with gradients by forward differences,
+///
+/// $$ u \leftarrow \frac{\nabla g \cdot u + b - g(u)}{|\nabla g|^2} \nabla g . $$
+///
+/// A gradient costs one response per normal. The iteration ends where `u` moves by less than a relative 1e-3: the point
+/// need not be exact, [`importance_sampling`] is unbiased wherever it is.
+///
+/// Source: Rackwitz and Fiessler 1978, Structural reliability under combined random load sequences; for paths Der
+/// Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
+///
+/// # Errors
+/// Those of the response; [`Error::NoDesignPoint`] where the gradient vanishes or 50 iterations are not enough.
+pub fn design_point(
+    response: NormalResponse<'_>,
+    n_normals: usize,
+    threshold: f64,
+) -> Result<DesignPoint, Error> {
+    const STEP: f64 = 1e-4;
+    const MAX_ITERATIONS: usize = 50;
+    let mut u = vec![0.0; n_normals];
+    for iterations in 1..=MAX_ITERATIONS {
+        let value = response(&u)?;
+        let mut gradient = vec![0.0; n_normals];
+        for (k, slope) in gradient.iter_mut().enumerate() {
+            let mut shifted = u.clone();
+            shifted[k] += STEP;
+            *slope = (response(&shifted)? - value) / STEP;
+        }
+        let square: f64 = gradient.iter().map(|g| g * g).sum();
+        if !(square.is_finite() && square > 0.0) {
+            return Err(Error::NoDesignPoint { iterations, gradient_square: square });
+        }
+        let projection: f64 = gradient.iter().zip(&u).map(|(g, u)| g * u).sum();
+        let factor = (projection + threshold - value) / square;
+        let (mut moved, mut length) = (0.0, 0.0);
+        for (u, g) in u.iter_mut().zip(&gradient) {
+            let next = factor * g;
+            moved += (next - *u) * (next - *u);
+            length += next * next;
+            *u = next;
+        }
+        if moved <= 1e-6 * length {
+            return Ok(DesignPoint { normals: u, reliability_index: length.sqrt(), iterations });
+        }
+    }
+    Err(Error::NoDesignPoint { iterations: MAX_ITERATIONS, gradient_square: f64::NAN })
+}
+
+/// `P(response > threshold)` by importance sampling: normals with the design point as their mean, weighted back,
+///
+/// $$ \hat p = \frac1n \sum_k 1_{g(u^* + z_k) > b}  e^{-u^* \cdot z_k - |u^*|^2/2} . $$
+///
+/// Unbiased for every `u*`; good where one design point has the most of the probability: one time, one threshold, a
+/// response not far from linear. For a first passage there is a design point for every time: use [`subset_simulation`].
+///
+/// # Errors
+/// Those of the response, of the lowest sample that fails; [`Error::TooFew`] for fewer than 2 samples.
+pub fn importance_sampling(
+    response: NormalResponse<'_>,
+    threshold: f64,
+    design_point: &DesignPoint,
+    noise: &Noise,
+    n_samples: u64,
+) -> Result<Estimate, Error> {
+    let shift = &design_point.normals;
+    let half_square = 0.5 * shift.iter().map(|u| u * u).sum::<f64>();
+    let block = |ids: Range<u64>| {
+        let (mut sum, mut normals) = (Accumulator::default(), vec![0.0; shift.len()]);
+        for realisation in ids {
+            noise.stream(Purpose::Path, realisation).fill_normal(&mut normals);
+            let mut product = 0.0;
+            for (z, u) in normals.iter_mut().zip(shift) {
+                product += u * *z;
+                *z += u;
+            }
+            let exceeds = response(&normals)? > threshold;
+            sum.push(if exceeds { (-product - half_square).exp() } else { 0.0 });
+        }
+        Ok(sum)
+    };
+    let merge = |mut earlier: Accumulator, later: Accumulator| {
+        earlier.merge(&later);
+        earlier
+    };
+    reduce_blocks(n_samples, block, merge)?.unwrap_or_default().estimate()
+}
+
+/// How subset simulation is run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SubsetConfig {
+    /// Samples per level, a multiple of 10 and at least 100: a tenth of them carries on to the next level.
+    pub n_samples: usize,
+    /// `rho` of the proposal `rho u + sqrt(1 - rho^2) z`, in `(0, 1)`; 0.8 is usual.
+    pub correlation: f64,
+    /// Independent runs, at least 2; their spread gives the standard error.
+    pub n_runs: u64,
+}
+
+/// `P(response > threshold)` by subset simulation: a chain of levels, each exceeded by a tenth of the samples of the one
+/// before, and Markov chains that stay above the last.
+///
+/// The proposal leaves the normal law as it is, so that only the level decides on acceptance. The mean over independent
+/// runs is given, with its standard error; a run has a bias of the order of the square of its coefficient of variation,
+/// which falls with `n_samples`.
+///
+/// Sources: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation;
+/// Papaioannou, Betz, Zwirglmaier and Straub 2015, MCMC algorithms for subset simulation, section 4.
+///
+/// # Errors
+/// Those of the response, of the lowest run; [`Error::TooFew`] for samples or runs, [`Error::NotPositive`] for a
+/// correlation outside `(0, 1)`, [`Error::TooManyLevels`] where the threshold is not reached.
+pub fn subset_simulation(
+    response: NormalResponse<'_>,
+    n_normals: usize,
+    threshold: f64,
+    noise: &Noise,
+    config: &SubsetConfig,
+) -> Result<Estimate, Error> {
+    let SubsetConfig { n_samples, correlation, n_runs } = *config;
+    for (quantity, value, limit) in
+        [("samples per level", n_samples as u64, 100), ("runs", n_runs, 2)]
+    {
+        if value < limit {
+            return Err(Error::TooFew { quantity, value, limit });
+        }
+    }
+    if !(correlation > 0.0 && correlation < 1.0) {
+        let quantity = "correlation, which must be below 1,";
+        return Err(Error::NotPositive { quantity, value: correlation });
+    }
+    // One run to a block, so that runs go to different threads.
+    let n = n_runs.saturating_mul(BLOCK_LENGTH);
+    let runs = map_blocks(n, 0..n_runs, |ids| {
+        let stream = noise.stream(Purpose::MarkovChain, ids.start / BLOCK_LENGTH);
+        Subset { response, threshold, stream, n_normals, config }.run()
+    });
+    let mut probabilities = Accumulator::default();
+    for run in runs {
+        probabilities.push(run?);
+    }
+    probabilities.estimate()
+}
+
+/// One run.
+struct Subset<'a> {
+    response: NormalResponse<'a>,
+    threshold: f64,
+    stream: Stream,
+    n_normals: usize,
+    config: &'a SubsetConfig,
+}
+
+/// A point and its response.
+type Sample = (Vec<f64>, f64);
+
+impl Subset<'_> {
+    const MAX_LEVELS: u32 = 30;
+    /// One in this many goes on to the next level.
+    const SHARE: usize = 10;
+
+    fn run(mut self) -> Result<f64, Error> {
+        let n = self.config.n_samples;
+        let mut samples: Vec<Sample> = Vec::with_capacity(n);
+        for _ in 0..n {
+            let mut u = vec![0.0; self.n_normals];
+            self.stream.fill_normal(&mut u);
+            let value = (self.response)(&u)?;
+            samples.push((u, value));
+        }
+        let mut probability = 1.0;
+        for _ in 0..Self::MAX_LEVELS {
+            samples.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let n_seeds = n / Self::SHARE;
+            let level = samples[n_seeds].1;
+            if level >= self.threshold {
+                let hits = samples.iter().filter(|sample| sample.1 > self.threshold).count();
+                return Ok(probability * hits as f64 / samples.len() as f64);
+            }
+            // By those above it, so that equal values do not count twice.
+            samples.retain(|sample| sample.1 > level);
+            if samples.is_empty() {
+                return Ok(0.0);
+            }
+            probability *= samples.len() as f64 / n as f64;
+            samples = self.chains(&samples, level)?;
+        }
+        Err(Error::TooManyLevels { limit: Self::MAX_LEVELS, threshold: self.threshold })
+    }
+
+    /// `n` samples above a level, from chains that start at the seeds.
+    fn chains(&mut self, seeds: &[Sample], level: f64) -> Result<Vec<Sample>, Error> {
+        let SubsetConfig { n_samples: n, correlation, .. } = *self.config;
+        let fresh = (1.0 - correlation * correlation).sqrt();
+        let mut samples = Vec::with_capacity(n);
+        let mut z = vec![0.0; self.n_normals];
+        for (k, seed) in seeds.iter().enumerate() {
+            let length = n / seeds.len() + usize::from(k < n % seeds.len());
+            let mut current = seed.clone();
+            for _ in 0..length {
+                self.stream.fill_normal(&mut z);
+                let proposal: Vec<f64> =
+                    current.0.iter().zip(&z).map(|(u, z)| correlation * u + fresh * z).collect();
+                let value = (self.response)(&proposal)?;
+                if value > level {
+                    current = (proposal, value);
+                }
+                samples.push(current.clone());
+            }
+        }
+        Ok(samples)
+    }
+}

@@ -1,0 +1,261 @@
+//! Parts of an ensemble that are computed apart and merged to the bits of the whole.
+
+use crate::blocks::{BLOCK_LENGTH, map_blocks, reduce_in_tree};
+use crate::ensemble::{Block, Ensemble, Failing, Study, estimates, merge_tallies};
+use crate::error::Error;
+use crate::estimate::Estimate;
+use crate::integrator::Integrator;
+use crate::law::InitialLaw;
+use crate::tally::{Sampling, Tally};
+
+/// What all shards of one study have in common. What cannot be compared, system and functions, stands behind its name.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Identity {
+    name: String,
+    version: String,
+    seed: u64,
+    n_paths: u64,
+    dt: f64,
+    times: Vec<f64>,
+    path_steps: u128,
+    sampling: Sampling,
+    observables: Vec<String>,
+    n_shards: u64,
+}
+
+/// Part `k` of `n` of a study: whole blocks of paths, each with what was seen of it.
+///
+/// With the feature `serde` it is written and read; the numbers must keep their bits (`float_roundtrip` in serde_json).
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[must_use]
+pub struct ShardRecord {
+    identity: Identity,
+    shard: u64,
+    /// The instructions it was computed with: told, not compared.
+    level: String,
+    blocks: Vec<BlockRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct BlockRecord {
+    tallies: Vec<Tally>,
+    n_failed: u64,
+    first_failure: Option<FailedPath>,
+}
+
+/// A path that failed, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct FailedPath {
+    /// Its realisation.
+    pub realisation: u64,
+    /// What happened, with step, time and value.
+    pub message: String,
+}
+
+/// What all paths of a study came to, those that failed included.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub struct Outcome {
+    /// How many paths were followed.
+    pub n_paths: u64,
+    /// How many of them failed.
+    pub n_failed: u64,
+    /// The failed path of the lowest number.
+    pub first_failure: Option<FailedPath>,
+    times: Vec<f64>,
+    path_steps: u128,
+    n_observables: usize,
+    tallies: Vec<Tally>,
+}
+
+impl Outcome {
+    /// The share of paths that failed, as an estimate of the probability to fail.
+    ///
+    /// # Errors
+    /// None that can occur: there are at least two paths.
+    pub fn failure_probability(&self) -> Result<Estimate, Error> {
+        Estimate::probability(self.n_failed, self.n_paths)
+    }
+
+    /// The estimates, of all paths.
+    ///
+    /// # Errors
+    /// [`Error::PathsFailed`] if any failed: those that are left are not a sample of the law.
+    pub fn ensemble(&self) -> Result<Ensemble, Error> {
+        if let Some(first) = &self.first_failure {
+            return Err(Error::PathsFailed {
+                n_failed: self.n_failed,
+                n_paths: self.n_paths,
+                realisation: first.realisation,
+                message: first.message.clone(),
+            });
+        }
+        Ok(Ensemble {
+            times: self.times.clone(),
+            estimates: estimates(&self.tallies, self.n_observables)?,
+            n_paths: self.n_paths,
+            path_steps: self.path_steps,
+        })
+    }
+}
+
+impl<S, I, L, const D: usize> Study<'_, S, I, L, D>
+where
+    S: Sync + ?Sized,
+    L: InitialLaw<D> + ?Sized,
+{
+    /// Follow all paths. Those that fail are counted.
+    ///
+    /// # Errors
+    /// A bad configuration, as [`simulate`](crate::simulate); [`Error::NotEven`] for an odd number of antithetic paths.
+    pub fn run<const M: usize>(&self) -> Result<Outcome, Error>
+    where
+        I: Integrator<S, D, M>,
+    {
+        merge(&[self.shard::<M>(0, 1)?])
+    }
+
+    /// Follow part `shard` of `n_shards`, counted from 0: the blocks from `shard B / n_shards` on, of `B` in all.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run); [`Error::NoSuchShard`].
+    pub fn shard<const M: usize>(&self, shard: u64, n_shards: u64) -> Result<ShardRecord, Error>
+    where
+        I: Integrator<S, D, M>,
+    {
+        if shard >= n_shards {
+            return Err(Error::NoSuchShard { shard, n_shards });
+        }
+        let legs = self.check()?;
+        let config = self.config;
+        let range = block_range(config.n_paths, shard, n_shards);
+        let blocks = map_blocks(config.n_paths, range, |ids| {
+            BlockRecord::from(self.block::<M>(&legs, ids, Failing::Counts))
+        });
+        let steps: u64 = legs.iter().map(|leg| leg.n_steps).sum();
+        let identity = Identity {
+            name: self.name.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: config.seed,
+            n_paths: config.n_paths,
+            dt: config.dt,
+            times: config.times.clone(),
+            path_steps: u128::from(steps) * u128::from(config.n_paths),
+            sampling: self.sampling,
+            observables: self.observables.iter().map(|o| format!("{o:?}")).collect(),
+            n_shards,
+        };
+        Ok(ShardRecord { identity, shard, level: self.level.name().into(), blocks })
+    }
+}
+
+impl From<Block> for BlockRecord {
+    fn from(block: Block) -> Self {
+        let Block { tallies, n_failed, first_failure } = block;
+        let first_failure = first_failure
+            .map(|(realisation, error)| FailedPath { realisation, message: error.to_string() });
+        Self { tallies, n_failed, first_failure }
+    }
+}
+
+/// The blocks of a shard.
+fn block_range(n_paths: u64, shard: u64, n_shards: u64) -> std::ops::Range<u64> {
+    let n_blocks = u128::from(n_paths.div_ceil(BLOCK_LENGTH));
+    let bound =
+        |k: u64| u64::try_from(n_blocks * u128::from(k) / u128::from(n_shards)).unwrap_or(u64::MAX);
+    bound(shard)..bound(shard + 1)
+}
+
+/// Join all shards of a study, given in any order: the bits are those of one run.
+///
+/// # Errors
+/// [`Error::TooFew`] for no shard at all; [`Error::ForeignShard`] with the first difference to the first record;
+/// [`Error::DoubledShard`], [`Error::MissingShard`]; [`Error::BrokenShard`] for a record that holds another number of
+/// blocks than it must.
+pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
+    let Some(first) = records.first() else {
+        return Err(Error::TooFew { quantity: "shards", value: 0, limit: 1 });
+    };
+    let identity = &first.identity;
+    for record in records {
+        identity.require_same(&record.identity, record.shard)?;
+    }
+    let mut ordered: Vec<_> = records.iter().collect();
+    ordered.sort_by_key(|record| record.shard);
+    for pair in ordered.windows(2) {
+        if pair[0].shard == pair[1].shard {
+            return Err(Error::DoubledShard { shard: pair[0].shard });
+        }
+    }
+    let n_shards = identity.n_shards;
+    let present = |shard: u64| ordered.binary_search_by_key(&shard, |r| r.shard).is_ok();
+    if let Some(shard) = (0..n_shards).find(|&shard| !present(shard)) {
+        return Err(Error::MissingShard { shard, n_shards });
+    }
+    for record in &ordered {
+        record.require_whole()?;
+    }
+    let blocks: Vec<&BlockRecord> = ordered.iter().flat_map(|record| &record.blocks).collect();
+    let tallies =
+        reduce_in_tree(&blocks, &|block| block.tallies.clone(), &merge_tallies).unwrap_or_default();
+    Ok(Outcome {
+        n_paths: identity.n_paths,
+        n_failed: blocks.iter().map(|block| block.n_failed).sum(),
+        first_failure: blocks.iter().find_map(|block| block.first_failure.clone()),
+        times: identity.times.clone(),
+        path_steps: identity.path_steps,
+        n_observables: identity.observables.len(),
+        tallies,
+    })
+}
+
+impl ShardRecord {
+    /// Which part it is, and of how many.
+    #[must_use]
+    pub fn place(&self) -> (u64, u64) {
+        (self.shard, self.identity.n_shards)
+    }
+
+    fn require_whole(&self) -> Result<(), Error> {
+        let Identity { n_paths, n_shards, ref times, ref observables, .. } = self.identity;
+        if self.shard >= n_shards {
+            return Err(Error::NoSuchShard { shard: self.shard, n_shards });
+        }
+        let range = block_range(n_paths, self.shard, n_shards);
+        let (n_blocks, expected) = (self.blocks.len() as u64, range.end - range.start);
+        let n_tallies = times.len() * observables.len();
+        let is_whole = self.blocks.iter().all(|block| block.tallies.len() == n_tallies);
+        if n_blocks == expected && is_whole {
+            Ok(())
+        } else {
+            Err(Error::BrokenShard { shard: self.shard, n_blocks, expected })
+        }
+    }
+}
+
+impl Identity {
+    fn require_same(&self, other: &Self, shard: u64) -> Result<(), Error> {
+        let fields = [
+            ("name", self.name.clone(), other.name.clone()),
+            ("version", self.version.clone(), other.version.clone()),
+            ("seed", self.seed.to_string(), other.seed.to_string()),
+            ("n_paths", self.n_paths.to_string(), other.n_paths.to_string()),
+            ("dt", self.dt.to_string(), other.dt.to_string()),
+            ("times", format!("{:?}", self.times), format!("{:?}", other.times)),
+            ("path_steps", self.path_steps.to_string(), other.path_steps.to_string()),
+            ("sampling", format!("{:?}", self.sampling), format!("{:?}", other.sampling)),
+            ("observables", self.observables.join(" "), other.observables.join(" ")),
+            ("n_shards", self.n_shards.to_string(), other.n_shards.to_string()),
+        ];
+        match fields.into_iter().find(|(_, expected, value)| expected != value) {
+            Some((field, expected, value)) => {
+                Err(Error::ForeignShard { shard, field, value, expected })
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! Studies, bridges, samples, rare events: what must hold of each.
+
+use sde_integrators::{
+    Additive, Between, BrownianTree, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Increment,
+    Integrator, LANES, LaneIncrements, Noise, Observable, Response, Samples, Sampling, Sde,
+    SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig,
+    design_point, importance_sampling, maxima, merge, subset_simulation,
+};
+
+use crate::methods::Linear;
+
+const OSCILLATOR: StateSpace<Linear> = StateSpace(Linear::oscillator(2.0, 0.3, 0.9));
+
+/// Two steps from one: with the law of two fresh ones. |z| < 4 for each moment of 1e5 samples.
+#[test]
+fn a_bridge_has_the_law_of_two_steps_and_joins_to_the_whole() {
+    let dt = 0.3;
+    let mut sums = [0.0; 10];
+    let n = 100_000;
+    for realisation in 0..n {
+        let whole = Noise::new(1).path::<1>(realisation).next_increment(dt);
+        let mut stream = Noise::new(2).stream(sde_integrators::Purpose::Field, realisation);
+        let [first, second] = whole.halves(dt, &[stream.next_normal_pair()]);
+        let joined = Increment::from_halves(&first, &second);
+        assert!((joined.brownian[0] - whole.brownian[0]).abs() < 1e-15);
+        assert!((joined.space_time_area[0] - whole.space_time_area[0]).abs() < 1e-15);
+        let scaled = |increment: &Increment<1>| {
+            let half = 0.5 * dt;
+            [
+                increment.brownian[0] / half.sqrt(),
+                increment.space_time_area[0] / (half / 12.0).sqrt(),
+            ]
+        };
+        let ([a, b], [c, d]) = (scaled(&first), scaled(&second));
+        let squares = [a, b, c, d].map(|z| (z * z - 1.0) / 2.0_f64.sqrt());
+        let products = [a * b, a * c, a * d, b * c, b * d, c * d];
+        for (sum, value) in sums.iter_mut().zip(squares.into_iter().chain(products)) {
+            *sum += value;
+        }
+    }
+    for (k, sum) in sums.iter().enumerate() {
+        let z = sum / (n as f64).sqrt();
+        assert!(z.abs() < 4.0, "moment {k}: z = {z}");
+    }
+}
+
+#[test]
+fn a_tree_shows_one_path_at_every_depth() {
+    let tree = BrownianTree::<2>::new(Noise::new(5), 9, 0.4);
+    let join =
+        |a: &[u8], b: &[u8]| Increment::from_halves(&tree.increment(6, a), &tree.increment(6, b));
+    let whole = tree.increment(6, &[]);
+    for (joined, part) in [
+        (join(&[0], &[1]), whole),
+        (join(&[1, 0], &[1, 1]), tree.increment(6, &[1])),
+        (join(&[0, 1, 0], &[0, 1, 1]), tree.increment(6, &[0, 1])),
+    ] {
+        for m in 0..2 {
+            assert!((joined.brownian[m] - part.brownian[m]).abs() < 1e-15);
+            assert!((joined.space_time_area[m] - part.space_time_area[m]).abs() < 1e-15);
+        }
+    }
+    assert_ne!(tree.increment(6, &[0, 0]), tree.increment(6, &[0, 1]));
+    assert_ne!(tree.increment(6, &[0]), tree.increment(7, &[0]));
+}
+
+/// What lanes do is what single steps do, whatever the method and whatever the instructions.
+#[test]
+fn lanes_are_single_steps() {
+    fn check<I: Integrator<StateSpace<Linear>, 2, 1>>(integrator: &I) {
+        let noise = Noise::new(3);
+        let mut paths: Vec<_> = (0..LANES as u64).map(|id| noise.path::<1>(id)).collect();
+        let mut single = vec![[0.4, -0.2]; LANES];
+        let mut lanes = [[0.4; LANES], [-0.2; LANES]];
+        let mut memories = vec![I::Memory::default(); LANES];
+        let mut lane_memories = std::array::from_fn(|_| I::Memory::default());
+        for k in 0..20 {
+            let (t, dt) = (0.1 * f64::from(k), 0.1);
+            let mut dw = LaneIncrements::ZERO;
+            for lane in 0..LANES {
+                let increment = paths[lane].next_increment(dt);
+                dw.brownian[0][lane] = increment.brownian[0];
+                dw.space_time_area[0][lane] = increment.space_time_area[0];
+                assert_eq!(dw.lane(lane), increment);
+                integrator
+                    .step(&OSCILLATOR, t, dt, &increment, &mut single[lane], &mut memories[lane])
+                    .unwrap();
+            }
+            let mut failed = |_, _| ();
+            integrator.step_lanes(
+                &OSCILLATOR,
+                t,
+                dt,
+                &dw,
+                &mut lanes,
+                &mut lane_memories,
+                &mut failed,
+            );
+            for lane in 0..LANES {
+                let bits = |x: [f64; 2]| x.map(f64::to_bits);
+                assert_eq!(bits([lanes[0][lane], lanes[1][lane]]), bits(single[lane]));
+            }
+        }
+    }
+    check(&EulerMaruyama);
+    check(&SemiImplicitEuler);
+    check(&StrangOscillator);
+}
+
+/// `dX = -X^3 dt + 4 dB`, of which Euler's method loses some paths at h = 0.1.
+struct Cubic;
+
+impl Sde<1, 1> for Cubic {
+    type Noise = Additive;
+
+    fn drift(&self, _: f64, &[x]: &[f64; 1]) -> [f64; 1] {
+        [-x * x * x]
+    }
+
+    fn noise(&self, _: f64, _: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[4.0]]
+    }
+}
+
+fn cubic<T>(
+    n_paths: u64,
+    sampling: Sampling,
+    look: impl FnOnce(&Study<'_, Cubic, EulerMaruyama, [f64; 1], 1>) -> T,
+) -> T {
+    let config = EnsembleConfig { seed: 3, n_paths, dt: 0.1, times: vec![20.0] };
+    look(&Study {
+        name: "cubic",
+        system: &Cubic,
+        integrator: &EulerMaruyama,
+        law: &[0.0],
+        config: &config,
+        observables: &[Observable::Mean(&|_, x| x[0])],
+        sampling,
+        level: SimdLevel::best(),
+    })
+}
+
+#[test]
+fn failed_paths_are_counted_and_no_estimate_is_made_of_the_rest() {
+    cubic(5_000, Sampling::Independent, |study| {
+        let outcome = study.run::<1>().unwrap();
+        let mut n_failed = 0;
+        let mut first = None;
+        for realisation in 0..5_000 {
+            let (mut x, mut path) = (0.0_f64, Noise::new(3).path::<1>(realisation));
+            for _ in 0..200 {
+                x += -x * x * x * 0.1 + 4.0 * path.next_increment(0.1).brownian[0];
+            }
+            if !x.is_finite() {
+                n_failed += 1;
+                first = first.or(Some(realisation));
+            }
+        }
+        assert!(n_failed > 1_000, "{n_failed}");
+        assert_eq!((outcome.n_failed, outcome.n_paths), (n_failed, 5_000));
+        let failure = outcome.first_failure.clone().unwrap();
+        assert_eq!(Some(failure.realisation), first);
+        let error = outcome.ensemble().unwrap_err();
+        assert!(matches!(error, Error::PathsFailed { n_failed: k, .. } if k == n_failed));
+        assert!(error.to_string().contains(&failure.message));
+    });
+}
+
+#[test]
+fn wrong_sets_of_shards_are_refused_by_name() {
+    cubic(9_000, Sampling::Independent, |study| {
+        let all: Vec<_> = (0..2).map(|k| study.shard::<1>(k, 2).unwrap()).collect();
+        let [first, second] = all.as_slice() else { unreachable!("two shards") };
+        assert_eq!(merge(&[second.clone(), first.clone()]), study.run::<1>());
+        assert_eq!(
+            merge(std::slice::from_ref(second)).unwrap_err(),
+            Error::MissingShard { shard: 0, n_shards: 2 }
+        );
+        let doubled = merge(&[first.clone(), second.clone(), first.clone()]);
+        assert_eq!(doubled.unwrap_err(), Error::DoubledShard { shard: 0 });
+        let foreign = study.shard::<1>(1, 3).unwrap();
+        let message = merge(&[first.clone(), foreign]).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "shard 1 is of another study: its n_shards is 3, that of the first is 2"
+        );
+        assert_eq!(
+            study.shard::<1>(2, 2).unwrap_err(),
+            Error::NoSuchShard { shard: 2, n_shards: 2 }
+        );
+        assert!(matches!(merge(&[]), Err(Error::TooFew { .. })));
+    });
+    cubic(9, Sampling::Antithetic, |study| {
+        let expected = Error::NotEven { quantity: "antithetic paths", value: 9 };
+        assert_eq!(study.run::<1>().unwrap_err(), expected);
+    });
+}
+
+/// A pair starts together and is driven apart: for a linear system from zero its mean is zero to the bit.
+#[test]
+fn antithetic_pairs_cancel_what_is_linear() {
+    let config = EnsembleConfig { seed: 3, n_paths: 1_000, dt: 0.1, times: vec![2.0] };
+    let observables = [Observable::Mean(&|_, x: &[f64; 2]| x[0])];
+    let study = Study {
+        name: "",
+        system: &OSCILLATOR,
+        integrator: &SemiImplicitEuler,
+        law: &[0.0; 2],
+        config: &config,
+        observables: &observables,
+        sampling: Sampling::Antithetic,
+        level: SimdLevel::best(),
+    };
+    let estimate = study.run::<1>().unwrap().ensemble().unwrap().estimates[0][0];
+    assert!(estimate.value.abs() <= 0.0 && estimate.standard_error() == Some(0.0), "{estimate}");
+}
+
+/// Uniform ranks: the quantiles of 1, 2, .., 1000 and their binomial spread.
+#[test]
+fn a_quantile_is_a_rank_and_its_error_a_spread_of_ranks() {
+    let samples = Samples::new((1..=1_000).rev().map(f64::from).collect()).unwrap();
+    let median = samples.quantile(0.5).unwrap();
+    assert!((median.value - 500.0).abs() < 1e-12);
+    // sqrt(1000/4) = 15.8 ranks, to the next whole one.
+    assert!((median.standard_error().unwrap() - 15.8).abs() < 1.0, "{median}");
+    let above = samples.exceedance(900.0).unwrap();
+    assert!((above.value - 0.1).abs() < 1e-15);
+    assert!(matches!(samples.quantile(0.005), Err(Error::TooFew { value: 5, limit: 10, .. })));
+    assert!(samples.quantile(f64::NAN).is_err() && samples.quantile(1.0).is_err());
+    assert!(matches!(Samples::new(vec![1.0, f64::NAN]), Err(Error::NotFinite { index: 1, .. })));
+}
+
+#[test]
+fn a_response_that_cannot_be_is_refused() {
+    let config = EnsembleConfig { seed: 3, n_paths: 10, dt: 1.6, times: vec![3.2] };
+    let run = |component, between| {
+        let response = Response { component, side: Side::Above, between };
+        maxima(&OSCILLATOR, &StrangOscillator, &[0.0; 2], &config, &response).unwrap_err()
+    };
+    assert_eq!(run(2, Between::Endpoints), Error::NoSuchComponent { component: 2, limit: 2 });
+    let hermite = Between::CubicHermite { velocity: 5 };
+    assert_eq!(run(0, hermite), Error::NoSuchComponent { component: 5, limit: 2 });
+    let arc = run(0, Between::RotationArc { natural_frequency: 2.0 });
+    assert!(matches!(arc, Error::ArcTooLong { angle, .. } if (angle - 3.2).abs() < 1e-15));
+    let arc = run(0, Between::RotationArc { natural_frequency: -1.0 });
+    assert!(matches!(arc, Error::NotPositive { .. }));
+}
+
+#[test]
+fn rare_event_methods_refuse_what_cannot_be() {
+    let path = DrivenPath {
+        system: &OSCILLATOR,
+        integrator: &StrangOscillator,
+        start: [0.0; 2],
+        dt: 0.1,
+        n_steps: 10,
+    };
+    assert_eq!(path.n_normals::<1>(), 20);
+    let short = path.run::<1>(&[0.0; 19], |_, _, _| ()).unwrap_err();
+    assert!(matches!(short, Error::WrongLength { value: 19, expected: 20, .. }));
+    let constant = |_: &[f64]| Ok(1.0);
+    assert!(matches!(design_point(&constant, 3, 2.0), Err(Error::NoDesignPoint { .. })));
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let subset = |config| subset_simulation(&|u| Ok(u[0]), 2, 3.0, &Noise::new(1), &config);
+    assert!(subset(config).is_ok());
+    assert!(matches!(subset(SubsetConfig { n_samples: 99, ..config }), Err(Error::TooFew { .. })));
+    assert!(matches!(subset(SubsetConfig { n_runs: 1, ..config }), Err(Error::TooFew { .. })));
+    let wrong = SubsetConfig { correlation: 1.0, ..config };
+    assert!(matches!(subset(wrong), Err(Error::NotPositive { .. })));
+}
+
+/// `P(u > 3) = 1.3499e-3` (Abramowitz and Stegun, table 26.1) from a single normal.
+#[test]
+fn rare_event_methods_find_the_tail_of_the_normal_law() {
+    let response = |u: &[f64]| Ok(u[0]);
+    let point = design_point(&response, 2, 3.0).unwrap();
+    assert!((point.reliability_index - 3.0).abs() < 1e-9);
+    let sampled = importance_sampling(&response, 3.0, &point, &Noise::new(6), 20_000).unwrap();
+    let config = SubsetConfig { n_samples: 1_000, correlation: 0.8, n_runs: 40 };
+    let subset = subset_simulation(&response, 2, 3.0, &Noise::new(6), &config).unwrap();
+    let exact = 0.00134989803;
+    for (estimate, bias) in [(sampled, 0.0), (subset, 0.05 * exact)] {
+        let error = (estimate.value - exact).abs();
+        assert!(error <= bias + 4.0 * estimate.standard_error().unwrap(), "{estimate}");
+    }
+}

@@ -273,6 +273,7 @@ fn monte_carlo_raw_and_controlled_agree_and_repeat() {
     );
     assert!(found.mean_reduction() > 20.0 && found.variance_reduction() > 4.0, "{found:?}");
 
-    let failed = judge.judge(&inputs, &moments, |x| (x[0] - 0.2).ln());
+    // No logarithm for one sample in fifteen.
+    let failed = judge.judge(&inputs, &moments, |x| (x[0] - 0.7).ln());
     assert!(matches!(failed, Err(Error::NonFiniteSample { .. })), "{failed:?}");
 }

@@ -40,6 +40,54 @@ pub enum Error {
         /// The value of that one.
         limit: f64,
     },
+    /// A parameter lies outside an interval.
+    #[error("{name} is {value}; it must be from {from} to {to}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least that is allowed.
+        from: f64,
+        /// The most that is allowed.
+        to: f64,
+    },
+    /// A table has too few rows.
+    #[error("{name} has {count} rows; at least {limit} are needed")]
+    TooFewRows {
+        /// The table.
+        name: &'static str,
+        /// How many were given.
+        count: usize,
+        /// How many are needed.
+        limit: usize,
+    },
+    /// The rows of a table do not increase.
+    #[error("{name}: row {row} is at {value}; it must be greater than the row before it, {limit}")]
+    NotIncreasing {
+        /// The table.
+        name: &'static str,
+        /// The first row, from 0, that is not greater than the one before it.
+        row: usize,
+        /// Where it stands.
+        value: f64,
+        /// Where the one before it stands.
+        limit: f64,
+    },
+    /// A linear system has no stationary law: not all of its modes decay.
+    #[error(
+        "{name} has no stationary law: after a time of {time:e} its transition is still {value:e}, above {limit:e}"
+    )]
+    NoStationaryLaw {
+        /// The system.
+        name: &'static str,
+        /// How long was waited.
+        time: f64,
+        /// The largest entry of the transition matrix then.
+        value: f64,
+        /// What it had to fall below.
+        limit: f64,
+    },
     /// The lattice holds too few particles to carry a density.
     #[error("the lattice holds {count} particles; at least {limit} are needed in {dimension}-D")]
     TooFewParticles {
@@ -262,4 +310,14 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
 pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
     finite(name, value)?;
     if value >= 0.0 { Ok(()) } else { Err(Error::Negative { name, value }) }
+}
+
+/// Refuses what is not from `from` to `to`.
+pub(crate) fn within(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if (from..=to).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { name, value, from, to })
+    }
 }

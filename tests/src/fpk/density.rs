@@ -95,7 +95,7 @@ pub fn run(
     config: &Config<2>,
     asked: &Asked,
 ) -> Result<DensityRun, Error> {
-    match *system {
+    match system.clone() {
         System::Linear(system) => run_on(system, law, config, asked, |_, _| ()),
         System::Damper(system) => run_on(system, law, config, asked, |_, _| ()),
     }

@@ -74,9 +74,9 @@ pub fn run(
     sampling: &Sampling,
     asked: &Asked,
 ) -> Result<SampledRun, Error> {
-    match *system {
-        System::Linear(system) => by_integrator(&system, law, sampling, asked),
-        System::Damper(system) => by_integrator(&system, law, sampling, asked),
+    match system {
+        System::Linear(system) => by_integrator(system, law, sampling, asked),
+        System::Damper(system) => by_integrator(system, law, sampling, asked),
     }
 }
 

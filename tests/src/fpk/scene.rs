@@ -167,7 +167,7 @@ pub struct Times {
 }
 
 /// A system that has been checked.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum System {
     /// The linear oscillator.
     Linear(LinearOscillator),

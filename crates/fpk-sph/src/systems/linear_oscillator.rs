@@ -6,7 +6,7 @@ use super::Window;
 use crate::error::{Error, not_negative, positive};
 
 /// Parameters of a [`LinearOscillator`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LinearOscillatorParameters {
     /// `omega_0 > 0`, natural circular frequency (rad per unit of time).
     pub natural_frequency: f64,
@@ -25,7 +25,7 @@ pub struct LinearOscillatorParameters {
 ///
 /// eq 26 of Canor & Denoël 2013 without its damper. State `(q, q')`; `D_22 = S_0 a^2`, all other entries zero. Gaussian
 /// at all times, with moments from the Lyapunov equation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LinearOscillator {
     parameters: LinearOscillatorParameters,
 }
@@ -56,7 +56,7 @@ impl LinearOscillator {
     /// `a(t) sqrt(2 S_0)`, what multiplies `dB`.
     #[inline]
     fn noise_amplitude(&self, t: f64) -> f64 {
-        self.parameters.window.amplitude(t) * (2.0 * self.parameters.noise_intensity).sqrt()
+        self.parameters.window.noise_amplitude(t, self.parameters.noise_intensity)
     }
 }
 

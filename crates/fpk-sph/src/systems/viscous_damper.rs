@@ -6,7 +6,7 @@ use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};
 
 /// Parameters of a [`ViscousDamper`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ViscousDamperParameters {
     /// The structure without its damper.
     pub structure: LinearOscillatorParameters,
@@ -21,7 +21,7 @@ pub struct ViscousDamperParameters {
 /// $$ \ddot q + 2 \xi \omega_0 \dot q + \eta  \mathrm{sign}(\dot q) |\dot q|^\alpha + \omega_0^2 q = a(t) W(t). $$
 ///
 /// State `(q, q')`; `D_22 = S_0 a^2`, all other entries zero. For `alpha < 1` the drift is not Lipschitz at `q' = 0`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ViscousDamper {
     structure: LinearOscillator,
     damper_coefficient: f64,
@@ -34,8 +34,8 @@ impl ViscousDamper {
     /// # Errors
     /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
     pub fn new(parameters: ViscousDamperParameters) -> Result<Self, Error> {
-        let structure = LinearOscillator::new(parameters.structure)?;
-        let ViscousDamperParameters { damper_coefficient, damper_exponent, .. } = parameters;
+        let ViscousDamperParameters { structure, damper_coefficient, damper_exponent } = parameters;
+        let structure = LinearOscillator::new(structure)?;
         not_negative("damper_coefficient", damper_coefficient)?;
         positive("damper_exponent", damper_exponent)?;
         Ok(Self { structure, damper_coefficient, damper_exponent })
@@ -81,7 +81,7 @@ impl SecondOrder<1, 1> for ViscousDamper {
     #[allow(clippy::inline_always, reason = "ensembles compile it for lanes of paths")]
     #[inline(always)]
     fn remaining_acceleration(&self, _: f64, _: &[f64; 1], &[v]: &[f64; 1]) -> [f64; 1] {
-        [-self.damper_coefficient * power(v.abs(), self.damper_exponent).copysign(v)]
+        [-damper_force(self.damper_coefficient, self.damper_exponent, v)]
     }
 
     /// `|v|^(1 - alpha)` falls at the constant rate `eta (1 - alpha)` until it is zero, and stays there; at
@@ -105,6 +105,13 @@ impl SecondOrder<1, 1> for ViscousDamper {
     fn noise_intensity(&self, t: f64) -> [[f64; 1]; 1] {
         SecondOrder::noise_intensity(&self.structure, t)
     }
+}
+
+/// `eta sign(v) |v|^alpha`.
+#[allow(clippy::inline_always, reason = "ensembles compile it for lanes of paths")]
+#[inline(always)]
+pub(super) fn damper_force(coefficient: f64, exponent: f64, v: f64) -> f64 {
+    coefficient * power(v.abs(), exponent).copysign(v)
 }
 
 #[cfg(test)]

@@ -29,12 +29,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             .scene
             .density_config(problem.system.period(), 1.0)
             .ok_or("the scene has no density method")?;
-        match problem.system {
+        match problem.system.clone() {
             System::Linear(system) => {
-                claims.extend(density(context, &problem, scene, system, &config)?);
+                claims.extend(density(context, &problem, scene, &system, &config)?);
             }
             System::Damper(system) => {
-                claims.extend(density(context, &problem, scene, system, &config)?);
+                claims.extend(density(context, &problem, scene, &system, &config)?);
             }
         }
         claims.extend(sampled(context, &problem, scene)?);
@@ -42,26 +42,26 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn density<S: Sde<2, 1> + Copy + Send + Sync>(
+fn density<S: Sde<2, 1> + Clone + Send + Sync>(
     context: &Context<'_>,
     problem: &Problem,
     scene: &str,
-    system: S,
+    system: &S,
     config: &Config<2>,
 ) -> Result<Vec<Claim>, CaseError> {
     let whole = || -> Result<Vec<u64>, CaseError> {
-        let mut simulation = Simulation::new(system, &problem.law, config)?;
+        let mut simulation = Simulation::new(system.clone(), &problem.law, config)?;
         simulation.advance_to(TIMES[0])?;
         simulation.advance_to(TIMES[1])?;
         Ok(bits(&simulation))
     };
     let (one, mut claims) =
         over_threads(context, &format!("{scene}/density"), "no sum depends on the threads", whole)?;
-    let mut first = Simulation::new(system, &problem.law, config)?;
+    let mut first = Simulation::new(system.clone(), &problem.law, config)?;
     first.advance_to(TIMES[0])?;
     let mut snapshot = Vec::new();
     first.snapshot(&mut snapshot)?;
-    let mut resumed = Simulation::new(system, &problem.law, config)?;
+    let mut resumed = Simulation::new(system.clone(), &problem.law, config)?;
     resumed.restore(snapshot.as_slice())?;
     resumed.advance_to(TIMES[1])?;
     let other = bits(&resumed);

@@ -53,7 +53,7 @@ fn density_run(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<(DensityRun, Vec<Exactness>), CaseError> {
-    let System::Linear(system) = problem.system else {
+    let System::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut exactness = Vec::new();
@@ -234,7 +234,7 @@ fn rim(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<Vec<Claim>, CaseError> {
-    let System::Linear(system) = problem.system else {
+    let System::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut claims = Vec::new();
@@ -257,7 +257,7 @@ fn rim(
         let mut combination = config.method.combination();
         combination.estimator = Estimator::LogDensityFit(volume);
         let config = Config { method: Method::Custom(combination), ..*config };
-        let simulation = Simulation::new(system, &problem.law, &config)?;
+        let simulation = Simulation::new(system.clone(), &problem.law, &config)?;
         let density = simulation.density()?;
         let worst = density
             .iter()

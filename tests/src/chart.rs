@@ -7,6 +7,7 @@ mod axis;
 mod canvas;
 mod legend;
 mod placement;
+mod plane;
 #[cfg(test)]
 pub(crate) mod samples;
 mod time_series;
@@ -14,6 +15,7 @@ mod work_precision;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::plane::plane;
 pub use self::time_series::time_series;
 pub use self::work_precision::work_precision;
 
@@ -97,6 +99,20 @@ pub struct TimeSeries {
     pub lines: Vec<Line>,
     /// Values to compare with, as points.
     pub references: Vec<ReferencePoints>,
+}
+
+/// A density over a plane.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plane {
+    /// Words around it.
+    pub words: Words,
+    /// Edges of the cells along the horizontal axis.
+    pub x: Vec<f64>,
+    /// Edges of the cells along the vertical axis.
+    pub y: Vec<f64>,
+    /// The density in each cell, row by row from below.
+    pub values: Vec<Vec<f64>>,
 }
 
 /// Scale of an axis.

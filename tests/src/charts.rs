@@ -77,6 +77,14 @@ impl Drawing {
         Ok(Self { name: name.into(), svg: chart::time_series(data)?, data: finite::to_json(data)? })
     }
 
+    /// A density over a plane.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn plane(name: &str, data: &chart::Plane) -> Result<Self, DrawingError> {
+        Ok(Self { name: name.into(), svg: chart::plane(data)?, data: finite::to_json(data)? })
+    }
+
     /// Writes `<name>.svg` and `<name>.json` into `folder` and returns the path of the picture.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ pub(crate) mod viscous_damper;
 
 use crate::case::{CaseError, Context};
 use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{Asked, DensityRun, Exceedances};
+use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances};
 use crate::fpk::problem::Problem;
 use crate::report::{Claim, ErrorKind};
 
@@ -22,6 +22,7 @@ fn asked(times: &[f64], problem: &Problem, cells: bool) -> Asked {
     Asked {
         times: times.to_vec(),
         powers: POWERS.to_vec(),
+        demand: Demand::displacement(),
         thresholds: problem.scene.thresholds.clone(),
         cells,
     }

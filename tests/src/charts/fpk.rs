@@ -13,7 +13,7 @@ use crate::chart::{
 };
 use crate::charts::{ChartKind, Drawing};
 use crate::claim::Reference;
-use crate::fpk::density::{Asked, run as run_density};
+use crate::fpk::density::{Asked, Demand, run as run_density};
 use crate::fpk::monte_carlo::{Sampling, run as run_sampled};
 use crate::fpk::problem::Problem;
 use crate::fpk::scene::IntegratorScene;
@@ -241,8 +241,13 @@ fn density(
     cells: bool,
     next: impl Fn(usize) -> Option<(String, Config<2>)>,
 ) -> Result<Ladder, CaseError> {
-    let asked =
-        Asked { times: vec![TIME], powers: vec![[2, 0]], thresholds: vec![THRESHOLD], cells };
+    let asked = Asked {
+        times: vec![TIME],
+        powers: vec![[2, 0]],
+        demand: Demand::displacement(),
+        thresholds: vec![THRESHOLD],
+        cells,
+    };
     let mut points = Vec::new();
     while let Some((label, config)) = next(points.len()) {
         context.progress(&format!("{progress}, {label}"));
@@ -276,6 +281,7 @@ fn monte_carlo(
     let asked = Asked {
         times: vec![TIME],
         powers: vec![[2, 0]],
+        demand: Demand::displacement(),
         thresholds: vec![THRESHOLD],
         cells: false,
     };
@@ -329,7 +335,13 @@ pub(crate) fn exceedance(
         problem.scene.density_config(problem.system.period(), 1.0).ok_or("no density method")?;
     let times = problem.scene.times.list();
     let thresholds = problem.scene.thresholds.clone();
-    let asked = Asked { times, powers: vec![], thresholds: thresholds.clone(), cells: true };
+    let asked = Asked {
+        times,
+        powers: vec![],
+        demand: Demand::displacement(),
+        thresholds: thresholds.clone(),
+        cells: true,
+    };
     let run = run_density(&problem.system, &problem.law, &config, &asked)?;
     let lines = thresholds
         .iter()

@@ -3,21 +3,53 @@
 use cpu_time::ProcessTime;
 use fpk_sph::observables::CellIntegral;
 use fpk_sph::{Config, Error, Simulation, Work};
-use sde_integrators::{GaussianMixture, Sde};
+use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 
 use super::scene::System;
 
 /// What is asked of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
+pub struct Asked<const D: usize = 2> {
     /// When.
     pub times: Vec<f64>,
-    /// Raw moments `E[q^a v^b]`.
-    pub powers: Vec<[u32; 2]>,
-    /// Thresholds `T` of `P(|q| > T)`.
+    /// Raw moments `E[x_1^a_1 .. x_D^a_D]`.
+    pub powers: Vec<[u32; D]>,
+    /// What exceeds the thresholds.
+    pub demand: Demand,
+    /// Thresholds `T` of `P(|y| > T)` for the demand `y`.
     pub thresholds: Vec<f64>,
     /// Whether to integrate over the particles' cells, which needs local fits.
     pub cells: bool,
+}
+
+/// A weighted sum of the states, of which the magnitude counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Demand {
+    /// Its name.
+    pub name: String,
+    /// A weight for each state.
+    pub weights: Vec<f64>,
+}
+
+impl Demand {
+    /// The magnitude of one state.
+    #[must_use]
+    pub fn of_state(state: usize, name: &str, n_states: usize) -> Self {
+        let weights = (0..n_states).map(|k| f64::from(u8::from(k == state))).collect();
+        Self { name: name.to_owned(), weights }
+    }
+
+    /// `|q|` of an oscillator `(q, v)`.
+    #[must_use]
+    pub fn displacement() -> Self {
+        Self::of_state(0, "q", 2)
+    }
+
+    /// `|y(x)|`.
+    #[must_use]
+    pub fn magnitude<const D: usize>(&self, x: &[f64; D]) -> f64 {
+        self.weights.iter().zip(x).map(|(weight, x)| weight * x).sum::<f64>().abs()
+    }
 }
 
 /// The three estimates of one probability of exceedance.
@@ -105,12 +137,12 @@ pub fn run(
 ///
 /// # Errors
 /// [`Error`] where the run could not start.
-pub fn run_on<S: Sde<2, 1>>(
+pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     system: S,
-    law: &GaussianMixture<2>,
-    config: &Config<2>,
-    asked: &Asked,
-    mut look: impl FnMut(&Simulation<S, 2, 1>, &Row),
+    law: &GaussianMixture<D>,
+    config: &Config<D>,
+    asked: &Asked<D>,
+    mut look: impl FnMut(&Simulation<S, D, M>, &Row),
 ) -> Result<DensityRun, Error> {
     let start = ProcessTime::now();
     let mut simulation = Simulation::new(system, law, config)?;
@@ -141,16 +173,16 @@ pub fn run_on<S: Sde<2, 1>>(
     Ok(run)
 }
 
-fn observe<S: Sde<2, 1>>(
-    simulation: &Simulation<S, 2, 1>,
-    asked: &Asked,
+fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
+    simulation: &Simulation<S, D, M>,
+    asked: &Asked<D>,
     cpu_seconds: f64,
 ) -> Result<Row, Error> {
     let cells = asked.cells.then(|| simulation.cell_integral()).transpose()?;
     let exceedances = asked
         .thresholds
         .iter()
-        .map(|&threshold| exceedances(simulation, cells.as_ref(), threshold))
+        .map(|&threshold| exceedances(simulation, cells.as_ref(), &asked.demand, threshold))
         .collect::<Result<_, _>>()?;
     Ok(Row {
         t: simulation.time(),
@@ -164,19 +196,52 @@ fn observe<S: Sde<2, 1>>(
     })
 }
 
-fn exceedances<S: Sde<2, 1>>(
-    simulation: &Simulation<S, 2, 1>,
-    cells: Option<&CellIntegral<2>>,
+fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
+    simulation: &Simulation<S, D, M>,
+    cells: Option<&CellIntegral<D>>,
+    demand: &Demand,
     threshold: f64,
 ) -> Result<Exceedances, Error> {
-    let displacement = |x: &[f64; 2]| x[0].abs();
+    let magnitude = |x: &[f64; D]| demand.magnitude(x);
     Ok(Exceedances {
-        indicator: simulation.exceedance_indicator(displacement, threshold)?,
-        log_interpolated: simulation.exceedance_log_interpolated(displacement, threshold)?,
+        indicator: simulation.exceedance_indicator(magnitude, threshold)?,
+        log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
         cell_integrated: cells
             .map(|cells| {
-                cells.exceedance(displacement, threshold).map(|exceedance| exceedance.probability)
+                cells.exceedance(magnitude, threshold).map(|exceedance| exceedance.probability)
             })
             .transpose()?,
     })
+}
+
+/// A system behind a reference, so that the solver is compiled once for each dimension and class of noise, and not for
+/// each system of a scene.
+pub struct Erased<'a, N: NoiseClass, const D: usize, const M: usize>(
+    pub &'a dyn Sde<D, M, Noise = N>,
+);
+
+impl<N: NoiseClass, const D: usize, const M: usize> Sde<D, M> for Erased<'_, N, D, M> {
+    type Noise = N;
+
+    fn drift(&self, t: f64, x: &[f64; D]) -> [f64; D] {
+        self.0.drift(t, x)
+    }
+
+    fn noise(&self, t: f64, x: &[f64; D]) -> [[f64; M]; D] {
+        self.0.noise(t, x)
+    }
+
+    fn diffusion(&self, t: f64, x: &[f64; D]) -> [[f64; D]; D] {
+        self.0.diffusion(t, x)
+    }
+
+    fn diffusion_divergence(&self, t: f64, x: &[f64; D]) -> [f64; D] {
+        self.0.diffusion_divergence(t, x)
+    }
+}
+
+impl<N: NoiseClass, const D: usize, const M: usize> std::fmt::Debug for Erased<'_, N, D, M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Erased<{D}, {M}>")
+    }
 }

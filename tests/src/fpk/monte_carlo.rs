@@ -1,12 +1,10 @@
 //! The rival: Monte Carlo on the same system and initial law.
 
 use cpu_time::ProcessTime;
-use sde_integrators::{
-    EnsembleConfig, Error, Estimate, EulerMaruyama, GaussianMixture, Integrator, Observable, Sde,
-    SecondOrder, SemiImplicitEuler, StrangOscillator, simulate,
-};
+use sde_integrators::{EnsembleConfig, Estimate, GaussianMixture, Observable};
 
 use super::density::Asked;
+use super::paths::{Paths, PathsError};
 use super::scene::{IntegratorScene, System};
 
 /// What is sampled, and how.
@@ -60,58 +58,46 @@ impl IntegratorScene {
             Self::EulerMaruyama => "forward Euler",
             Self::SemiImplicitEuler => "semi-implicit Euler",
             Self::StrangOscillator => "Strang",
+            Self::StrangBoucWen => "Strang with hysteresis",
+            Self::Shark => "ShARK",
         }
     }
 }
 
-/// Samples a built-in system; [`Asked::cells`] has no meaning here.
+/// Samples one of the systems of section 4.1; [`Asked::cells`] has no meaning here.
 ///
 /// # Errors
-/// Those of the ensemble: bad numbers, or a path that is no longer finite.
+/// Those of [`run_on`].
 pub fn run(
     system: &System,
     law: &GaussianMixture<2>,
     sampling: &Sampling,
     asked: &Asked,
-) -> Result<SampledRun, Error> {
+) -> Result<SampledRun, PathsError> {
     match system {
-        System::Linear(system) => by_integrator(system, law, sampling, asked),
-        System::Damper(system) => by_integrator(system, law, sampling, asked),
+        System::Linear(system) => run_on(system, law, sampling, asked),
+        System::Damper(system) => run_on(system, law, sampling, asked),
     }
 }
 
-fn by_integrator<S: Sde<2, 1> + SecondOrder<1, 1>>(
+/// As [`run`], for any system of a scene.
+///
+/// # Errors
+/// Those of the ensemble: bad numbers, or a path that is no longer finite; an integrator that does not step the system.
+pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
-    law: &GaussianMixture<2>,
+    law: &GaussianMixture<D>,
     sampling: &Sampling,
-    asked: &Asked,
-) -> Result<SampledRun, Error> {
-    match sampling.integrator {
-        IntegratorScene::EulerMaruyama => sample(system, &EulerMaruyama, law, sampling, asked),
-        IntegratorScene::SemiImplicitEuler => {
-            sample(system, &SemiImplicitEuler, law, sampling, asked)
-        }
-        IntegratorScene::StrangOscillator => {
-            sample(system, &StrangOscillator, law, sampling, asked)
-        }
-    }
-}
-
-fn sample<S: Sync, I: Integrator<S, 2, 1>>(
-    system: &S,
-    integrator: &I,
-    law: &GaussianMixture<2>,
-    sampling: &Sampling,
-    asked: &Asked,
-) -> Result<SampledRun, Error> {
-    let Asked { times, powers, thresholds, .. } = asked;
+    asked: &Asked<D>,
+) -> Result<SampledRun, PathsError> {
+    let Asked { times, powers, demand, thresholds, .. } = asked;
     let monomials: Vec<_> =
-        powers.iter().map(|&powers| move |_: f64, x: &[f64; 2]| monomial(powers, x)).collect();
+        powers.iter().map(|&powers| move |_: f64, x: &[f64; D]| monomial(powers, x)).collect();
     let events: Vec<_> = thresholds
         .iter()
-        .map(|&threshold| move |_: f64, x: &[f64; 2]| x[0].abs() > threshold)
+        .map(|&threshold| move |_: f64, x: &[f64; D]| demand.magnitude(x) > threshold)
         .collect();
-    let mut observables: Vec<Observable<'_, 2>> = Vec::new();
+    let mut observables: Vec<Observable<'_, D>> = Vec::new();
     observables.extend(monomials.iter().map(|f| Observable::Mean(f)));
     observables.extend(events.iter().map(|event| Observable::Probability(event)));
     let config = EnsembleConfig {
@@ -121,7 +107,7 @@ fn sample<S: Sync, I: Integrator<S, 2, 1>>(
         times: times.clone(),
     };
     let start = ProcessTime::now();
-    let ensemble = simulate(system, integrator, law, &config, &observables)?;
+    let ensemble = system.sample(sampling.integrator, law, &config, &observables)?;
     let cpu_seconds = start.elapsed().as_secs_f64();
     let rows = ensemble
         .times
@@ -136,7 +122,7 @@ fn sample<S: Sync, I: Integrator<S, 2, 1>>(
     Ok(SampledRun { rows, path_steps: ensemble.path_steps, cpu_seconds })
 }
 
-fn monomial([a, b]: [u32; 2], x: &[f64; 2]) -> f64 {
+fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
     let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
-    power(x[0], a) * power(x[1], b)
+    x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
 }

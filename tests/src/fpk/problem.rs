@@ -45,7 +45,8 @@ impl Problem {
 
     fn new(name: &str, text: &str, reference: ReferenceTable) -> Result<Self, CaseError> {
         let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
-        let (system, law) = (scene.system.build()?, scene.initial.build()?);
+        let system = scene.system.build()?.plane().ok_or("not a system of section 4.1")?;
+        let law = scene.initial.build(None)?;
         Ok(Self { scene, system, law, reference })
     }
 }

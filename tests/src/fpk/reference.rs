@@ -1,5 +1,8 @@
 //! Reference data of the density problems.
 
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::case::CaseError;
@@ -48,33 +51,36 @@ impl ReferenceTable {
     /// # Errors
     /// [`ReferenceError`], or that of the JSON.
     pub fn viscous_damper() -> Result<Self, CaseError> {
-        let mut values: Value =
-            serde_json::from_str(include_str!("../../reference/derived/fpk/viscous_damper.json"))?;
+        Self::best(include_str!("../../reference/derived/fpk/viscous_damper.json"))
+    }
+
+    /// The Bouc-Wen oscillator: Monte Carlo and importance sampling.
+    ///
+    /// # Errors
+    /// [`ReferenceError`], or that of the JSON.
+    pub fn bouc_wen() -> Result<Self, CaseError> {
+        Self::best(include_str!("../../reference/derived/fpk/bouc_wen.json"))
+    }
+
+    fn best(text: &str) -> Result<Self, CaseError> {
+        let mut values: Value = serde_json::from_str(text)?;
         Ok(Self {
             times: numbers(&values["times"], "times")?,
             data: Data::Best(values["best"].take()),
         })
     }
 
-    /// A raw moment `E[q^a v^b]`.
+    /// A raw moment `E[q^a v^b z^c]`; the powers may stop at the last state of the system.
     #[must_use]
-    pub fn moment(&self, powers: [u32; 2], t: f64) -> Option<Reference> {
-        let name = match powers {
-            [2, 0] => "q2",
-            [1, 1] => "qv",
-            [0, 2] => "v2",
-            [4, 0] => "q4",
-            [2, 2] => "q2v2",
-            [0, 4] => "v4",
-            _ => return None,
-        };
+    pub fn moment<const D: usize>(&self, powers: [u32; D], t: f64) -> Option<Reference> {
+        let name = moment_name(&powers);
         let k = self.at(t)?;
         match &self.data {
             Data::Exact { values, relative_error } => {
-                let value = values[name][k].as_f64()?;
+                let value = values[&name][k].as_f64()?;
                 Some(Reference::uncertain(value, relative_error * value.abs()))
             }
-            Data::Best(values) => entry(&values[name][k]),
+            Data::Best(values) => entry(&values[&name][k]),
         }
     }
 
@@ -107,6 +113,78 @@ impl ReferenceTable {
     }
 }
 
+/// The key of a moment: `q2`, `qv`, `q2z2`.
+fn moment_name(powers: &[u32]) -> String {
+    let factor = |(state, power): (&str, &u32)| match power {
+        0 => String::new(),
+        1 => state.to_owned(),
+        _ => format!("{state}{power}"),
+    };
+    ["q", "v", "z"].into_iter().zip(powers).map(factor).collect()
+}
+
+/// The bistable system `dX = (X - X^3) dt + sqrt(0.5) dB` from a normal law with mean 0.5 and variance 0.01.
+#[derive(Debug, Deserialize)]
+pub struct BistableReference {
+    /// When.
+    pub times: Vec<f64>,
+    /// Where the density is known.
+    pub x: Vec<f64>,
+    /// The density, per time and place.
+    pub pdf: Vec<Vec<f64>>,
+    /// Size of the correction by extrapolation, per time; the error left is smaller.
+    pub err_est: Vec<f64>,
+    /// `E[X^0]` to `E[X^4]`, per time.
+    pub moments: Vec<[f64; 5]>,
+    /// `Z` of the stationary density `exp((x^2/2 - x^4/4)/D)/Z`.
+    #[serde(rename = "Z")]
+    pub normalisation: f64,
+}
+
+/// The stationary Duffing oscillator with `zeta = 0.05, w0 = 1, eps = 0.5, S0 = 0.1`.
+#[derive(Debug, Deserialize)]
+pub struct DuffingReference {
+    /// `E[x^2]`.
+    #[serde(rename = "E_x2")]
+    pub displacement: f64,
+    /// `E[v^2]`.
+    #[serde(rename = "E_v2")]
+    pub velocity: f64,
+    /// `P(|x| > T)` by `T`.
+    #[serde(rename = "P_abs_x_gt")]
+    pub exceedance: BTreeMap<String, f64>,
+}
+
+#[derive(Debug, Deserialize)]
+struct BistableAndDuffing {
+    bistable: BistableReference,
+    duffing: DuffingReference,
+}
+
+fn bistable_and_duffing() -> Result<BistableAndDuffing, CaseError> {
+    Ok(serde_json::from_str(include_str!("../../reference/derived/fpk/bistable_and_duffing.json"))?)
+}
+
+impl BistableReference {
+    /// Reads the data.
+    ///
+    /// # Errors
+    /// That of the JSON.
+    pub fn read() -> Result<Self, CaseError> {
+        Ok(bistable_and_duffing()?.bistable)
+    }
+}
+
+impl DuffingReference {
+    /// Reads the data.
+    ///
+    /// # Errors
+    /// That of the JSON.
+    pub fn read() -> Result<Self, CaseError> {
+        Ok(bistable_and_duffing()?.duffing)
+    }
+}
+
 fn entry(entry: &Value) -> Option<Reference> {
     Some(Reference::uncertain(entry[0].as_f64()?, entry[1].as_f64()?))
 }
@@ -133,5 +211,30 @@ mod tests {
         let damper = ReferenceTable::viscous_damper().unwrap();
         assert!((damper.exceedance(1.5, 6.0).unwrap().value / 4.782e-9 - 1.0).abs() < 1e-3);
         assert!(damper.exceedance(1.5, 1.0).is_none() && damper.moment([2, 0], 9.0).is_none());
+    }
+
+    #[test]
+    fn the_bouc_wen_table_holds_moments_of_all_three_states_and_a_far_tail() {
+        let table = ReferenceTable::bouc_wen().unwrap();
+        let value = |powers: [u32; 3]| table.moment(powers, 3.6).unwrap().value;
+        assert!((value([2, 0, 0]) / 0.148804 - 1.0).abs() < 1e-5);
+        assert!((value([0, 0, 2]) / 0.0993713 - 1.0).abs() < 1e-5);
+        assert!((value([1, 0, 1]) / 0.115094 - 1.0).abs() < 1e-5);
+        assert!((table.exceedance(2.0, 3.6).unwrap().value / 6.9e-7 - 1.0).abs() < 0.01);
+        assert!(table.moment([6, 0, 0], 3.6).is_none() && table.exceedance(2.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn the_bistable_table_is_a_density_and_the_duffing_one_that_of_its_system() {
+        let table = BistableReference::read().unwrap();
+        assert_eq!((table.times.len(), table.pdf.len(), table.x.len()), (4, 4, 300));
+        let spacing = table.x[1] - table.x[0];
+        for (pdf, moments) in table.pdf.iter().zip(&table.moments) {
+            // The trapezoidal rule on a density that vanishes at both ends; moments[0] is its mass.
+            let mass: f64 = pdf.iter().sum::<f64>() * spacing;
+            assert!((mass - moments[0]).abs() < 1e-6, "{mass}");
+        }
+        let duffing = DuffingReference::read().unwrap();
+        assert!((duffing.velocity - 1.0).abs() < 1e-15 && duffing.exceedance.len() == 5);
     }
 }

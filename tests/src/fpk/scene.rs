@@ -1,12 +1,13 @@
 //! A density scene as it stands in its JSON file.
 
-use fpk_sph::systems::{
-    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
+use fpk_sph::systems::{LinearOscillator, ViscousDamper};
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
 use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
+use super::density::Demand;
+use super::paths::Paths;
+use super::system_scene::{SceneSystem, SystemError, SystemScene, Visitor, list, square};
 use crate::scene::{Objection, Scene};
 
 /// What is modelled, what is asked, and with which method.
@@ -25,107 +26,110 @@ pub struct FpkScene {
     pub method: MethodScene,
     /// When it is observed.
     pub times: Times,
-    /// Raw moments `E[q^a v^b]`, as `[a, b]`.
-    pub moments: Vec<[u32; 2]>,
-    /// Thresholds `T` of `P(|q| > T)`, in the unit of `q`.
+    /// Raw moments `E[x_1^a_1 .. x_D^a_D]`, as `[a_1, .., a_D]`.
+    pub moments: Vec<Vec<u32>>,
+    /// What exceeds the thresholds; the first state where it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub demand: Option<DemandScene>,
+    /// Thresholds `T` of `P(|y| > T)`, in the unit of the demand `y`.
     pub thresholds: Vec<f64>,
+    /// Planes on which the density is drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planes: Option<PlanesScene>,
+    /// The particles as files for ParaView.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cloud: Option<CloudScene>,
 }
 
-/// The system, by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// What exceeds the thresholds in magnitude.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum SystemScene {
-    /// `q'' + 2 xi w q' + w^2 q = a(t) W`.
-    LinearOscillator(StructureScene),
-    /// `q'' + 2 xi w q' + eta sign(q') |q'|^alpha + w^2 q = a(t) W` (Canor & Denoël 2013, eq 26).
-    ViscousDamper {
-        /// The structure.
-        structure: StructureScene,
-        /// `eta`.
-        damper_coefficient: f64,
-        /// `alpha`.
-        damper_exponent: f64,
+pub enum DemandScene {
+    /// A state, by its name.
+    State(String),
+    /// A weighted sum of the states, e.g. the drift of an upper storey.
+    Combination {
+        /// Its name.
+        name: String,
+        /// A weight for each state.
+        weights: Vec<f64>,
     },
 }
 
-/// A structure in its first mode.
+/// Marginal densities of pairs of states.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanesScene {
+    /// Pairs of states, by their names: across and up.
+    pub states: Vec<[String; 2]>,
+    /// When; each must be a time of observation (s).
+    pub times: Vec<f64>,
+}
+
+/// Files of the particles over time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct StructureScene {
-    /// `w` (rad/s).
-    pub natural_frequency: f64,
-    /// `xi`.
-    pub damping_ratio: f64,
-    /// `S_0`, the diffusion of the velocity at `a = 1`.
-    pub noise_intensity: f64,
-    /// `a(t)`.
-    pub window: WindowScene,
-}
-
-/// The window of the noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum WindowScene {
-    /// `a = 1`.
-    Stationary,
-    /// Canor & Denoël 2013, eq 27.
-    RisePlateauDecay {
-        /// `n_1`.
-        rise_exponent: f64,
-        /// `t_1` (s).
-        rise_end: f64,
-        /// `n_2` (1/s).
-        decay_rate: f64,
-        /// `t_2` (s).
-        decay_start: f64,
-    },
+pub struct CloudScene {
+    /// One file for each so many observations.
+    pub every_observations: usize,
 }
 
 /// The initial law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LawScene {
-    /// Independent Gaussian components.
+    /// Independent Gaussian states.
     Gaussian {
-        /// Means of `(q, q')`.
-        mean: [f64; 2],
-        /// Standard deviations of `(q, q')`.
-        standard_deviation: [f64; 2],
+        /// Means of the states.
+        mean: Vec<f64>,
+        /// Standard deviations of the states.
+        standard_deviation: Vec<f64>,
+    },
+    /// A structure of independent Gaussian states behind a filter in its stationary law.
+    StationaryFilter {
+        /// Means of the structure's states.
+        mean: Vec<f64>,
+        /// Standard deviations of the structure's states.
+        standard_deviation: Vec<f64>,
     },
     /// A mixture of Gaussians.
     Mixture(Vec<ComponentScene>),
 }
 
 /// One Gaussian of a mixture.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComponentScene {
     /// Its weight; the weights sum to 1.
     pub weight: f64,
     /// Its mean.
-    pub mean: [f64; 2],
-    /// Its covariance.
-    pub covariance: [[f64; 2]; 2],
+    pub mean: Vec<f64>,
+    /// Its covariance, row by row.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 /// The method, by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MethodScene {
     /// Whitened log-density fit, Runge-Kutta 4.
     LogDensityFit {
-        /// Particles along each axis of the initial lattice.
-        count: [usize; 2],
-        /// Half the edge of the lattice, in standard deviations.
+        /// A box: particles along each axis of the initial lattice.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        count: Option<Vec<usize>>,
+        /// A ball: the spacing of the initial lattice, in standard deviations.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spacing: Option<f64>,
+        /// Half the edge of the box, or the radius of the ball, in standard deviations.
         reach: f64,
     },
     /// The paper's method.
     #[serde(rename = "canor_denoel_2013")]
     CanorDenoel2013 {
         /// Particles along each axis.
-        count: [usize; 2],
+        count: Vec<usize>,
         /// Half the edges of the lattice, in the units of the state.
-        half_width: [f64; 2],
+        half_width: Vec<f64>,
         /// Courant number.
         courant: f64,
         /// `support_radius / spacing` at the start.
@@ -154,6 +158,10 @@ pub enum IntegratorScene {
     SemiImplicitEuler,
     /// Strang splitting with exact rotation and damper flow.
     StrangOscillator,
+    /// The same for the hysteretic oscillator.
+    StrangBoucWen,
+    /// Two drifts, strong order 1.5, for any system with additive noise.
+    Shark,
 }
 
 /// Equal intervals of observation, from `every` to `until`.
@@ -166,7 +174,7 @@ pub struct Times {
     pub every: f64,
 }
 
-/// A system that has been checked.
+/// One of the two oscillators of section 4.1 of the paper, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub enum System {
     /// The linear oscillator.
@@ -203,47 +211,6 @@ impl Times {
     }
 }
 
-impl SystemScene {
-    /// The system, checked.
-    ///
-    /// # Errors
-    /// [`fpk_sph::Error`], naming the parameter.
-    pub fn build(&self) -> Result<System, fpk_sph::Error> {
-        match *self {
-            Self::LinearOscillator(structure) => {
-                Ok(System::Linear(LinearOscillator::new(structure.parameters())?))
-            }
-            Self::ViscousDamper { structure, damper_coefficient, damper_exponent } => {
-                let structure = structure.parameters();
-                let parameters =
-                    ViscousDamperParameters { structure, damper_coefficient, damper_exponent };
-                Ok(System::Damper(ViscousDamper::new(parameters)?))
-            }
-        }
-    }
-
-    /// The structure, and where it stands in the scene.
-    fn structure(&self) -> (&StructureScene, &'static str) {
-        match self {
-            Self::LinearOscillator(structure) => (structure, "system.linear_oscillator"),
-            Self::ViscousDamper { structure, .. } => (structure, "system.viscous_damper.structure"),
-        }
-    }
-}
-
-impl StructureScene {
-    fn parameters(&self) -> LinearOscillatorParameters {
-        let Self { natural_frequency, damping_ratio, noise_intensity, window } = *self;
-        let window = match window {
-            WindowScene::Stationary => Window::Stationary,
-            WindowScene::RisePlateauDecay { rise_exponent, rise_end, decay_rate, decay_start } => {
-                Window::RisePlateauDecay { rise_exponent, rise_end, decay_rate, decay_start }
-            }
-        };
-        LinearOscillatorParameters { natural_frequency, damping_ratio, noise_intensity, window }
-    }
-}
-
 impl System {
     /// The natural period (s).
     #[must_use]
@@ -256,53 +223,189 @@ impl System {
 }
 
 impl LawScene {
-    /// The law, checked.
+    /// The law, checked; `filter` is the stationary covariance of a filter's states, which come last.
     ///
     /// # Errors
-    /// [`sde_integrators::Error`], naming what is wrong.
-    pub fn build(&self) -> Result<GaussianMixture<2>, sde_integrators::Error> {
-        match self {
-            Self::Gaussian { mean, standard_deviation } => {
-                GaussianMixture::independent(*mean, *standard_deviation)
+    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for what the law refuses.
+    pub fn build<const D: usize>(
+        &self,
+        filter: Option<&[Vec<f64>]>,
+    ) -> Result<GaussianMixture<D>, SystemError> {
+        let law = match self {
+            Self::Gaussian { mean, standard_deviation } => GaussianMixture::independent(
+                list("mean", mean)?,
+                list("standard_deviation", standard_deviation)?,
+            ),
+            Self::StationaryFilter { mean, standard_deviation } => {
+                let filter = filter.unwrap_or_default();
+                let structure = D.saturating_sub(filter.len());
+                let wanted = || format!("the structure has {structure} states");
+                for (key, values) in [("mean", mean), ("standard_deviation", standard_deviation)] {
+                    if values.len() != structure {
+                        let count = values.len();
+                        return Err(SystemError::Shape { key, count, wanted: wanted() });
+                    }
+                }
+                let (mut means, mut covariance) = ([0.0; D], [[0.0; D]; D]);
+                means[..structure].copy_from_slice(mean);
+                for (k, deviation) in standard_deviation.iter().enumerate() {
+                    covariance[k][k] = deviation * deviation;
+                }
+                for (row, values) in covariance[structure..].iter_mut().zip(filter) {
+                    row[structure..].copy_from_slice(values);
+                }
+                GaussianMixture::gaussian(means, covariance)
             }
             Self::Mixture(components) => {
-                let components: Vec<_> = components
-                    .iter()
-                    .map(|&ComponentScene { weight, mean, covariance }| GaussianComponent {
-                        weight,
-                        mean,
-                        covariance,
+                let component = |component: &ComponentScene| -> Result<_, SystemError> {
+                    let ComponentScene { weight, mean, covariance } = component;
+                    Ok(GaussianComponent {
+                        weight: *weight,
+                        mean: list("mean", mean)?,
+                        covariance: square("covariance", covariance)?,
                     })
-                    .collect();
+                };
+                let components: Vec<_> =
+                    components.iter().map(component).collect::<Result<_, _>>()?;
                 GaussianMixture::mixture(&components)
+            }
+        };
+        Ok(law.map_err(fpk_sph::Error::from)?)
+    }
+
+    fn check(&self, system: &SceneSystem) -> Result<(), Objection> {
+        let name = match self {
+            Self::Gaussian { .. } => "gaussian",
+            Self::StationaryFilter { .. } => "stationary_filter",
+            Self::Mixture(_) => "mixture",
+        };
+        let filter = system.filter_covariance();
+        if filter.is_none() && matches!(self, Self::StationaryFilter { .. }) {
+            let message = "the system has no filter";
+            return Err(Objection::new("initial.stationary_filter", message)
+                .with_help("use `gaussian` with a mean and a standard deviation for each state"));
+        }
+        if let Self::Gaussian { standard_deviation, .. }
+        | Self::StationaryFilter { standard_deviation, .. } = self
+        {
+            for (k, &deviation) in standard_deviation.iter().enumerate() {
+                let path = format!("initial.{name}.standard_deviation[{k}]");
+                must(&path, deviation, deviation > 0.0, "greater than 0")?;
+            }
+        }
+        system.visit(Build(self, filter.as_deref())).map_err(|error| {
+            let states = format!("the states are {}", system.states().join(", "));
+            match &error {
+                SystemError::Shape { key, .. } if name != "mixture" => {
+                    Objection::new(format!("initial.{name}.{key}"), error.to_string())
+                        .with_help(states)
+                }
+                SystemError::Shape { .. } => {
+                    Objection::new("initial.mixture", error.to_string()).with_help(states)
+                }
+                _ => Objection::new("initial", error.to_string()),
+            }
+        })
+    }
+}
+
+/// Builds a law in the dimension of the system.
+struct Build<'a>(&'a LawScene, Option<&'a [Vec<f64>]>);
+
+impl Visitor for Build<'_> {
+    type Output = Result<(), SystemError>;
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
+        self.0.build::<D>(self.1).map(|_| ())
+    }
+}
+
+impl DemandScene {
+    /// The demand on a system with these states.
+    fn build(&self, states: &[&str]) -> Result<Demand, Objection> {
+        match self {
+            Self::State(name) => {
+                let k = state(name, states, "demand.state")?;
+                Ok(Demand::of_state(k, name, states.len()))
+            }
+            Self::Combination { name, weights } => {
+                if weights.len() != states.len() {
+                    let message = format!(
+                        "`weights` has {} entries; the system has {} states",
+                        weights.len(),
+                        states.len()
+                    );
+                    return Err(Objection::new("demand.combination.weights", message)
+                        .with_help(format!("the states are {}", states.join(", "))));
+                }
+                Ok(Demand { name: name.clone(), weights: weights.clone() })
             }
         }
     }
 }
 
+/// The place of a state among those of the system.
+fn state(name: &str, states: &[&str], path: &str) -> Result<usize, Objection> {
+    states.iter().position(|state| *state == name).ok_or_else(|| {
+        Objection::new(path, format!("the system has no state `{name}`"))
+            .with_help(format!("the states are {}", states.join(", ")))
+    })
+}
+
 impl FpkScene {
     /// The configuration of the density solver, where the method is one; `scale` multiplies the particles per axis.
+    /// `None` too where the lattice is of another dimension, which [`Scene::check`] refuses.
     #[must_use]
-    pub fn density_config(&self, period: f64, scale: f64) -> Option<Config<2>> {
-        let scaled = |count: [usize; 2]| count.map(|n| scaled_count(n, scale));
-        let (method, lattice) = match self.method {
-            MethodScene::LogDensityFit { count, reach } => {
-                (Method::LogDensityFit, InitialLattice::Box { reach, count: scaled(count) })
+    pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
+        let scaled = |count: &[usize]| -> Option<[usize; D]> {
+            let count: [usize; D] = count.try_into().ok()?;
+            Some(count.map(|n| scaled_count(n, scale)))
+        };
+        let (method, lattice) = match &self.method {
+            MethodScene::LogDensityFit { count: Some(count), reach, .. } => {
+                let lattice = InitialLattice::Box { reach: *reach, count: scaled(count)? };
+                (Method::LogDensityFit, lattice)
+            }
+            MethodScene::LogDensityFit { count: None, spacing, reach } => {
+                let lattice = InitialLattice::Ball { reach: *reach, spacing: (*spacing)? / scale };
+                (Method::LogDensityFit, lattice)
             }
             MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let combination = Combination {
-                    step: StepRule::Courant { number: courant },
-                    support_over_spacing,
+                    step: StepRule::Courant { number: *courant },
+                    support_over_spacing: *support_over_spacing,
                     ..Method::CanorDenoel2013.combination()
                 };
-                (
-                    Method::Custom(combination),
-                    InitialLattice::Rectangle { half_width, count: scaled(count) },
-                )
+                let half_width = half_width.as_slice().try_into().ok()?;
+                let lattice = InitialLattice::Rectangle { half_width, count: scaled(count)? };
+                (Method::Custom(combination), lattice)
             }
             MethodScene::MonteCarlo { .. } => return None,
         };
         Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
+    }
+
+    /// What exceeds the thresholds, on a system with these states.
+    ///
+    /// # Errors
+    /// [`Objection`] for a state that is none, or another number of weights.
+    pub fn demand(&self, states: &[&str]) -> Result<Demand, Objection> {
+        self.demand.as_ref().map_or_else(
+            || Ok(Demand::of_state(0, states[0], states.len())),
+            |demand| demand.build(states),
+        )
+    }
+
+    /// The planes that are drawn, by the places of their states.
+    ///
+    /// # Errors
+    /// [`Objection`] for a state that is none.
+    pub fn plane_states(&self, states: &[&str]) -> Result<Vec<[usize; 2]>, Objection> {
+        let Some(planes) = &self.planes else { return Ok(Vec::new()) };
+        let place = |(k, [across, up]): (usize, &[String; 2])| {
+            let path = |axis| format!("planes.states[{k}][{axis}]");
+            Ok([state(across, states, &path(0))?, state(up, states, &path(1))?])
+        };
+        planes.states.iter().enumerate().map(place).collect()
     }
 }
 
@@ -315,35 +418,24 @@ fn scaled_count(count: usize, scale: f64) -> usize {
 
 impl Scene for FpkScene {
     fn check(&self) -> Result<(), Objection> {
-        let (structure, path) = self.system.structure();
-        let StructureScene { natural_frequency: w, damping_ratio: xi, noise_intensity: s, .. } =
-            *structure;
-        must(&format!("{path}.natural_frequency"), w, w > 0.0, "greater than 0")?;
-        must(&format!("{path}.damping_ratio"), xi, xi >= 0.0, "0 or greater")?;
-        must(&format!("{path}.noise_intensity"), s, s >= 0.0, "0 or greater: it is a diffusion")?;
-        if let SystemScene::ViscousDamper {
-            damper_coefficient: eta, damper_exponent: alpha, ..
-        } = self.system
-        {
-            must("system.viscous_damper.damper_coefficient", eta, eta >= 0.0, "0 or greater")?;
-            must("system.viscous_damper.damper_exponent", alpha, alpha > 0.0, "greater than 0")?;
-        }
-        if let LawScene::Gaussian { standard_deviation, .. } = &self.initial {
-            for (k, &deviation) in standard_deviation.iter().enumerate() {
-                let path = format!("initial.gaussian.standard_deviation[{k}]");
-                must(&path, deviation, deviation > 0.0, "greater than 0")?;
-            }
-        }
-        self.system.build().map_err(|error| Objection::new("system", error.to_string()))?;
-        self.initial.build().map_err(|error| Objection::new("initial", error.to_string()))?;
+        let system = self.system.build().map_err(|error| self.system.objection(&error))?;
+        let states = system.states();
+        self.initial.check(&system)?;
         self.times.check()?;
-        self.check_method()?;
+        self.check_method(&system)?;
+        self.demand(states)?;
+        self.check_planes(states)?;
+        if let Some(CloudScene { every_observations }) = self.cloud {
+            let path = "cloud.every_observations";
+            must(path, every_observations as f64, every_observations > 0, "at least 1")?;
+        }
         for (k, &threshold) in self.thresholds.iter().enumerate() {
             must(&format!("thresholds[{k}]"), threshold, threshold > 0.0, "greater than 0")?;
             let sorted = k == 0 || threshold > self.thresholds[k - 1];
             must(&format!("thresholds[{k}]"), threshold, sorted, "greater than the one before it")?;
         }
         for (k, powers) in self.moments.iter().enumerate() {
+            check_length(&format!("moments[{k}]"), powers.len(), states)?;
             let order = powers.iter().sum::<u32>();
             must(
                 &format!("moments[{k}]"),
@@ -357,44 +449,102 @@ impl Scene for FpkScene {
 }
 
 impl FpkScene {
-    fn check_method(&self) -> Result<(), Objection> {
-        match self.method {
-            MethodScene::LogDensityFit { count, reach } => {
-                check_counts("method.log_density_fit", count)?;
-                must(
-                    "method.log_density_fit.reach",
-                    reach,
-                    reach > 0.0,
-                    "greater than 0 standard deviations",
-                )
+    fn check_planes(&self, states: &[&str]) -> Result<(), Objection> {
+        self.plane_states(states)?;
+        let (Some(planes), times) = (&self.planes, self.times.list()) else { return Ok(()) };
+        for (k, &t) in planes.times.iter().enumerate() {
+            let observed = times.iter().any(|time| (time - t).abs() < 1e-9);
+            must(&format!("planes.times[{k}]"), t, observed, "a time of observation")?;
+        }
+        Ok(())
+    }
+
+    fn check_method(&self, system: &SceneSystem) -> Result<(), Objection> {
+        let states = system.states();
+        match &self.method {
+            MethodScene::LogDensityFit { count, spacing, reach } => {
+                let path = "method.log_density_fit";
+                let limit = "greater than 0 standard deviations";
+                must(&format!("{path}.reach"), *reach, *reach > 0.0, limit)?;
+                match (count, spacing) {
+                    (Some(count), None) => check_counts(path, count, states),
+                    (None, Some(spacing)) => check_ball(path, *reach, *spacing, states.len()),
+                    _ => Err(Objection::new(
+                        path,
+                        "either `count` for a box or `spacing` for a ball must be given",
+                    )),
+                }
             }
             MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let path = "method.canor_denoel_2013";
-                check_counts(path, count)?;
+                check_counts(path, count, states)?;
+                check_length(&format!("{path}.half_width"), half_width.len(), states)?;
                 for (k, &width) in half_width.iter().enumerate() {
                     must(&format!("{path}.half_width[{k}]"), width, width > 0.0, "greater than 0")?;
                 }
-                must(&format!("{path}.courant"), courant, courant > 0.0, "greater than 0")?;
-                let ratio = support_over_spacing;
+                must(&format!("{path}.courant"), *courant, *courant > 0.0, "greater than 0")?;
+                let ratio = *support_over_spacing;
                 must(&format!("{path}.support_over_spacing"), ratio, ratio > 0.0, "greater than 0")
             }
-            MethodScene::MonteCarlo { paths, step, .. } => {
-                must("method.monte_carlo.paths", paths as f64, paths >= 2, "at least 2")?;
-                must("method.monte_carlo.step", step, step > 0.0, "greater than 0")
+            MethodScene::MonteCarlo { paths, step, integrator, .. } => {
+                must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
+                must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
+                let offered = system.visit(Offered);
+                if offered.contains(integrator) {
+                    return Ok(());
+                }
+                let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
+                let message =
+                    format!("the integrator {} does not step this system", integrator.name());
+                Err(Objection::new("method.monte_carlo.integrator", message)
+                    .with_help(format!("there are: {}", names.join(", "))))
             }
         }
     }
 }
 
+/// The integrators of a system.
+struct Offered;
+
+impl Visitor for Offered {
+    type Output = &'static [IntegratorScene];
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
+        S::INTEGRATORS
+    }
+}
+
 /// Most particles along an axis: their square still fits the neighbour lists and the memory of a workstation.
 const MOST_PER_AXIS: usize = 2_000;
+/// Most particles of all: the square of [`MOST_PER_AXIS`].
+const MOST_PARTICLES: f64 = 4e6;
 
-fn check_counts(path: &str, count: [usize; 2]) -> Result<(), Objection> {
+fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
+    check_length(&format!("{path}.count"), count.len(), states)?;
     for (k, &n) in count.iter().enumerate() {
         let allowed = (3..=MOST_PER_AXIS).contains(&n);
         must(&format!("{path}.count[{k}]"), n as f64, allowed, "from 3 to 2000 particles")?;
     }
-    Ok(())
+    let particles: f64 = count.iter().map(|&n| n as f64).product();
+    let limit = "such that there are at most 4e6 particles";
+    must(&format!("{path}.count"), particles, particles <= MOST_PARTICLES, limit)
+}
+
+fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<(), Objection> {
+    let path = format!("{path}.spacing");
+    must(&path, spacing, spacing > 0.0, "greater than 0 standard deviations")?;
+    // The box around the ball bounds the count.
+    let particles =
+        (2.0 * reach / spacing + 1.0).powi(i32::try_from(dimension).unwrap_or(i32::MAX));
+    let limit = "such that the box around the ball holds at most 4e6 particles";
+    must(&path, spacing, particles <= MOST_PARTICLES, limit)
+}
+
+fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
+    if count == states.len() {
+        return Ok(());
+    }
+    let message = format!("there are {count} entries; the system has {} states", states.len());
+    Err(Objection::new(path, message).with_help(format!("the states are {}", states.join(", "))))
 }
 
 /// Objects to the value at a path unless it is as it must be.

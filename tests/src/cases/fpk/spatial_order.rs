@@ -8,7 +8,7 @@ use fpk_sph::{
 use super::{POWERS, index_of};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{Asked, run as run_density};
+use crate::fpk::density::{Asked, Demand, run as run_density};
 use crate::fpk::problem::Problem;
 use crate::order;
 use crate::report::{Claim, ErrorKind};
@@ -74,8 +74,13 @@ fn errors(
     estimator: Estimator,
 ) -> Result<Vec<(f64, f64)>, CaseError> {
     let reference = problem.reference.moment([2, 0], TIME).ok_or("no reference")?.value;
-    let asked =
-        Asked { times: vec![TIME], powers: POWERS.to_vec(), thresholds: vec![], cells: false };
+    let asked = Asked {
+        times: vec![TIME],
+        powers: POWERS.to_vec(),
+        demand: Demand::displacement(),
+        thresholds: vec![],
+        cells: false,
+    };
     COUNTS
         .iter()
         .map(|&n| {

@@ -8,4 +8,5 @@ pub mod plane_density;
 pub mod problem;
 pub mod reference;
 pub mod scene;
+pub mod scene_system;
 pub mod system_scene;

@@ -10,6 +10,7 @@ use sde_integrators::{
     SemiImplicitEuler, Shark, StrangOscillator, simulate,
 };
 
+use super::density::Erased;
 use super::scene::IntegratorScene;
 
 /// A system whose paths can be sampled.
@@ -42,8 +43,8 @@ pub enum PathsError {
     NotOffered(IntegratorScene),
 }
 
-/// One line for each system: its dimensions, and its integrators.
-macro_rules! paths {
+/// One line for each system that is compiled for itself, which vector lanes need: its dimensions, and its integrators.
+macro_rules! compiled_paths {
     ($($system:ty, $d:literal, $m:literal: $($integrator:ident),+;)+) => { $(
         impl Paths<$d, $m> for $system {
             const INTEGRATORS: &'static [IntegratorScene] = &[$(IntegratorScene::$integrator),+];
@@ -59,7 +60,6 @@ macro_rules! paths {
                     $(IntegratorScene::$integrator => {
                         Ok(simulate(self, &$integrator, law, config, observables)?)
                     })+
-                    #[allow(unreachable_patterns, reason = "a system may be stepped by all")]
                     other => Err(PathsError::NotOffered(other)),
                 }
             }
@@ -67,24 +67,52 @@ macro_rules! paths {
     )+ };
 }
 
-paths! {
+/// One line for each system that is stepped behind a reference: compiled once for a dimension, slower by the calls.
+macro_rules! erased_paths {
+    ($($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
+        impl Paths<$d, $m> for $system {
+            const INTEGRATORS: &'static [IntegratorScene] = &[IntegratorScene::$integrator];
+
+            fn sample(
+                &self,
+                integrator: IntegratorScene,
+                law: &GaussianMixture<$d>,
+                config: &EnsembleConfig,
+                observables: &[Observable<'_, $d>],
+            ) -> Result<Ensemble, PathsError> {
+                match integrator {
+                    IntegratorScene::$integrator => {
+                        let system = Erased::<_, $d, $m>(self);
+                        Ok(simulate(&system, &$integrator, law, config, observables)?)
+                    }
+                    other => Err(PathsError::NotOffered(other)),
+                }
+            }
+        }
+    )+ };
+}
+
+compiled_paths! {
     LinearOscillator, 2, 1: EulerMaruyama, SemiImplicitEuler, StrangOscillator;
     ViscousDamper, 2, 1: EulerMaruyama, SemiImplicitEuler, StrangOscillator;
     BoucWen, 3, 1: EulerMaruyama, StrangBoucWen;
-    Duffing, 2, 1: EulerMaruyama, StrangOscillator;
-    VanDerPolRayleigh, 2, 1: EulerMaruyama, StrangOscillator;
-    TwoStorey, 4, 1: EulerMaruyama, Shark;
-    Filtered<LinearOscillator, 2, 2>, 4, 1: EulerMaruyama, Shark;
-    Filtered<ViscousDamper, 2, 2>, 4, 1: EulerMaruyama, Shark;
-    Filtered<BoucWen, 3, 2>, 5, 1: EulerMaruyama, Shark;
-    Filtered<TwoStorey, 4, 2>, 6, 1: EulerMaruyama, Shark;
-    Filtered<LinearOscillator, 2, 4>, 6, 1: EulerMaruyama, Shark;
-    Filtered<ViscousDamper, 2, 4>, 6, 1: EulerMaruyama, Shark;
-    OrnsteinUhlenbeck<1>, 1, 1: EulerMaruyama, Shark;
-    OrnsteinUhlenbeck<2>, 2, 2: EulerMaruyama, Shark;
-    OrnsteinUhlenbeck<3>, 3, 3: EulerMaruyama, Shark;
-    OrnsteinUhlenbeck<4>, 4, 4: EulerMaruyama, Shark;
-    Bistable, 1, 1: EulerMaruyama, Shark;
+    Filtered<ViscousDamper, 2, 2>, 4, 1: Shark;
+    Filtered<BoucWen, 3, 2>, 5, 1: Shark;
+}
+
+erased_paths! {
+    Duffing, 2, 1: Shark;
+    VanDerPolRayleigh, 2, 1: Shark;
+    TwoStorey, 4, 1: Shark;
+    Filtered<LinearOscillator, 2, 2>, 4, 1: Shark;
+    Filtered<TwoStorey, 4, 2>, 6, 1: Shark;
+    Filtered<LinearOscillator, 2, 4>, 6, 1: Shark;
+    Filtered<ViscousDamper, 2, 4>, 6, 1: Shark;
+    OrnsteinUhlenbeck<1>, 1, 1: Shark;
+    OrnsteinUhlenbeck<2>, 2, 2: Shark;
+    OrnsteinUhlenbeck<3>, 3, 3: Shark;
+    OrnsteinUhlenbeck<4>, 4, 4: Shark;
+    Bistable, 1, 1: Shark;
     CoxIngersollRoss, 1, 1: EulerMaruyama;
     GeometricBrownianMotion, 1, 1: EulerMaruyama;
 }

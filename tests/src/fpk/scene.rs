@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::density::Demand;
 use super::paths::Paths;
-use super::system_scene::{SceneSystem, SystemError, SystemScene, Visitor, list, square};
+use super::scene_system::{SceneSystem, Visitor};
+use super::system_scene::{SystemError, SystemScene, list, square};
 use crate::scene::{Objection, Scene};
 
 /// What is modelled, what is asked, and with which method.

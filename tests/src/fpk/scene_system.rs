@@ -1,0 +1,190 @@
+//! A system of a scene, checked, and what of it holds whatever its dimension.
+
+use fpk_sph::systems::{
+    Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
+    LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
+};
+
+use super::paths::Paths;
+use super::scene::System;
+
+/// A system that has been checked, of any dimension.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum SceneSystem {
+    /// A linear oscillator.
+    LinearOscillator(LinearOscillator),
+    /// A viscous damper.
+    ViscousDamper(ViscousDamper),
+    /// A hysteretic oscillator.
+    BoucWen(BoucWen),
+    /// A cubic spring.
+    Duffing(Duffing),
+    /// A self-excited oscillator.
+    VanDerPol(VanDerPolRayleigh),
+    /// A building of two storeys.
+    TwoStorey(TwoStorey),
+    /// A linear oscillator behind Kanai and Tajimi.
+    KanaiTajimiLinear(Filtered<LinearOscillator, 2, 2>),
+    /// A viscous damper behind Kanai and Tajimi.
+    KanaiTajimiDamper(Filtered<ViscousDamper, 2, 2>),
+    /// A hysteretic oscillator behind Kanai and Tajimi.
+    KanaiTajimiBoucWen(Filtered<BoucWen, 3, 2>),
+    /// A building behind Kanai and Tajimi.
+    KanaiTajimiTwoStorey(Filtered<TwoStorey, 4, 2>),
+    /// A linear oscillator behind Clough and Penzien.
+    CloughPenzienLinear(Filtered<LinearOscillator, 2, 4>),
+    /// A viscous damper behind Clough and Penzien.
+    CloughPenzienDamper(Filtered<ViscousDamper, 2, 4>),
+    /// Ornstein-Uhlenbeck in one dimension.
+    OrnsteinUhlenbeck1(OrnsteinUhlenbeck<1>),
+    /// In two.
+    OrnsteinUhlenbeck2(OrnsteinUhlenbeck<2>),
+    /// In three.
+    OrnsteinUhlenbeck3(OrnsteinUhlenbeck<3>),
+    /// In four.
+    OrnsteinUhlenbeck4(OrnsteinUhlenbeck<4>),
+    /// A double well.
+    Bistable(Bistable),
+    /// A square-root process.
+    CoxIngersollRoss(CoxIngersollRoss),
+    /// Geometric Brownian motion.
+    GeometricBrownianMotion(GeometricBrownianMotion),
+}
+
+/// What is done with a system, whatever its type.
+pub trait Visitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<S, const D: usize, const M: usize>(self, system: &S) -> Self::Output
+    where
+        S: Paths<D, M>;
+}
+
+impl SceneSystem {
+    /// Hands the system to a visitor as its own type.
+    pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
+        match self {
+            Self::LinearOscillator(system) => visitor.visit::<_, 2, 1>(system),
+            Self::ViscousDamper(system) => visitor.visit::<_, 2, 1>(system),
+            Self::BoucWen(system) => visitor.visit::<_, 3, 1>(system),
+            Self::Duffing(system) => visitor.visit::<_, 2, 1>(system),
+            Self::VanDerPol(system) => visitor.visit::<_, 2, 1>(system),
+            Self::TwoStorey(system) => visitor.visit::<_, 4, 1>(system),
+            Self::KanaiTajimiLinear(system) => visitor.visit::<_, 4, 1>(system),
+            Self::KanaiTajimiDamper(system) => visitor.visit::<_, 4, 1>(system),
+            Self::KanaiTajimiBoucWen(system) => visitor.visit::<_, 5, 1>(system),
+            Self::KanaiTajimiTwoStorey(system) => visitor.visit::<_, 6, 1>(system),
+            Self::CloughPenzienLinear(system) => visitor.visit::<_, 6, 1>(system),
+            Self::CloughPenzienDamper(system) => visitor.visit::<_, 6, 1>(system),
+            Self::OrnsteinUhlenbeck1(system) => visitor.visit::<_, 1, 1>(system),
+            Self::OrnsteinUhlenbeck2(system) => visitor.visit::<_, 2, 2>(system),
+            Self::OrnsteinUhlenbeck3(system) => visitor.visit::<_, 3, 3>(system),
+            Self::OrnsteinUhlenbeck4(system) => visitor.visit::<_, 4, 4>(system),
+            Self::Bistable(system) => visitor.visit::<_, 1, 1>(system),
+            Self::CoxIngersollRoss(system) => visitor.visit::<_, 1, 1>(system),
+            Self::GeometricBrownianMotion(system) => visitor.visit::<_, 1, 1>(system),
+        }
+    }
+
+    /// The names of its states.
+    #[must_use]
+    pub fn states(&self) -> &'static [&'static str] {
+        match self {
+            Self::LinearOscillator(_)
+            | Self::ViscousDamper(_)
+            | Self::Duffing(_)
+            | Self::VanDerPol(_) => &["q", "v"],
+            Self::BoucWen(_) => &["q", "v", "z"],
+            Self::TwoStorey(_) => &["q1", "q2", "v1", "v2"],
+            Self::KanaiTajimiLinear(_) | Self::KanaiTajimiDamper(_) => &["q", "v", "xg", "vg"],
+            Self::KanaiTajimiBoucWen(_) => &["q", "v", "z", "xg", "vg"],
+            Self::KanaiTajimiTwoStorey(_) => &["q1", "q2", "v1", "v2", "xg", "vg"],
+            Self::CloughPenzienLinear(_) | Self::CloughPenzienDamper(_) => {
+                &["q", "v", "xg", "vg", "xf", "vf"]
+            }
+            Self::OrnsteinUhlenbeck1(_)
+            | Self::Bistable(_)
+            | Self::CoxIngersollRoss(_)
+            | Self::GeometricBrownianMotion(_) => &["x"],
+            Self::OrnsteinUhlenbeck2(_) => &["x1", "x2"],
+            Self::OrnsteinUhlenbeck3(_) => &["x1", "x2", "x3"],
+            Self::OrnsteinUhlenbeck4(_) => &["x1", "x2", "x3", "x4"],
+        }
+    }
+
+    /// The time by which steps are measured: the shortest period of an oscillation, else a time of relaxation (s).
+    #[must_use]
+    pub fn reference_period(&self) -> f64 {
+        let frame = |system: &TwoStorey| std::f64::consts::TAU / system.natural_frequencies()[1];
+        match self {
+            Self::LinearOscillator(system) => system.period(),
+            Self::ViscousDamper(system) => system.period(),
+            Self::BoucWen(system) => system.period(),
+            Self::Duffing(system) => system.period(),
+            Self::VanDerPol(system) => system.period(),
+            Self::TwoStorey(system) => frame(system),
+            Self::KanaiTajimiLinear(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::KanaiTajimiDamper(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::KanaiTajimiBoucWen(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::KanaiTajimiTwoStorey(system) => {
+                frame(system.structure()).min(system.filter().period())
+            }
+            Self::CloughPenzienLinear(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::CloughPenzienDamper(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::OrnsteinUhlenbeck1(system) => fastest(&system.parameters().rates),
+            Self::OrnsteinUhlenbeck2(system) => fastest(&system.parameters().rates),
+            Self::OrnsteinUhlenbeck3(system) => fastest(&system.parameters().rates),
+            Self::OrnsteinUhlenbeck4(system) => fastest(&system.parameters().rates),
+            Self::Bistable(system) => std::f64::consts::TAU * system.relaxation_time(),
+            Self::CoxIngersollRoss(system) => std::f64::consts::TAU / system.parameters().rate,
+            // In units of its own time: nothing returns.
+            Self::GeometricBrownianMotion(_) => 1.0,
+        }
+    }
+
+    /// The stationary covariance of the filter's states, which come last.
+    #[must_use]
+    pub fn filter_covariance(&self) -> Option<Vec<Vec<f64>>> {
+        fn rows<const F: usize>(covariance: &[[f64; F]; F]) -> Vec<Vec<f64>> {
+            covariance.iter().map(|row| row.to_vec()).collect()
+        }
+        Some(match self {
+            Self::KanaiTajimiLinear(system) => rows(system.filter().stationary_covariance()),
+            Self::KanaiTajimiDamper(system) => rows(system.filter().stationary_covariance()),
+            Self::KanaiTajimiBoucWen(system) => rows(system.filter().stationary_covariance()),
+            Self::KanaiTajimiTwoStorey(system) => rows(system.filter().stationary_covariance()),
+            Self::CloughPenzienLinear(system) => rows(system.filter().stationary_covariance()),
+            Self::CloughPenzienDamper(system) => rows(system.filter().stationary_covariance()),
+            _ => return None,
+        })
+    }
+
+    /// The system, where it is one of the two of section 4.1 of the paper.
+    #[must_use]
+    pub fn plane(&self) -> Option<System> {
+        match self {
+            Self::LinearOscillator(system) => Some(System::Linear(system.clone())),
+            Self::ViscousDamper(system) => Some(System::Damper(system.clone())),
+            _ => None,
+        }
+    }
+}
+
+/// `2 pi` over the largest rate, a bound of the eigenvalues by the sums over rows.
+fn fastest<const D: usize>(rates: &[[f64; D]; D]) -> f64 {
+    let sums = rates.iter().map(|row| row.iter().map(|rate| rate.abs()).sum::<f64>());
+    std::f64::consts::TAU / sums.fold(f64::MIN_POSITIVE, f64::max)
+}

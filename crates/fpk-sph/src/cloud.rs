@@ -18,6 +18,8 @@ pub struct Cloud<'a, const D: usize> {
     pub neighbours: &'a NeighbourList,
     /// The lattice that the particles started from; `n` entries, or none where there is no lattice.
     pub lattice: &'a [AxisNeighbours<D>],
+    /// Whether the coordinates are those in which the cloud has the unit covariance.
+    pub whitened: bool,
     /// Steps taken and time, for errors.
     pub step: u64,
     /// Time, for errors.

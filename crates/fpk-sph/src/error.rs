@@ -98,6 +98,24 @@ pub enum Error {
         /// The dimension.
         dimension: usize,
     },
+    /// A polynomial of this degree has more unknowns than there is room for.
+    #[error(
+        "a local polynomial of degree {degree} in {dimension}-D has too many unknowns; 2 holds up to 6-D, 3 up to 4-D, 4 up to 3-D"
+    )]
+    DegreeTooHigh {
+        /// The degree asked for.
+        degree: usize,
+        /// The dimension.
+        dimension: usize,
+    },
+    /// More particles than an id can count.
+    #[error("{count} particles were asked for; at most {limit} can be told apart")]
+    TooManyParticles {
+        /// How many were asked for.
+        count: usize,
+        /// The limit.
+        limit: usize,
+    },
     /// The support holds too few lattice neighbours for the estimator, whatever the flow does later.
     #[error(
         "support_radius/spacing is {ratio}: a support holds {count} neighbours of the undisturbed lattice; \

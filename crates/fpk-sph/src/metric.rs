@@ -117,19 +117,17 @@ impl<const D: usize> Whitening<D> {
         (0..D).map(|k| self.factor[k][k]).product()
     }
 
-    /// The trace of `L^-1 A L^-T` for a symmetric positive semidefinite `A`, which bounds its largest eigenvalue:
-    /// how fast a diffusion matrix spreads the cloud in this metric.
-    pub(crate) fn whitened_trace(&self, matrix: &[[f64; D]; D]) -> f64 {
-        // Columns of A, then rows of (L^-1 A): L^-1 A L^-T = (L^-1 (L^-1 A)^T)^T.
+    /// `L^-1 A L^-T` for a symmetric `A`: a diffusion matrix in this metric.
+    pub(crate) fn whitened(&self, matrix: &[[f64; D]; D]) -> [[f64; D]; D] {
+        // A is symmetric: its columns are its rows, and so are those of the result.
         let mut half = [[0.0; D]; D];
         for j in 0..D {
-            let column = std::array::from_fn(|i| matrix[i][j]);
-            let solved = self.whiten_vector(&column);
+            let solved = self.whiten_vector(&matrix[j]);
             for i in 0..D {
                 half[i][j] = solved[i];
             }
         }
-        (0..D).map(|i| self.whiten_vector(&half[i])[i]).sum()
+        half.map(|row| self.whiten_vector(&row))
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a step and a run report of themselves.
 
+use crate::score::Unresolved;
+
 /// One step, in numbers. Lengths are in the coordinates of the metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
@@ -24,6 +26,8 @@ pub struct StepReport {
     pub h_max: f64,
     /// Largest over smallest eigenvalue of the cloud's covariance, in the units of the state.
     pub covariance_condition: f64,
+    /// Cells that the estimator could not resolve at the first stage.
+    pub unresolved: Unresolved,
 }
 
 /// Work done so far.

@@ -2,6 +2,7 @@
 
 use std::io::{Read, Write};
 
+use neighbour_search::NeighbourList;
 use particle_store::{Attribute, ParticleStore};
 use sde_integrators::{GaussianMixture, Sde};
 
@@ -10,7 +11,9 @@ use crate::error::{Error, positive};
 use crate::method::{Combination, InitialSmoothing, Method, StepRule};
 use crate::metric::{Metric, Whitening};
 use crate::report::Work;
-use crate::score::{LocalFit, LogDensityFit, ScoreEstimator, determinant, lattice_jacobian};
+use crate::score::{
+    LocalFit, LocalMap, LogDensityFit, ScoreEstimator, determinant, lattice_jacobian,
+};
 use crate::stage::{Field, Stage};
 use crate::start::{InitialLattice, Start, initial_spacing};
 use crate::step::Stages;
@@ -45,6 +48,7 @@ pub const COLLAPSED_STEP: f64 = 1e-6;
 #[derive(Debug)]
 pub struct Simulation<S, const D: usize, const M: usize> {
     pub(crate) field: Field<S, D>,
+    pub(crate) reference_period: f64,
     pub(crate) shortest_step: f64,
     pub(crate) longest_step: f64,
     pub(crate) most_steps: u64,
@@ -96,7 +100,15 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let n = start.positions.len();
         let h = combination.support_over_spacing * spacing / estimator.support();
         let mut simulation = Self {
-            field: Field { system, estimator, combination, lattice: start.lattice },
+            field: Field {
+                system,
+                estimator,
+                combination,
+                lattice: start.lattice,
+                places: start.places,
+                lattice_neighbours: NeighbourList::new(),
+            },
+            reference_period: config.reference_period,
             shortest_step: COLLAPSED_STEP * config.reference_period,
             longest_step: longest_step(&combination, config.reference_period),
             most_steps: config.most_steps,
@@ -111,6 +123,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             stage: Stage::new(n),
             stages: Stages::new(n),
         };
+        simulation.field.start(spacing)?;
         simulation.start_smoothing_lengths(h, spacing)?;
         Ok(simulation)
     }
@@ -256,6 +269,18 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         Ok(stage)
     }
 
+    /// The flow map around every particle, where the estimator follows it.
+    pub(crate) fn local_maps(&self) -> Result<Option<(Stage<D>, Vec<LocalMap<D>>)>, Error> {
+        let Self { field, state, .. } = self;
+        if field.estimator.criterion().is_some() {
+            return Ok(None);
+        }
+        let mut stage = Stage::new(self.n_particles());
+        stage.find_neighbours(field, state, state.time, &state.positions)?;
+        let maps = field.estimator.local_maps(&stage.cloud(field, state, state.time));
+        Ok(maps.map(|maps| (stage, maps)))
+    }
+
     /// Local fits of log density in whitened coordinates, whatever the method: with the method's own smoothing lengths
     /// where it whitens, else with lengths that hold as many neighbours as the method's support at the start.
     pub(crate) fn local_fits(&self) -> Result<(Stage<D>, Vec<LocalFit<D>>), Error> {
@@ -266,6 +291,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             estimator: Box::new(fit),
             combination,
             lattice: self.field.lattice.clone(),
+            places: Vec::new(),
+            lattice_neighbours: NeighbourList::new(),
         };
         let mut state = self.state.clone();
         let mut stage = Stage::new(self.n_particles());

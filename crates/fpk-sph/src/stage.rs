@@ -6,10 +6,10 @@ use sde_integrators::{NoiseClass, Sde};
 use crate::cloud::{AxisNeighbours, Cloud};
 use crate::error::Error;
 use crate::method::Combination;
-use crate::metric::Whitening;
+use crate::metric::{Metric, Whitening};
 use crate::parallel::fill;
 use crate::report::Work;
-use crate::score::{Estimates, ScoreEstimator};
+use crate::score::{Estimates, LatticePlaces, ScoreEstimator, Unresolved};
 use crate::simulation::State;
 
 /// What makes the velocity field and never changes: the system and the choices of the method.
@@ -19,6 +19,28 @@ pub(crate) struct Field<S, const D: usize> {
     pub(crate) estimator: Box<dyn ScoreEstimator<D> + Sync>,
     pub(crate) combination: Combination,
     pub(crate) lattice: Vec<AxisNeighbours<D>>,
+    /// Places on the lattice, in spacings.
+    pub(crate) places: Vec<[f64; D]>,
+    /// Who stands near whom on the lattice, for estimators that work there; else empty.
+    pub(crate) lattice_neighbours: NeighbourList,
+}
+
+impl<S, const D: usize> Field<S, D> {
+    /// Tells the estimator on which lattice the particles start.
+    pub(crate) fn start(&mut self, spacing: f64) -> Result<(), Error> {
+        let reach = self.combination.support_over_spacing;
+        if self.estimator.criterion().is_none() {
+            let mut search = CellGrid::new();
+            search.full_list(&self.places, Radii::Uniform(reach), &mut self.lattice_neighbours)?;
+            self.lattice_neighbours.sort_rows();
+        }
+        self.estimator.start(&LatticePlaces {
+            places: &self.places,
+            neighbours: &self.lattice_neighbours,
+            reach,
+            spacing,
+        })
+    }
 }
 
 /// What one evaluation leaves behind, in the coordinates of the metric.
@@ -32,6 +54,8 @@ pub(crate) struct Stage<const D: usize> {
     pub(crate) score: Vec<[f64; D]>,
     pub(crate) density: Vec<f64>,
     pub(crate) volume: Vec<f64>,
+    pub(crate) deformation: Vec<[[f64; D]; D]>,
+    pub(crate) unresolved: Unresolved,
     pub(crate) work: Work,
 }
 
@@ -46,6 +70,8 @@ impl<const D: usize> Stage<D> {
             score: vec![[0.0; D]; n],
             density: vec![0.0; n],
             volume: vec![0.0; n],
+            deformation: vec![[[0.0; D]; D]; n],
+            unresolved: Unresolved::default(),
             work: Work::default(),
         }
     }
@@ -66,12 +92,16 @@ impl<const D: usize> Stage<D> {
             *radius = support * state.smoothing_lengths[i];
         }
         check_finite(&self.whitened, &self.radii, at)?;
-        let radii = Radii::PerPoint { radii: &self.radii, criterion: field.estimator.criterion() };
-        self.grid.full_list(&self.whitened, radii, &mut self.neighbours)?;
         self.work.evaluations += 1;
+        let Some(criterion) = field.estimator.criterion() else {
+            self.work.neighbour_visits += field.lattice_neighbours.n_pairs() as u64;
+            return Ok(());
+        };
+        let radii = Radii::PerPoint { radii: &self.radii, criterion };
+        self.grid.full_list(&self.whitened, radii, &mut self.neighbours)?;
         self.work.neighbour_visits += self.neighbours.n_pairs() as u64;
         let (step, time) = at;
-        let (mean, limit) = (self.neighbours_mean(), field.estimator.fewest_mean_neighbours());
+        let (mean, limit) = (self.neighbours_mean(field), field.estimator.fewest_mean_neighbours());
         if mean < limit {
             return Err(Error::CloudTooSparse { step, time, mean, limit });
         }
@@ -79,8 +109,16 @@ impl<const D: usize> Stage<D> {
     }
 
     /// Mean number of neighbours, the particle itself included.
-    pub(crate) fn neighbours_mean(&self) -> f64 {
-        1.0 + self.neighbours.n_pairs() as f64 / self.whitened.len() as f64
+    pub(crate) fn neighbours_mean<S>(&self, field: &Field<S, D>) -> f64 {
+        1.0 + self.neighbours_of(field).n_pairs() as f64 / self.whitened.len() as f64
+    }
+
+    /// Who the estimator takes as neighbours.
+    pub(crate) fn neighbours_of<'a, S>(&'a self, field: &'a Field<S, D>) -> &'a NeighbourList {
+        match field.estimator.criterion() {
+            Some(_) => &self.neighbours,
+            None => &field.lattice_neighbours,
+        }
     }
 
     /// The cloud of the last evaluation.
@@ -94,8 +132,9 @@ impl<const D: usize> Stage<D> {
             positions: &self.whitened,
             masses: &state.masses,
             smoothing_lengths: &state.smoothing_lengths,
-            neighbours: &self.neighbours,
+            neighbours: self.neighbours_of(field),
             lattice: &field.lattice,
+            whitened: field.combination.metric == Metric::Whitened,
             step: state.n_steps,
             time,
         }
@@ -110,14 +149,23 @@ impl<const D: usize> Stage<D> {
         x: &[[f64; D]],
     ) -> Result<(), Error> {
         self.find_neighbours(field, state, t, x)?;
-        let (mut score, mut density, mut volume) = (
+        let (mut score, mut density, mut volume, mut deformation) = (
             std::mem::take(&mut self.score),
             std::mem::take(&mut self.density),
             std::mem::take(&mut self.volume),
+            std::mem::take(&mut self.deformation),
         );
-        let mut out = Estimates { score: &mut score, density: &mut density, volume: &mut volume };
+        let mut unresolved = Unresolved::default();
+        let mut out = Estimates {
+            score: &mut score,
+            density: &mut density,
+            volume: &mut volume,
+            deformation: &mut deformation,
+            unresolved: &mut unresolved,
+        };
         let outcome = field.estimator.estimate(&self.cloud(field, state, t), &mut out);
         (self.score, self.density, self.volume) = (score, density, volume);
+        (self.deformation, self.unresolved) = (deformation, unresolved);
         outcome
     }
 
@@ -153,29 +201,21 @@ impl<const D: usize> Stage<D> {
         Ok(())
     }
 
-    /// The particle that spreads fastest against its reach, and the largest `D_y / R^2` there: `D_y` is the trace of the
-    /// diffusion matrix in the metric, `R` the support radius.
+    /// The particle that spreads fastest against what the estimator resolves, and its rate there: `D_y / R^2`, with `D_y`
+    /// the trace of the diffusion matrix in the metric and `R` the support radius, unless the estimator knows better.
     pub(crate) fn fastest_spread<S: Sde<D, M>, const M: usize>(
         &self,
-        system: &S,
+        field: &Field<S, D>,
         t: f64,
         x: &[[f64; D]],
     ) -> (usize, f64) {
+        let in_metric = |i: usize| self.whitening.whitened(&field.system.diffusion(t, &x[i]));
+        let shared = (!S::Noise::STATE_DEPENDENT).then(|| in_metric(0));
         let spread = |i: usize| {
-            self.whitening.whitened_trace(&system.diffusion(t, &x[i])) / self.radii[i].powi(2)
+            let diffusion = shared.unwrap_or_else(|| in_metric(i));
+            field.estimator.spread(&diffusion, self.radii[i], &self.deformation[i])
         };
-        let narrowest = || {
-            self.radii.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i)
-        };
-        if S::Noise::STATE_DEPENDENT {
-            (0..x.len())
-                .map(|i| (i, spread(i)))
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .unwrap_or((0, 0.0))
-        } else {
-            let i = narrowest();
-            (i, spread(i))
-        }
+        (0..x.len()).map(|i| (i, spread(i))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
     }
 
     /// The particle that moves furthest against its smoothing length, and `min_i h_i / |v_i|` in the metric.

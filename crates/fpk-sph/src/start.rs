@@ -57,6 +57,8 @@ pub(crate) struct Start<const D: usize> {
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) masses: Vec<f64>,
     pub(crate) lattice: Vec<AxisNeighbours<D>>,
+    /// Places on the lattice, in spacings.
+    pub(crate) places: Vec<[f64; D]>,
     /// Volume of a lattice cell in the units of the state.
     pub(crate) cell_volume: f64,
 }
@@ -103,7 +105,8 @@ impl<const D: usize> Start<D> {
         let cell_volume = lattice.cell_volume() * map.determinant();
         let positions: Vec<[f64; D]> = lattice.points.iter().map(|y| map.unwhiten(y)).collect();
         let masses = positions.iter().map(|x| law.density(x) * cell_volume).collect();
-        Self { positions, masses, lattice: lattice.axis_neighbours(), cell_volume }
+        let places = lattice.indices.iter().map(|index| index.map(f64::from)).collect();
+        Self { positions, masses, lattice: lattice.axis_neighbours(), places, cell_volume }
     }
 }
 

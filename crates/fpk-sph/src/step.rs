@@ -9,6 +9,11 @@ use crate::report::StepReport;
 use crate::simulation::Simulation;
 use crate::stage::check_finite;
 
+/// Reference periods in which an estimator's [`settle`](crate::ScoreEstimator::settle) takes out all but `1/e` of what it
+/// does not see. Measured on the damper: E[v^2] at t = 6 is 0.8 % high without, 0.02 % at 0.6, and the same within 0.1 %
+/// from 0.3 to 1.3.
+const SETTLING_PERIODS: f64 = 0.3;
+
 /// Buffers of a Runge-Kutta step: positions of a stage, velocities of up to four stages, volumes of the first.
 #[derive(Debug)]
 pub(crate) struct Stages<const D: usize> {
@@ -37,7 +42,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let report = self.first_stage(end)?;
         self.later_stages(report.dt)?;
 
-        self.state.positions.copy_from_slice(&self.stages.x);
+        // What the estimator does not see would stay for ever: it is taken out at its own rate.
+        let part = 1.0 - (-report.dt / (SETTLING_PERIODS * self.reference_period)).exp();
+        let Stages { x, k: [before, ..], .. } = &mut self.stages;
+        self.field.estimator.settle(x, before, part);
+        self.state.positions.copy_from_slice(x);
         self.state.update_smoothing_lengths(&self.stages.volume);
         self.state.n_steps += 1;
         self.state.time = report.time;
@@ -88,7 +97,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let (fastest, courant_limit) = stage.courant_limit(&state.smoothing_lengths, &stages.k[0]);
         // The window may rise within the step: the limit holds at its begin and at its end.
         let limit_at = |t: f64| {
-            let (particle, spread) = stage.fastest_spread(&field.system, t, x);
+            let (particle, spread) = stage.fastest_spread(field, t, x);
             (particle, field.combination.scheme.diffusion_limit() / spread)
         };
         let ahead = |longest: f64| {
@@ -136,11 +145,12 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             dt,
             diffusion_limit,
             courant_limit,
-            neighbours_min: 1 + stage.neighbours.min_count(),
-            neighbours_mean: stage.neighbours_mean(),
+            neighbours_min: 1 + stage.neighbours_of(field).min_count(),
+            neighbours_mean: stage.neighbours_mean(field),
             h_min: state.smoothing_lengths.iter().copied().fold(f64::INFINITY, f64::min),
             h_max: state.smoothing_lengths.iter().copied().fold(0.0, f64::max),
             covariance_condition: condition_number(&covariance),
+            unresolved: stage.unresolved,
         })
     }
 }

@@ -17,8 +17,8 @@ impl<const D: usize> ScoreEstimator<D> for GaussianClosure {
         1.0
     }
 
-    fn criterion(&self) -> Criterion {
-        Criterion::Gather
+    fn criterion(&self) -> Option<Criterion> {
+        Some(Criterion::Gather)
     }
 
     fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {

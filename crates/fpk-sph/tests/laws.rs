@@ -1,7 +1,9 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
-use fpk_sph::score::{Estimates, LogDensityFit, SummationDensity, VolumeEstimate};
+use fpk_sph::score::{
+    Degree, Estimates, LogDensityFit, SummationDensity, Unresolved, VolumeEstimate,
+};
 use fpk_sph::systems::{
     LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
@@ -54,7 +56,8 @@ fn estimate<const D: usize>(
     let n = positions.len();
     let radii: Vec<f64> = smoothing_lengths.iter().map(|h| h * estimator.support()).collect();
     let mut neighbours = NeighbourList::new();
-    let radii = Radii::PerPoint { radii: &radii, criterion: estimator.criterion() };
+    let criterion = estimator.criterion().unwrap();
+    let radii = Radii::PerPoint { radii: &radii, criterion };
     BruteForce::new().full_list(positions, radii, &mut neighbours)?;
     let cloud = Cloud {
         positions,
@@ -62,14 +65,20 @@ fn estimate<const D: usize>(
         smoothing_lengths,
         neighbours: &neighbours,
         lattice,
+        whitened: false,
         step: 0,
         time: 0.0,
     };
     let (mut score, mut density, mut volume) = (vec![[0.0; D]; n], vec![0.0; n], vec![0.0; n]);
-    estimator.estimate(
-        &cloud,
-        &mut Estimates { score: &mut score, density: &mut density, volume: &mut volume },
-    )?;
+    let (mut deformation, mut unresolved) = (vec![[[0.0; D]; D]; n], Unresolved::default());
+    let mut out = Estimates {
+        score: &mut score,
+        density: &mut density,
+        volume: &mut volume,
+        deformation: &mut deformation,
+        unresolved: &mut unresolved,
+    };
+    estimator.estimate(&cloud, &mut out)?;
     Ok((score, density, volume))
 }
 
@@ -87,10 +96,14 @@ fn an_isolated_particle_sees_its_own_kernel_and_no_gradient() {
 
 #[test]
 fn an_isolated_particle_does_not_determine_a_fit() {
-    let fit = LogDensityFit { kernel: Lucy, volume: VolumeEstimate::KernelSum };
+    let fit = LogDensityFit {
+        kernel: Lucy,
+        volume: VolumeEstimate::KernelSum,
+        degree: Degree::Quadratic,
+    };
     let error = estimate::<2>(&fit, &[[1.0, 2.0]], &[0.3], &[0.5], &[]).unwrap_err();
     assert!(
-        matches!(error, Error::TooFewNeighbours { step: 0, particle: 0, count: 1, limit: 6, .. }),
+        matches!(error, Error::TooFewNeighbours { step: 0, particle: 0, count: 1, limit: 4, .. }),
         "{error}"
     );
 }
@@ -323,7 +336,9 @@ fn a_run_that_cannot_go_on_says_why() {
 #[test]
 fn the_two_volumes_agree_inside_and_differ_at_the_rim() {
     let rim_error = |volume| {
-        let method = custom(|c| c.estimator = Estimator::LogDensityFit(volume));
+        let method = custom(|c| {
+            c.estimator = Estimator::LogDensityFit { volume, degree: Degree::Quadratic }
+        });
         let simulation =
             Simulation::new(damper(), &law(), &config(method, InitialLattice::box_of(21))).unwrap();
         let density = simulation.density().unwrap();

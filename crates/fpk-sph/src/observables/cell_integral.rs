@@ -1,11 +1,13 @@
 //! The density integrated over the particles' deformed lattice cells.
 
+use std::collections::{HashMap, HashSet};
+
 use sde_integrators::Sde;
 
 use crate::cloud::AxisNeighbours;
 use crate::error::{Error, finite};
 use crate::metric::Whitening;
-use crate::score::{LocalFit, determinant, lattice_jacobian};
+use crate::score::{LocalFit, LocalMap, determinant, lattice_jacobian};
 use crate::simulation::Simulation;
 
 /// The density as a function: around each particle `psi_i exp(g.u + u.H u / 2)` over the lattice cell as the flow has
@@ -32,25 +34,23 @@ pub struct Exceedance {
 
 /// Spacings by which a cell at the rim goes on outward. At 6 standard deviations and a spacing of 0.3, three of them
 /// hold all but 0.4 % of what lies beyond.
-pub const TAIL_SPACINGS: usize = 3;
+pub const TAIL_SPACINGS: i32 = 3;
 
 /// A cell's mass by the fit over its particle's mass, above which (or below its inverse) the fit is not trusted. A
 /// Gaussian at 6 standard deviations and a spacing of 0.45 gives 1.34.
 const MOST_MASS_RATIO: f64 = 2.0;
 
+/// `y(u) = centre + E u + u.K u / 2` and the mass per unit of `u`, `weight exp(slope.u + u.bend u / 2)`, in lattice
+/// coordinates `u` of the cell, from -1/2 to 1/2.
 #[derive(Debug)]
 struct Cell<const D: usize> {
     /// Centre in the metric.
     centre: [f64; D],
-    /// Columns are the edges, in the metric.
-    edges: [[f64; D]; D],
-    /// Density at the centre times the volume of the cell.
+    map: LocalMap<D>,
     weight: f64,
-    gradient: [f64; D],
-    hessian: [[f64; D]; D],
-    /// Spacings by which the cell goes on below and above along each axis.
-    tail: [[usize; 2]; D],
-    /// Mass with its tail.
+    /// Places on the lattice beyond the cloud to which this cell goes on, as steps from it.
+    beyond: Vec<[i32; D]>,
+    /// Mass with what lies beyond.
     mass: f64,
     /// Whether the fit makes of the particle's mass what it should, within [`MOST_MASS_RATIO`].
     trusted: bool,
@@ -73,19 +73,103 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of the local fits: too few neighbours, a singular fit, a singular covariance.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
+        let beyond = beyond_the_cloud(&self.field.places);
+        let masses = self.masses();
+        if let Some((stage, maps)) = self.local_maps()? {
+            let cell = |(i, map): (usize, LocalMap<D>)| Cell {
+                centre: stage.whitened[i],
+                map,
+                weight: masses[i],
+                beyond: vec![],
+                mass: 0.0,
+                trusted: true,
+            };
+            let cells = maps.into_iter().enumerate().map(cell).collect();
+            return Ok(CellIntegral::finish(stage.whitening, cells, beyond, masses));
+        }
         let (stage, fits) = self.local_fits()?;
         let cells = fits
             .iter()
             .enumerate()
-            .map(|(i, fit)| {
-                Cell::new(&stage.whitened, &self.field.lattice, self.masses()[i], i, fit)
-            })
+            .map(|(i, fit)| Cell::of_fit(&stage.whitened, &self.field.lattice, i, fit))
             .collect::<Result<_, _>>()?;
-        Ok(CellIntegral { whitening: stage.whitening, cells })
+        Ok(CellIntegral::finish(stage.whitening, cells, beyond, masses))
     }
 }
 
+/// Places on the lattice within [`TAIL_SPACINGS`] steps of the cloud but not in it, each as a step from the particle
+/// nearest to it, the lowest where several are. The cells of the cloud and these tile the lattice without overlap.
+fn beyond_the_cloud<const D: usize>(places: &[[f64; D]]) -> Vec<Vec<[i32; D]>> {
+    #[allow(clippy::cast_possible_truncation, reason = "whole numbers well within the range")]
+    let index = |place: &[f64; D]| place.map(|value| value.round() as i32);
+    let taken: HashSet<[i32; D]> = places.iter().map(index).collect();
+    let mut nearest: HashMap<[i32; D], (i32, usize, [i32; D])> = HashMap::new();
+    let steps = steps_beyond::<D>();
+    for (i, place) in places.iter().enumerate() {
+        let own = index(place);
+        for step in &steps {
+            let there = std::array::from_fn(|k| own[k] + step[k]);
+            if taken.contains(&there) {
+                continue;
+            }
+            let distance = step.iter().map(|k| k * k).sum();
+            let entry = nearest.entry(there).or_insert((distance, i, *step));
+            if (distance, i) < (entry.0, entry.1) {
+                *entry = (distance, i, *step);
+            }
+        }
+    }
+    let mut beyond = vec![Vec::new(); places.len()];
+    for (_, i, step) in nearest.into_values() {
+        beyond[i].push(step);
+    }
+    // A hash map has no order of its own.
+    for steps in &mut beyond {
+        steps.sort_unstable();
+    }
+    beyond
+}
+
+/// Steps of at most [`TAIL_SPACINGS`] along each axis, the step of nothing left out.
+fn steps_beyond<const D: usize>() -> Vec<[i32; D]> {
+    let reach = TAIL_SPACINGS;
+    let mut steps = vec![[0; D]];
+    for axis in 0..D {
+        steps = steps
+            .into_iter()
+            .flat_map(|step: [i32; D]| {
+                (-reach..=reach).map(move |k| {
+                    let mut step = step;
+                    step[axis] = k;
+                    step
+                })
+            })
+            .collect();
+    }
+    steps.retain(|step| step.iter().any(|&k| k != 0));
+    steps
+}
+
 impl<const D: usize> CellIntegral<D> {
+    /// Holds every cell against its particle's mass, and lets those that are trusted go on beyond the cloud.
+    fn finish(
+        whitening: Whitening<D>,
+        mut cells: Vec<Cell<D>>,
+        beyond: Vec<Vec<[i32; D]>>,
+        masses: &[f64],
+    ) -> Self {
+        for ((cell, beyond), &particle_mass) in cells.iter_mut().zip(beyond).zip(masses) {
+            let ratio = cell.integral() / particle_mass;
+            if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
+                cell.go_on(beyond);
+            } else {
+                cell.hold_own_mass(particle_mass, ratio);
+            }
+            cell.mass = cell.integral();
+        }
+        Self { whitening, cells }
+    }
+
     /// The integral of the density: 1 but for what the lattice never held and for the error of the fits.
     pub fn total_mass(&self) -> f64 {
         self.cells.iter().map(|cell| cell.mass).sum()
@@ -156,7 +240,7 @@ impl<const D: usize> CellIntegral<D> {
         let origin = self.whitening.unwhiten(&[0.0; D])[component];
         let extent: f64 = (0..D)
             .map(|axis| {
-                let edge = std::array::from_fn(|k| cell.edges[k][axis]);
+                let edge = std::array::from_fn(|k| cell.map.edges[k][axis]);
                 (self.whitening.unwhiten(&edge)[component] - origin).abs()
             })
             .sum();
@@ -165,85 +249,83 @@ impl<const D: usize> CellIntegral<D> {
 }
 
 impl<const D: usize> Cell<D> {
-    fn new(
+    /// The cell as the flow has deformed it, with the quadratic of log density around its particle.
+    fn of_fit(
         positions: &[[f64; D]],
         lattice: &[AxisNeighbours<D>],
-        particle_mass: f64,
         i: usize,
         fit: &LocalFit<D>,
     ) -> Result<Self, Error> {
         let edges =
             lattice_jacobian(positions, lattice, i).ok_or(Error::NoLatticeCell { particle: i })?;
-        let weight = fit.log_density.exp() * determinant(&edges).abs();
-        let mut cell = Self {
-            centre: positions[i],
-            edges,
-            weight,
-            gradient: fit.gradient,
-            hessian: fit.hessian,
-            tail: [[0; 2]; D],
-            mass: 0.0,
-            trusted: true,
-        };
-        let own = cell.integral();
-        let ratio = own / particle_mass;
-        if !(1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
-            // The fit turns too sharply for this cell: keep its shape, but only the particle's own mass.
-            cell.trusted = false;
-            let scale = if ratio.is_finite() && ratio > 0.0 { 1.0 / ratio } else { 0.0 };
-            cell.weight *= scale;
-            if scale == 0.0 {
-                (cell.weight, cell.gradient, cell.hessian) =
-                    (particle_mass, [0.0; D], [[0.0; D]; D]);
-            }
-            cell.mass = cell.integral();
-            return Ok(cell);
-        }
-        for axis in 0..D {
-            for side in 0..2 {
-                if lattice[i][axis][side].is_none() && cell.falls_outward(axis, side) {
-                    cell.tail[axis][side] = TAIL_SPACINGS;
+        let (mut slope, mut bend) = ([0.0; D], [[0.0; D]; D]);
+        for a in 0..D {
+            slope[a] = (0..D).map(|k| fit.gradient[k] * edges[k][a]).sum();
+            for b in 0..D {
+                for k in 0..D {
+                    bend[a][b] +=
+                        (0..D).map(|l| edges[k][a] * fit.hessian[k][l] * edges[l][b]).sum::<f64>();
                 }
             }
         }
-        cell.mass = cell.integral();
-        Ok(cell)
+        let weight = fit.log_density.exp() * determinant(&edges).abs();
+        let map = LocalMap { edges, curvature: [[[0.0; D]; D]; D], slope, bend };
+        Ok(Self { centre: positions[i], map, weight, beyond: vec![], mass: 0.0, trusted: true })
     }
 
-    /// Whether log density falls from the face outward and goes on falling.
-    fn falls_outward(&self, axis: usize, side: usize) -> bool {
-        let sign = if side == 0 { -1.0 } else { 1.0 };
-        let outward: [f64; D] = std::array::from_fn(|k| sign * self.edges[k][axis]);
-        let (mut slope, mut curvature) = (0.0, 0.0);
-        for k in 0..D {
-            slope += self.gradient[k] * outward[k];
-            for l in 0..D {
-                curvature += outward[k] * self.hessian[k][l] * outward[l];
-            }
+    /// The fit turns too sharply for this cell: keep its shape, but only the particle's own mass.
+    fn hold_own_mass(&mut self, particle_mass: f64, ratio: f64) {
+        self.trusted = false;
+        if ratio.is_finite() && ratio > 0.0 {
+            self.weight /= ratio;
+        } else {
+            self.weight = particle_mass;
+            (self.map.slope, self.map.bend) = ([0.0; D], [[0.0; D]; D]);
         }
-        curvature <= 0.0 && slope + 0.5 * curvature < 0.0
     }
 
-    /// The point with the lattice coordinates `u` of the cell, which runs from -1/2 to 1/2 along each axis.
+    /// Takes in those places beyond the cloud towards which the mass falls. A cell that goes on has its map taken as
+    /// affine: a curvature by neighbours on one side is no ground to go beyond them.
+    fn go_on(&mut self, beyond: Vec<[i32; D]>) {
+        if beyond.is_empty() {
+            return;
+        }
+        self.map.curvature = [[[0.0; D]; D]; D];
+        self.beyond = beyond;
+        let LocalMap { slope, bend, .. } = self.map;
+        self.beyond.retain(|step| {
+            let (mut along, mut curvature) = (0.0, 0.0);
+            for k in 0..D {
+                along += slope[k] * f64::from(step[k]);
+                for l in 0..D {
+                    curvature += f64::from(step[k]) * bend[k][l] * f64::from(step[l]);
+                }
+            }
+            curvature <= 0.0 && along + 0.5 * curvature < 0.0
+        });
+    }
+
+    /// The point with the lattice coordinates `u` of the cell.
     fn point(&self, u: &[f64; D]) -> [f64; D] {
         let mut y = self.centre;
         for k in 0..D {
-            for axis in 0..D {
-                y[k] += self.edges[k][axis] * u[axis];
+            for a in 0..D {
+                y[k] += self.map.edges[k][a] * u[a];
+                for b in 0..D {
+                    y[k] += 0.5 * u[a] * self.map.curvature[k][a][b] * u[b];
+                }
             }
         }
         y
     }
 
-    /// `exp(g.d + d.H d / 2)` at the lattice coordinates `u`.
+    /// `exp(slope.u + u.bend u / 2)` at the lattice coordinates `u`.
     fn shape(&self, u: &[f64; D]) -> f64 {
-        let y = self.point(u);
         let mut exponent = 0.0;
         for k in 0..D {
-            let d_k = y[k] - self.centre[k];
-            exponent += self.gradient[k] * d_k;
+            exponent += self.map.slope[k] * u[k];
             for l in 0..D {
-                exponent += 0.5 * d_k * self.hessian[k][l] * (y[l] - self.centre[l]);
+                exponent += 0.5 * u[k] * self.map.bend[k][l] * u[l];
             }
         }
         exponent.exp()
@@ -255,43 +337,41 @@ impl<const D: usize> Cell<D> {
         mass
     }
 
-    /// Calls with the centre (lattice coordinates) and the mass of every part of the cell and its tail.
+    /// Calls with the centre (lattice coordinates) and the mass of every part of the cell and of what lies beyond.
     fn for_each_part(&self, mut visit: impl FnMut(&[f64; D], f64)) {
         let parts = subdivisions(D);
-        let counts: [usize; D] = self.tail.map(|[below, above]| parts * (1 + below + above));
         let part_weight = self.weight / (parts as f64).powi(i32::try_from(D).unwrap_or(0));
-        let mut index = [0; D];
-        loop {
-            let u: [f64; D] = std::array::from_fn(|k| {
-                (index[k] as f64 + 0.5) / parts as f64 - 0.5 - self.tail[k][0] as f64
-            });
-            visit(&u, part_weight * self.shape(&u));
-            // The next index, first axis fastest.
-            let mut axis = 0;
-            loop {
-                if axis == D {
-                    return;
+        for place in std::iter::once(&[0; D]).chain(&self.beyond) {
+            let mut index = [0; D];
+            'parts: loop {
+                let u: [f64; D] = std::array::from_fn(|k| {
+                    f64::from(place[k]) + (index[k] as f64 + 0.5) / parts as f64 - 0.5
+                });
+                visit(&u, part_weight * self.shape(&u));
+                // The next index, first axis fastest.
+                for axis in 0..D {
+                    index[axis] += 1;
+                    if index[axis] < parts {
+                        continue 'parts;
+                    }
+                    index[axis] = 0;
                 }
-                index[axis] += 1;
-                if index[axis] < counts[axis] {
-                    break;
-                }
-                index[axis] = 0;
-                axis += 1;
+                break;
             }
         }
     }
 
-    /// Whether the demand stays below the threshold at the centre and at all corners of the cell with its tail.
+    /// Whether the demand stays below the threshold at the centre and at all corners of the cell and of what lies beyond.
     fn lies_below(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
-        let corner = |bits: usize| -> [f64; D] {
+        let corner = |place: &[i32; D], bits: usize| -> [f64; D] {
             std::array::from_fn(|k| {
-                let [below, above] = self.tail[k];
-                if bits >> k & 1 == 0 { -0.5 - below as f64 } else { 0.5 + above as f64 }
+                f64::from(place[k]) + if bits >> k & 1 == 0 { -0.5 } else { 0.5 }
             })
         };
         demand_above_threshold(&[0.0; D]) <= 0.0
-            && (0..1 << D).all(|bits| demand_above_threshold(&corner(bits)) <= 0.0)
+            && std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
+                (0..1 << D).all(|bits| demand_above_threshold(&corner(place, bits)) <= 0.0)
+            })
     }
 }
 

@@ -4,8 +4,9 @@ use neighbour_search::Criterion;
 use smoothing_kernels::{Kernel, Lucy};
 
 use super::cell_geometry::{determinant, lattice_jacobian};
-use super::quadratic_fit::{NormalEquations, Quadratic, SMALLEST_PIVOT, unknowns};
-use super::{Estimates, ScoreEstimator};
+use super::monomials::{Monomials, unknowns};
+use super::polynomial_fit::{LANES, LeastSquares};
+use super::{Degree, Estimates, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
 use crate::parallel::{fill, for_each_fit};
@@ -38,6 +39,8 @@ pub struct LogDensityFit<K = Lucy> {
     pub kernel: K,
     /// How volumes are found.
     pub volume: VolumeEstimate,
+    /// Degree of the polynomial.
+    pub degree: Degree,
 }
 
 /// The quadratic fitted around one particle, in the coordinates of the metric.
@@ -51,30 +54,11 @@ pub struct LocalFit<const D: usize> {
     pub hessian: [[f64; D]; D],
 }
 
-/// The fit around a particle, with the sum of the weights that it met on the way.
-struct Fitted<const D: usize> {
-    fit: LocalFit<D>,
+/// What a fit around a particle left besides its coefficients, with the sum of the weights that it met on the way.
+struct Fitted {
+    /// One over the length in which offsets were measured.
+    scale: f64,
     kernel_sum: f64,
-}
-
-/// Neighbours that are weighed by one call to the kernel: a few registers full, and little enough for the stack.
-const BLOCK: usize = 64;
-
-/// The weights `W(r_ij, h_i)` of at most [`BLOCK`] neighbours.
-fn weights_of<'w, K: Kernel<D>, const D: usize>(
-    kernel: &K,
-    cloud: &Cloud<'_, D>,
-    i: usize,
-    neighbours: &[u32],
-    weights: &'w mut [f64; BLOCK],
-) -> Result<&'w [f64], Error> {
-    let n = neighbours.len();
-    let mut r_squared = [0.0; BLOCK];
-    for (r_squared, &j) in r_squared.iter_mut().zip(neighbours) {
-        *r_squared = cloud.offset(i, j as usize).1;
-    }
-    kernel.values(&r_squared[..n], cloud.smoothing_lengths[i], &mut weights[..n])?;
-    Ok(&weights[..n])
 }
 
 impl<K> LogDensityFit<K> {
@@ -124,50 +108,76 @@ impl<K> LogDensityFit<K> {
         Err(Error::LeftStableRange { step, time, particle, quantity: "log density", value })
     }
 
-    /// The fit around particle `i`, given the log densities of all.
+    /// The fit around particle `i`, given the log densities of all, in units of the reach that is returned.
     fn fit<const D: usize>(
         &self,
         cloud: &Cloud<'_, D>,
         log_density: &[f64],
         i: usize,
-        equations: &mut NormalEquations<D>,
-    ) -> Result<Fitted<D>, Error>
+        equations: &mut LeastSquares<D>,
+    ) -> Result<Fitted, Error>
     where
         K: Kernel<D>,
     {
-        let h = cloud.smoothing_lengths[i];
-        // Offsets in units of the support keep the normal matrix near unity whatever the scale.
-        let reach = 1.0 / (self.kernel.support() * h);
-        equations.clear();
-        let mut kernel_sum = self.kernel.value(0.0, h);
-        equations.add(&[0.0; D], kernel_sum, 0.0);
         let neighbours = cloud.neighbours.of(i);
-        let mut weights = [0.0; BLOCK];
-        for block in neighbours.chunks(BLOCK) {
-            let weights = weights_of(&self.kernel, cloud, i, block, &mut weights)?;
-            for (&j, &weight) in block.iter().zip(weights) {
+        let count = neighbours.len() + 1;
+        equations.clear(self.tables(cloud, i, count)?);
+        let h = cloud.smoothing_lengths[i];
+        // Offsets in units of the support keep the moments near unity whatever the scale.
+        let scale = 1.0 / (self.kernel.support() * h);
+        let (mut u, mut f) = ([[0.0; LANES]; D], [0.0; LANES]);
+        let own = self.kernel.value(0.0, h);
+        let mut weights = [0.0; LANES];
+        weights[0] = own;
+        equations.add(&u, &weights, &f);
+        let mut kernel_sum = own;
+        for block in neighbours.chunks(LANES) {
+            let mut r_squared = [f64::INFINITY; LANES];
+            for (lane, &j) in block.iter().enumerate() {
                 let j = j as usize;
-                let (mut u, _) = cloud.offset(i, j);
-                for value in &mut u {
-                    *value *= reach;
+                let (offset, square) = cloud.offset(i, j);
+                for k in 0..D {
+                    u[k][lane] = offset[k] * scale;
                 }
-                kernel_sum += weight;
-                equations.add(&u, weight, log_density[j] - log_density[i]);
+                f[lane] =
+                    log_density[j] - log_density[i] + departure(cloud, j) - departure(cloud, i);
+                r_squared[lane] = square;
             }
+            let n = block.len();
+            self.kernel.values(&r_squared[..n], h, &mut weights[..n])?;
+            weights[n..].fill(0.0);
+            kernel_sum += weights.iter().sum::<f64>();
+            equations.add(&u, &weights, &f);
         }
-        let quadratic = solve(cloud, i, neighbours.len() + 1, equations)?;
-        let mut hessian = quadratic.hessian;
-        for value in hessian.iter_mut().flatten() {
-            *value *= reach * reach;
-        }
-        let gradient = quadratic.gradient.map(|g| g * reach);
-        Ok(Fitted { fit: LocalFit { log_density: log_density[i], gradient, hessian }, kernel_sum })
+        equations.solve();
+        Ok(Fitted { scale, kernel_sum })
+    }
+
+    /// The polynomial that `count` points (with the particle itself) can carry: of the degree asked for where there are
+    /// [`POINTS_PER_UNKNOWN`], else of the highest degree for which there are.
+    fn tables<const D: usize>(
+        &self,
+        cloud: &Cloud<'_, D>,
+        i: usize,
+        count: usize,
+    ) -> Result<&'static Monomials<D>, Error> {
+        // Without a Gaussian to depart from, a linear fit has the slope alone: the quadratic is kept while it is determined.
+        let needed = if cloud.whitened { POINTS_PER_UNKNOWN } else { 1.0 };
+        let carried = Monomials::carried_by(count, self.degree.value(), needed);
+        let linear = || Monomials::of_degree(1).filter(|linear| count > linear.n_unknowns);
+        carried.or_else(linear).ok_or(Error::TooFewNeighbours {
+            step: cloud.step,
+            time: cloud.time,
+            particle: i,
+            count,
+            limit: unknowns(D, 1) + 1,
+        })
     }
 
     /// The fit around every particle, for observables that integrate the density.
     ///
     /// # Errors
-    /// [`Error::TooFewNeighbours`], [`Error::SingularFit`], [`Error::LeftStableRange`] for the first such particle.
+    /// [`Error::TooFewNeighbours`], [`Error::LeftStableRange`] for the first such particle.
     pub fn local_fits<const D: usize>(
         &self,
         cloud: &Cloud<'_, D>,
@@ -178,41 +188,41 @@ impl<K> LogDensityFit<K> {
         let n = cloud.n_particles();
         let mut log_density = vec![0.0; n];
         self.log_densities(cloud, &mut log_density)?;
-        let mut equations = NormalEquations::new();
+        let mut equations = LeastSquares::new(self.tables(cloud, 0, usize::MAX)?);
         (0..n)
-            .map(|i| self.fit(cloud, &log_density, i, &mut equations).map(|fitted| fitted.fit))
+            .map(|i| {
+                let Fitted { scale, .. } = self.fit(cloud, &log_density, i, &mut equations)?;
+                let mut hessian = [[0.0; D]; D];
+                if equations.n_unknowns() >= unknowns(D, 2) {
+                    hessian = equations.hessian().map(|row| row.map(|value| value * scale * scale));
+                }
+                let mut gradient = equations.gradient().map(|g| g * scale);
+                if cloud.whitened {
+                    for k in 0..D {
+                        gradient[k] -= cloud.positions[i][k];
+                        hessian[k][k] -= 1.0;
+                    }
+                }
+                Ok(LocalFit { log_density: log_density[i], gradient, hessian })
+            })
             .collect()
     }
 }
 
-/// Solves the equations of particle `i`, or says how its `count` neighbours (with itself) do not determine them.
-fn solve<const D: usize>(
-    cloud: &Cloud<'_, D>,
-    i: usize,
-    count: usize,
-    equations: &mut NormalEquations<D>,
-) -> Result<Quadratic<D>, Error> {
-    let (step, time) = (cloud.step, cloud.time);
-    if count < unknowns(D) {
-        return Err(Error::TooFewNeighbours { step, time, particle: i, count, limit: unknowns(D) });
-    }
-    equations.solve().map_err(|pivot| Error::SingularFit {
-        step,
-        time,
-        particle: i,
-        count,
-        pivot,
-        limit: SMALLEST_PIVOT,
-    })
+fn departure<const D: usize>(cloud: &Cloud<'_, D>, i: usize) -> f64 {
+    if cloud.whitened { 0.5 * cloud.positions[i].iter().map(|y| y * y).sum::<f64>() } else { 0.0 }
 }
+
+/// Points per unknown below which a fit is of a lower degree.
+const POINTS_PER_UNKNOWN: f64 = 3.0;
 
 impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
     fn support(&self) -> f64 {
         self.kernel.support()
     }
 
-    fn criterion(&self) -> Criterion {
-        Criterion::Gather
+    fn criterion(&self) -> Option<Criterion> {
+        Some(Criterion::Gather)
     }
 
     /// Counts the neighbours of an undisturbed lattice whose weight is at least a thousandth of the particle's own: those
@@ -238,10 +248,23 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
     fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
         self.log_densities(cloud, out.density)?;
         let log_density = &*out.density;
-        for_each_fit(out.score, out.volume, NormalEquations::new, |equations, i| {
-            let Fitted { fit, kernel_sum } = self.fit(cloud, log_density, i, equations)?;
-            Ok((fit.gradient, 1.0 / kernel_sum))
-        })?;
+        let tables = self.tables(cloud, 0, usize::MAX)?;
+        for_each_fit(
+            out.score,
+            out.volume,
+            || LeastSquares::new(tables),
+            |equations, i| {
+                let Fitted { scale, kernel_sum, .. } =
+                    self.fit(cloud, log_density, i, equations)?;
+                let mut gradient = equations.gradient().map(|g| g * scale);
+                if cloud.whitened {
+                    for k in 0..D {
+                        gradient[k] -= cloud.positions[i][k];
+                    }
+                }
+                Ok((gradient, 1.0 / kernel_sum))
+            },
+        )?;
         for value in out.density.iter_mut() {
             *value = value.exp();
         }
@@ -259,12 +282,12 @@ fn fewest_neighbours(dimension: usize) -> usize {
         1 => 4,
         2 => 20,
         3 => 45,
-        _ => 3 * unknowns(dimension),
+        _ => 3 * unknowns(dimension, 2),
     }
 }
 
 /// Lengths of the points of the unit lattice up to `reach`, the origin excluded.
-fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
+pub(super) fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
     // More than 64 spacings make no difference to a count against tens.
     let half = (1..=64).take_while(|&k| f64::from(k) <= reach).last().unwrap_or(0);
     let edge = 2 * half + 1;
@@ -283,6 +306,6 @@ fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
 
 impl Default for LogDensityFit<Lucy> {
     fn default() -> Self {
-        Self { kernel: Lucy, volume: VolumeEstimate::DeformedLattice }
+        Self { kernel: Lucy, volume: VolumeEstimate::DeformedLattice, degree: Degree::Quadratic }
     }
 }

@@ -3,15 +3,21 @@
 //! | estimator | density | gradient | exact for | source |
 //! |---|---|---|---|---|
 //! | [`SummationDensity`] | `sum mu_j W_ij` | `sum mu_j grad W_ij` | nothing: kernel variance remains | Canor & Denoël 2013, eq 15, 19, 23 |
-//! | [`LogDensityFit`] | `mu_i / V_i` | weighted least squares of `log psi`, degree 2 | a Gaussian, where the volumes are right | this project |
+//! | [`LogDensityFit`] | `mu_i / V_i` | weighted least squares of `log psi` over those near, degree 2 to 4 | a Gaussian, where the volumes are right | this project |
+//! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
 mod cell_geometry;
+mod flow_map_fit;
 mod log_density_fit;
-mod quadratic_fit;
+mod monomials;
+mod polynomial_fit;
+mod small_matrices;
+mod stencils;
 mod summation_density;
 
+pub use flow_map_fit::{FlowMapFit, SMALLEST_CELL};
 pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
-use neighbour_search::Criterion;
+use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
@@ -29,6 +35,69 @@ pub struct Estimates<'a, const D: usize> {
     /// The volume `V_i` that the particle occupies in the eyes of the kernel: what sets its smoothing length,
     /// `h_i = h_0i (V_i / V_0i)^(1/D)` (Canor & Denoël 2013, eq 20).
     pub volume: &'a mut [f64],
+    /// The deformation gradient of the lattice cell, `dy/dX` in spacings, where the estimator has one; else as it was.
+    pub deformation: &'a mut [[[f64; D]; D]],
+    /// Cells that the estimator could not resolve; zero before.
+    pub unresolved: &'a mut Unresolved,
+}
+
+/// Particles whose cell an estimator could not resolve, so that they took density and score from others.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Unresolved {
+    /// How many.
+    pub particles: usize,
+    /// The probability that they carry.
+    pub mass: f64,
+}
+
+/// Degree of a local polynomial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Degree {
+    /// 2.
+    Quadratic,
+    /// 3.
+    Cubic,
+    /// 4.
+    Quartic,
+}
+
+impl Degree {
+    /// The degree as a number.
+    #[must_use]
+    pub const fn value(self) -> usize {
+        match self {
+            Self::Quadratic => 2,
+            Self::Cubic => 3,
+            Self::Quartic => 4,
+        }
+    }
+}
+
+/// The lattice on which the particles start, for estimators that work there.
+#[derive(Debug, Clone, Copy)]
+pub struct LatticePlaces<'a, const D: usize> {
+    /// Places in spacings, whole numbers; one per particle.
+    pub places: &'a [[f64; D]],
+    /// Who stands within the reach of whom, itself excluded, rows ascending.
+    pub neighbours: &'a NeighbourList,
+    /// The reach in spacings: `support_over_spacing` of the method.
+    pub reach: f64,
+    /// The spacing in the coordinates of the metric: the D-th root of a cell's volume.
+    pub spacing: f64,
+}
+
+/// The flow map around a particle over its lattice cell, `y(u) = y_i + E u + u.K u / 2`, and the logarithm of the mass per
+/// cell there, `log mu_i + slope.u + u.bend u / 2`; `u` in spacings, from -1/2 to 1/2 within the cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalMap<const D: usize> {
+    /// `E`: columns are the edges of the cell, in the metric.
+    pub edges: [[f64; D]; D],
+    /// `K`: second derivatives of each component of `y`.
+    pub curvature: [[[f64; D]; D]; D],
+    /// Gradient of the logarithm of the mass.
+    pub slope: [f64; D],
+    /// Its second derivatives.
+    pub bend: [[f64; D]; D],
 }
 
 /// An estimator of density and score, `grad log psi`, from particles and their masses.
@@ -38,8 +107,18 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     /// End of the kernel's support in units of the smoothing length.
     fn support(&self) -> f64;
 
-    /// Which pairs it needs.
-    fn criterion(&self) -> Criterion;
+    /// Which pairs it needs, found anew at every evaluation; none where it works on the lattice of the start, whose
+    /// neighbours it then has in [`Cloud::neighbours`].
+    fn criterion(&self) -> Option<Criterion>;
+
+    /// Prepares for particles on a fresh lattice. Provided: nothing to prepare.
+    ///
+    /// # Errors
+    /// Where the lattice does not carry the estimator.
+    fn start(&mut self, lattice: &LatticePlaces<'_, D>) -> Result<(), Error> {
+        let _ = lattice;
+        Ok(())
+    }
 
     /// Refuses a resolution at which it is known to fail, whatever the flow. Provided: none is refused.
     ///
@@ -54,6 +133,26 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     /// Provided: none.
     fn fewest_mean_neighbours(&self) -> f64 {
         0.0
+    }
+
+    /// How fast a diffusion matrix (in the metric) spreads a particle against what the estimator resolves (per unit of
+    /// time): what the diffusion limit holds against the step. Provided: `D_y / R^2` with the trace `D_y` and the support
+    /// radius `R`.
+    fn spread(&self, diffusion: &[[f64; D]; D], radius: f64, deformation: &[[f64; D]; D]) -> f64 {
+        let _ = deformation;
+        (0..D).map(|k| diffusion[k][k]).sum::<f64>() / radius.powi(2)
+    }
+
+    /// Takes out of the positions what the estimator does not see, by the given part in `[0, 1]`; `before` is scratch of
+    /// the same length. Provided: nothing is taken out.
+    fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], part: f64) {
+        let _ = (x, before, part);
+    }
+
+    /// The flow map around every particle, where the estimator follows it. Provided: it does not.
+    fn local_maps(&self, cloud: &Cloud<'_, D>) -> Option<Vec<LocalMap<D>>> {
+        let _ = cloud;
+        None
     }
 
     /// Score, density and volume of every particle.

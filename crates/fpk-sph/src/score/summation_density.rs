@@ -26,8 +26,8 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
         self.kernel.support()
     }
 
-    fn criterion(&self) -> Criterion {
-        Criterion::Max
+    fn criterion(&self) -> Option<Criterion> {
+        Some(Criterion::Max)
     }
 
     fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {

@@ -1,0 +1,96 @@
+//! Small matrices on the stack: a linear system and a symmetric eigenproblem.
+
+/// `x` with `A^T x = b`, by elimination with partial pivoting; infinite or NaN where `A` is singular.
+pub(crate) fn solve_transposed<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D] {
+    let mut m: [[f64; D]; D] = std::array::from_fn(|k| std::array::from_fn(|l| a[l][k]));
+    let mut x = *b;
+    for k in 0..D {
+        let pivot = (k..D).max_by(|&p, &q| m[p][k].abs().total_cmp(&m[q][k].abs())).unwrap_or(k);
+        m.swap(pivot, k);
+        x.swap(pivot, k);
+        for i in k + 1..D {
+            let factor = m[i][k] / m[k][k];
+            for j in k + 1..D {
+                m[i][j] -= factor * m[k][j];
+            }
+            x[i] -= factor * x[k];
+        }
+    }
+    for k in (0..D).rev() {
+        for j in k + 1..D {
+            x[k] -= m[k][j] * x[j];
+        }
+        x[k] /= m[k][k];
+    }
+    x
+}
+
+/// Most sweeps of the Jacobi method; six suffice for six dimensions.
+const MOST_SWEEPS: usize = 20;
+
+/// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by the cyclic Jacobi method (Golub & Van Loan 2013,
+/// section 8.5).
+pub(crate) fn eigen<const D: usize>(mut a: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
+    let mut v: [[f64; D]; D] =
+        std::array::from_fn(|k| std::array::from_fn(|l| if k == l { 1.0 } else { 0.0 }));
+    for _ in 0..MOST_SWEEPS {
+        let (mut off, mut diagonal) = (0.0, 0.0);
+        for p in 0..D {
+            diagonal += a[p][p] * a[p][p];
+            for q in p + 1..D {
+                off += a[p][q] * a[p][q];
+            }
+        }
+        if off <= f64::EPSILON * f64::EPSILON * diagonal {
+            break;
+        }
+        for p in 0..D {
+            for q in p + 1..D {
+                rotate(&mut a, &mut v, p, q);
+            }
+        }
+    }
+    (std::array::from_fn(|k| a[k][k]), v)
+}
+
+/// The rotation that makes `a[p][q]` zero.
+fn rotate<const D: usize>(a: &mut [[f64; D]; D], v: &mut [[f64; D]; D], p: usize, q: usize) {
+    if a[p][q] == 0.0 {
+        return;
+    }
+    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    let tangent = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
+    let c = 1.0 / (tangent * tangent + 1.0).sqrt();
+    let s = tangent * c;
+    for k in 0..D {
+        (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
+        (v[k][p], v[k][q]) = (c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]);
+    }
+    for k in 0..D {
+        (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_transposed_system_by_hand() {
+        // A^T = [[2, 1], [0, 4]]: x = (1, 2) gives b = (4, 8).
+        let x = solve_transposed(&[[2.0, 0.0], [1.0, 4.0]], &[4.0, 8.0]);
+        assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn eigenvectors_rebuild_the_matrix() {
+        let a = [[4.0, 1.0, -0.5], [1.0, 2.0, 0.3], [-0.5, 0.3, 0.1]];
+        let (values, v) = eigen(a);
+        for k in 0..3 {
+            for l in 0..3 {
+                let rebuilt: f64 = (0..3).map(|m| v[k][m] * values[m] * v[l][m]).sum();
+                assert!((rebuilt - a[k][l]).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The flow-map fit: exact for what is Gaussian, bounded where the flow collapses, refused where it cannot work.
+
+use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, Unresolved};
+use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
+use fpk_sph::{
+    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method,
+    ScoreEstimator, Simulation, StepRule,
+};
+use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
+use sde_integrators::GaussianMixture;
+
+#[allow(clippy::unwrap_used, reason = "constants within their range")]
+fn oscillator() -> LinearOscillator {
+    LinearOscillator::new(LinearOscillatorParameters {
+        natural_frequency: 2.0,
+        damping_ratio: 0.1,
+        noise_intensity: 0.3,
+        window: Window::Stationary,
+    })
+    .unwrap()
+}
+
+fn config(method: Method) -> Config<2> {
+    Config {
+        method,
+        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.7 },
+        reference_period: std::f64::consts::PI,
+        most_steps: DEFAULT_MOST_STEPS,
+    }
+}
+
+fn changed(change: impl Fn(&mut Combination)) -> Method {
+    let mut combination = Method::FlowMapFit.combination();
+    change(&mut combination);
+    Method::Custom(combination)
+}
+
+/// In whitened coordinates the score of a Gaussian is `-y`, whatever the particles.
+#[derive(Debug)]
+struct Gaussian;
+
+impl ScoreEstimator<2> for Gaussian {
+    fn support(&self) -> f64 {
+        1.0
+    }
+
+    fn criterion(&self) -> Option<Criterion> {
+        None
+    }
+
+    fn estimate(&self, cloud: &Cloud<'_, 2>, out: &mut Estimates<'_, 2>) -> Result<(), Error> {
+        out.volume.fill(1.0);
+        out.density.fill(1.0);
+        out.score.copy_from_slice(cloud.positions);
+        for component in out.score.as_flattened_mut() {
+            *component = -*component;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_gaussian_is_carried_exactly_by_any_lattice() {
+    let law = GaussianMixture::independent([0.4, 0.0], [0.2, 0.3]).unwrap();
+    // Far enough out that the truncated cloud has the covariance of its law to roundoff.
+    let lattice = InitialLattice::Ball { reach: 8.0, spacing: 0.7 };
+    let method = changed(|c| c.step = StepRule::Fixed { dt: 0.02 });
+    let config = Config { lattice, ..config(method) };
+    let mut fitted = Simulation::new(oscillator(), &law, &config).unwrap();
+    let mut exact =
+        Simulation::with_estimator(oscillator(), &law, &config, Box::new(Gaussian)).unwrap();
+    fitted.advance_to(4.0).unwrap();
+    exact.advance_to(4.0).unwrap();
+    for (a, b) in fitted.positions().iter().zip(exact.positions()) {
+        // Roundoff of 200 steps; the departure from the Gaussian is roundoff itself.
+        assert!((a[0] - b[0]).abs() < 1e-10 && (a[1] - b[1]).abs() < 1e-10, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn the_tail_of_a_gaussian_goes_on_beyond_the_last_particle() {
+    let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
+    let mut simulation = Simulation::new(oscillator(), &law, &config(Method::FlowMapFit)).unwrap();
+    simulation.advance_to(2.0).unwrap();
+    let second_moment = simulation.raw_moment([2, 0]) / simulation.total_mass();
+    let cells = simulation.cell_integral().unwrap();
+    for sigmas in [2.0, 4.0, 6.0] {
+        let threshold = sigmas * second_moment.sqrt();
+        let found = cells.exceedance(|x| x[0], threshold).unwrap().probability;
+        // Upper tail of the normal distribution, to seven digits (Abramowitz & Stegun 1964, table 26.1).
+        let expected = match sigmas {
+            2.0 => 2.2750132e-2,
+            4.0 => 3.1671242e-5,
+            _ => 9.8658765e-10,
+        };
+        // Parts of a twelfth of a cell, the limit linear within a part: 0.4 % of a density that falls by exp(-0.35) over one
+        // part at 6 sigma; the ball of 5 sigma goes on by three spacings.
+        let error = (found / expected).log10().abs();
+        assert!(error < 0.01, "at {sigmas} sigma: {found:e}, {error}");
+    }
+}
+
+/// Positions, score, and cells that were not resolved.
+type Estimated = (Vec<[f64; 2]>, Vec<[f64; 2]>, Unresolved);
+
+/// What the estimator makes of positions on a 15 x 15 lattice of spacing 0.4.
+fn estimate(
+    fit: &mut FlowMapFit<2>,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Result<Estimated, Error> {
+    let places: Vec<[f64; 2]> =
+        (0..225).map(|i| [f64::from(i % 15) - 7.0, f64::from(i / 15) - 7.0]).collect();
+    let mut neighbours = NeighbourList::new();
+    CellGrid::new().full_list(&places, Radii::Uniform(2.8), &mut neighbours)?;
+    neighbours.sort_rows();
+    let (reach, spacing) = (2.8, 0.4);
+    fit.start(&LatticePlaces { places: &places, neighbours: &neighbours, reach, spacing })?;
+    let n = places.len();
+    let masses: Vec<f64> =
+        places.iter().map(|[a, b]| (-0.08 * (a * a + b * b)).exp() * 0.0255).collect();
+    let positions: Vec<[f64; 2]> = places.iter().map(|&p| place(p.map(|k| 0.4 * k))).collect();
+    let cloud = Cloud {
+        positions: &positions,
+        masses: &masses,
+        smoothing_lengths: &vec![1.0; n],
+        neighbours: &neighbours,
+        lattice: &[],
+        whitened: true,
+        step: 3,
+        time: 0.5,
+    };
+    let (mut score, mut deformation) = (vec![[0.0; 2]; n], vec![[[0.0; 2]; 2]; n]);
+    let mut unresolved = Unresolved::default();
+    let mut out = Estimates {
+        score: &mut score,
+        density: &mut vec![0.0; n],
+        volume: &mut vec![0.0; n],
+        deformation: &mut deformation,
+        unresolved: &mut unresolved,
+    };
+    fit.estimate(&cloud, &mut out)?;
+    Ok((positions, score, unresolved))
+}
+
+#[test]
+fn a_cloud_that_collapses_onto_a_sheet_keeps_a_bounded_score() {
+    let mut fit = FlowMapFit::new(Degree::Cubic, 0.2);
+    // The width in x falls from 1 to 1e-4 over the upper half.
+    let squeezed = |[x, y]: [f64; 2]| [x * 10.0_f64.powf(-4.0 * (y / 2.8).max(0.0)), y];
+    let (positions, score, _) = estimate(&mut fit, squeezed).unwrap();
+    for (y, s) in positions.iter().zip(&score) {
+        // The departure's gradient per spacing is at most 10, its derivative along x at most that over 0.2 spacings.
+        assert!(s[0].is_finite() && (s[0] + y[0]).abs() < 10.0 / (0.2 * 0.4), "{y:?} {s:?}");
+    }
+}
+
+#[test]
+fn cells_that_are_turned_over_are_counted_with_their_mass() {
+    let mut fit = FlowMapFit::new(Degree::Cubic, 0.2);
+    let upright = estimate(&mut fit, |p| p).unwrap().2;
+    assert_eq!(upright, Unresolved::default());
+    // A fold, wider than a neighbourhood: x runs back between -0.8 and 0.8.
+    let folded = |[x, y]: [f64; 2]| [x - 2.2 * x * (-0.5 * x * x).exp(), y];
+    let (_, score, unresolved) = estimate(&mut fit, folded).unwrap();
+    assert!(unresolved.particles >= 15 && unresolved.mass > 0.05, "{unresolved:?}");
+    assert!(score.iter().flatten().all(|value| value.is_finite()));
+    // All turned over: nobody is left to take from.
+    let error = estimate(&mut fit, |[x, y]| [-x, y]).unwrap_err().to_string();
+    assert!(error.starts_with("step 3, t = 0.5: cell volume of particle 0 is -0.1"), "{error}");
+}
+
+#[test]
+fn what_cannot_work_is_refused_with_its_limit() {
+    let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
+    let refused = |method: Method| {
+        Simulation::new(oscillator(), &law, &config(method)).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(changed(|c| c.support_over_spacing = 1.5)),
+        "support_radius/spacing is 1.5: a support holds 9 neighbours of the undisturbed lattice; the fit needs 15 in 2-D"
+    );
+    for thinnest in [0.0, -0.1, f64::NAN] {
+        let estimator = Estimator::FlowMapFit { degree: Degree::Cubic, thinnest };
+        assert!(refused(changed(|c| c.estimator = estimator)).starts_with("thinnest is"));
+    }
+    let quartic = FlowMapFit::<4>::new(Degree::Quartic, 0.2);
+    let error = quartic.check_resolution(3.0).unwrap_err().to_string();
+    assert!(error.starts_with("a local polynomial of degree 4 in 4-D"), "{error}");
+}

@@ -208,6 +208,39 @@ impl<const D: usize> CellIntegral<D> {
         Ok(exceedance)
     }
 
+    /// The mean rate at which the demand crosses the threshold from below (per unit of time; Rice 1944),
+    ///
+    /// $$ \nu^+(T) = \int_{y(x) = T} \max(\dot y, 0) \frac{\psi}{|\nabla y|} dS = E\left[ \max(\dot y, 0) \delta(y - T) \right], $$
+    ///
+    /// with `rate(x)` the time derivative of the demand along a path. The demand must have one: for an oscillator whose
+    /// noise acts on the velocity, the displacement has, the velocity has not. For the barrier `|q| > T` the demand is
+    /// `|q|` and its rate `sign(q) v`.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the threshold.
+    pub fn crossing_rate(
+        &self,
+        demand: impl Fn(&[f64; D]) -> f64,
+        rate: impl Fn(&[f64; D]) -> f64,
+        threshold: f64,
+    ) -> Result<f64, Error> {
+        finite("threshold", threshold)?;
+        let mut crossing = 0.0;
+        for cell in &self.cells {
+            let at = |u: &[f64; D]| self.whitening.unwhiten(&cell.point(u));
+            let demand_at = |u: &[f64; D]| demand(&at(u)) - threshold;
+            cell.for_each_part(|u, mass| {
+                // A hat over two parts: parts on either side of a limit that runs along their edge share it.
+                let width = variation(demand_at, u);
+                let distance = demand_at(u).abs();
+                if distance < width {
+                    crossing += mass * rate(&at(u)).max(0.0) * (1.0 - distance / width) / width;
+                }
+            });
+        }
+        Ok(crossing)
+    }
+
     /// The marginal density of one component, averaged over bins with the given edges: one value fewer than edges.
     ///
     /// # Errors
@@ -380,20 +413,25 @@ fn fraction_above<const D: usize>(
     demand_above_threshold: impl Fn(&[f64; D]) -> f64,
     u: &[f64; D],
 ) -> f64 {
-    let half = 0.5 / subdivisions(D) as f64;
     let centre = demand_above_threshold(u);
-    let mut variation = 0.0;
-    for axis in 0..D {
-        let (mut below, mut above) = (*u, *u);
-        below[axis] -= half;
-        above[axis] += half;
-        variation += (demand_above_threshold(&above) - demand_above_threshold(&below)).abs();
-    }
+    let variation = variation(demand_above_threshold, u);
     if centre.abs() >= 0.5 * variation {
         f64::from(u8::from(centre > 0.0))
     } else {
         0.5 + centre / variation
     }
+}
+
+/// How much the demand varies across a part, were it linear there.
+fn variation<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> f64 {
+    let half = 0.5 / subdivisions(D) as f64;
+    let along = |axis: usize| {
+        let (mut below, mut above) = (*u, *u);
+        below[axis] -= half;
+        above[axis] += half;
+        (demand(&above) - demand(&below)).abs()
+    };
+    (0..D).map(along).sum()
 }
 
 /// Adds a mass that is uniform from `from` to `to` to the bins it meets.

@@ -1,4 +1,4 @@
-//! What is asked of a density: moments, probabilities of exceedance, marginals, entropy.
+//! What is asked of a density: moments, probabilities of exceedance and of first passage, marginals, entropy.
 //!
 //! Three estimators of `P(y(x) > T)`, for a demand `y` and a threshold `T`; a general limit state `g(x) > 0` is the
 //! demand `g` with the threshold 0:
@@ -9,10 +9,14 @@
 //! | [`Simulation::exceedance_log_interpolated`] | smooth in `T`, else as the indicator | ends with the last particle | this project |
 //! | [`CellIntegral::exceedance`] | that of the local fits; exact for a Gaussian | goes on beyond the last particle by the fit | this project |
 //!
+//! First passage up to a time: [`CellIntegral::crossing_rate`] and [`OutcrossingBound`], an upper bound.
+//!
 //! [`Simulation::exceedance_indicator`]: crate::Simulation::exceedance_indicator
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
 
 mod cell_integral;
+mod first_passage;
 mod moments;
 
 pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
+pub use first_passage::OutcrossingBound;

@@ -62,7 +62,7 @@ pub use estimate::{Accumulator, Estimate, Uncertainty};
 pub use euler_maruyama::EulerMaruyama;
 pub use field::{FieldIncrement, FieldIntegrator, FieldPath, FieldSde, Workspace};
 pub use heun::Heun;
-pub use integrator::Integrator;
+pub use integrator::{Integrator, Joints};
 pub use lanes::{LANES, LaneIncrements};
 pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
 pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};

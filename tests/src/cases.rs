@@ -40,6 +40,7 @@ pub const ALL: &[Case] = &[
     sde::quartic::CASE,
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
+    sde::oscillator_ensemble::CASE,
     sde::fields::CASE,
     sde_ensembles::reproducibility::CASE,
     sde_ensembles::failures::CASE,

@@ -1,6 +1,6 @@
 //! The charts and stability sweeps that can be asked for by name.
 //!
-//! A chart is one file here and one line in [`ALL`], a sweep one line in [`STABILITY`].
+//! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
 
 pub(crate) mod fpk;
 mod kernels;
@@ -15,12 +15,13 @@ use crate::chart::{self, ChartError, TimeSeries, WorkPrecision};
 use crate::finite::{self, JsonError};
 use crate::nearest::nearest;
 use crate::output::write_text;
+use crate::stability;
 
 /// Every chart of `chart`.
 pub const ALL: &[ChartKind] = &[fpk::CHART, kernels::CHART, sde::CHART];
 
 /// Every sweep of `stability`.
-pub const STABILITY: &[ChartKind] = &[];
+pub const STABILITY: &[ChartKind] = &[stability::sde::MAP];
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +43,8 @@ pub struct Drawing {
     pub svg: String,
     /// Its numbers, JSON.
     pub data: String,
+    /// What is printed below its path; empty for nothing.
+    pub table: String,
 }
 
 /// A chart whose picture or numbers cannot be made.
@@ -66,6 +69,7 @@ impl Drawing {
             name: name.into(),
             svg: chart::work_precision(data)?,
             data: finite::to_json(data)?,
+            table: String::new(),
         })
     }
 
@@ -74,7 +78,12 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn time_series(name: &str, data: &TimeSeries) -> Result<Self, DrawingError> {
-        Ok(Self { name: name.into(), svg: chart::time_series(data)?, data: finite::to_json(data)? })
+        Ok(Self {
+            name: name.into(),
+            svg: chart::time_series(data)?,
+            data: finite::to_json(data)?,
+            table: String::new(),
+        })
     }
 
     /// A density over a plane.
@@ -178,6 +187,9 @@ pub fn draw(
         for drawing in drawings {
             let picture = drawing.write(&options.out).map_err(to_file)?;
             writeln!(output, "{}", picture.display()).map_err(to_file)?;
+            if !drawing.table.is_empty() {
+                writeln!(output, "{}", drawing.table).map_err(to_file)?;
+            }
         }
     }
     Ok(())

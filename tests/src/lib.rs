@@ -5,7 +5,7 @@
 //! | a case | `src/cases/<name>.rs` with a `const CASE: Case` | [`cases::ALL`] |
 //! | a kind of scene | `src/scenes/<name>.rs` with a `const KIND: SceneKind` | [`scenes::ALL`] |
 //! | a chart | `src/charts/<name>.rs` with a `const CHART: ChartKind` | [`charts::ALL`] |
-//! | a stability sweep | the same | [`charts::STABILITY`] |
+//! | a stability map | `src/stability/<name>.rs` with a `const MAP: ChartKind` | [`charts::STABILITY`] |
 //!
 //! Printing goes to a writer that the binary hands in; files are written by [`output`] alone.
 
@@ -26,6 +26,7 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod sde;
+pub mod stability;
 pub mod verify;
 
 /// The example of the front page, compiled and run.

@@ -1,6 +1,6 @@
 //! A path seen more finely: the increments of parts of a step, given that of the whole.
 
-use crate::noise::{Increment, Noise, Purpose, WORDS_PER_PAIR};
+use crate::noise::{Increment, Noise, Purpose, Stream, WORDS_PER_PAIR};
 
 impl<const M: usize> Increment<M> {
     /// The increments over the two halves of a step of length `dt`, given that over the whole: a Brownian bridge with its
@@ -65,19 +65,50 @@ impl<const M: usize> BrownianTree<M> {
     /// halves beyond [`MAX_DEPTH`](Self::MAX_DEPTH) are not followed. Costs a draw per halving.
     #[must_use]
     pub fn increment(&self, step: u64, halves: &[u8]) -> Increment<M> {
-        let mut increment = self.noise.path::<M>(self.realisation).increment_at(step, self.dt);
-        let mut stream = self.noise.stream(Purpose::Refinement, self.realisation);
-        // A node's number in the tree of its step: the root is 1, the halves of k are 2k and 2k + 1.
-        let (mut node, mut dt) = (1_u64, self.dt);
+        self.descend(step, halves).increment
+    }
+
+    /// The increments over a part of a step, as [`increment`](Self::increment), and over its two halves.
+    #[must_use]
+    pub fn parts(&self, step: u64, halves: &[u8]) -> (Increment<M>, [Increment<M>; 2]) {
+        let mut node = self.descend(step, halves);
+        let parts = node.split();
+        (node.increment, parts)
+    }
+
+    fn descend(&self, step: u64, halves: &[u8]) -> Node<M> {
+        let mut node = Node {
+            stream: self.noise.stream(Purpose::Refinement, self.realisation),
+            step,
+            number: 1,
+            dt: self.dt,
+            increment: self.noise.path::<M>(self.realisation).increment_at(step, self.dt),
+        };
         for &half in halves.iter().take(Self::MAX_DEPTH) {
-            let place = u128::from(step) << Self::MAX_DEPTH | u128::from(node);
-            stream.seek(place * M as u128 * WORDS_PER_PAIR);
-            let normals = std::array::from_fn(|_| stream.next_normal_pair());
-            let parts = increment.halves(dt, &normals);
+            let parts = node.split();
             let is_second = half > 0;
-            increment = parts[usize::from(is_second)];
-            (node, dt) = (2 * node + u64::from(is_second), 0.5 * dt);
+            node.increment = parts[usize::from(is_second)];
+            node.number = 2 * node.number + u64::from(is_second);
+            node.dt *= 0.5;
         }
-        increment
+        node
+    }
+}
+
+/// A part of a step. Its number in the tree: the whole is 1, the halves of `k` are `2k` and `2k + 1`.
+struct Node<const M: usize> {
+    stream: Stream,
+    step: u64,
+    number: u64,
+    dt: f64,
+    increment: Increment<M>,
+}
+
+impl<const M: usize> Node<M> {
+    fn split(&mut self) -> [Increment<M>; 2] {
+        let place = u128::from(self.step) << BrownianTree::<M>::MAX_DEPTH | u128::from(self.number);
+        self.stream.seek(place * M as u128 * WORDS_PER_PAIR);
+        let normals = std::array::from_fn(|_| self.stream.next_normal_pair());
+        self.increment.halves(self.dt, &normals)
     }
 }

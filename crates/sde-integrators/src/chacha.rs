@@ -37,8 +37,16 @@ pub(crate) fn blocks<const L: usize>(
     counters: &[u64; L],
     words: &mut [[u32; L]; BLOCK_WORDS],
 ) {
+    // Halved first: a loop that holds numbers of 64 bits besides would be given half the lanes.
+    let mut addresses = [[0; L]; 4];
     for lane in 0..L {
         let (stream, counter) = (streams[lane], counters[lane]);
+        let halves = [low(counter), high(counter), low(stream), high(stream)];
+        for (row, half) in addresses.iter_mut().zip(halves) {
+            row[lane] = half;
+        }
+    }
+    for lane in 0..L {
         let start = [
             CONSTANTS[0],
             CONSTANTS[1],
@@ -52,10 +60,10 @@ pub(crate) fn blocks<const L: usize>(
             key[5],
             key[6],
             key[7],
-            low(counter),
-            high(counter),
-            low(stream),
-            high(stream),
+            addresses[0][lane],
+            addresses[1][lane],
+            addresses[2][lane],
+            addresses[3][lane],
         ];
         let mut state = start;
         double_round(&mut state);

@@ -32,6 +32,22 @@ pub enum StepError {
         /// What its size must exceed: roundoff.
         limit: f64,
     },
+    /// The operator of an implicit step does not fit the field.
+    #[error("the operator has {value} unknowns, the field {expected}")]
+    OperatorLength {
+        /// Those of the operator.
+        value: usize,
+        /// Those of the field.
+        expected: usize,
+    },
+    /// The operator of an implicit step is not symmetric negative semidefinite.
+    #[error(
+        "1 - theta h A has a curvature of {curvature:e} in a direction of length 1, must be positive"
+    )]
+    OperatorIndefinite {
+        /// The curvature found.
+        curvature: f64,
+    },
 }
 
 /// Why a law, an estimate or an ensemble could not be made.
@@ -205,6 +221,20 @@ pub enum Error {
         t: f64,
         /// Why.
         source: StepError,
+    },
+    /// The shortest step of an adaptive path is too long for its tolerances.
+    #[error(
+        "path {realisation}, time {t}: the shortest step {dt:e} has {error:e} times the error let pass"
+    )]
+    StepUnderflow {
+        /// The realisation.
+        realisation: u64,
+        /// The time at the start of the step.
+        t: f64,
+        /// Its length.
+        dt: f64,
+        /// The estimate of its error, over what is let pass.
+        error: f64,
     },
     /// A path left the numbers.
     #[error(

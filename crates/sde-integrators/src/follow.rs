@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::error::Error;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, Joints};
 use crate::lanes::{LANES, LaneIncrements, LaneNoise};
 use crate::law::InitialLaw;
 use crate::level::SimdLevel;
@@ -99,16 +99,17 @@ impl Lives {
 }
 
 #[allow(clippy::inline_always, reason = "it stands in a dispatched function")]
+#[allow(clippy::eq_op, reason = "what is not finite less itself is not zero")]
 #[inline(always)]
 fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
-    let mut largest = 0_u64;
+    let mut bits = 0_u64;
     for row in x {
         for lane in 0..LANES {
-            // By bits: without sign, what is not finite is at least infinity.
-            largest = largest.max(row[lane].to_bits() << 1);
+            // Zero, or not a number. Cheaper than to compare each.
+            bits |= (row[lane] - row[lane]).to_bits();
         }
     }
-    largest < f64::INFINITY.to_bits() << 1
+    bits == 0
 }
 
 impl<S, I, L> Follow<'_, S, I, L>
@@ -213,7 +214,11 @@ where
             let mut failed = |lane, source| {
                 lives.fail(lane, |realisation| Error::Step { realisation, step, t, source });
             };
-            integrator.step_lanes(system, t, leg.dt, &dw, x, memory, &mut failed);
+            let joints = Joints {
+                before: !W::EVERY_STEP && k > 0,
+                after: !W::EVERY_STEP && k + 1 < leg.n_steps,
+            };
+            integrator.step_lanes_joined(joints, system, t, leg.dt, &dw, x, memory, &mut failed);
             if !all_finite(x) {
                 lives.bury(x, step + 1, t + leg.dt);
             }

@@ -4,6 +4,17 @@ use crate::error::StepError;
 use crate::lanes::{LANES, LaneIncrements};
 use crate::noise::Increment;
 
+/// Which ends of a step meet another step of the same length, with nobody looking at the state between them.
+///
+/// A method whose step ends as the next begins may leave that end open and do both at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Joints {
+    /// The step before this one was taken with `after` set.
+    pub before: bool,
+    /// The step after this one will be taken with `before` set.
+    pub after: bool,
+}
+
 /// A method that takes one step of a system with `D` states and `M` Brownian motions.
 ///
 /// A step owns no clock, no storage and no randomness: time, increment and memory come from outside. The bound that an
@@ -62,6 +73,30 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
             }
         }
     }
+
+    /// The same for a step whose ends may meet others: to roundoff what [`step_lanes`](Self::step_lanes) does, once all
+    /// joints are closed.
+    ///
+    /// Provided: [`step_lanes`](Self::step_lanes), for a method that has nothing to join.
+    #[allow(
+        clippy::inline_always,
+        reason = "what is not inlined into a dispatched function is not compiled for its registers"
+    )]
+    #[allow(clippy::too_many_arguments, reason = "those of a step, its ends, and who fails")]
+    #[inline(always)]
+    fn step_lanes_joined(
+        &self,
+        _joints: Joints,
+        system: &S,
+        t: f64,
+        dt: f64,
+        dw: &LaneIncrements<M>,
+        x: &mut [[f64; LANES]; D],
+        memory: &mut [Self::Memory; LANES],
+        failed: &mut dyn FnMut(usize, StepError),
+    ) {
+        self.step_lanes(system, t, dt, dw, x, memory, failed);
+    }
 }
 
 /// Make a method that advances `(q, v)` an integrator of the state `(q_1.., v_1..)`, for 1, 2 and 3 degrees of freedom.
@@ -97,8 +132,9 @@ macro_rules! integrate_second_order {
 #[allow(unused_imports, reason = "for methods whose paths share nothing")]
 pub(crate) use integrate_second_order;
 
-/// The same for a method that does part of a step once for all paths of an ensemble: `prepare(system, t, dt, memory)`
-/// gives what `advance` needs of time, step length and system, whatever the path.
+/// The same for a method that does part of a step once for all paths of an ensemble: `prepare(system, t, dt, joints,
+/// memory)` gives what `advance` needs of time, step length and system, whatever the path. Where no step has come before,
+/// `open(system, t, dt, q, v)` does first what `advance` leaves to do at such a joint.
 macro_rules! integrate_second_order_lanes {
     ($method:ty, uses_area: $uses_area:literal { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
         impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method
@@ -118,9 +154,11 @@ macro_rules! integrate_second_order_lanes {
                 x: &mut [f64; $d],
                 memory: &mut Self::Memory,
             ) -> Result<(), $crate::error::StepError> {
-                let prepared = Self::prepare::<S, $n, M>(system, t, dt, memory);
+                let joints = $crate::integrator::Joints::default();
+                let prepared = Self::prepare::<S, $n, M>(system, (t, dt), joints, memory);
                 let mut q = std::array::from_fn(|k| x[k]);
                 let mut v = std::array::from_fn(|k| x[$n + k]);
+                Self::open::<S, $n, M>(system, (t, dt), (&mut q, &mut v));
                 Self::advance::<S, $n, M>(system, (t, dt), dw, (&mut q, &mut v), &prepared);
                 x[..$n].copy_from_slice(&q);
                 x[$n..].copy_from_slice(&v);
@@ -140,10 +178,42 @@ macro_rules! integrate_second_order_lanes {
                 dw: &$crate::lanes::LaneIncrements<M>,
                 x: &mut [[f64; $crate::lanes::LANES]; $d],
                 memory: &mut [Self::Memory; $crate::lanes::LANES],
+                failed: &mut dyn FnMut(usize, $crate::error::StepError),
+            ) {
+                let joints = $crate::integrator::Joints::default();
+                self.step_lanes_joined(joints, system, t, dt, dw, x, memory, failed);
+            }
+
+            #[allow(
+                clippy::inline_always,
+                reason = "what is not inlined into a dispatched function is not compiled for its registers"
+            )]
+            #[inline(always)]
+            fn step_lanes_joined(
+                &self,
+                joints: $crate::integrator::Joints,
+                system: &S,
+                t: f64,
+                dt: f64,
+                dw: &$crate::lanes::LaneIncrements<M>,
+                x: &mut [[f64; $crate::lanes::LANES]; $d],
+                memory: &mut [Self::Memory; $crate::lanes::LANES],
                 _failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
                 // All have seen the same steps: the first memory is that of every lane.
-                let prepared = Self::prepare::<S, $n, M>(system, t, dt, &mut memory[0]);
+                let prepared = Self::prepare::<S, $n, M>(system, (t, dt), joints, &mut memory[0]);
+                // A loop of its own: within the other, it would be computed and thrown away where there is a joint.
+                if !joints.before {
+                    for lane in 0..$crate::lanes::LANES {
+                        let mut q = std::array::from_fn(|k| x[k][lane]);
+                        let mut v = std::array::from_fn(|k| x[$n + k][lane]);
+                        Self::open::<S, $n, M>(system, (t, dt), (&mut q, &mut v));
+                        for k in 0..$n {
+                            x[k][lane] = q[k];
+                            x[$n + k][lane] = v[k];
+                        }
+                    }
+                }
                 for lane in 0..$crate::lanes::LANES {
                     let mut q = std::array::from_fn(|k| x[k][lane]);
                     let mut v = std::array::from_fn(|k| x[$n + k][lane]);

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod adaptive;
 mod baoab;
 mod blocks;
 mod bridge;
@@ -22,6 +23,7 @@ mod law;
 mod leimkuhler_matthews;
 mod level;
 mod linear_solve;
+mod linear_theta;
 mod maximum;
 mod milstein;
 mod noise;
@@ -46,6 +48,7 @@ mod tally;
 mod tamed_euler;
 mod theta;
 
+pub use adaptive::{AcceptedStep, AdaptivePath, Pathwise, StepControl};
 pub use baoab::{Baoab, HalfStep};
 pub use blocks::{BLOCK_LENGTH, reduce_blocks};
 pub use bridge::BrownianTree;
@@ -59,11 +62,12 @@ pub use estimate::{Accumulator, Estimate, Uncertainty};
 pub use euler_maruyama::EulerMaruyama;
 pub use field::{FieldIncrement, FieldIntegrator, FieldPath, FieldSde, Workspace};
 pub use heun::Heun;
-pub use integrator::Integrator;
+pub use integrator::{Integrator, Joints};
 pub use lanes::{LANES, LaneIncrements};
 pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
 pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};
 pub use level::SimdLevel;
+pub use linear_theta::{LinearOperator, LinearTheta};
 pub use maximum::{Between, Response, Side, maxima};
 pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};

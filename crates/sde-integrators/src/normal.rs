@@ -11,13 +11,16 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::chacha::{BLOCK_WORDS, blocks};
-use crate::elementary::{ONE, ln_normal, sin_cos};
+use crate::elementary::{ONE, minus_twice_ln, sin_cos};
 
 /// Normals made of one block of the cipher: four pairs, each of four words.
 pub(crate) const BLOCK_NORMALS: usize = 8;
 
 /// `2^-53`, half the spacing of the uniforms.
 const HALF_SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
+
+/// The sign of a double.
+const SIGN: u64 = 1 << 63;
 
 /// Two independent standard normals from two words, by Box and Muller,
 ///
@@ -30,18 +33,29 @@ const HALF_SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
 /// Source: Box and Muller 1958, A note on the generation of random normal deviates.
 #[inline(always)]
 pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
+    normal_pairs([radial], [angular])[0]
+}
+
+/// [`normal_pair`] for `K` pairs of words, each stage for all of them before the next.
+#[inline(always)]
+fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> [[f64; 2]; K] {
     // The highest 52 bits as the mantissa of a number in [1, 2): no conversion, and exact.
-    let u = 2.0 - f64::from_bits(ONE | radial >> 12);
-    let radius = (-2.0 * ln_normal(u)).sqrt();
+    let u = radial.map(|word| 2.0 - f64::from_bits(ONE | word >> 12));
     // The two highest bits choose the quadrant, the next 52 the angle within it, from -pi/4 to pi/4.
-    let fraction = (f64::from_bits(ONE | (angular << 2) >> 12) - 1.5) + HALF_SPACING;
-    let (sin, cos) = sin_cos(fraction * FRAC_PI_2);
-    // (c, s) -> (-s, c) per quarter turn, without a branch: a random one would be mispredicted.
-    let quadrant = angular >> 62;
-    let swap = (quadrant & 1).wrapping_neg() & (cos.to_bits() ^ sin.to_bits());
-    let c = f64::from_bits(cos.to_bits() ^ swap ^ ((quadrant ^ quadrant << 1) & 2) << 62);
-    let s = f64::from_bits(sin.to_bits() ^ swap ^ (quadrant & 2) << 62);
-    [radius * c, radius * s]
+    let angle = angular
+        .map(|word| ((f64::from_bits(ONE | (word << 2) >> 12) - 1.5) + HALF_SPACING) * FRAC_PI_2);
+    let squares = minus_twice_ln(u);
+    let (sin, cos) = sin_cos(angle);
+    let radius = squares.map(f64::sqrt);
+    std::array::from_fn(|i| {
+        // (c, s) -> (-s, c) per quarter turn, without a branch: a random one would be mispredicted.
+        let (cos, sin) = (cos[i].to_bits(), sin[i].to_bits());
+        let is_odd = (angular[i] << 1).cast_signed() < 0;
+        let (c, s) = if is_odd { (sin, cos) } else { (cos, sin) };
+        let c = f64::from_bits(c ^ (angular[i] ^ angular[i] << 1) & SIGN);
+        let s = f64::from_bits(s ^ angular[i] & SIGN);
+        [radius[i] * c, radius[i] * s]
+    })
 }
 
 /// The eight normals of block `counters[lane]` of stream `streams[lane]`, in every lane.
@@ -52,15 +66,22 @@ pub(crate) fn normal_blocks<const L: usize>(
     counters: &[u64; L],
     normals: &mut [[f64; L]; BLOCK_NORMALS],
 ) {
+    const { assert!(L.is_multiple_of(2), "lanes go in twos") };
     let mut words = [[0; L]; BLOCK_WORDS];
     blocks(key, streams, counters, &mut words);
     for pair in 0..BLOCK_NORMALS / 2 {
         let [first, second] = &mut normals[2 * pair..2 * pair + 2] else { continue };
         let [a, b, c, d] = &words[4 * pair..4 * pair + 4] else { continue };
-        for lane in 0..L {
-            let radial = u64::from(a[lane]) | u64::from(b[lane]) << 32;
-            let angular = u64::from(c[lane]) | u64::from(d[lane]) << 32;
-            [first[lane], second[lane]] = normal_pair(radial, angular);
+        // Two registers of lanes at a time: a processor looks ahead over about as many operations as one of them takes,
+        // each of which waits for the last.
+        for lane in 0..L / 2 {
+            let lanes = [lane, lane + L / 2];
+            let radial = lanes.map(|lane| u64::from(a[lane]) | u64::from(b[lane]) << 32);
+            let angular = lanes.map(|lane| u64::from(c[lane]) | u64::from(d[lane]) << 32);
+            let pairs = normal_pairs(radial, angular);
+            for (lane, pair) in lanes.into_iter().zip(pairs) {
+                [first[lane], second[lane]] = pair;
+            }
         }
     }
 }

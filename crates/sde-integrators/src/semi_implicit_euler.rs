@@ -1,6 +1,6 @@
 //! Semi-implicit Euler: velocity first, then position with the new velocity.
 
-use crate::integrator::{apply, integrate_second_order_lanes};
+use crate::integrator::{Joints, apply, integrate_second_order_lanes};
 use crate::noise::Increment;
 use crate::system::SecondOrder;
 
@@ -30,14 +30,25 @@ impl SemiImplicitEuler {
     #[inline]
     fn prepare<S, const N: usize, const M: usize>(
         system: &S,
-        t: f64,
-        _dt: f64,
+        (t, _): (f64, f64),
+        _joints: Joints,
         _memory: &mut (),
     ) -> [[f64; M]; N]
     where
         S: SecondOrder<N, M> + ?Sized,
     {
         system.noise_intensity(t)
+    }
+
+    /// No step leaves anything to the next.
+    #[inline]
+    fn open<S, const N: usize, const M: usize>(
+        _system: &S,
+        _time: (f64, f64),
+        _state: (&mut [f64; N], &mut [f64; N]),
+    ) where
+        S: SecondOrder<N, M> + ?Sized,
+    {
     }
 
     #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]

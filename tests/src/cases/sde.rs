@@ -5,6 +5,7 @@ pub(crate) mod fields;
 pub(crate) mod mean_square;
 pub(crate) mod orders;
 pub(crate) mod oscillator_bias;
+pub(crate) mod oscillator_ensemble;
 pub(crate) mod oscillator_limits;
 pub(crate) mod quartic;
 pub(crate) mod stationary;

@@ -4,7 +4,9 @@ use cpu_time::ProcessTime;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use sde_integrators::{DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StrangOscillator};
+use sde_integrators::{
+    DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StepError, StrangOscillator,
+};
 
 use crate::case::{CaseError, Context, Profile};
 use crate::cases::viscous_damper_at_rest;
@@ -17,6 +19,7 @@ use crate::machine::Machine;
 use crate::sde::methods::{Method, additive, diagonal, follow, second_order};
 use crate::sde::orders::{Errors, Outcome, Study, Target, measure};
 use crate::sde::problems::{Geometric, Populations, Sine};
+use crate::sde::reference::Diffrax;
 use crate::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
 
 pub(crate) const CHART: ChartKind = ChartKind {
@@ -48,6 +51,8 @@ struct Problem<'a, S, const D: usize, const M: usize> {
     weak: Study,
     observable: (&'a str, fn(&[f64; D]) -> f64),
     rival: Option<&'a Rival<'a>>,
+    /// The name of the problem in the record of diffrax.
+    diffrax: Option<&'a str>,
 }
 
 fn paths(context: &Context<'_>, default: u64) -> u64 {
@@ -92,6 +97,7 @@ fn sine(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         },
         observable: ("E X^2", |x| x[0] * x[0]),
         rival: Some(&rival),
+        diffrax: Some("sine"),
     };
     drawings(context, &problem, &additive()?, &reference)
 }
@@ -131,6 +137,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         weak: Study { n_paths: paths(context, 16_384), seed: 64, ..study },
         observable: ("E q^2", |x| x[0] * x[0]),
         rival: Some(&rival),
+        diffrax: Some("damper"),
     };
     drawings(context, &problem, &methods, &reference)
 }
@@ -161,6 +168,7 @@ fn geometric(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         weak: Study { n_paths: paths(context, 262_144), n_levels: 5, seed: 66, ..study },
         observable: ("E X^2", |x| x[0] * x[0]),
         rival: Some(&rival),
+        diffrax: None,
     };
     drawings(context, &problem, &diagonal()?, &exact)
 }
@@ -187,6 +195,7 @@ fn populations(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         weak: Study { n_paths: paths(context, 32_768), n_levels: 5, seed: 68, ..study },
         observable: ("E X_1", |x| x[0]),
         rival: None,
+        diffrax: None,
     };
     drawings(context, &problem, &diagonal()?, &reference)
 }
@@ -207,19 +216,29 @@ where
     context.progress(&format!("{}: weak errors", problem.name));
     let weak = measure(&problem.weak, pair, methods, target, &[observable])?;
     context.progress(&format!("{}: CPU time", problem.name));
+    // Both studies have the same coarsest level: the times of the longer one serve both.
+    let longer =
+        if problem.weak.n_levels > problem.strong.n_levels { problem.weak } else { problem.strong };
+    let times: Vec<Vec<Timing>> =
+        methods.iter().map(|method| timings(problem, method, &longer)).collect::<Result<_, _>>()?;
+    let rival_times = problem.rival.map(|rival| rival_timings(rival, &longer)).transpose()?;
     let picture = |kind: &str, y_label: &str, study: &Study, outcomes: &[Outcome]| {
         let errors = |outcome: &'_ Outcome| -> Errors {
             if kind == "strong" { outcome.strong.clone() } else { outcome.weak[0].clone() }
         };
         let mut series = Vec::new();
-        for (method, outcome) in methods.iter().zip(outcomes) {
-            let costs = costs(problem, method, study)?;
-            series.push(Series { name: method.name.into(), runs: runs(&errors(outcome), &costs) });
+        for ((method, outcome), times) in methods.iter().zip(outcomes).zip(&times) {
+            series.push(Series { name: method.name.into(), runs: runs(&errors(outcome), times) });
         }
-        if let Some(rival) = problem.rival {
-            let costs = rival_costs(rival, study);
-            let runs = runs(&errors(&outcomes[0]), &costs);
+        if let Some(times) = &rival_times {
+            let runs = runs(&errors(&outcomes[0]), times);
             series.push(Series { name: "rival: scalar Euler loop".into(), runs });
+        }
+        // Of diffrax the strong errors are recorded.
+        let recorded = problem.diffrax.filter(|_| kind == "strong");
+        let diffrax = Diffrax::read()?;
+        if let Some(name) = recorded {
+            series.extend(diffrax_series(&diffrax, name));
         }
         let words = Words {
             title: if kind == "strong" {
@@ -235,8 +254,9 @@ where
                     "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
                     study.n_paths
                 )),
-                Some("Labels: steps. The methods draw w and H.".into()),
+                Some("Labels: steps. The methods draw w and H. A cross: of the paths that were timed some ended in an error, which the JSON file names.".into()),
                 problem.rival.map(|_| "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.".into()),
+                recorded.map(|_| diffrax_caption(&diffrax)),
                 Some(Machine::read().caption()),
             ]
             .into_iter()
@@ -253,41 +273,95 @@ where
     ])
 }
 
-fn runs(errors: &Errors, costs: &[(usize, f64, f64)]) -> Vec<Run> {
-    let ends = [costs.first(), costs.last()].map(|end| end.map_or(0, |cost| cost.0));
-    errors
-        .levels
-        .iter()
-        .zip(costs)
-        .map(|(level, &(n_steps, cost, spread))| Run {
-            cost,
-            cost_error: (spread > 0.0).then_some(spread),
-            outcome: if level.error.value.abs() > 0.0 && level.error.value.is_finite() {
-                RunOutcome::Error {
-                    value: level.error.value.abs(),
-                    standard_error: level.error.standard_error,
-                }
-            } else {
-                RunOutcome::Failed { reason: format!("error {}", level.error.value) }
-            },
-            label: ends.contains(&n_steps).then(|| n_steps.to_string()),
+/// The methods of diffrax on a problem, as recorded.
+fn diffrax_series(record: &Diffrax, problem: &str) -> Vec<Series> {
+    [("euler", "Euler"), ("heun", "Heun"), ("shark", "ShARK")]
+        .into_iter()
+        .map(|(id, name)| Series {
+            name: format!("rival: diffrax {name}"),
+            runs: record
+                .rows
+                .iter()
+                .filter(|row| row.problem == problem && row.method == id)
+                .map(|row| Run {
+                    cost: 1e6 * row.cpu_seconds_per_path,
+                    cost_error: Some(1e6 * row.cpu_seconds_scatter),
+                    outcome: row.strong_error.map_or_else(
+                        || RunOutcome::Failed { reason: "a path is not finite".into() },
+                        |value| RunOutcome::Error { value, standard_error: row.strong_error_se },
+                    ),
+                    label: None,
+                })
+                .collect(),
         })
         .collect()
 }
 
-/// Median and half range of five CPU times of one path, in microseconds.
-fn timed(
+fn diffrax_caption(record: &Diffrax) -> String {
+    let version = |package: &str| record.versions.get(package).map_or("?", String::as_str);
+    format!(
+        "diffrax {} on jax {}, recorded {} ({}, {} thread, load {:.1}), not of this run: {} paths a call, errors of {} paths of its own.",
+        version("diffrax"),
+        version("jax"),
+        record.date,
+        record.machine.processor,
+        record.machine.threads,
+        record.machine.load,
+        record.timed_paths,
+        record.paths,
+    )
+}
+
+fn runs(errors: &Errors, times: &[Timing]) -> Vec<Run> {
+    let times = &times[..errors.levels.len().min(times.len())];
+    let ends = [times.first(), times.last()].map(|end| end.map_or(0, |time| time.n_steps));
+    errors
+        .levels
+        .iter()
+        .zip(times)
+        .map(|(level, time)| Run {
+            cost: time.cost,
+            cost_error: (time.spread > 0.0).then_some(time.spread),
+            outcome: match &time.failure {
+                Some(reason) => RunOutcome::Failed { reason: reason.clone() },
+                None if level.error.value.abs() > 0.0 && level.error.value.is_finite() => {
+                    RunOutcome::Error {
+                        value: level.error.value.abs(),
+                        standard_error: level.error.standard_error,
+                    }
+                }
+                None => RunOutcome::Failed { reason: format!("error {}", level.error.value) },
+            },
+            label: ends.contains(&time.n_steps).then(|| time.n_steps.to_string()),
+        })
+        .collect()
+}
+
+/// CPU time of one path (microseconds): median and half range of five rounds; and what the first path said that failed.
+struct Timing {
     n_steps: usize,
-    mut paths: impl FnMut(u64) -> Result<f64, CaseError>,
-) -> Result<(usize, f64, f64), CaseError> {
+    cost: f64,
+    spread: f64,
+    failure: Option<String>,
+}
+
+fn timed<E: std::fmt::Display>(
+    n_steps: usize,
+    mut path: impl FnMut(u64) -> Result<f64, E>,
+) -> Result<Timing, CaseError> {
     // About two million steps in all five rounds.
     let n_paths = (400_000 / n_steps as u64).max(8);
-    let mut sum = 0.0;
-    let mut times = Vec::new();
+    let (mut sum, mut times, mut n_failed, mut first) = (0.0, Vec::new(), 0_u64, None);
     for round in 0..5 {
         let start = ProcessTime::now();
-        for path in 0..n_paths {
-            sum += paths(round * n_paths + path)?;
+        for k in 0..n_paths {
+            match path(round * n_paths + k) {
+                Ok(value) => sum += value,
+                Err(error) => {
+                    n_failed += 1;
+                    first.get_or_insert_with(|| error.to_string());
+                }
+            }
         }
         times.push(start.elapsed().as_secs_f64() * 1e6 / n_paths as f64);
     }
@@ -295,14 +369,16 @@ fn timed(
         return Err("a path that was timed is not a number".into());
     }
     times.sort_by(f64::total_cmp);
-    Ok((n_steps, times[2], 0.5 * (times[4] - times[0])))
+    let failure =
+        first.map(|text| format!("{n_failed} of {} paths, the first: {text}", 5 * n_paths));
+    Ok(Timing { n_steps, cost: times[2], spread: 0.5 * (times[4] - times[0]), failure })
 }
 
-fn costs<S, const D: usize, const M: usize>(
+fn timings<S, const D: usize, const M: usize>(
     problem: &Problem<'_, S, D, M>,
     method: &Method<S, D, M>,
     study: &Study,
-) -> Result<Vec<(usize, f64, f64)>, CaseError> {
+) -> Result<Vec<Timing>, CaseError> {
     (0..study.n_levels)
         .map(|level| {
             let n_steps = study.coarsest << level;
@@ -312,19 +388,22 @@ fn costs<S, const D: usize, const M: usize>(
                 let mut noise = Noise::new(1).path::<M>(path);
                 increments.clear();
                 increments.extend((0..n_steps).map(|_| noise.next_increment(dt)));
-                Ok((method.run)(problem.system, problem.start, dt, &increments)?[0])
+                Ok::<_, StepError>((method.run)(problem.system, problem.start, dt, &increments)?[0])
             })
         })
         .collect()
 }
 
-fn rival_costs(rival: &Rival<'_>, study: &Study) -> Vec<(usize, f64, f64)> {
+fn rival_timings(rival: &Rival<'_>, study: &Study) -> Result<Vec<Timing>, CaseError> {
     let mut generator = ChaCha8Rng::seed_from_u64(1);
     let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
     (0..study.n_levels)
-        .filter_map(|level| {
+        .map(|level| {
             let n_steps = study.coarsest << level;
-            timed(n_steps, |_| Ok(rival(&mut normal, n_steps, study.end / n_steps as f64))).ok()
+            timed(n_steps, |_| {
+                let end = rival(&mut normal, n_steps, study.end / n_steps as f64);
+                Ok::<_, std::convert::Infallible>(end)
+            })
         })
         .collect()
 }

@@ -193,6 +193,11 @@ pub struct Cubic {
     pub intensity: f64,
 }
 
+impl Cubic {
+    /// The stationary `E X^2` for `sigma = sqrt(2)`: `2 Gamma(3/4)/Gamma(1/4)`.
+    pub const STATIONARY_SECOND_MOMENT: f64 = 0.675_978_240_067_285;
+}
+
 impl Sde<1, 1> for Cubic {
     type Noise = Additive;
 

@@ -95,10 +95,9 @@ impl SecondOrder<1, 1> for ViscousDamper {
             return;
         }
         let left = power(v.abs(), beta) - eta * beta * dt;
-        // For alpha < 1 the damper brings the mass to rest in finite time.
-        let left = if left > 0.0 { left } else { 0.0 };
-        let speed = power(left, 1.0 / beta);
-        *v = if v.is_nan() { *v } else { speed.copysign(*v) };
+        // For alpha < 1 the damper brings the mass to rest in finite time. What is not a number stays that.
+        let left = if left < 0.0 { 0.0 } else { left };
+        *v = power(left, 1.0 / beta).copysign(*v);
     }
 
     #[inline]

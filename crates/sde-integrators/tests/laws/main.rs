@@ -1,5 +1,6 @@
 //! What must hold of every draw, law, method and ensemble.
 
+mod adaptive;
 mod ensemble;
 mod estimate;
 mod initial_law;

@@ -91,7 +91,7 @@ fn golden_draws_keep_their_bits() {
 }
 
 const GOLDEN: [u64; 4] =
-    [0x3fb9_0104_5035_9f09, 0xbfb4_9a7f_b411_6855, 0x3fe6_7922_8590_a496, 0x3fc6_e8e1_f0da_694a];
+    [0x3fb9_0104_5035_9f08, 0xbfb4_9a7f_b411_6855, 0x3fe6_7922_8590_a496, 0x3fc6_e8e1_f0da_694a];
 
 /// |z| < 4 for each of the moments; the variances of the products are those of independent normals.
 #[test]

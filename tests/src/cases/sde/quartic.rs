@@ -21,8 +21,7 @@ pub(crate) const CASE: Case = Case {
     run,
 };
 
-/// `2 Gamma(3/4)/Gamma(1/4)`.
-const EXACT: f64 = 0.675_978_240_067_285;
+const EXACT: f64 = Cubic::STATIONARY_SECOND_MOMENT;
 /// The grid reaches to +-4, where the density has fallen to exp(-64), in steps of 0.02.
 const HALF: usize = 200;
 const SPACING: f64 = 0.02;

@@ -44,11 +44,19 @@ fn fit() -> Damper {
     simulation(Method::LogDensityFit, InitialLattice::box_of(41))
 }
 
-fn fit_at_the_end() -> Damper {
-    let mut simulation = fit();
+fn flow_map() -> Damper {
+    simulation(Method::FlowMapFit, InitialLattice::box_of(41))
+}
+
+fn at_the_end(start: fn() -> Damper) -> Damper {
+    let mut simulation = start();
     simulation.advance_to(END).unwrap();
     simulation
 }
+
+/// The methods of this project, from their start.
+const OURS: [(&str, fn() -> Damper); 2] =
+    [("LogDensityFit 41 x 41", fit), ("FlowMapFit 41 x 41", flow_map)];
 
 fn paper() -> Damper {
     let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
@@ -65,22 +73,23 @@ fn print_work(name: &str, simulation: &Damper, work: Work) {
 
 /// Start and steps, to `t = 6`.
 fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
-    let simulation = pool.install(fit_at_the_end);
-    print_work("LogDensityFit, start and run to t = 6", &simulation, simulation.work());
     let mut group = criterion.benchmark_group("fpk/viscous damper, run to 6 s");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_secs(2)).measurement_time(Duration::from_secs(10));
-    group.throughput(Throughput::Elements(simulation.work().neighbour_visits));
-    group.bench_function("LogDensityFit 41 x 41", |b| b.iter(|| pool.install(fit_at_the_end)));
+    for (name, start) in OURS {
+        let simulation = pool.install(|| at_the_end(start));
+        print_work(&format!("{name}, start and run to t = 6"), &simulation, simulation.work());
+        group.throughput(Throughput::Elements(simulation.work().neighbour_visits));
+        group.bench_function(name, |b| b.iter(|| pool.install(|| at_the_end(start))));
+    }
     group.finish();
 }
 
 /// One step from `t = 1`, where the noise has begun and the lattice has turned.
 fn step(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
     let mut group = criterion.benchmark_group("fpk/viscous damper, step from 1 s");
-    for (name, start) in
-        [("CanorDenoel2013 50 x 33", paper as fn() -> Damper), ("LogDensityFit 41 x 41", fit)]
-    {
+    let paper: (&str, fn() -> Damper) = ("CanorDenoel2013 50 x 33", paper);
+    for (name, start) in std::iter::once(paper).chain(OURS) {
         let mut snapshot = Vec::new();
         let mut simulation = pool.install(start);
         pool.install(|| simulation.advance_to(1.0)).unwrap();
@@ -117,7 +126,7 @@ fn step(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
 
 /// The density as a function, and a probability from it.
 fn observables(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
-    let simulation = pool.install(fit_at_the_end);
+    let simulation = pool.install(|| at_the_end(fit));
     let integral = simulation.cell_integral().unwrap();
     let mut group = criterion.benchmark_group("fpk/viscous damper, observables at 6 s");
     group.bench_function("cell_integral", |b| {

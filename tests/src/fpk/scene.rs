@@ -114,16 +114,9 @@ pub struct ComponentScene {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MethodScene {
     /// Whitened log-density fit, Runge-Kutta 4.
-    LogDensityFit {
-        /// A box: particles along each axis of the initial lattice.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        count: Option<Vec<usize>>,
-        /// A ball: the spacing of the initial lattice, in standard deviations.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        spacing: Option<f64>,
-        /// Half the edge of the box, or the radius of the ball, in standard deviations.
-        reach: f64,
-    },
+    LogDensityFit(LatticeScene),
+    /// Flow-map fit over the lattice of the start, Runge-Kutta 4.
+    FlowMapFit(LatticeScene),
     /// The paper's method.
     #[serde(rename = "canor_denoel_2013")]
     CanorDenoel2013 {
@@ -147,6 +140,20 @@ pub enum MethodScene {
         /// Seed.
         seed: u64,
     },
+}
+
+/// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeScene {
+    /// A box: particles along each axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<Vec<usize>>,
+    /// A ball: the spacing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f64>,
+    /// Half the edge of the box, or the radius of the ball.
+    pub reach: f64,
 }
 
 /// How a path is stepped.
@@ -357,19 +364,9 @@ impl FpkScene {
     /// `None` too where the lattice is of another dimension, which [`Scene::check`] refuses.
     #[must_use]
     pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
-        let scaled = |count: &[usize]| -> Option<[usize; D]> {
-            let count: [usize; D] = count.try_into().ok()?;
-            Some(count.map(|n| scaled_count(n, scale)))
-        };
         let (method, lattice) = match &self.method {
-            MethodScene::LogDensityFit { count: Some(count), reach, .. } => {
-                let lattice = InitialLattice::Box { reach: *reach, count: scaled(count)? };
-                (Method::LogDensityFit, lattice)
-            }
-            MethodScene::LogDensityFit { count: None, spacing, reach } => {
-                let lattice = InitialLattice::Ball { reach: *reach, spacing: (*spacing)? / scale };
-                (Method::LogDensityFit, lattice)
-            }
+            MethodScene::LogDensityFit(lattice) => (Method::LogDensityFit, lattice.build(scale)?),
+            MethodScene::FlowMapFit(lattice) => (Method::FlowMapFit, lattice.build(scale)?),
             MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let combination = Combination {
                     step: StepRule::Courant { number: *courant },
@@ -377,7 +374,8 @@ impl FpkScene {
                     ..Method::CanorDenoel2013.combination()
                 };
                 let half_width = half_width.as_slice().try_into().ok()?;
-                let lattice = InitialLattice::Rectangle { half_width, count: scaled(count)? };
+                let lattice =
+                    InitialLattice::Rectangle { half_width, count: scaled_counts(count, scale)? };
                 (Method::Custom(combination), lattice)
             }
             MethodScene::MonteCarlo { .. } => return None,
@@ -408,6 +406,35 @@ impl FpkScene {
         };
         planes.states.iter().enumerate().map(place).collect()
     }
+}
+
+impl LatticeScene {
+    /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.
+    fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
+        let reach = self.reach;
+        Some(match &self.count {
+            Some(count) => InitialLattice::Box { reach, count: scaled_counts(count, scale)? },
+            None => InitialLattice::Ball { reach, spacing: self.spacing? / scale },
+        })
+    }
+
+    fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
+        let limit = "greater than 0 standard deviations";
+        must(&format!("{path}.reach"), self.reach, self.reach > 0.0, limit)?;
+        match (&self.count, self.spacing) {
+            (Some(count), None) => check_counts(path, count, states),
+            (None, Some(spacing)) => check_ball(path, self.reach, spacing, states.len()),
+            _ => Err(Objection::new(
+                path,
+                "either `count` for a box or `spacing` for a ball must be given",
+            )),
+        }
+    }
+}
+
+fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Option<[usize; D]> {
+    let count: [usize; D] = count.try_into().ok()?;
+    Some(count.map(|n| scaled_count(n, scale)))
 }
 
 /// Particles along an axis at `scale` times the resolution; the ends of the lattice stay where they are.
@@ -463,19 +490,8 @@ impl FpkScene {
     fn check_method(&self, system: &SceneSystem) -> Result<(), Objection> {
         let states = system.states();
         match &self.method {
-            MethodScene::LogDensityFit { count, spacing, reach } => {
-                let path = "method.log_density_fit";
-                let limit = "greater than 0 standard deviations";
-                must(&format!("{path}.reach"), *reach, *reach > 0.0, limit)?;
-                match (count, spacing) {
-                    (Some(count), None) => check_counts(path, count, states),
-                    (None, Some(spacing)) => check_ball(path, *reach, *spacing, states.len()),
-                    _ => Err(Objection::new(
-                        path,
-                        "either `count` for a box or `spacing` for a ball must be given",
-                    )),
-                }
-            }
+            MethodScene::LogDensityFit(lattice) => lattice.check("method.log_density_fit", states),
+            MethodScene::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
             MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let path = "method.canor_denoel_2013";
                 check_counts(path, count, states)?;

@@ -194,7 +194,8 @@ impl Visitor for Solved<'_> {
         let Self { scene, system: named, out, context } = self;
         let law = law::<D>(scene, named)?;
         // The paper's clouds leave too few neighbours for local fits.
-        let fits = matches!(scene.method, MethodScene::LogDensityFit { .. });
+        let fits =
+            matches!(scene.method, MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_));
         let asked = asked::<D>(scene, named, fits && D <= MOST_STATES_OF_CELLS)?;
         let period = named.reference_period();
         let Some(config) = scene.density_config::<D>(period, 1.0) else {

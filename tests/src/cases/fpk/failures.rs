@@ -1,6 +1,6 @@
 //! Where the method leaves its range it says so.
 
-use fpk_sph::score::VolumeEstimate;
+use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
 
 use super::asked;
@@ -47,7 +47,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "the step exceeds 0.25 R^2 / D_y once the noise has risen",
     )?);
     let refused = Combination {
-        estimator: Estimator::LogDensityFit(VolumeEstimate::KernelSum),
+        estimator: Estimator::LogDensityFit {
+            volume: VolumeEstimate::KernelSum,
+            degree: Degree::Quadratic,
+        },
         support_over_spacing: 2.0,
         ..Method::LogDensityFit.combination()
     };

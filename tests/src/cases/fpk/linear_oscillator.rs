@@ -1,6 +1,6 @@
 //! The linear oscillator, whose answer is exact, by the better method.
 
-use fpk_sph::score::VolumeEstimate;
+use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Config, Estimator, Method, Simulation};
 
 use super::{ExceedanceEstimator, Judge, asked};
@@ -255,7 +255,7 @@ fn rim(
         ),
     ] {
         let mut combination = config.method.combination();
-        combination.estimator = Estimator::LogDensityFit(volume);
+        combination.estimator = Estimator::LogDensityFit { volume, degree: Degree::Quadratic };
         let config = Config { method: Method::Custom(combination), ..*config };
         let simulation = Simulation::new(system.clone(), &problem.law, &config)?;
         let density = simulation.density()?;

@@ -102,7 +102,9 @@ fn config(problem: &Problem, n: usize, estimator: Estimator) -> Config<2> {
     let initial_smoothing = match estimator {
         // The paper's own start.
         Estimator::SummationDensity => InitialSmoothing::Uniform,
-        Estimator::LogDensityFit(_) => InitialSmoothing::Iterated,
+        Estimator::LogDensityFit { .. } | Estimator::FlowMapFit { .. } => {
+            InitialSmoothing::Iterated
+        }
     };
     let combination =
         Combination { estimator, step, initial_smoothing, ..Method::LogDensityFit.combination() };
@@ -119,7 +121,7 @@ fn config(problem: &Problem, n: usize, estimator: Estimator) -> Config<2> {
 fn reach(estimator: Estimator) -> f64 {
     match estimator {
         Estimator::SummationDensity => PAPERS_REACH,
-        Estimator::LogDensityFit(_) => DEFAULT_REACH,
+        Estimator::LogDensityFit { .. } | Estimator::FlowMapFit { .. } => DEFAULT_REACH,
     }
 }
 

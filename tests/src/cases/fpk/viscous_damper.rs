@@ -88,9 +88,10 @@ fn tail(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
         let criterion = Criterion::Within { tolerance: 0.06, reason };
         claims.push(judge.exceedance(ExceedanceEstimator::Cell, threshold, t, criterion)?);
     }
-    let staircase = "counting particles quantises P by whole layers of the lattice, and ends with the last layer";
+    let staircase = "counting particles quantises P by whole layers of the lattice, and ends with the last layer; \
+                     seen at 0.027 and 0.030, and at 0.09 before the fit held to the cloud's Gaussian at the rim";
     for estimator in [ExceedanceEstimator::Indicator, ExceedanceEstimator::LogInterpolated] {
-        claims.push(judge.worst_exceedance(estimator, &[6.0], FLOOR, (0.03, 0.2), staircase)?);
+        claims.push(judge.worst_exceedance(estimator, &[6.0], FLOOR, (0.02, 0.12), staircase)?);
     }
     Ok(claims)
 }

@@ -1,11 +1,15 @@
 //! Density problems: what the cases, scenes and charts of `fpk-sph` share.
 
 pub mod density;
+mod discrete_gaussian;
+pub mod grid;
 pub mod linear_moments;
+pub mod linearisation;
 pub mod monte_carlo;
 pub mod paths;
 pub mod plane_density;
 pub mod problem;
 pub mod reference;
+mod remap;
 pub mod scene;
 pub mod system_scene;

@@ -1,8 +1,10 @@
 //! Density problems: what the cases, scenes and charts of `fpk-sph` share.
 
+mod cholesky;
 pub mod density;
 mod discrete_gaussian;
 pub mod grid;
+mod grid_config;
 pub mod linear_moments;
 pub mod linearisation;
 pub mod monte_carlo;
@@ -13,3 +15,4 @@ pub mod reference;
 mod remap;
 pub mod scene;
 pub mod system_scene;
+pub mod tail;

@@ -2,6 +2,9 @@
 
 use sde_integrators::{Additive, GaussianMixture, Sde};
 
+use super::cholesky::cholesky;
+use super::linear_moments::upper_tail;
+
 /// Mean and covariance of a normal law at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianLaw<const D: usize> {
@@ -72,8 +75,8 @@ pub enum LinearisationError {
 /// Exact for a linear system; otherwise its error is that of taking the law for normal, and no parameter makes it smaller.
 /// Runge-Kutta 4 in time.
 ///
-/// Sources: Roberts and Spanos 1990, Random vibration and statistical linearization, section 5.3; that both are the same
-/// Atalik and Utku 1976, Stochastic linearization of multi-degree-of-freedom non-linear systems, eq 20.
+/// Sources: Roberts and Spanos 1990, Random vibration and statistical linearization; that both are the same Atalik and
+/// Utku 1976, Stochastic linearization of multi-degree-of-freedom non-linear systems.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearisation<const D: usize> {
     /// The states in the order in which expectations are nested, with their rules; those with kinks first, so that a kink
@@ -187,26 +190,14 @@ impl<S, const D: usize> Closure<'_, S, D> {
 
     /// The Cholesky factor of the covariance with its states in the order of the quadrature.
     fn factor(&self, law: &GaussianLaw<D>) -> Result<[[f64; D]; D], LinearisationError> {
-        let mut factor = [[0.0; D]; D];
-        for i in 0..D {
-            for j in 0..=i {
-                let (row, column) = (self.order[i].0, self.order[j].0);
-                let rest: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
-                let value = law.covariance[row][column] - rest;
-                if i != j {
-                    factor[i][j] = value / factor[j][j];
-                } else if value > 0.0 && value.is_finite() {
-                    factor[i][i] = value.sqrt();
-                } else {
-                    return Err(LinearisationError::NotACovariance {
-                        time: law.t,
-                        state: row,
-                        value,
-                    });
-                }
-            }
-        }
-        Ok(factor)
+        let state = |k: usize| self.order[k].0;
+        let ordered: [[f64; D]; D] =
+            std::array::from_fn(|i| std::array::from_fn(|j| law.covariance[state(i)][state(j)]));
+        cholesky(&ordered).map_err(|(k, value)| LinearisationError::NotACovariance {
+            time: law.t,
+            state: state(k),
+            value,
+        })
     }
 
     /// Sums over the nodes of the states from `depth` on; `normals` and `x` hold what was chosen before.
@@ -262,6 +253,20 @@ impl<S, const D: usize> Closure<'_, S, D> {
 }
 
 impl<const D: usize> GaussianLaw<D> {
+    /// `E[X_i^2]`.
+    #[must_use]
+    pub fn second_moment(&self, state: usize) -> f64 {
+        self.covariance[state][state] + self.mean[state] * self.mean[state]
+    }
+
+    /// `P(|X_i| > T)`.
+    #[must_use]
+    pub fn exceedance(&self, state: usize, threshold: f64) -> f64 {
+        let deviation = self.covariance[state][state].sqrt();
+        let tail = |side: f64| upper_tail((threshold - side * self.mean[state]) / deviation);
+        tail(1.0) + tail(-1.0)
+    }
+
     fn moved(&self, dt: f64, rate: &Self) -> Self {
         let mut moved = *self;
         moved.t += dt;

@@ -12,6 +12,7 @@ mod smoothing_kernels;
 
 use crate::case::Case;
 pub(crate) use fpk::canor_denoel::config as papers_config;
+pub(crate) use fpk::rivals::{OF_HYSTERESIS, OF_OSCILLATOR};
 pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
 pub(crate) use sde::oscillator_limits;
 
@@ -22,6 +23,7 @@ pub const ALL: &[Case] = &[
     fpk::viscous_damper::REFINED,
     fpk::canor_denoel::CASE,
     fpk::monte_carlo::CASE,
+    fpk::rivals::CASE,
     fpk::spatial_order::CASE,
     fpk::invariance::CASE,
     fpk::failures::CASE,

@@ -3,12 +3,15 @@
 //! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
 
 pub(crate) mod fpk;
+mod fpk_choice;
 mod kernels;
 mod sde;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+
+use serde::Serialize;
 
 use crate::case::{CaseError, Context, Profile, Shared};
 use crate::chart::{self, ChartError, TimeSeries, WorkPrecision};
@@ -18,7 +21,7 @@ use crate::output::write_text;
 use crate::stability;
 
 /// Every chart of `chart`.
-pub const ALL: &[ChartKind] = &[fpk::CHART, kernels::CHART, sde::CHART];
+pub const ALL: &[ChartKind] = &[fpk::CHART, fpk_choice::CHART, kernels::CHART, sde::CHART];
 
 /// Every sweep of `stability`.
 pub const STABILITY: &[ChartKind] = &[stability::sde::MAP];
@@ -34,17 +37,26 @@ pub struct ChartKind {
     pub draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
 }
 
-/// A picture and the numbers in it.
+/// A picture or a page, and the numbers in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Drawing {
     /// Name of the files, without their endings.
     pub name: String,
-    /// The picture.
-    pub svg: String,
+    /// What is looked at.
+    pub face: Face,
     /// Its numbers, JSON.
     pub data: String,
     /// What is printed below its path; empty for nothing.
     pub table: String,
+}
+
+/// What is looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Face {
+    /// A picture, SVG.
+    Picture(String),
+    /// A page, Markdown.
+    Page(String),
 }
 
 /// A chart whose picture or numbers cannot be made.
@@ -67,7 +79,7 @@ impl Drawing {
     pub fn work_precision(name: &str, data: &WorkPrecision) -> Result<Self, DrawingError> {
         Ok(Self {
             name: name.into(),
-            svg: chart::work_precision(data)?,
+            face: Face::Picture(chart::work_precision(data)?),
             data: finite::to_json(data)?,
             table: String::new(),
         })
@@ -80,7 +92,7 @@ impl Drawing {
     pub fn time_series(name: &str, data: &TimeSeries) -> Result<Self, DrawingError> {
         Ok(Self {
             name: name.into(),
-            svg: chart::time_series(data)?,
+            face: Face::Picture(chart::time_series(data)?),
             data: finite::to_json(data)?,
             table: String::new(),
         })
@@ -91,18 +103,40 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn plane(name: &str, data: &chart::Plane) -> Result<Self, DrawingError> {
-        Ok(Self { name: name.into(), svg: chart::plane(data)?, data: finite::to_json(data)? })
+        let face = Face::Picture(chart::plane(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)? })
     }
 
-    /// Writes `<name>.svg` and `<name>.json` into `folder` and returns the path of the picture.
+    /// A page of text.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that JSON does not hold.
+    pub fn page<T: Serialize>(name: &str, text: String, data: &T) -> Result<Self, DrawingError> {
+        Ok(Self { name: name.into(), face: Face::Page(text), data: finite::to_json(data)? })
+    }
+
+    /// The picture, where it is one.
+    #[must_use]
+    pub fn into_svg(self) -> Option<String> {
+        match self.face {
+            Face::Picture(svg) => Some(svg),
+            Face::Page(_) => None,
+        }
+    }
+
+    /// Writes `<name>.svg`, or `<name>.md` for a page, and `<name>.json` into `folder` and returns the path of the first.
     ///
     /// # Errors
     /// Those of the file system.
     pub fn write(&self, folder: &Path) -> std::io::Result<PathBuf> {
-        let picture = folder.join(format!("{}.svg", self.name));
-        write_text(&picture, &self.svg)?;
+        let (ending, text) = match &self.face {
+            Face::Picture(svg) => ("svg", svg),
+            Face::Page(markdown) => ("md", markdown),
+        };
+        let file = folder.join(format!("{}.{ending}", self.name));
+        write_text(&file, text)?;
         write_text(&folder.join(format!("{}.json", self.name)), &self.data)?;
-        Ok(picture)
+        Ok(file)
     }
 }
 
@@ -152,7 +186,7 @@ pub enum ChartsError {
 pub struct Options {
     /// Chart or stability sweep, for messages.
     pub what: &'static str,
-    /// Names from the table; none draws all.
+    /// Names from the table, of which `fpk` also stands for `fpk-choice`; none draws all.
     pub names: Vec<String>,
     /// How much is run.
     pub profile: Profile,
@@ -221,7 +255,7 @@ fn select<'a>(
         return Err(ChartsError::NothingToDraw { what });
     }
     for name in &options.names {
-        if !table.iter().any(|kind| kind.name == name) {
+        if !table.iter().any(|kind| belongs(kind, name)) {
             let names: Vec<&str> = table.iter().map(|kind| kind.name).collect();
             let help = match nearest(name, names.iter().copied()) {
                 Some(nearest) => format!("did you mean `{nearest}`?"),
@@ -231,9 +265,14 @@ fn select<'a>(
         }
     }
     let wanted = |kind: &&ChartKind| {
-        options.names.is_empty() || options.names.iter().any(|name| name == kind.name)
+        options.names.is_empty() || options.names.iter().any(|name| belongs(kind, name))
     };
     Ok(table.iter().filter(wanted).collect())
+}
+
+/// Whether an entry has the name, or begins with it and a dash.
+fn belongs(kind: &ChartKind, name: &str) -> bool {
+    kind.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
 }
 
 #[cfg(test)]

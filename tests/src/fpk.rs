@@ -1,12 +1,19 @@
 //! Density problems: what the cases, scenes and charts of `fpk-sph` share.
 
+mod cholesky;
 pub mod density;
+mod discrete_gaussian;
+pub mod grid;
+mod grid_config;
 pub mod linear_moments;
+pub mod linearisation;
 pub mod monte_carlo;
 pub mod paths;
 pub mod plane_density;
 pub mod problem;
 pub mod reference;
+mod remap;
 pub mod scene;
 pub mod scene_system;
 pub mod system_scene;
+pub mod tail;

@@ -62,6 +62,12 @@ pub fn commit() -> Option<String> {
     Some(if changes.is_empty() { hash } else { format!("{hash}-dirty") })
 }
 
+/// Today, as `2026-11-21` in Greenwich; `None` where the system does not say.
+#[must_use]
+pub fn date() -> Option<String> {
+    answer("date", &["-u", "+%Y-%m-%d"])
+}
+
 /// Twelve digits of a commit, and whether it was dirty.
 #[must_use]
 pub fn short(commit: &str) -> String {

@@ -5,6 +5,7 @@ pub(crate) mod failures;
 pub(crate) mod invariance;
 pub(crate) mod linear_oscillator;
 pub(crate) mod monte_carlo;
+pub(crate) mod rivals;
 pub(crate) mod spatial_order;
 pub(crate) mod viscous_damper;
 

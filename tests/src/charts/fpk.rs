@@ -251,7 +251,7 @@ fn density(
     let mut points = Vec::new();
     while let Some((label, config)) = next(points.len()) {
         context.progress(&format!("{progress}, {label}"));
-        let (outcome, cost, spread) = timed(|| {
+        let (outcome, cost, spread) = timed(LONG, || {
             run_density(&problem.system, &problem.law, &config, &asked).map_err(CaseError::from)
         })?;
         let outcome = match (outcome.at(TIME), &outcome.stopped) {
@@ -290,7 +290,7 @@ fn monte_carlo(
         .map(|&paths| {
             let sampling =
                 Sampling { paths, step: TIME / f64::from(steps), integrator, seed: paths };
-            let (run, cost, spread) = timed(|| {
+            let (run, cost, spread) = timed(LONG, || {
                 run_sampled(&problem.system, &problem.law, &sampling, &asked)
                     .map_err(CaseError::from)
             })?;
@@ -304,9 +304,14 @@ fn monte_carlo(
         .collect()
 }
 
+/// Beyond this time a run is not repeated.
+const LONG: Duration = Duration::from_secs(3);
+
 /// The result with its median CPU time and half the range: three runs where one is short.
-fn timed<T>(mut work: impl FnMut() -> Result<T, CaseError>) -> Result<(T, f64, f64), CaseError> {
-    const LONG: Duration = Duration::from_secs(3);
+pub(super) fn timed<T>(
+    long: Duration,
+    mut work: impl FnMut() -> Result<T, CaseError>,
+) -> Result<(T, f64, f64), CaseError> {
     let mut measure = || -> Result<(T, Duration), CaseError> {
         let start = ProcessTime::now();
         let result = work()?;
@@ -314,7 +319,7 @@ fn timed<T>(mut work: impl FnMut() -> Result<T, CaseError>) -> Result<(T, f64, f
     };
     let (result, first) = measure()?;
     let mut costs = vec![first.as_secs_f64()];
-    if first < LONG {
+    if first < long {
         for _ in 0..2 {
             costs.push(measure()?.1.as_secs_f64());
         }
@@ -397,7 +402,7 @@ fn group_thousands(n: usize) -> String {
 }
 
 /// 12345 as `12,345`.
-fn group_thousands_u64(n: u64) -> String {
+pub(super) fn group_thousands_u64(n: u64) -> String {
     let digits = n.to_string();
     let mut grouped = String::new();
     for (k, digit) in digits.chars().enumerate() {

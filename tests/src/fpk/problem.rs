@@ -1,9 +1,11 @@
 //! The built-in problems: each is a scene file, and has references.
 
+use fpk_sph::systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 use sde_integrators::GaussianMixture;
 
 use super::reference::ReferenceTable;
 use super::scene::{FpkScene, System};
+use super::system_scene::SceneSystem;
 use crate::case::CaseError;
 use crate::scene::SceneFile;
 
@@ -49,4 +51,58 @@ impl Problem {
         let law = scene.initial.build(None)?;
         Ok(Self { scene, system, law, reference })
     }
+}
+
+/// A scene of any dimension with its system, which `pick` takes out of those that a scene can name.
+fn picked<S, const D: usize>(
+    name: &str,
+    text: &str,
+    pick: impl FnOnce(SceneSystem) -> Option<S>,
+) -> Result<(S, GaussianMixture<D>), CaseError> {
+    let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
+    let system = scene.system.build()?;
+    let law = scene.initial.build(system.filter_covariance().as_deref())?;
+    let system = pick(system).ok_or_else(|| format!("{name} holds another system"))?;
+    Ok((system, law))
+}
+
+/// The Bouc-Wen oscillator of section 4.2, its initial law and its references.
+///
+/// # Errors
+/// Those of the scene and of the reference data.
+pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseError> {
+    let text = include_str!("../../scenes/fpk/bouc_wen.json");
+    let (system, law) = picked("tests/scenes/fpk/bouc_wen.json", text, |system| match system {
+        SceneSystem::BoucWen(system) => Some(system),
+        _ => None,
+    })?;
+    Ok((system, law, ReferenceTable::bouc_wen()?))
+}
+
+/// The hardening spring and its initial law.
+///
+/// # Errors
+/// Those of the scene.
+pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
+    let text = include_str!("../../scenes/fpk/duffing.json");
+    picked("tests/scenes/fpk/duffing.json", text, |system| match system {
+        SceneSystem::Duffing(system) => Some(system),
+        _ => None,
+    })
+}
+
+/// A linear oscillator behind the filter of Kanai and Tajimi.
+pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
+
+/// The linear building on firm soil and its initial law; its law at all times follows from
+/// [`linear_moments`](super::linear_moments::linear_moments).
+///
+/// # Errors
+/// Those of the scene.
+pub fn kanai_tajimi() -> Result<(ShakenOscillator, GaussianMixture<4>), CaseError> {
+    let text = include_str!("../../scenes/fpk/kanai_tajimi.json");
+    picked("tests/scenes/fpk/kanai_tajimi.json", text, |system| match system {
+        SceneSystem::KanaiTajimiLinear(system) => Some(system),
+        _ => None,
+    })
 }

@@ -56,7 +56,7 @@ fn show_cost(context: &Context<'_>) -> Result<(), CaseError> {
             .into_iter()
             .zip(drawings)
     {
-        context.show_chart(title, drawing.svg);
+        context.show_chart(title, drawing.into_svg().ok_or("a page and no picture")?);
     }
     Ok(())
 }

@@ -50,7 +50,8 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(tail(&judge)?);
     claims.extend(after(&judge)?);
     let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;
-    context.show_chart("Probability of exceedance over time", drawing.svg);
+    let svg = drawing.into_svg().ok_or("a page and no picture")?;
+    context.show_chart("Probability of exceedance over time", svg);
     Ok(claims)
 }
 

@@ -24,7 +24,7 @@ use crate::stability;
 pub const ALL: &[ChartKind] = &[fpk::CHART, fpk_choice::CHART, kernels::CHART, sde::CHART];
 
 /// Every sweep of `stability`.
-pub const STABILITY: &[ChartKind] = &[stability::sde::MAP];
+pub const STABILITY: &[ChartKind] = &[stability::fpk::MAP, stability::sde::MAP];
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
@@ -104,7 +104,7 @@ impl Drawing {
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn plane(name: &str, data: &chart::Plane) -> Result<Self, DrawingError> {
         let face = Face::Picture(chart::plane(data)?);
-        Ok(Self { name: name.into(), face, data: finite::to_json(data)? })
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
     /// A page of text.
@@ -112,7 +112,8 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that JSON does not hold.
     pub fn page<T: Serialize>(name: &str, text: String, data: &T) -> Result<Self, DrawingError> {
-        Ok(Self { name: name.into(), face: Face::Page(text), data: finite::to_json(data)? })
+        let data = finite::to_json(data)?;
+        Ok(Self { name: name.into(), face: Face::Page(text), data, table: String::new() })
     }
 
     /// The picture, where it is one.

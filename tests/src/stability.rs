@@ -5,6 +5,7 @@
 //! [`Panel`]s and hands them to [`Panel::sweep`], which runs, judges, draws and tabulates. A run says its error and
 //! spends [`Work`]; the typed errors are those of the crate it calls.
 
+pub(crate) mod fpk;
 pub(crate) mod sde;
 
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::case::CaseError;
 use crate::chart::{Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words, time_series};
-use crate::charts::{Drawing, DrawingError};
+use crate::charts::{Drawing, DrawingError, Face};
 use crate::finite;
 
 /// Points of the line of a boundary.
@@ -191,7 +192,7 @@ impl Panel<'_> {
         };
         let svg = time_series(&picture)?;
         let data = finite::to_json(&map)?;
-        Ok(Drawing { name: self.name.clone(), svg, data, table: row(&map) })
+        Ok(Drawing { name: self.name.clone(), face: Face::Picture(svg), data, table: row(&map) })
     }
 
     fn map(&self) -> Map {
@@ -355,7 +356,7 @@ mod tests {
     fn a_silent_nan_is_an_end_and_a_map_is_drawn_and_survives_json() {
         let drawing = panel(&|_, _, _| Ok(f64::NAN), &|x| Some(x)).sweep().unwrap();
         assert!(drawing.table.contains("10 ended") && drawing.table.contains("not a number"));
-        assert!(drawing.svg.contains("made up"));
+        assert!(drawing.clone().into_svg().is_some_and(|svg| svg.contains("made up")));
         let map: Map = serde_json::from_str(&drawing.data).unwrap();
         assert_eq!(map.points.len(), 10);
     }

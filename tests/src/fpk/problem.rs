@@ -5,7 +5,7 @@ use sde_integrators::GaussianMixture;
 
 use super::reference::ReferenceTable;
 use super::scene::{FpkScene, System};
-use super::system_scene::SceneSystem;
+use super::scene_system::SceneSystem;
 use crate::case::CaseError;
 use crate::scene::SceneFile;
 

@@ -49,13 +49,3 @@ pub const ALL: &[Case] = &[
     sde_ensembles::first_passage::CASE,
     sde_ensembles::rare_events::CASE,
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_table_is_well_formed() {
-        crate::verify::check_table(ALL).unwrap();
-    }
-}

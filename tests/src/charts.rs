@@ -324,13 +324,4 @@ mod tests {
         assert!(matches!(run(&TABLE, "fails"), Err(ChartsError::Failed { name: "fails", .. })));
         assert!(matches!(run(&[], "sample"), Err(ChartsError::NothingToDraw { .. })));
     }
-
-    #[test]
-    fn names_in_the_tables_are_unique() {
-        for table in [ALL, STABILITY] {
-            let names: std::collections::BTreeSet<&str> =
-                table.iter().map(|kind| kind.name).collect();
-            assert_eq!(names.len(), table.len());
-        }
-    }
 }

@@ -17,7 +17,7 @@ use crate::chart::{
 use crate::charts::{ChartKind, Drawing};
 use crate::machine::Machine;
 use crate::sde::methods::{Method, additive, diagonal, follow, second_order};
-use crate::sde::orders::{Errors, Outcome, Study, Target, measure};
+use crate::sde::orders::{Errors, Failure, Outcome, Study, Target, attempt};
 use crate::sde::problems::{Geometric, Populations, Sine};
 use crate::sde::reference::Diffrax;
 use crate::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
@@ -212,9 +212,9 @@ where
     let pair = (problem.system, problem.start);
     let (what, observable) = problem.observable;
     context.progress(&format!("{}: strong errors", problem.name));
-    let strong = measure(&problem.strong, pair, methods, target, &[])?;
+    let strong = attempt(&problem.strong, pair, methods, target, &[])?;
     context.progress(&format!("{}: weak errors", problem.name));
-    let weak = measure(&problem.weak, pair, methods, target, &[observable])?;
+    let weak = attempt(&problem.weak, pair, methods, target, &[observable])?;
     context.progress(&format!("{}: CPU time", problem.name));
     // Both studies have the same coarsest level: the times of the longer one serve both.
     let longer =
@@ -228,10 +228,13 @@ where
         };
         let mut series = Vec::new();
         for ((method, outcome), times) in methods.iter().zip(outcomes).zip(&times) {
-            series.push(Series { name: method.name.into(), runs: runs(&errors(outcome), times) });
+            series.push(Series {
+                name: method.name.into(),
+                runs: runs(&errors(outcome), &failures(outcome, study), times),
+            });
         }
         if let Some(times) = &rival_times {
-            let runs = runs(&errors(&outcomes[0]), times);
+            let runs = runs(&errors(&outcomes[0]), &failures(&outcomes[0], study), times);
             series.push(Series { name: "rival: scalar Euler loop".into(), runs });
         }
         // Of diffrax the strong errors are recorded.
@@ -254,7 +257,7 @@ where
                     "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
                     study.n_paths
                 )),
-                Some("Labels: steps. The methods draw w and H. A cross: of the paths that were timed some ended in an error, which the JSON file names.".into()),
+                Some("Labels: steps. The methods draw w and H. A cross: some paths ended in an error, which the JSON file names.".into()),
                 problem.rival.map(|_| "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.".into()),
                 recorded.map(|_| diffrax_caption(&diffrax)),
                 Some(Machine::read().caption()),
@@ -312,17 +315,26 @@ fn diffrax_caption(record: &Diffrax) -> String {
     )
 }
 
-fn runs(errors: &Errors, times: &[Timing]) -> Vec<Run> {
+/// What is said of each level that some paths did not reach the end of.
+fn failures(outcome: &Outcome, study: &Study) -> Vec<Option<String>> {
+    let words = |Failure { n_paths, first, error }: &Failure| {
+        format!("{n_paths} of {} paths, the first, {first}: {error}", study.n_paths)
+    };
+    outcome.failures.iter().map(|failure| failure.as_ref().map(words)).collect()
+}
+
+fn runs(errors: &Errors, failures: &[Option<String>], times: &[Timing]) -> Vec<Run> {
     let times = &times[..errors.levels.len().min(times.len())];
     let ends = [times.first(), times.last()].map(|end| end.map_or(0, |time| time.n_steps));
     errors
         .levels
         .iter()
+        .zip(failures)
         .zip(times)
-        .map(|(level, time)| Run {
+        .map(|((level, failure), time)| Run {
             cost: time.cost,
             cost_error: (time.spread > 0.0).then_some(time.spread),
-            outcome: match &time.failure {
+            outcome: match failure.as_ref().or(time.failure.as_ref()) {
                 Some(reason) => RunOutcome::Failed { reason: reason.clone() },
                 None if level.error.value.abs() > 0.0 && level.error.value.is_finite() => {
                     RunOutcome::Error {

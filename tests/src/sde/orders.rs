@@ -5,7 +5,7 @@
 //! slope is that of the jackknife over batches of paths, together with the scatter about the line.
 
 use rayon::prelude::*;
-use sde_integrators::{Increment, Noise};
+use sde_integrators::{Increment, Noise, StepError};
 
 use super::methods::Method;
 use crate::case::{CaseError, Context};
@@ -72,6 +72,19 @@ pub struct Outcome {
     pub strong: Errors,
     /// `E(phi(X_h) - phi(X))` at the end, per observable.
     pub weak: Vec<Errors>,
+    /// Per level, what the paths met that could not be followed to the end. The errors of such a level are no numbers.
+    pub failures: Vec<Option<Failure>>,
+}
+
+/// Paths that a method could not follow to the end at one step length.
+#[derive(Debug, Clone)]
+pub struct Failure {
+    /// How many.
+    pub n_paths: u64,
+    /// The first of them.
+    pub first: u64,
+    /// What it said.
+    pub error: StepError,
 }
 
 /// What came of a study.
@@ -90,6 +103,16 @@ struct Sums {
     strong: Vec<f64>,
     weak: Vec<Vec<f64>>,
     reference: Vec<f64>,
+    failures: Vec<Option<Failure>>,
+}
+
+impl Sums {
+    /// A level without one of its paths is no result: its sums are no numbers from here on.
+    fn fail(&mut self, cell: usize, path: u64, error: StepError) {
+        self.strong[cell] = f64::NAN;
+        self.weak.iter_mut().for_each(|weak| weak[cell] = f64::NAN);
+        self.failures[cell].get_or_insert(Failure { n_paths: 0, first: path, error }).n_paths += 1;
+    }
 }
 
 /// Runs every method on every path.
@@ -97,6 +120,27 @@ struct Sums {
 /// # Errors
 /// Of a method that could not take a step, or of the reference.
 pub fn measure<S, const D: usize, const M: usize>(
+    study: &Study,
+    problem: (&S, [f64; D]),
+    methods: &[Method<S, D, M>],
+    target: &Target<'_, D, M>,
+    observables: &[fn(&[f64; D]) -> f64],
+) -> Result<Outcomes, CaseError>
+where
+    S: Sync,
+{
+    let outcomes = attempt(study, problem, methods, target, observables)?;
+    match outcomes.methods.iter().flat_map(|outcome| &outcome.failures).flatten().next() {
+        Some(failure) => Err(failure.error.clone().into()),
+        None => Ok(outcomes),
+    }
+}
+
+/// The same, where a method that cannot take a step spoils its level and no other.
+///
+/// # Errors
+/// Of the reference.
+pub fn attempt<S, const D: usize, const M: usize>(
     study: &Study,
     (system, start): (&S, [f64; D]),
     methods: &[Method<S, D, M>],
@@ -110,8 +154,12 @@ where
     let batch = |batch: u64| -> Result<Sums, CaseError> {
         let empty = vec![0.0; n_cells];
         let n = observables.len();
-        let mut sums =
-            Sums { strong: empty.clone(), weak: vec![empty; n], reference: vec![0.0; n] };
+        let mut sums = Sums {
+            strong: empty.clone(),
+            weak: vec![empty; n],
+            reference: vec![0.0; n],
+            failures: vec![None; n_cells],
+        };
         let per_batch = study.n_paths / BATCHES;
         for path in batch * per_batch..(batch + 1) * per_batch {
             one_path(study, (system, start), methods, target, observables, path, &mut sums)?;
@@ -157,7 +205,13 @@ fn one_path<S, const D: usize, const M: usize>(
         let dt = study.end / increments.len() as f64;
         for (k, method) in methods.iter().enumerate() {
             let cell = k * study.n_levels + level;
-            let x = (method.run)(system, start, dt, &increments)?;
+            let x = match (method.run)(system, start, dt, &increments) {
+                Ok(x) => x,
+                Err(error) => {
+                    sums.fail(cell, path, error);
+                    continue;
+                }
+            };
             sums.strong[cell] +=
                 x.iter().zip(&expected).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             for (weak, phi) in sums.weak.iter_mut().zip(observables) {
@@ -191,7 +245,16 @@ fn outcome(study: &Study, batches: &[Sums], method: usize, n_observables: usize)
         weak: (0..n_observables)
             .map(|phi| errors(&steps, &per_batch(&|sums| &sums.weak[phi]), |mean| mean))
             .collect(),
+        failures: cells.clone().map(|cell| failure(batches, cell)).collect(),
     }
+}
+
+/// The failures of all batches at one level of a method.
+fn failure(batches: &[Sums], cell: usize) -> Option<Failure> {
+    let mut failures = batches.iter().filter_map(|sums| sums.failures[cell].as_ref());
+    let first = failures.next()?.clone();
+    let n_paths = first.n_paths + failures.map(|failure| failure.n_paths).sum::<u64>();
+    Some(Failure { n_paths, ..first })
 }
 
 /// Errors and their slope from means per batch and level; `of` makes an error of a mean.
@@ -291,7 +354,11 @@ pub fn claim(
 
 #[cfg(test)]
 mod tests {
+    use sde_integrators::EulerMaruyama;
+
     use super::*;
+    use crate::sde::methods::{follow, method};
+    use crate::sde::problems::Sine;
 
     #[test]
     fn a_slope_carries_the_noise_of_its_batches() {
@@ -316,5 +383,37 @@ mod tests {
         assert!(errors(&steps, &noisy, |mean| mean).order.is_none());
         let turning: Vec<Vec<f64>> = (0..32).map(|_| vec![1.0, 0.5, 0.2, -0.1]).collect();
         assert!(errors(&steps, &turning, |mean| mean).order.is_none());
+    }
+
+    /// Euler's method, and the same that refuses steps of a quarter whose first motion is upwards.
+    #[test]
+    fn a_path_that_fails_spoils_its_level_alone_and_is_an_error_where_none_may() {
+        let euler = || method("euler-maruyama", "Euler-Maruyama", EulerMaruyama, [1.0; 3]);
+        let run = |system: &Sine, start, dt: f64, increments: &[Increment<1>]| {
+            if dt > 0.2 && increments[0].brownian[0] > 0.0 {
+                return Err(StepError::StepTooLong { dt, limit: 0.2 });
+            }
+            follow(system, &EulerMaruyama, start, dt, increments)
+        };
+        let fails: Method<Sine, 1, 1> = Method { id: "fails", run: Box::new(run), ..euler() };
+        let study =
+            Study { n_paths: 64, seed: 3, end: 1.0, coarsest: 4, n_levels: 3, refinements: 1 };
+        let start = [1.0];
+        let target = |dt: f64, increments: &[Increment<1>]| {
+            Ok(follow(&Sine, &EulerMaruyama, start, dt, increments)?)
+        };
+        let methods = [euler(), fails];
+        let outcomes = attempt(&study, (&Sine, start), &methods, &target, &[|x| x[0]]).unwrap();
+        let [whole, part] = [&outcomes.methods[0], &outcomes.methods[1]];
+        assert!(whole.failures.iter().all(Option::is_none));
+        let failure = part.failures[0].as_ref().unwrap();
+        assert!((16..48).contains(&failure.n_paths) && failure.first < 8, "{failure:?}");
+        assert!(part.failures[1..].iter().all(Option::is_none));
+        for [whole, part] in [[&whole.strong, &part.strong], [&whole.weak[0], &part.weak[0]]] {
+            assert!(part.levels[0].error.value.is_nan());
+            assert_eq!(whole.levels[1..], part.levels[1..]);
+        }
+        let refused = measure(&study, (&Sine, start), &methods, &target, &[]).unwrap_err();
+        assert_eq!(refused.to_string(), "step length 0.25 exceeds its limit 0.2");
     }
 }

@@ -1,8 +1,12 @@
 //! Every search gives the list that brute force gives, whatever the cloud.
+//!
+//! One program with the laws of queries and skins, so that each search is compiled once for each number of dimensions.
 
 #![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
 
 mod many;
+mod query;
+mod skin;
 
 use neighbour_search::{
     BruteForce, CellGrid, Criterion, Domain, Error, LeafTree, NeighbourList, NeighbourSearch, Radii,

@@ -1,7 +1,5 @@
 //! A list with a skin hands out the pairs of a new list, whatever the points have done since.
 
-#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
-
 use neighbour_search::{
     BruteForce, Criterion, Domain, Error, NeighbourList, NeighbourSearch, Radii, SkinList, Update,
 };

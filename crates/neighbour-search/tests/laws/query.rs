@@ -1,7 +1,5 @@
 //! Questions about a place have the answers of a loop over all points.
 
-#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
-
 use std::ops::ControlFlow;
 
 use neighbour_search::{

@@ -21,6 +21,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it
 
+`cargo xtask --checked COMMAND ...` runs verify, run, chart and stability as the tests are built:
+slower, with checks of overflow, and without another build of everything after `cargo test`.
+
 `cargo xtask COMMAND --help` says more about verify, run, chart and stability.
 ";
 
@@ -29,13 +32,24 @@ const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (checked, arguments) = match arguments.split_first() {
+        Some((first, rest)) if first == "--checked" => (true, rest),
+        _ => (false, &arguments[..]),
+    };
     let Some((command, rest)) = arguments.split_first() else {
         say(HELP);
         return ExitCode::from(USAGE);
     };
     match command.as_str() {
+        "verify" | "run" | "chart" | "stability" if checked => {
+            let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
+            if built != ExitCode::SUCCESS {
+                return built;
+            }
+            start(Command::new(binary("debug")).arg(command).args(rest))
+        }
         "verify" | "run" | "chart" | "stability" => {
-            if !is_built() {
+            if !binary("release").exists() {
                 say("building verification (release); the first time takes a few minutes ...\n");
             }
             start(cargo().args(verification_arguments(command, rest)))
@@ -77,10 +91,11 @@ fn workspace() -> PathBuf {
     package.as_deref().and_then(Path::parent).map_or_else(|| ".".into(), Path::to_owned)
 }
 
-fn is_built() -> bool {
+/// The binary of `verification` as a profile builds it.
+fn binary(profile: &str) -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| workspace().join("target"), PathBuf::from);
-    target.join("release").join(format!("verification{}", std::env::consts::EXE_SUFFIX)).exists()
+    target.join(profile).join(format!("verification{}", std::env::consts::EXE_SUFFIX))
 }
 
 fn start(command: &mut Command) -> ExitCode {

@@ -184,7 +184,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 180,
     };
     let mut scene = setting.scene();
-    let lattices = balls(context, 5.0, &[0.7, 0.6, 0.5, 0.42]);
+    let lattices = balls(context, 5.0, &[0.7, 0.6, 0.5, 0.42, 0.36]);
     scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
     scene.records.extend(solve_linearised(&setting, &OF_HYSTERESIS)?);
     scene.records.extend(sample(context, &setting)?);
@@ -224,7 +224,8 @@ fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 200,
     };
     let mut scene = setting.scene();
-    let lattices = balls(context, 4.5, &[1.0, 0.9, 0.8]);
+    // Half a minute and more each: a ladder of two.
+    let lattices = balls(context, 4.5, &[1.1, 0.95]);
     scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
     scene.records.extend(solve_linearised(&setting, &OF_SHAKEN)?);
     scene.records.extend(sample(context, &setting)?);

@@ -21,6 +21,10 @@ use crate::fpk::tail::TailPaths;
 /// The methods of the density solver: a new one is one line.
 const METHODS: &[(&str, Method)] = &[("particles, log-density fit", Method::LogDensityFit)];
 
+/// Most states for which tails are integrated over cells; beyond, that would cost as much as the run, and the
+/// log-interpolated distribution serves.
+const MOST_STATES_OF_CELLS: usize = 3;
+
 /// Beyond this time a run is not repeated.
 const LONG: Duration = Duration::from_secs(1);
 
@@ -145,7 +149,7 @@ pub(super) fn solve_with_particles<S, I, const D: usize>(
 where
     S: Sde<D, 1, Noise = Additive>,
 {
-    let asked = setting.asked(true);
+    let asked = setting.asked(D <= MOST_STATES_OF_CELLS);
     let mut records = Vec::new();
     for (name, method) in METHODS {
         for &lattice in lattices {

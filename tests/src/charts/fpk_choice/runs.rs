@@ -19,7 +19,10 @@ use crate::fpk::scene::IntegratorScene;
 use crate::fpk::tail::TailPaths;
 
 /// The methods of the density solver: a new one is one line.
-const METHODS: &[(&str, Method)] = &[("particles, log-density fit", Method::LogDensityFit)];
+const METHODS: &[(&str, Method)] = &[
+    ("particles, log-density fit", Method::LogDensityFit),
+    ("particles, flow-map fit", Method::FlowMapFit),
+];
 
 /// Most states for which tails are integrated over cells; beyond, that would cost as much as the run, and the
 /// log-interpolated distribution serves.

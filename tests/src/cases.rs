@@ -20,6 +20,8 @@ pub const ALL: &[Case] = &[
     fpk::linear_oscillator::CASE,
     fpk::viscous_damper::CASE,
     fpk::viscous_damper::REFINED,
+    fpk::viscous_damper::FLOW_MAP_FIT,
+    fpk::linear_oscillator::FLOW_MAP_FIT,
     fpk::canor_denoel::CASE,
     fpk::monte_carlo::CASE,
     fpk::spatial_order::CASE,

@@ -22,6 +22,8 @@ pub const ALL: &[Case] = &[
     fpk::viscous_damper::REFINED,
     fpk::viscous_damper::FLOW_MAP_FIT,
     fpk::linear_oscillator::FLOW_MAP_FIT,
+    fpk::bouc_wen::COARSE,
+    fpk::bouc_wen::CASE,
     fpk::canor_denoel::CASE,
     fpk::monte_carlo::CASE,
     fpk::spatial_order::CASE,

@@ -24,6 +24,9 @@ const END: f64 = 6.0;
 
 type Damper = Simulation<ViscousDamper, 2, 1>;
 
+/// A method by its name, with its start.
+type Named = (&'static str, fn() -> Damper);
+
 fn simulation(method: Method, lattice: InitialLattice<2>) -> Damper {
     let structure = LinearOscillatorParameters {
         natural_frequency: PI,
@@ -55,8 +58,7 @@ fn at_the_end(start: fn() -> Damper) -> Damper {
 }
 
 /// The methods of this project, from their start.
-const OURS: [(&str, fn() -> Damper); 2] =
-    [("LogDensityFit 41 x 41", fit), ("FlowMapFit 41 x 41", flow_map)];
+const OURS: [Named; 2] = [("LogDensityFit 41 x 41", fit), ("FlowMapFit 41 x 41", flow_map)];
 
 fn paper() -> Damper {
     let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
@@ -88,7 +90,7 @@ fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
 /// One step from `t = 1`, where the noise has begun and the lattice has turned.
 fn step(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
     let mut group = criterion.benchmark_group("fpk/viscous damper, step from 1 s");
-    let paper: (&str, fn() -> Damper) = ("CanorDenoel2013 50 x 33", paper);
+    let paper: Named = ("CanorDenoel2013 50 x 33", paper);
     for (name, start) in std::iter::once(paper).chain(OURS) {
         let mut snapshot = Vec::new();
         let mut simulation = pool.install(start);

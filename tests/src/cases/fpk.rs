@@ -1,9 +1,11 @@
 //! What is claimed of `fpk-sph`.
 
+pub(crate) mod bouc_wen;
 pub(crate) mod canor_denoel;
 pub(crate) mod failures;
 pub(crate) mod invariance;
 pub(crate) mod linear_oscillator;
+mod lines;
 pub(crate) mod monte_carlo;
 pub(crate) mod rivals;
 pub(crate) mod spatial_order;

@@ -19,6 +19,14 @@ pub(crate) const CASE: Case = Case {
     run,
 };
 
+pub(crate) const FLOW_MAP_FIT: Case = Case {
+    id: "fpk-sph/linear-oscillator-flow-map",
+    title: "Linear oscillator in an earthquake, flow-map fit: exact answer",
+    source: CASE.source,
+    cost: Profile::Quick,
+    run: flow_map_fit,
+};
+
 const TIMES: [f64; 10] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
 
 /// Smallest probability that is claimed.
@@ -45,6 +53,22 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(densities(&judge, &exactness)?);
     claims.extend(exceedances(&judge)?);
     claims.extend(rim(context, &problem, &config)?);
+    Ok(claims)
+}
+
+fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let problem = Problem::linear_oscillator()?;
+    let config = problem
+        .scene
+        .density_config(problem.system.period(), 1.0)
+        .ok_or("the scene has no density method")?;
+    let config = Config { method: Method::FlowMapFit, ..config };
+    let (run, exactness) = density_run(context, &problem, &config)?;
+    let method = run.words("flow-map fit, box of 7 sigma");
+    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
+    let mut claims = moments(&judge)?;
+    claims.extend(densities(&judge, &exactness)?);
+    claims.extend(exceedances(&judge)?);
     Ok(claims)
 }
 

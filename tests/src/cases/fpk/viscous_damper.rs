@@ -1,5 +1,7 @@
 //! The building with a viscous damper of the paper's section 4.1, by the better method.
 
+use fpk_sph::{Config, Method};
+
 use super::{ExceedanceEstimator, Judge, asked};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::charts;
@@ -25,6 +27,14 @@ pub(crate) const REFINED: Case = Case {
     source: SOURCE,
     cost: Profile::Quick,
     run: refined,
+};
+
+pub(crate) const FLOW_MAP_FIT: Case = Case {
+    id: "fpk-sph/viscous-damper-flow-map",
+    title: "Building with a viscous damper in an earthquake, flow-map fit, 1,681 particles",
+    source: SOURCE,
+    cost: Profile::Quick,
+    run: flow_map_fit,
 };
 
 /// While the noise is strong.
@@ -114,6 +124,39 @@ fn after(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
             let criterion = Criterion::AsMeasured { from: -0.03, to: 0.02, reason };
             claims.push(judge.exceedance(ExceedanceEstimator::Cell, threshold, t, criterion)?);
         }
+    }
+    Ok(claims)
+}
+
+/// Smallest probability that is claimed of the flow-map fit.
+const FLOW_MAP_FLOOR: f64 = 1e-7;
+
+fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let config = problem
+        .scene
+        .density_config(problem.system.period(), 1.0)
+        .ok_or("the scene has no density method")?;
+    let config = Config { method: Method::FlowMapFit, ..config };
+    let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
+    let run = run(&problem.system, &problem.law, &config, &asked(&times, &problem, true))?;
+    let method = run.words("flow-map fit, box of 6 sigma");
+    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
+    let reason = "truncation of the cubic fit; seen within 0.081 %, the most at t = 1 in E[v^2], and within 0.05 % after the \
+                  noise has died away";
+    let tail = "truncation of the fit and a limit taken as linear in a part of a cell; seen within 0.008 down to 1e-7, also \
+                on the slow manifold at t = 7, 8 and 10";
+    let mut claims = Vec::new();
+    for &t in &times {
+        let criterion = Criterion::Within { tolerance: 2e-3, reason };
+        for powers in [[2, 0], [0, 2]] {
+            claims.push(judge.moment(powers, t, criterion)?);
+        }
+        claims.push(judge.correlation(t, criterion)?);
+    }
+    for (threshold, t, _) in judge.exceedances_from(&times, FLOW_MAP_FLOOR) {
+        let criterion = Criterion::Within { tolerance: 0.02, reason: tail };
+        claims.push(judge.exceedance(ExceedanceEstimator::Cell, threshold, t, criterion)?);
     }
     Ok(claims)
 }

@@ -89,11 +89,11 @@ fn a_state_that_is_none_is_refused_with_those_that_are() {
 #[test]
 fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
     let (message, ..) =
-        mistake_in(BOUC_WEN, "\"spacing\": 0.4", "\"spacing\": 0.4, \"count\": [9, 9, 9]");
+        mistake_in(BOUC_WEN, "\"spacing\": 0.5", "\"spacing\": 0.5, \"count\": [9, 9, 9]");
     assert_eq!(message, "either `count` for a box or `spacing` for a ball must be given");
     let sampled = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.01, \"seed\": 1, \
                    \"integrator\": \"strang_oscillator\" }";
-    let fit = "\"log_density_fit\": { \"spacing\": 0.4, \"reach\": 4.4 }";
+    let fit = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
     let (message, _, _, help) = mistake_in(BOUC_WEN, fit, sampled);
     assert_eq!(message, "the integrator Strang does not step this system");
     assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));

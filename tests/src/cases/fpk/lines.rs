@@ -2,6 +2,7 @@
 
 use crate::case::{CaseError, Context};
 use crate::claim::{Criterion, Measured, Reference};
+use crate::fpk::density::{DensityRun, Row};
 use crate::fpk::scene::FpkScene;
 use crate::report::{Claim, ErrorKind};
 use crate::scene::SceneFile;
@@ -45,4 +46,9 @@ impl Lines<'_> {
 /// A scene by its file.
 pub(super) fn scene(name: &str, text: &str) -> Result<FpkScene, CaseError> {
     Ok(SceneFile::from_text(name, text.to_owned())?.parse()?)
+}
+
+/// The row of a time, or why there is none.
+pub(super) fn row(run: &DensityRun, t: f64) -> Result<&Row, CaseError> {
+    run.at(t).ok_or_else(|| format!("no row at t = {t}: {:?}", run.stopped).into())
 }

@@ -26,7 +26,7 @@ pub struct StepReport {
     pub h_max: f64,
     /// Largest over smallest eigenvalue of the cloud's covariance, in the units of the state.
     pub covariance_condition: f64,
-    /// Cells that the estimator could not resolve at the first stage.
+    /// Particles that the estimator could not resolve at the first stage.
     pub unresolved: Unresolved,
 }
 

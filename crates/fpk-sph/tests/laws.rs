@@ -108,6 +108,44 @@ fn an_isolated_particle_does_not_determine_a_fit() {
     );
 }
 
+/// In a whitened cloud it keeps the Gaussian's score instead, and is counted.
+#[test]
+fn an_isolated_particle_of_a_whitened_cloud_keeps_the_score_of_the_gaussian() {
+    let positions = [[1.0, 2.0], [-1.0, -2.0]];
+    let fit = LogDensityFit {
+        kernel: Lucy,
+        volume: VolumeEstimate::KernelSum,
+        degree: Degree::Quadratic,
+    };
+    let (masses, h, lattice) = ([0.3, 0.7], [0.5, 0.5], []);
+    let mut neighbours = NeighbourList::new();
+    let criterion = ScoreEstimator::<2>::criterion(&fit).unwrap();
+    let radii = Radii::PerPoint { radii: &h, criterion };
+    BruteForce::new().full_list(&positions, radii, &mut neighbours).unwrap();
+    let cloud = Cloud {
+        positions: &positions,
+        masses: &masses,
+        smoothing_lengths: &h,
+        neighbours: &neighbours,
+        lattice: &lattice,
+        whitened: true,
+        step: 0,
+        time: 0.0,
+    };
+    let (mut score, mut density, mut volume) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
+    let (mut deformation, mut unresolved) = ([[[0.0; 2]; 2]; 2], Unresolved::default());
+    let mut out = Estimates {
+        score: &mut score,
+        density: &mut density,
+        volume: &mut volume,
+        deformation: &mut deformation,
+        unresolved: &mut unresolved,
+    };
+    fit.estimate(&cloud, &mut out).unwrap();
+    assert_eq!((score, unresolved.particles), ([[-1.0, -2.0], [1.0, 2.0]], 2));
+    assert!((unresolved.mass - 1.0).abs() < 1e-15);
+}
+
 #[test]
 fn a_deformed_cell_is_not_to_be_had_without_a_lattice() {
     let error =

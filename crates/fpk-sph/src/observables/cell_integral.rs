@@ -162,6 +162,9 @@ impl<const D: usize> CellIntegral<D> {
             let ratio = cell.integral() / particle_mass;
             if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
                 cell.go_on(beyond);
+                if cell.integral() > MOST_MASS_RATIO * particle_mass {
+                    cell.beyond.clear();
+                }
             } else {
                 cell.hold_own_mass(particle_mass, ratio);
             }

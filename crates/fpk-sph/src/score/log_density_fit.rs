@@ -154,7 +154,8 @@ impl<K> LogDensityFit<K> {
     }
 
     /// The polynomial that `count` points (with the particle itself) can carry: of the degree asked for where there are
-    /// [`POINTS_PER_UNKNOWN`], else of the highest degree for which there are.
+    /// [`POINTS_PER_UNKNOWN`], else of the highest degree for which there are. A particle that even the linear one is too
+    /// much for keeps the score of the whitened Gaussian: its departure from it is taken as constant.
     fn tables<const D: usize>(
         &self,
         cloud: &Cloud<'_, D>,
@@ -165,7 +166,8 @@ impl<K> LogDensityFit<K> {
         let needed = if cloud.whitened { POINTS_PER_UNKNOWN } else { 1.0 };
         let carried = Monomials::carried_by(count, self.degree.value(), needed);
         let linear = || Monomials::of_degree(1).filter(|linear| count > linear.n_unknowns);
-        carried.or_else(linear).ok_or(Error::TooFewNeighbours {
+        let constant = || Monomials::of_degree(0).filter(|_| cloud.whitened);
+        carried.or_else(linear).or_else(constant).ok_or(Error::TooFewNeighbours {
             step: cloud.step,
             time: cloud.time,
             particle: i,
@@ -267,6 +269,12 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         )?;
         for value in out.density.iter_mut() {
             *value = value.exp();
+        }
+        for i in 0..cloud.n_particles() {
+            if cloud.neighbours.of(i).len() + 1 <= unknowns(D, 1) {
+                out.unresolved.particles += 1;
+                out.unresolved.mass += cloud.masses[i];
+            }
         }
         Ok(())
     }

@@ -37,11 +37,12 @@ pub struct Estimates<'a, const D: usize> {
     pub volume: &'a mut [f64],
     /// The deformation gradient of the lattice cell, `dy/dX` in spacings, where the estimator has one; else as it was.
     pub deformation: &'a mut [[[f64; D]; D]],
-    /// Cells that the estimator could not resolve; zero before.
+    /// Particles that the estimator could not resolve; zero before.
     pub unresolved: &'a mut Unresolved,
 }
 
-/// Particles whose cell an estimator could not resolve, so that they took density and score from others.
+/// Particles that an estimator could not resolve: cells that took density and score from others, or particles with too few
+/// neighbours for a fit, which kept the score of the whitened Gaussian.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unresolved {
     /// How many.

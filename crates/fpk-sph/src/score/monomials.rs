@@ -37,10 +37,11 @@ pub(crate) struct Monomials<const D: usize> {
 }
 
 impl<const D: usize> Monomials<D> {
-    /// The tables of a polynomial of degree 1 to 4; none where it has more unknowns than there is room for.
+    /// The tables of a polynomial of degree 0 to 4; none where it has more unknowns than there is room for.
     pub(crate) const fn of_degree(degree: usize) -> Option<&'static Self> {
         let fits = unknowns(D, degree) <= MOST_UNKNOWNS && unknowns(D, 2 * degree) <= MOST_MOMENTS;
         match degree {
+            0 if fits => Some(Self::CONSTANT),
             1 if fits => Some(Self::LINEAR),
             2 if fits => Some(Self::QUADRATIC),
             3 if fits => Some(Self::CUBIC),
@@ -62,6 +63,7 @@ impl<const D: usize> Monomials<D> {
         })
     }
 
+    const CONSTANT: &'static Self = &Self::tables(0);
     const LINEAR: &'static Self = &Self::tables(1);
     const QUADRATIC: &'static Self = &Self::tables(2);
     const CUBIC: &'static Self = &Self::tables(3);

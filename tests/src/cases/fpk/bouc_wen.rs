@@ -1,7 +1,10 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
+use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::systems::BoucWen;
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
+use fpk_sph::{
+    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation,
+};
 use sde_integrators::GaussianMixture;
 
 use super::lines::{Lines, scene};
@@ -28,6 +31,14 @@ pub(crate) const CASE: Case = Case {
     source: SOURCE,
     cost: Profile::Default,
     run: fine,
+};
+
+pub(crate) const TAIL: Case = Case {
+    id: "fpk-sph/bouc-wen-tail",
+    title: "Building that yields in an earthquake, its tail, log-density fit, ball of 5.5 sigma",
+    source: SOURCE,
+    cost: Profile::Default,
+    run: tail,
 };
 
 /// What was seen at one time.
@@ -209,6 +220,34 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             None => Criterion::Within { tolerance: 0.05, reason },
         })
     }));
+    claims.push(run.bounded(&lines));
+    Ok(claims)
+}
+
+/// A run for the tail alone. The flow-map fit folds its rim (see [`MISSED`]); the log-density fit finds its neighbours anew
+/// where the rim has gone, and kernel sums need no lattice cell.
+fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let (volume, degree) = (VolumeEstimate::KernelSum, Degree::Quadratic);
+    let method = Method::Custom(Combination {
+        estimator: Estimator::LogDensityFit { volume, degree },
+        ..Method::LogDensityFit.combination()
+    });
+    let run = run(method, 5.5, 0.35, &[3.6])?;
+    let lines = run.lines(
+        context,
+        "log-density-fit",
+        "log-density fit, kernel sums, 5.5 sigma, spacing 0.35",
+    );
+    let reason = "truncation of the quadratic fit, of order 2 in the spacing: at 0.5 the same run is 0.32 high at T = 2; \
+                  seen within 0.097";
+    let mut claims =
+        run.tail(&lines, true, |_, _| Some(Criterion::Within { tolerance: 0.1, reason }));
+    let reason = "the same truncation, and the particles beyond T = 2 are few: seen within 0.095";
+    claims
+        .extend(run.tail(&lines, false, |_, _| Some(Criterion::Within { tolerance: 0.1, reason })));
+    let reason = "truncation of the quadratic fit: for moments the flow-map fit is three times as accurate and cheaper; \
+                  seen +1.5, +1.7 and +0.7 %";
+    claims.extend(run.moments(&lines, Criterion::Within { tolerance: 0.025, reason })?);
     claims.push(run.bounded(&lines));
     Ok(claims)
 }

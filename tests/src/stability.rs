@@ -5,6 +5,7 @@
 //! [`Panel`]s and hands them to [`Panel::sweep`], which runs, judges, draws and tabulates. A run says its error and
 //! spends [`Work`]; the typed errors are those of the crate it calls.
 
+mod axes;
 pub(crate) mod fpk;
 pub(crate) mod sde;
 

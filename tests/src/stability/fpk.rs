@@ -4,9 +4,10 @@
 use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
 
+use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
 use crate::case::{CaseError, Context, Profile};
-use crate::chart::{Scale, Words};
+use crate::chart::Scale;
 use crate::charts::{ChartKind, Drawing};
 use crate::fpk::problem::Problem;
 use crate::fpk::scene::System;
@@ -44,26 +45,6 @@ const METHODS: [(&str, &str, Method); 2] = [
     ("log-density-fit", "log-density fit", Method::LogDensityFit),
     ("flow-map-fit", "flow-map fit", Method::FlowMapFit),
 ];
-
-/// `n` values in equal steps.
-fn linear(n: u32, from: f64, to: f64) -> Vec<f64> {
-    (0..n).map(|k| from + (to - from) * f64::from(k) / f64::from(n - 1)).collect()
-}
-
-/// `n` values in equal factors.
-fn logarithmic(n: u32, from: f64, to: f64) -> Vec<f64> {
-    linear(n, from.ln(), to.ln()).into_iter().map(f64::exp).collect()
-}
-
-fn words(title: String, subtitle: &str, [x_label, y_label]: [&str; 2], caption: &str) -> Words {
-    Words {
-        title,
-        subtitle: subtitle.into(),
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        caption: vec![caption.into()],
-    }
-}
 
 fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)

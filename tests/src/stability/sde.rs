@@ -6,10 +6,11 @@ use sde_integrators::{
     StateSpace, StochasticTheta, StrangOscillator, simulate,
 };
 
+use super::axes::{linear, logarithmic, words};
 use super::{Boundary, Panel, Work};
 use crate::case::{CaseError, Context, Profile};
 use crate::cases::oscillator_limits::{self as limits, Limited};
-use crate::chart::{Scale, Words};
+use crate::chart::Scale;
 use crate::charts::{ChartKind, Drawing};
 use crate::sde::linear::probe;
 use crate::sde::problems::{Cubic, Oscillator};
@@ -42,26 +43,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         drawings.push(mean_square(n, id, name, formula)?);
     }
     Ok(drawings)
-}
-
-fn words(title: String, subtitle: &str, [x_label, y_label]: [&str; 2], caption: &str) -> Words {
-    Words {
-        title,
-        subtitle: subtitle.into(),
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        caption: vec![caption.into()],
-    }
-}
-
-/// `n` values in equal steps.
-fn linear(n: u32, from: f64, to: f64) -> Vec<f64> {
-    (0..n).map(|k| from + (to - from) * f64::from(k) / f64::from(n - 1)).collect()
-}
-
-/// `n` values in equal factors.
-fn logarithmic(n: u32, from: f64, to: f64) -> Vec<f64> {
-    linear(n, from.ln(), to.ln()).into_iter().map(f64::exp).collect()
 }
 
 fn oscillators(n: u32) -> Result<Vec<Drawing>, CaseError> {

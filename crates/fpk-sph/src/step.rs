@@ -33,7 +33,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         self.step_towards(f64::INFINITY)
     }
 
-    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's Runge-Kutta scheme, then `h` by eq 20.
+    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's scheme, then `h` by eq 20.
     pub(crate) fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
         let t = self.state.time;
         if self.state.n_steps >= self.most_steps {
@@ -42,6 +42,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let report = self.first_stage(end)?;
         self.later_stages(report.dt)?;
 
+        if self.field.combination.scheme == Scheme::LeapFrog {
+            self.state.remember(report.dt);
+        }
         // What the estimator does not see would stay for ever: it is taken out at its own rate.
         let part = 1.0 - (-report.dt / (SETTLING_PERIODS * self.reference_period)).exp();
         let Stages { x, k: [before, ..], .. } = &mut self.stages;
@@ -66,14 +69,23 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let Self { field, state, stage, stages: Stages { x, k: [k_1, k_2, k_3, k_4], .. }, .. } =
             self;
         let (t, x_0) = (state.time, &state.positions);
-        match field.combination.scheme {
-            Scheme::ForwardEuler => combine(x, x_0, &[(dt, k_1)]),
-            Scheme::Heun => {
+        match (field.combination.scheme, &state.previous) {
+            (Scheme::ForwardEuler, _) => combine(x, x_0, &[(dt, k_1)]),
+            (Scheme::LeapFrog, Some(previous)) => {
+                let ratio = dt / previous.dt;
+                combine(x, x_0, &[((1.0 + ratio) * dt, k_1)]);
+                for ((x, x_0), before) in x.iter_mut().zip(x_0).zip(&previous.positions) {
+                    for k in 0..D {
+                        x[k] += ratio * ratio * (before[k] - x_0[k]);
+                    }
+                }
+            }
+            (Scheme::Heun | Scheme::LeapFrog, _) => {
                 combine(x, x_0, &[(dt, k_1)]);
                 stage.velocity(field, state, t + dt, x, k_2)?;
                 combine(x, x_0, &[(dt / 2.0, k_1), (dt / 2.0, k_2)]);
             }
-            Scheme::RungeKutta4 => {
+            (Scheme::RungeKutta4, _) => {
                 combine(x, x_0, &[(dt / 2.0, k_1)]);
                 stage.velocity(field, state, t + dt / 2.0, x, k_2)?;
                 combine(x, x_0, &[(dt / 2.0, k_2)]);

@@ -21,7 +21,8 @@ pub enum Method {
     /// up to a fortieth of the period, within the diffusion limit.
     LogDensityFit,
     /// The best where the flow does not fold the cloud: a cubic flow-map fit over the lattice of the start, in whitened
-    /// coordinates, stepped as [`Self::LogDensityFit`]. No neighbour search, so a step costs a fifth.
+    /// coordinates, stepped as [`Self::LogDensityFit`]. No neighbour search, so a step costs a fifth. Quadratic from five
+    /// states on ([`Self::combination_in`]).
     FlowMapFit,
     /// Any other combination.
     Custom(Combination),
@@ -162,7 +163,22 @@ impl Scheme {
 }
 
 impl Method {
-    /// The parts of the method.
+    /// The parts of the method for a state with so many components: those of [`Self::combination`], but for the flow-map
+    /// fit from five on, which is quadratic over 2.3 spacings there. A cubic in five variables has 56 unknowns, and 2.8
+    /// spacings hold 900 neighbours; 1.75 hold 130, which leave modes at the scale of the lattice free to grow.
+    #[must_use]
+    pub fn combination_in(self, dimension: usize) -> Combination {
+        match self {
+            Self::FlowMapFit if dimension >= 5 => Combination {
+                estimator: Estimator::FlowMapFit { degree: Degree::Quadratic, thinnest: 0.2 },
+                support_over_spacing: 2.3,
+                ..self.combination()
+            },
+            _ => self.combination(),
+        }
+    }
+
+    /// The parts of the method, for up to four components.
     #[must_use]
     pub fn combination(self) -> Combination {
         match self {

@@ -87,7 +87,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Any parameter outside its range, by name; [`Error::TooFewParticles`]; [`Error::SupportTooSmall`] where the
     /// estimator is known to fail at the resolution asked for.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
-        let estimator = config.method.combination().estimator.build();
+        let estimator = config.method.combination_in(D).estimator.build();
         Self::with_estimator(system, law, config, estimator)
     }
 
@@ -101,7 +101,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
-        let combination = config.method.combination();
+        let combination = config.method.combination_in(D);
         combination.check()?;
         positive("reference_period", config.reference_period)?;
         estimator.check_resolution(combination.support_over_spacing)?;

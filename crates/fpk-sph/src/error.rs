@@ -162,23 +162,24 @@ pub enum Error {
         /// Unknowns of the fit.
         limit: usize,
     },
-    /// The neighbours of a particle lie so that they do not determine the local fit.
+    /// Cells that the estimator cannot resolve hold too much of the probability: what it takes for them from their
+    /// neighbours is no longer a density.
     #[error(
-        "step {step}, t = {time}: the fit at particle {particle} is singular: relative pivot {pivot:e} is below {limit:e} \
-         ({count} neighbours with itself)"
+        "step {step}, t = {time}: {particles} cells that are not resolved hold a probability of {mass:e}, above {limit:e}; \
+         particle {particle} has most of it"
     )]
-    SingularFit {
+    TooMuchUnresolved {
         /// Steps taken.
         step: u64,
         /// Time.
         time: f64,
-        /// The particle.
+        /// The particle with the largest mass among them.
         particle: usize,
-        /// Its neighbours, itself included.
-        count: usize,
-        /// Smallest pivot of the normal matrix over its diagonal entry.
-        pivot: f64,
-        /// The limit of that.
+        /// How many there are.
+        particles: usize,
+        /// The probability that they carry.
+        mass: f64,
+        /// The most that is allowed.
         limit: f64,
     },
     /// The covariance of the cloud does not span the state space.

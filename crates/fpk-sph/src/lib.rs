@@ -24,3 +24,4 @@ pub use report::{StepReport, Work};
 pub use score::ScoreEstimator;
 pub use simulation::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS, Simulation};
 pub use start::{DEFAULT_REACH, InitialLattice};
+pub use step::MOST_UNRESOLVED;

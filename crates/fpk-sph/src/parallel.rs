@@ -2,7 +2,7 @@
 //! entry, and nothing is summed across particles here.
 
 use crate::error::Error;
-use crate::score::Estimates;
+use crate::score::{Estimates, Fits};
 
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
 #[cfg(feature = "rayon")]
@@ -46,42 +46,47 @@ pub(crate) fn for_each_particle<const D: usize>(
     }
 }
 
-/// `(score, volume)[i] = value(scratch, i)`; of several errors, that of the lowest particle, whatever the threads did.
+/// `(score, volume)[i] = value(scratch, i)`, and how well the fits were determined; of several errors, that of the lowest
+/// particle. Counts and a smallest value do not depend on what the threads did.
 pub(crate) fn for_each_fit<const D: usize, W>(
     score: &mut [[f64; D]],
     volume: &mut [f64],
     scratch: impl Fn() -> W + Sync + Send,
-    value: impl Fn(&mut W, usize) -> Result<([f64; D], f64), Error> + Sync + Send,
-) -> Result<(), Error> {
+    value: impl Fn(&mut W, usize) -> Result<([f64; D], f64, Fits), Error> + Sync + Send,
+) -> Result<Fits, Error> {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        let first_error = score
+        type Outcome = Result<Fits, (usize, Error)>;
+        let both = |one: Outcome, other: Outcome| match (one, other) {
+            (Ok(one), Ok(other)) => Ok(one.and(other)),
+            (Err(one), Err(other)) => Err(if other.0 < one.0 { other } else { one }),
+            (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
+        };
+        score
             .par_chunks_mut(GRAIN)
             .zip(volume.par_chunks_mut(GRAIN))
             .enumerate()
-            .filter_map(|(chunk, (score, volume))| {
-                let mut scratch = scratch();
-                let entries = (chunk * GRAIN..).zip(score.iter_mut().zip(volume));
-                entries.map(|(i, entry)| (i, entry, value(&mut scratch, i))).find_map(
-                    |(i, entry, computed)| match computed {
-                        Ok(computed) => {
-                            (*entry.0, *entry.1) = computed;
-                            None
-                        }
-                        Err(error) => Some((i, error)),
-                    },
-                )
+            .map(|(chunk, (score, volume))| {
+                let (mut scratch, mut all) = (scratch(), Fits::default());
+                for (i, (score, volume)) in (chunk * GRAIN..).zip(score.iter_mut().zip(volume)) {
+                    let fits;
+                    (*score, *volume, fits) = value(&mut scratch, i).map_err(|error| (i, error))?;
+                    all = all.and(fits);
+                }
+                Ok(all)
             })
-            .min_by_key(|(i, _)| *i);
-        first_error.map_or(Ok(()), |(_, error)| Err(error))
+            .reduce(|| Ok(Fits::default()), both)
+            .map_err(|(_, error)| error)
     }
     #[cfg(not(feature = "rayon"))]
     {
-        let mut scratch = scratch();
+        let (mut scratch, mut all) = (scratch(), Fits::default());
         for (i, (score, volume)) in score.iter_mut().zip(volume).enumerate() {
-            (*score, *volume) = value(&mut scratch, i)?;
+            let fits;
+            (*score, *volume, fits) = value(&mut scratch, i)?;
+            all = all.and(fits);
         }
-        Ok(())
+        Ok(all)
     }
 }

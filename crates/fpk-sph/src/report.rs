@@ -1,6 +1,6 @@
 //! What a step and a run report of themselves.
 
-use crate::score::Unresolved;
+use crate::score::{Fits, Unresolved};
 
 /// One step, in numbers. Lengths are in the coordinates of the metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +28,8 @@ pub struct StepReport {
     pub covariance_condition: f64,
     /// Particles that the estimator could not resolve at the first stage.
     pub unresolved: Unresolved,
+    /// How well the neighbours determined the local fits of the first stage.
+    pub fits: Fits,
 }
 
 /// Work done so far.

@@ -68,6 +68,16 @@ pub(crate) struct State<const D: usize> {
     pub(crate) smoothing_lengths: Vec<f64>,
     /// `h_0i / V_0i^(1/D)`, the product that eq 20 keeps.
     pub(crate) smoothing_ratios: Vec<f64>,
+    /// What a scheme of two steps remembers; none before its first.
+    pub(crate) previous: Option<Previous<D>>,
+}
+
+/// The state one step ago.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Previous<const D: usize> {
+    pub(crate) positions: Vec<[f64; D]>,
+    /// The step from there to the present state.
+    pub(crate) dt: f64,
 }
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
@@ -77,7 +87,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Any parameter outside its range, by name; [`Error::TooFewParticles`]; [`Error::SupportTooSmall`] where the
     /// estimator is known to fail at the resolution asked for.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
-        let estimator = config.method.combination().estimator.build();
+        let estimator = config.method.combination_in(D).estimator.build();
         Self::with_estimator(system, law, config, estimator)
     }
 
@@ -91,7 +101,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
-        let combination = config.method.combination();
+        let combination = config.method.combination_in(D);
         combination.check()?;
         positive("reference_period", config.reference_period)?;
         estimator.check_resolution(combination.support_over_spacing)?;
@@ -119,6 +129,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
                 masses: start.masses,
                 smoothing_lengths: vec![h; n],
                 smoothing_ratios: vec![0.0; n],
+                previous: None,
             },
             stage: Stage::new(n),
             stages: Stages::new(n),
@@ -217,19 +228,31 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// [`Error::Store`] where the writer fails.
     pub fn snapshot(&self, writer: impl Write) -> Result<(), Error> {
         let mut store = ParticleStore::<D>::new(self.n_particles());
-        let State { time, n_steps, positions, masses, smoothing_lengths, smoothing_ratios } =
-            &self.state;
+        let State {
+            time,
+            n_steps,
+            positions,
+            masses,
+            smoothing_lengths,
+            smoothing_ratios,
+            previous,
+        } = &self.state;
         store.add("position", positions.clone())?;
         store.add("mass", masses.clone())?;
         store.add("smoothing_length", smoothing_lengths.clone())?;
         store.add("smoothing_ratio", smoothing_ratios.clone())?;
         store.set_attribute("time", Attribute::Real(*time));
         store.set_attribute("n_steps", Attribute::Count(*n_steps));
+        if let Some(Previous { positions, dt }) = previous {
+            store.add("previous_position", positions.clone())?;
+            store.set_attribute("previous_dt", Attribute::Real(*dt));
+        }
         store.snapshot(writer)?;
         Ok(())
     }
 
-    /// Takes the state from a snapshot of a simulation with the same configuration; the run goes on bit for bit.
+    /// Takes the state from a snapshot of a simulation with the same configuration; the run goes on bit for bit. With
+    /// leap-frog the snapshot holds the positions of one step ago; a snapshot without them starts it anew.
     ///
     /// # Errors
     /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::Store`]; the state is then as it was.
@@ -249,13 +272,23 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         else {
             return Err(Error::SnapshotWithoutTime);
         };
+        let places = |name: &str| -> Result<Vec<[f64; D]>, Error> {
+            Ok(store.get(store.handle(name)?)?.to_vec())
+        };
+        let previous = match store.attribute("previous_dt") {
+            Some(Attribute::Real(dt)) => {
+                Some(Previous { positions: places("previous_position")?, dt })
+            }
+            _ => None,
+        };
         self.state = State {
             time,
             n_steps,
-            positions: store.get(store.handle::<[f64; D]>("position")?)?.to_vec(),
+            positions: places("position")?,
             masses: column("mass")?,
             smoothing_lengths: column("smoothing_length")?,
             smoothing_ratios: column("smoothing_ratio")?,
+            previous,
         };
         Ok(())
     }
@@ -310,6 +343,17 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
 }
 
 impl<const D: usize> State<D> {
+    /// Keeps the present positions for the step after one of length `dt`.
+    pub(crate) fn remember(&mut self, dt: f64) {
+        match &mut self.previous {
+            Some(previous) => {
+                previous.positions.copy_from_slice(&self.positions);
+                previous.dt = dt;
+            }
+            None => self.previous = Some(Previous { positions: self.positions.clone(), dt }),
+        }
+    }
+
     /// Smoothing lengths in whitened coordinates from the deformed lattice.
     fn whitened_smoothing_lengths(
         &mut self,

@@ -9,7 +9,7 @@ use crate::method::Combination;
 use crate::metric::{Metric, Whitening};
 use crate::parallel::fill;
 use crate::report::Work;
-use crate::score::{Estimates, LatticePlaces, ScoreEstimator, Unresolved};
+use crate::score::{Estimates, Fits, LatticePlaces, ScoreEstimator, Unresolved};
 use crate::simulation::State;
 
 /// What makes the velocity field and never changes: the system and the choices of the method.
@@ -56,6 +56,7 @@ pub(crate) struct Stage<const D: usize> {
     pub(crate) volume: Vec<f64>,
     pub(crate) deformation: Vec<[[f64; D]; D]>,
     pub(crate) unresolved: Unresolved,
+    pub(crate) fits: Fits,
     pub(crate) work: Work,
 }
 
@@ -72,6 +73,7 @@ impl<const D: usize> Stage<D> {
             volume: vec![0.0; n],
             deformation: vec![[[0.0; D]; D]; n],
             unresolved: Unresolved::default(),
+            fits: Fits::default(),
             work: Work::default(),
         }
     }
@@ -155,17 +157,18 @@ impl<const D: usize> Stage<D> {
             std::mem::take(&mut self.volume),
             std::mem::take(&mut self.deformation),
         );
-        let mut unresolved = Unresolved::default();
+        let (mut unresolved, mut fits) = (Unresolved::default(), Fits::default());
         let mut out = Estimates {
             score: &mut score,
             density: &mut density,
             volume: &mut volume,
             deformation: &mut deformation,
             unresolved: &mut unresolved,
+            fits: &mut fits,
         };
         let outcome = field.estimator.estimate(&self.cloud(field, state, t), &mut out);
         (self.score, self.density, self.volume) = (score, density, volume);
-        (self.deformation, self.unresolved) = (deformation, unresolved);
+        (self.deformation, self.unresolved, self.fits) = (deformation, unresolved, fits);
         outcome
     }
 

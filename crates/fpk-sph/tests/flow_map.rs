@@ -1,13 +1,13 @@
 //! The flow-map fit: exact for what is Gaussian, bounded where the flow collapses, refused where it cannot work.
 
-use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, Unresolved};
+use fpk_sph::score::{Degree, Estimates, Fits, FlowMapFit, LatticePlaces, Unresolved};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method,
-    ScoreEstimator, Simulation, StepRule,
+    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice,
+    MOST_UNRESOLVED, Method, ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
-use sde_integrators::GaussianMixture;
+use sde_integrators::{Additive, GaussianMixture, Sde};
 
 #[allow(clippy::unwrap_used, reason = "constants within their range")]
 fn oscillator() -> LinearOscillator {
@@ -130,13 +130,14 @@ fn estimate(
         time: 0.5,
     };
     let (mut score, mut deformation) = (vec![[0.0; 2]; n], vec![[[0.0; 2]; 2]; n]);
-    let mut unresolved = Unresolved::default();
+    let (mut unresolved, mut fits) = (Unresolved::default(), Fits::default());
     let mut out = Estimates {
         score: &mut score,
         density: &mut vec![0.0; n],
         volume: &mut vec![0.0; n],
         deformation: &mut deformation,
         unresolved: &mut unresolved,
+        fits: &mut fits,
     };
     fit.estimate(&cloud, &mut out)?;
     Ok((positions, score, unresolved))
@@ -167,6 +168,41 @@ fn cells_that_are_turned_over_are_counted_with_their_mass() {
     // All turned over: nobody is left to take from.
     let error = estimate(&mut fit, |[x, y]| [-x, y]).unwrap_err().to_string();
     assert!(error.starts_with("step 3, t = 0.5: cell volume of particle 0 is -0.1"), "{error}");
+}
+
+/// A flow that gathers the particles at whole multiples of 3, without noise.
+#[derive(Debug)]
+struct Gathering;
+
+impl Sde<2, 1> for Gathering {
+    type Noise = Additive;
+
+    fn drift(&self, _: f64, &[x, _]: &[f64; 2]) -> [f64; 2] {
+        [-(std::f64::consts::TAU / 3.0 * x).sin(), 0.0]
+    }
+
+    fn noise(&self, _: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
+        [[0.0]; 2]
+    }
+}
+
+#[test]
+fn a_run_whose_unresolved_cells_hold_too_much_ends_with_the_heaviest_of_them() {
+    let law = GaussianMixture::independent([0.0; 2], [1.0; 2]).unwrap();
+    let lattice = InitialLattice::Box { reach: 5.0, count: [21, 21] };
+    let config = Config { lattice, reference_period: 1.0, ..config(Method::FlowMapFit) };
+    let mut simulation = Simulation::new(Gathering, &law, &config).unwrap();
+    let error = simulation.advance_to(10.0).unwrap_err();
+    let Error::TooMuchUnresolved { time, particle, particles, mass, limit, .. } = error else {
+        unreachable!("{error}")
+    };
+    assert!(particles > 0 && mass > limit && (limit - MOST_UNRESOLVED).abs() < f64::MIN_POSITIVE);
+    // The cell at the origin shrinks like exp(-2 pi t / 3), to 0.135 at t = 0.96; the middle of 441 is the heaviest.
+    assert!((0.3..3.0).contains(&time) && particle == 220, "{time} {particle}");
+    // Its mass is in every exceedance that rests on it.
+    let cells = simulation.cell_integral().unwrap();
+    let exceedance = cells.exceedance(|x| x[0].abs(), 1e-9).unwrap();
+    assert!(exceedance.unresolved > 0.0 && exceedance.unresolved < exceedance.probability);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
 use fpk_sph::score::{
-    Degree, Estimates, LogDensityFit, SummationDensity, Unresolved, VolumeEstimate,
+    Degree, Estimates, Fits, LogDensityFit, SummationDensity, Unresolved, VolumeEstimate,
 };
 use fpk_sph::systems::{
     LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 use fpk_sph::{
     Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method,
-    ScoreEstimator, Simulation, StepRule,
+    Scheme, ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::{BruteForce, NeighbourList, NeighbourSearch, Radii};
 use particle_store::Lattice;
@@ -53,6 +53,18 @@ fn estimate<const D: usize>(
     smoothing_lengths: &[f64],
     lattice: &[[[Option<u32>; 2]; D]],
 ) -> Result<Estimated<D>, Error> {
+    let (estimated, _) = with_fits(estimator, positions, masses, smoothing_lengths, lattice)?;
+    Ok(estimated)
+}
+
+/// The same, and how well the neighbours determined the fits.
+fn with_fits<const D: usize>(
+    estimator: &dyn ScoreEstimator<D>,
+    positions: &[[f64; D]],
+    masses: &[f64],
+    smoothing_lengths: &[f64],
+    lattice: &[[[Option<u32>; 2]; D]],
+) -> Result<(Estimated<D>, Fits), Error> {
     let n = positions.len();
     let radii: Vec<f64> = smoothing_lengths.iter().map(|h| h * estimator.support()).collect();
     let mut neighbours = NeighbourList::new();
@@ -71,15 +83,17 @@ fn estimate<const D: usize>(
     };
     let (mut score, mut density, mut volume) = (vec![[0.0; D]; n], vec![0.0; n], vec![0.0; n]);
     let (mut deformation, mut unresolved) = (vec![[[0.0; D]; D]; n], Unresolved::default());
+    let mut fits = Fits::default();
     let mut out = Estimates {
         score: &mut score,
         density: &mut density,
         volume: &mut volume,
         deformation: &mut deformation,
         unresolved: &mut unresolved,
+        fits: &mut fits,
     };
     estimator.estimate(&cloud, &mut out)?;
-    Ok((score, density, volume))
+    Ok(((score, density, volume), fits))
 }
 
 #[test]
@@ -144,6 +158,55 @@ fn an_isolated_particle_of_a_whitened_cloud_keeps_the_score_of_the_gaussian() {
     fit.estimate(&cloud, &mut out).unwrap();
     assert_eq!((score, unresolved.particles), ([[-1.0, -2.0], [1.0, 2.0]], 2));
     assert!((unresolved.mass - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn what_the_neighbours_do_not_determine_is_counted() {
+    let fit = LogDensityFit {
+        kernel: Lucy,
+        volume: VolumeEstimate::KernelSum,
+        degree: Degree::Quadratic,
+    };
+    let of = |positions: &[[f64; 2]], h: f64| {
+        let (masses, lengths) = (vec![0.02; positions.len()], vec![h; positions.len()]);
+        with_fits::<2>(&fit, positions, &masses, &lengths, &[]).unwrap().1
+    };
+    // A line carries 1, x and x^2 of the six monomials.
+    let line: Vec<[f64; 2]> = (0..9).map(|k| [0.1, 0.2].map(|c| c * f64::from(k))).collect();
+    let Fits { lowered, undetermined, smallest_pivot } = of(&line, 3.0);
+    assert!((lowered, undetermined) == (0, 9) && smallest_pivot > 1e-6, "{smallest_pivot}");
+    let square: Vec<[f64; 2]> =
+        (0..25).map(|k| [0.1 * f64::from(k % 5), 0.1 * f64::from(k / 5)]).collect();
+    let Fits { lowered, undetermined, smallest_pivot } = of(&square, 1.0);
+    assert!((lowered, undetermined) == (0, 0) && smallest_pivot > 1e-3, "{smallest_pivot}");
+    // Five points do not carry six unknowns: the fit is linear.
+    let plus = [[0.0, 0.0], [0.1, 0.0], [-0.1, 0.0], [0.0, 0.1], [0.0, -0.1]];
+    let Fits { lowered, undetermined, .. } = of(&plus, 1.0);
+    assert!((lowered, undetermined) == (5, 0));
+}
+
+#[test]
+fn the_report_of_a_step_counts_fits_of_a_lower_degree() {
+    let lattice = InitialLattice::box_of(21);
+    let fits = |method: Method| {
+        let mut simulation = Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
+        simulation.step().unwrap().fits
+    };
+    assert_eq!(fits(Method::CanorDenoel2013), Fits::default(), "no fit");
+    // A cubic in two variables has ten unknowns and takes 15 points; counted within 2.8 spacings.
+    let place = |i: i32| [i % 21, i / 21];
+    let members = |i: i32| {
+        let near = |j: &i32| {
+            let ([a, b], [c, d]) = (place(i), place(*j));
+            f64::from((a - c).pow(2) + (b - d).pow(2)) <= 2.8_f64.powi(2)
+        };
+        (0..441).filter(near).count()
+    };
+    let few = (0..441).filter(|&i| members(i) < 15).count();
+    let Fits { lowered, smallest_pivot, .. } = fits(Method::FlowMapFit);
+    // The outermost layer: 21 x 21 less 19 x 19.
+    assert!(few == 80 && lowered == few, "{lowered} against {few}");
+    assert!((1e-6..1.0).contains(&smallest_pivot), "{smallest_pivot}");
 }
 
 #[test]
@@ -274,12 +337,12 @@ fn the_same_bits_come_from_one_two_and_eight_threads() {
 
 #[test]
 fn a_run_restored_from_a_snapshot_goes_on_bit_for_bit() {
+    let rectangle = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] };
     for (method, lattice) in [
         (Method::LogDensityFit, InitialLattice::box_of(21)),
-        (
-            Method::CanorDenoel2013,
-            InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] },
-        ),
+        (Method::CanorDenoel2013, rectangle),
+        // Two steps: the positions one step ago are part of the state.
+        (custom(|parts| parts.scheme = Scheme::LeapFrog), InitialLattice::box_of(21)),
     ] {
         let new = || Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
         let mut whole = new();

@@ -68,6 +68,9 @@ struct Observed {
     value: f64,
     error: Option<f64>,
     error_kind: ErrorOrigin,
+    /// What the value rests on, where that is not firm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
 }
 
 impl Observed {
@@ -230,8 +233,9 @@ impl Visitor for Solved<'_> {
 /// An estimator of exceedance, as the end of an id and as a field.
 type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
 
+const CELL: &str = "cell";
 const ESTIMATORS: [Estimator; 3] = [
-    ("cell", |e| e.cell_integrated),
+    (CELL, |e| e.cell_integrated),
     ("log-interpolated", |e| Some(e.log_interpolated)),
     ("indicator", |e| Some(e.indicator)),
 ];
@@ -258,7 +262,13 @@ impl Pairs<'_> {
         let demand = demand_name(scene, system);
         for (name, pick) in ESTIMATORS {
             for (k, threshold) in scene.thresholds.iter().enumerate() {
-                let values = self.values(|row| pick(&row.exceedances[k]));
+                let mut values = self.values(|row| pick(&row.exceedances[k]));
+                if name == CELL {
+                    for observed in &mut values {
+                        let row = self.fine.at(observed.t);
+                        observed.note = row.and_then(|row| row.exceedances[k].note());
+                    }
+                }
                 let quantity = format!("P(|{demand}| > {threshold})");
                 all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
             }
@@ -280,7 +290,8 @@ impl Pairs<'_> {
         ));
         let counted = |row: &Row| {
             let value = row.distrusted_cells? as f64;
-            Some(Observed { t: row.t, value, error: None, error_kind: ErrorOrigin::Exact })
+            let error_kind = ErrorOrigin::Exact;
+            Some(Observed { t: row.t, value, error: None, error_kind, note: None })
         };
         all.push(series(
             "distrusted-cells".into(),
@@ -308,7 +319,7 @@ impl Pairs<'_> {
                 .filter(|e| e.is_finite());
             let error_kind =
                 if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
-            values.push(Observed { t: row.t, value, error, error_kind });
+            values.push(Observed { t: row.t, value, error, error_kind, note: None });
         }
         values
     }
@@ -374,7 +385,7 @@ fn sampled_value(t: f64, estimate: Estimate) -> Observed {
         Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
         Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
     };
-    Observed { t, value: estimate.value, error, error_kind }
+    Observed { t, value: estimate.value, error, error_kind, note: None }
 }
 
 /// The name of what exceeds the thresholds.

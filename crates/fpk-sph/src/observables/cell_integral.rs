@@ -30,6 +30,11 @@ pub struct Exceedance {
     pub probability: f64,
     /// The part of it that lies beyond the outermost particles' own cells, by extrapolation of the fit.
     pub beyond_the_cloud: f64,
+    /// The part of it that rests on cells that the estimator does not resolve: turned over, or far smaller than those
+    /// around them.
+    pub unresolved: f64,
+    /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
+    pub distrusted: f64,
 }
 
 /// Spacings by which a cell at the rim goes on outward. At 6 standard deviations and a spacing of 0.3, three of them
@@ -71,7 +76,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// The density as a function, from local fits at the present positions.
     ///
     /// # Errors
-    /// Those of the local fits: too few neighbours, a singular fit, a singular covariance.
+    /// Those of the local fits: too few neighbours, a singular covariance.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
         let beyond = beyond_the_cloud(&self.field.places);
         let masses = self.masses();
@@ -193,8 +198,14 @@ impl<const D: usize> CellIntegral<D> {
         threshold: f64,
     ) -> Result<Exceedance, Error> {
         finite("threshold", threshold)?;
-        let mut exceedance = Exceedance { probability: 0.0, beyond_the_cloud: 0.0 };
+        let mut exceedance = Exceedance {
+            probability: 0.0,
+            beyond_the_cloud: 0.0,
+            unresolved: 0.0,
+            distrusted: 0.0,
+        };
         for cell in &self.cells {
+            let before = exceedance.probability;
             let demand_at =
                 |u: &[f64; D]| demand(&self.whitening.unwhiten(&cell.point(u))) - threshold;
             if cell.lies_below(demand_at) {
@@ -207,6 +218,13 @@ impl<const D: usize> CellIntegral<D> {
                     exceedance.beyond_the_cloud += mass * fraction;
                 }
             });
+            let of_cell = exceedance.probability - before;
+            if !cell.map.resolved {
+                exceedance.unresolved += of_cell;
+            }
+            if !cell.trusted {
+                exceedance.distrusted += of_cell;
+            }
         }
         Ok(exceedance)
     }
@@ -305,7 +323,8 @@ impl<const D: usize> Cell<D> {
             }
         }
         let weight = fit.log_density.exp() * determinant(&edges).abs();
-        let map = LocalMap { edges, curvature: [[[0.0; D]; D]; D], slope, bend };
+        let curvature = [[[0.0; D]; D]; D];
+        let map = LocalMap { edges, curvature, slope, bend, resolved: true };
         Ok(Self { centre: positions[i], map, weight, beyond: vec![], mass: 0.0, trusted: true })
     }
 

@@ -232,12 +232,12 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
                 f64::NAN
             }
         });
+        *out.fits = self.stencils.fits;
         let mut unresolved = Vec::new();
         for i in 0..y.len() {
             if out.density[i].is_nan() {
                 unresolved.push(self.mean_of_resolved(i, cloud, out)?);
-                out.unresolved.particles += 1;
-                out.unresolved.mass += masses[i];
+                out.unresolved.add(i, masses);
             }
         }
         for Taken { i, departure, deformation, volume } in unresolved {
@@ -295,6 +295,7 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
                 curvature: [[[0.0; D]; D]; D],
                 slope: stencil.gradient_of(&log_mass),
                 bend: [[0.0; D]; D],
+                resolved: true,
             };
             for (p, &j) in stencil.members.iter().enumerate() {
                 let (j, hessian) = (j as usize, &stencil.weights.hessian[p]);
@@ -310,6 +311,11 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
             }
             map
         };
-        Some((0..cloud.n_particles()).map(map).collect())
+        let mut maps: Vec<_> = (0..cloud.n_particles()).map(map).collect();
+        let volume: Vec<f64> = maps.iter().map(|map| determinant(&map.edges)).collect();
+        for (i, map) in maps.iter_mut().enumerate() {
+            map.resolved = self.is_resolved(&volume, i);
+        }
+        Some(maps)
     }
 }

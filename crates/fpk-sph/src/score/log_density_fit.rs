@@ -6,7 +6,7 @@ use smoothing_kernels::{Kernel, Lucy};
 use super::cell_geometry::{determinant, lattice_jacobian};
 use super::monomials::{Monomials, unknowns};
 use super::polynomial_fit::{LANES, LeastSquares};
-use super::{Degree, Estimates, ScoreEstimator};
+use super::{Degree, Estimates, Fits, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
 use crate::parallel::{fill, for_each_fit};
@@ -59,6 +59,7 @@ struct Fitted {
     /// One over the length in which offsets were measured.
     scale: f64,
     kernel_sum: f64,
+    fits: Fits,
 }
 
 impl<K> LogDensityFit<K> {
@@ -121,6 +122,7 @@ impl<K> LogDensityFit<K> {
     {
         let neighbours = cloud.neighbours.of(i);
         let count = neighbours.len() + 1;
+        let asked = self.tables(cloud, i, usize::MAX)?.n_unknowns;
         equations.clear(self.tables(cloud, i, count)?);
         let h = cloud.smoothing_lengths[i];
         // Offsets in units of the support keep the moments near unity whatever the scale.
@@ -149,8 +151,8 @@ impl<K> LogDensityFit<K> {
             kernel_sum += weights.iter().sum::<f64>();
             equations.add(&u, &weights, &f);
         }
-        equations.solve();
-        Ok(Fitted { scale, kernel_sum })
+        let fits = Fits::of(equations.n_unknowns(), asked, equations.solve());
+        Ok(Fitted { scale, kernel_sum, fits })
     }
 
     /// The polynomial that `count` points (with the particle itself) can carry: of the degree asked for where there are
@@ -251,12 +253,12 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         self.log_densities(cloud, out.density)?;
         let log_density = &*out.density;
         let tables = self.tables(cloud, 0, usize::MAX)?;
-        for_each_fit(
+        *out.fits = for_each_fit(
             out.score,
             out.volume,
             || LeastSquares::new(tables),
             |equations, i| {
-                let Fitted { scale, kernel_sum, .. } =
+                let Fitted { scale, kernel_sum, fits } =
                     self.fit(cloud, log_density, i, equations)?;
                 let mut gradient = equations.gradient().map(|g| g * scale);
                 if cloud.whitened {
@@ -264,7 +266,7 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
                         gradient[k] -= cloud.positions[i][k];
                     }
                 }
-                Ok((gradient, 1.0 / kernel_sum))
+                Ok((gradient, 1.0 / kernel_sum, fits))
             },
         )?;
         for value in out.density.iter_mut() {

@@ -21,6 +21,7 @@ use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
+use polynomial_fit::Determined;
 
 use crate::cloud::Cloud;
 use crate::error::Error;
@@ -39,6 +40,8 @@ pub struct Estimates<'a, const D: usize> {
     pub deformation: &'a mut [[[f64; D]; D]],
     /// Particles that the estimator could not resolve; zero before.
     pub unresolved: &'a mut Unresolved,
+    /// How well the neighbours determined the local fits; [`Fits::default`] before.
+    pub fits: &'a mut Fits,
 }
 
 /// Particles that an estimator could not resolve: cells that took density and score from others, or particles with too few
@@ -49,6 +52,57 @@ pub struct Unresolved {
     pub particles: usize,
     /// The probability that they carry.
     pub mass: f64,
+    /// The one of them that carries most, the lowest where several do.
+    pub heaviest: Option<usize>,
+}
+
+impl Unresolved {
+    /// Counts particle `i`; particles come in ascending order.
+    pub(crate) fn add(&mut self, i: usize, masses: &[f64]) {
+        self.particles += 1;
+        self.mass += masses[i];
+        if self.heaviest.is_none_or(|heaviest| masses[i] > masses[heaviest]) {
+            self.heaviest = Some(i);
+        }
+    }
+}
+
+/// How well the neighbours of all particles determined their local fits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fits {
+    /// Particles with too few neighbours for the degree asked for: their fit is of a lower one.
+    pub lowered: usize,
+    /// Particles whose neighbours do not tell all monomials apart, as on a sheet: what they do not determine is left out.
+    pub undetermined: usize,
+    /// The smallest pivot that was kept, over all particles, in `(0, 1]`: the square of the sine of the angle between a
+    /// monomial and those before it. The relative error of a fit is about `f64::EPSILON` over it. 1 without a fit.
+    pub smallest_pivot: f64,
+}
+
+impl Default for Fits {
+    fn default() -> Self {
+        Self { lowered: 0, undetermined: 0, smallest_pivot: 1.0 }
+    }
+}
+
+impl Fits {
+    /// One fit of `n_unknowns` where `asked` were wanted.
+    pub(crate) fn of(n_unknowns: usize, asked: usize, determined: Determined) -> Self {
+        Self {
+            lowered: usize::from(n_unknowns < asked),
+            undetermined: usize::from(determined.n_left_out > 0),
+            smallest_pivot: determined.smallest_pivot,
+        }
+    }
+
+    /// Both together; the order does not matter.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            lowered: self.lowered + other.lowered,
+            undetermined: self.undetermined + other.undetermined,
+            smallest_pivot: self.smallest_pivot.min(other.smallest_pivot),
+        }
+    }
 }
 
 /// Degree of a local polynomial.
@@ -99,6 +153,8 @@ pub struct LocalMap<const D: usize> {
     pub slope: [f64; D],
     /// Its second derivatives.
     pub bend: [[f64; D]; D],
+    /// Whether the estimator resolves the cell.
+    pub resolved: bool,
 }
 
 /// An estimator of density and score, `grad log psi`, from particles and their masses.

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use neighbour_search::NeighbourList;
 use smoothing_kernels::{Kernel, Lucy, power};
 
-use super::monomials::{MOST_UNKNOWNS, Monomials};
+use super::Fits;
+use super::monomials::{MOST_UNKNOWNS, Monomials, unknowns};
 use super::polynomial_fit::{LANES, LeastSquares};
 use crate::error::Error;
 
@@ -22,6 +23,8 @@ pub(crate) struct Stencils<const D: usize> {
     rim: Vec<usize>,
     /// Where a point stands in `rim`; points inside come before all of them.
     rank: Vec<u32>,
+    /// How well the lattice determines the polynomials.
+    pub(crate) fits: Fits,
 }
 
 /// The weights of one arrangement of neighbours; one entry per member.
@@ -35,6 +38,8 @@ pub(crate) struct Pattern<const D: usize> {
     pub(crate) gradient: Vec<[f64; D]>,
     /// Its second derivatives, per spacing squared; zero where it is linear.
     pub(crate) hessian: Vec<[[f64; D]; D]>,
+    /// How well the arrangement determines the polynomial.
+    fits: Fits,
 }
 
 /// The members of a point with their weights.
@@ -89,6 +94,7 @@ impl<const D: usize> Stencils<D> {
                 known.insert(offsets, fresh);
                 fresh
             };
+            stencils.fits = stencils.fits.and(stencils.patterns[pattern as usize].fits);
             stencils.pattern_of.push(pattern);
             stencils.start.push(stencils.members.len());
         }
@@ -194,7 +200,8 @@ impl<const D: usize> Pattern<D> {
             };
             fit.add(&u.map(lane), &lane(*w), &[0.0; LANES]);
         }
-        fit.factorise();
+        let asked = unknowns(D, degree);
+        let fits = Fits::of(n, asked, fit.factorise());
         // Coefficient m of the fit is sum_j w_j (N^-1 e_m . b(u_j)) f_j, with N the normal matrix and b the monomials.
         let weights_of = |m: usize| -> Vec<f64> {
             let mut solved = [0.0; MOST_UNKNOWNS];
@@ -221,6 +228,7 @@ impl<const D: usize> Pattern<D> {
             value: weights_of(0),
             gradient: vec![[0.0; D]; count],
             hessian: vec![[[0.0; D]; D]; count],
+            fits,
         };
         let total: f64 = points.iter().map(|(_, w)| w).sum();
         pattern.mean.extend(points.iter().map(|(_, w)| w / total));

@@ -289,6 +289,24 @@ pub enum Error {
         /// The first edge that does not exceed the one before it.
         position: usize,
     },
+    /// A watch over a simulation was not told of every step.
+    #[error(
+        "the simulation has taken {found} steps, the last one recorded is {recorded}; every step must be recorded"
+    )]
+    UnwatchedSteps {
+        /// Steps at the last record.
+        recorded: u64,
+        /// Steps now.
+        found: u64,
+    },
+    /// A watch began with another simulation.
+    #[error("the simulation holds {found} particles, the watched one {expected}")]
+    OtherSimulation {
+        /// Particles of the simulation given.
+        found: usize,
+        /// Particles of the one that the watch began with.
+        expected: usize,
+    },
     /// A snapshot is of another simulation.
     #[error("the snapshot holds {found} particles, the simulation {expected}")]
     ForeignSnapshot {

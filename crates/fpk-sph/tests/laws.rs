@@ -148,12 +148,14 @@ fn an_isolated_particle_of_a_whitened_cloud_keeps_the_score_of_the_gaussian() {
     };
     let (mut score, mut density, mut volume) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
     let (mut deformation, mut unresolved) = ([[[0.0; 2]; 2]; 2], Unresolved::default());
+    let mut fits = Fits::default();
     let mut out = Estimates {
         score: &mut score,
         density: &mut density,
         volume: &mut volume,
         deformation: &mut deformation,
         unresolved: &mut unresolved,
+        fits: &mut fits,
     };
     fit.estimate(&cloud, &mut out).unwrap();
     assert_eq!((score, unresolved.particles), ([[-1.0, -2.0], [1.0, 2.0]], 2));

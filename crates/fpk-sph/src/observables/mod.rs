@@ -9,14 +9,22 @@
 //! | [`Simulation::exceedance_log_interpolated`] | smooth in `T`, else as the indicator | ends with the last particle | this project |
 //! | [`CellIntegral::exceedance`] | that of the local fits; exact for a Gaussian | goes on beyond the last particle by the fit | this project |
 //!
-//! First passage up to a time: [`CellIntegral::crossing_rate`] and [`OutcrossingBound`], an upper bound.
+//! First passage up to a time, two ways:
+//!
+//! | estimator | what | cost | source |
+//! |---|---|---|---|
+//! | [`FirstPassage`] | the probability, by an absorbing boundary; any limit state, many thresholds at once | a tenth to a half of the steps it watches | this project |
+//! | [`CellIntegral::crossing_rate`] with [`OutcrossingBound`] | an upper bound and the expected number of crossings; the demand must have a rate | a cell integral at every time recorded | Rice 1944 |
 //!
 //! [`Simulation::exceedance_indicator`]: crate::Simulation::exceedance_indicator
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
 
 mod cell_integral;
+mod exchange;
 mod first_passage;
 mod moments;
+mod survival;
 
 pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
 pub use first_passage::OutcrossingBound;
+pub use survival::FirstPassage;

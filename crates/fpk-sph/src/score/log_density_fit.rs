@@ -273,9 +273,8 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
             *value = value.exp();
         }
         for i in 0..cloud.n_particles() {
-            if cloud.neighbours.of(i).len() + 1 <= unknowns(D, 1) {
-                out.unresolved.particles += 1;
-                out.unresolved.mass += cloud.masses[i];
+            if cloud.neighbours.of(i).len() < unknowns(D, 1) {
+                out.unresolved.add(i, cloud.masses);
             }
         }
         Ok(())

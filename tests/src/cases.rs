@@ -27,6 +27,7 @@ pub const ALL: &[Case] = &[
     fpk::bouc_wen::CASE,
     fpk::filtered_damper::CASE,
     fpk::canor_denoel::CASE,
+    fpk::schemes::CASE,
     fpk::monte_carlo::CASE,
     fpk::rivals::CASE,
     fpk::spatial_order::CASE,

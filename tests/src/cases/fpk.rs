@@ -9,6 +9,7 @@ pub(crate) mod linear_oscillator;
 mod lines;
 pub(crate) mod monte_carlo;
 pub(crate) mod rivals;
+pub(crate) mod schemes;
 pub(crate) mod spatial_order;
 pub(crate) mod viscous_damper;
 

@@ -25,6 +25,7 @@ pub const ALL: &[Case] = &[
     fpk::linear_oscillator::FLOW_MAP_FIT,
     fpk::bouc_wen::COARSE,
     fpk::bouc_wen::CASE,
+    fpk::bouc_wen::PAPER,
     fpk::filtered_damper::CASE,
     fpk::canor_denoel::CASE,
     fpk::schemes::CASE,

@@ -3,12 +3,13 @@
 pub(crate) mod bouc_wen;
 pub(crate) mod canor_denoel;
 pub(crate) mod failures;
-pub(crate) mod filtered_damper;
+pub(crate) mod filtered;
 pub(crate) mod invariance;
 pub(crate) mod linear_oscillator;
 mod lines;
 pub(crate) mod monte_carlo;
 pub(crate) mod rivals;
+pub(crate) mod schemes;
 pub(crate) mod spatial_order;
 pub(crate) mod viscous_damper;
 

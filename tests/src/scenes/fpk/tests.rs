@@ -29,6 +29,7 @@ fn every_built_in_scene_is_read_and_comes_back_from_its_result() {
         include_str!("../../../scenes/fpk/duffing.json"),
         include_str!("../../../scenes/fpk/van_der_pol.json"),
         include_str!("../../../scenes/fpk/two_storey.json"),
+        include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json"),
     ] {
         let file = SceneFile::from_text("scene.json", text.to_owned()).unwrap();
         let scene: FpkScene = file.parse().unwrap();

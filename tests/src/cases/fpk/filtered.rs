@@ -1,0 +1,186 @@
+//! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
+
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use sde_integrators::{Estimate, GaussianMixture};
+
+use super::lines::{Lines, row, scene};
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::{Criterion, Reference};
+use crate::fpk::density::{Asked, Demand, DensityRun, run_on};
+use crate::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
+use crate::fpk::paths::Paths;
+use crate::fpk::scene::{FpkScene, IntegratorScene};
+use crate::fpk::scene_system::SceneSystem;
+use crate::report::{Claim, ErrorKind};
+
+pub(crate) const DAMPER: Case = Case {
+    id: "fpk-sph/filtered-damper",
+    title: "Building with a viscous damper behind Kanai-Tajimi, 4 states, against Monte Carlo",
+    source: "the same system sampled by ShARK",
+    cost: Profile::Full,
+    run: damper,
+};
+
+pub(crate) const BOUC_WEN: Case = Case {
+    id: "fpk-sph/filtered-bouc-wen",
+    title: "Building that yields behind Kanai-Tajimi, 5 states, against Monte Carlo",
+    source: "the same system sampled by ShARK; spectrum of Housner & Jennings 1964, window C of Jennings, Housner & Tsai 1968",
+    cost: Profile::Default,
+    run: bouc_wen,
+};
+
+/// A run of the density and the paths that it is held against.
+struct Compared<'a, const D: usize> {
+    run: DensityRun,
+    sampled: SampledRun,
+    asked: Asked<D>,
+    lines: Lines<'a>,
+}
+
+/// Both, with the law and the system of the scene.
+fn compare<'a, S: Paths<D, 1>, const D: usize>(
+    context: &'a Context<'a>,
+    (scene, built, system): (&FpkScene, &SceneSystem, &S),
+    lattice: InitialLattice<D>,
+    sampling: &Sampling,
+    asked: Asked<D>,
+) -> Result<Compared<'a, D>, CaseError> {
+    let law: GaussianMixture<D> = scene.initial.build(built.filter_covariance().as_deref())?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice,
+        reference_period: built.reference_period(),
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let run = run_on(system.clone(), &law, &config, &asked, |_, _| ())?;
+    context.progress("paths");
+    let sampled = sample(system, &law, sampling, &asked)?;
+    let InitialLattice::Ball { reach, spacing } = lattice else {
+        return Err("the lattice is no ball".into());
+    };
+    let method = format!(
+        "{}; against {} paths, step {} s, {:.1} s CPU",
+        run.words(&format!("flow-map fit, ball of {reach} sigma, spacing {spacing}")),
+        sampling.paths,
+        sampling.step,
+        sampled.cpu_seconds
+    );
+    Ok(Compared { run, sampled, asked, lines: Lines { context, id: "flow-map-fit", method } })
+}
+
+impl<const D: usize> Compared<'_, D> {
+    /// The second moments, in the order asked, by these names.
+    fn moments<'c>(
+        &self,
+        names: &[(&str, &str, &str)],
+        criterion: impl Fn(&str, f64) -> Criterion<'c>,
+    ) -> Result<Vec<Claim>, CaseError> {
+        let mut claims = Vec::new();
+        for sampled in &self.sampled.rows {
+            let (t, row) = (sampled.t, row(&self.run, sampled.t)?);
+            for (&(name, quantity, unit), (value, paths)) in
+                names.iter().zip(row.moments.iter().zip(&sampled.moments))
+            {
+                let criterion = criterion(name, t);
+                let name = format!("{name}/t{t}");
+                let what = (name.as_str(), quantity, unit);
+                let reference = uncertain(paths);
+                claims.push(self.lines.judge(
+                    what,
+                    ErrorKind::Relative,
+                    *value,
+                    reference,
+                    criterion,
+                ));
+            }
+        }
+        Ok(claims)
+    }
+
+    /// `P(|q| > T)` by the log-interpolated estimator, where the paths know it to 3 %.
+    fn tail<'c>(
+        &self,
+        criterion: impl Fn(f64, f64) -> Criterion<'c>,
+    ) -> Result<Vec<Claim>, CaseError> {
+        let mut claims = Vec::new();
+        for sampled in &self.sampled.rows {
+            let (t, row) = (sampled.t, row(&self.run, sampled.t)?);
+            for (&threshold, (value, paths)) in
+                self.asked.thresholds.iter().zip(row.exceedances.iter().zip(&sampled.exceedances))
+            {
+                let reference = uncertain(paths);
+                if reference
+                    .error
+                    .is_none_or(|error| error.is_nan() || error > 0.03 * reference.value)
+                {
+                    continue;
+                }
+                let name = format!("exceedance-log-interpolated/threshold-{threshold}/t{t}");
+                let quantity = format!("P(|q| > {threshold})");
+                let what = (name.as_str(), quantity.as_str(), "");
+                let (value, criterion) = (value.log_interpolated, criterion(threshold, t));
+                claims.push(self.lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+            }
+        }
+        Ok(claims)
+    }
+}
+
+fn uncertain(paths: &Estimate) -> Reference {
+    Reference::uncertain(paths.value, paths.standard_error().unwrap_or(f64::NAN))
+}
+
+const OTHER: &str = "the scene holds another system";
+const NAMES: [(&str, &str, &str); 3] = [
+    ("second-moment-q", "E[q^2]", "m^2"),
+    ("second-moment-v", "E[v^2]", "m^2/s^2"),
+    ("second-moment-z", "E[z^2]", "m^2"),
+];
+
+fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/damper_kanai_tajimi.json");
+    let scene = scene("tests/scenes/fpk/damper_kanai_tajimi.json", text)?;
+    let built = scene.system.build()?;
+    let SceneSystem::KanaiTajimiDamper(system) = &built else { return Err(OTHER.into()) };
+    let asked = Asked {
+        times: vec![1.0, 2.0, 3.0, 4.0],
+        powers: vec![[2, 0, 0, 0], [0, 2, 0, 0]],
+        demand: Demand::of_state(0, "q", 4),
+        thresholds: vec![],
+        cells: false,
+    };
+    let sampling = sampling(60_000);
+    let lattice = InitialLattice::Ball { reach: 5.5, spacing: 0.9 };
+    let compared = compare(context, (&scene, &built, system), lattice, &sampling, asked)?;
+    let reason = "truncation of the cubic fit at a spacing of 0.9 sigma; seen within 2.8 %, of which the paths know 0.6 %";
+    compared.moments(&NAMES[..2], |_, _| Criterion::Within { tolerance: 0.03, reason })
+}
+
+fn sampling(paths: u64) -> Sampling {
+    Sampling { paths, step: 0.01, integrator: IntegratorScene::Shark, seed: 7 }
+}
+
+fn bouc_wen(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
+    let scene = scene("tests/scenes/fpk/bouc_wen_kanai_tajimi.json", text)?;
+    let built = scene.system.build()?;
+    let SceneSystem::KanaiTajimiBoucWen(system) = &built else { return Err(OTHER.into()) };
+    let asked = Asked {
+        times: vec![1.0, 2.0, 3.0, 4.0],
+        powers: vec![[2, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0]],
+        demand: Demand::of_state(0, "q", 5),
+        thresholds: vec![0.25, 0.5, 1.0],
+        cells: false,
+    };
+    let lattice = InitialLattice::Ball { reach: 4.5, spacing: 1.2 };
+    let compared = compare(context, (&scene, &built, system), lattice, &sampling(200_000), asked)?;
+    let reason = "as measured: a quadratic fit at 1.2 standard deviations; good while the building is elastic, low by 3 to 9 % \
+                  once it yields and the window is at its plateau. A spacing of 1 ends in `TooMuchUnresolved` at t = 1.73";
+    let mut claims = compared.moments(&NAMES, |_, t| {
+        let (from, to) = if t < 2.5 { (-0.02, 0.02) } else { (-0.15, 0.02) };
+        Criterion::AsMeasured { from, to, reason }
+    })?;
+    let reason = "the same, and few particles beyond a threshold; seen from -0.08 to +0.11";
+    claims.extend(compared.tail(|_, _| Criterion::AsMeasured { from: -0.15, to: 0.18, reason })?);
+    Ok(claims)
+}

@@ -141,7 +141,18 @@ impl Scheme {
 }
 
 impl Method {
-    /// The parts of the method.
+    /// The parts of the method in a dimension: as [`Self::combination`], but for the flow-map fit in one dimension. There
+    /// a support of 2.8 spacings holds five places where the cubic asks six, and 3.2 holds seven.
+    #[must_use]
+    pub fn combination_in<const D: usize>(self) -> Combination {
+        let combination = self.combination();
+        match self {
+            Self::FlowMapFit if D == 1 => Combination { support_over_spacing: 3.2, ..combination },
+            _ => combination,
+        }
+    }
+
+    /// The parts of the method in two dimensions and more.
     #[must_use]
     pub fn combination(self) -> Combination {
         match self {

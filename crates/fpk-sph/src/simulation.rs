@@ -25,8 +25,9 @@ pub struct Config<const D: usize> {
     pub method: Method,
     /// The lattice on which the particles start.
     pub lattice: InitialLattice<D>,
-    /// A time that is characteristic of the system: the natural period of an oscillator. The step has collapsed below
-    /// 1e-6 of it.
+    /// A time that is characteristic of the system: the natural period of an oscillator; for a process without one, the
+    /// time in which the noise doubles the variance of the start. The step has collapsed below 1e-6 of it, and what the
+    /// flow-map fit does not see is taken out within 0.3 of it.
     pub reference_period: f64,
     /// Most steps that a run may take.
     pub most_steps: u64,
@@ -77,7 +78,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Any parameter outside its range, by name; [`Error::TooFewParticles`]; [`Error::SupportTooSmall`] where the
     /// estimator is known to fail at the resolution asked for.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
-        let estimator = config.method.combination().estimator.build();
+        let estimator = config.method.combination_in::<D>().estimator.build();
         Self::with_estimator(system, law, config, estimator)
     }
 
@@ -91,7 +92,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
-        let combination = config.method.combination();
+        let combination = config.method.combination_in::<D>();
         combination.check()?;
         positive("reference_period", config.reference_period)?;
         estimator.check_resolution(combination.support_over_spacing)?;

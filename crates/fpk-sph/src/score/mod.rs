@@ -21,6 +21,7 @@ use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
+pub(crate) use small_matrices::{inverse, solve_transposed};
 
 use crate::cloud::Cloud;
 use crate::error::Error;

@@ -112,6 +112,11 @@ impl<const D: usize> Whitening<D> {
         gradient
     }
 
+    /// `L^T s`: a gradient with respect to `x` becomes one with respect to `y`.
+    pub(crate) fn whiten_gradient(&self, s: &[f64; D]) -> [f64; D] {
+        std::array::from_fn(|i| (i..D).map(|j| self.factor[j][i] * s[j]).sum())
+    }
+
     /// `det L`: a density in `y` is this times the density in `x`.
     pub(crate) fn determinant(&self) -> f64 {
         (0..D).map(|k| self.factor[k][k]).product()

@@ -25,8 +25,9 @@ pub struct Config<const D: usize> {
     pub method: Method,
     /// The lattice on which the particles start.
     pub lattice: InitialLattice<D>,
-    /// A time that is characteristic of the system: the natural period of an oscillator. The step has collapsed below
-    /// 1e-6 of it.
+    /// A time that is characteristic of the system: the natural period of an oscillator; for a process without one, the
+    /// time in which the noise doubles the variance of the start. The step has collapsed below 1e-6 of it, and what the
+    /// flow-map fit does not see is taken out within 0.3 of it.
     pub reference_period: f64,
     /// Most steps that a run may take.
     pub most_steps: u64,

@@ -2,10 +2,13 @@
 
 pub(crate) mod bouc_wen;
 pub(crate) mod canor_denoel;
+pub(crate) mod effectivity;
 pub(crate) mod failures;
 pub(crate) mod filtered;
 pub(crate) mod invariance;
+pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;
+pub(crate) mod linear_systems;
 mod lines;
 pub(crate) mod monte_carlo;
 pub(crate) mod rivals;

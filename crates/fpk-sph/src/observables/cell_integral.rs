@@ -90,7 +90,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
                 trusted: true,
             };
             let cells = maps.into_iter().enumerate().map(cell).collect();
-            return Ok(CellIntegral::finish(stage.whitening, cells, beyond, masses));
+            return Ok(CellIntegral::finish(stage.whitening, cells, beyond, None));
         }
         let (stage, fits) = self.local_fits()?;
         let cells = fits
@@ -98,7 +98,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             .enumerate()
             .map(|(i, fit)| Cell::of_fit(&stage.whitened, &self.field.lattice, i, fit))
             .collect::<Result<_, _>>()?;
-        Ok(CellIntegral::finish(stage.whitening, cells, beyond, masses))
+        Ok(CellIntegral::finish(stage.whitening, cells, beyond, Some(masses)))
     }
 }
 
@@ -156,14 +156,20 @@ fn steps_beyond<const D: usize>() -> Vec<[i32; D]> {
 }
 
 impl<const D: usize> CellIntegral<D> {
-    /// Holds every cell against its particle's mass, and lets those that are trusted go on beyond the cloud.
+    /// Holds every cell against its particle's mass, where it rests on a fit of the density, and lets those that are
+    /// trusted go on beyond the cloud. A flow map needs no trust: its cell holds the mass that it held at the start.
     fn finish(
         whitening: Whitening<D>,
         mut cells: Vec<Cell<D>>,
         beyond: Vec<Vec<[i32; D]>>,
-        masses: &[f64],
+        masses: Option<&[f64]>,
     ) -> Self {
-        for ((cell, beyond), &particle_mass) in cells.iter_mut().zip(beyond).zip(masses) {
+        for (i, (cell, beyond)) in cells.iter_mut().zip(beyond).enumerate() {
+            let Some(particle_mass) = masses.map(|masses| masses[i]) else {
+                cell.go_on(beyond);
+                cell.mass = cell.integral();
+                continue;
+            };
             let ratio = cell.integral() / particle_mass;
             if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
                 cell.go_on(beyond);
@@ -188,7 +194,8 @@ impl<const D: usize> CellIntegral<D> {
         self.cells.iter().filter(|cell| !cell.trusted).count()
     }
 
-    /// `P(y(x) > T)`. Cells that the limit crosses are subdivided, the limit taken as linear within a part.
+    /// `P(y(x) > T)`. Cells that the limit crosses are subdivided; within a part the demand and the logarithm of the density
+    /// are taken as linear.
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the threshold.
@@ -212,7 +219,7 @@ impl<const D: usize> CellIntegral<D> {
                 continue;
             }
             cell.for_each_part(|u, mass| {
-                let fraction = fraction_above(demand_at, u);
+                let fraction = fraction_above(demand_at, u, &cell.slope_across_part(u));
                 exceedance.probability += mass * fraction;
                 if u.iter().any(|u_k| u_k.abs() > 0.5) {
                     exceedance.beyond_the_cloud += mass * fraction;
@@ -255,6 +262,8 @@ impl<const D: usize> CellIntegral<D> {
                 let width = variation(demand_at, u);
                 let distance = demand_at(u).abs();
                 if distance < width {
+                    // The hat has a width of its own: the density is that of the part's centre.
+                    let mass = mass / cell.mean_over_part(u);
                     crossing += mass * rate(&at(u)).max(0.0) * (1.0 - distance / width) / width;
                 }
             });
@@ -386,6 +395,24 @@ impl<const D: usize> Cell<D> {
         exponent.exp()
     }
 
+    /// By how much the logarithm of the mass per unit of `u` grows across a part along each axis.
+    fn slope_across_part(&self, u: &[f64; D]) -> [f64; D] {
+        let LocalMap { slope, bend, .. } = &self.map;
+        std::array::from_fn(|k| {
+            (slope[k] + (0..D).map(|l| bend[k][l] * u[l]).sum::<f64>()) / subdivisions(D) as f64
+        })
+    }
+
+    /// The mean of the mass per unit of `u` over a part, over its value at the centre: of `exp(slope s + bend s^2 / 2)` for
+    /// `s` from -1/2 to 1/2 along each axis.
+    fn mean_over_part(&self, u: &[f64; D]) -> f64 {
+        let parts = subdivisions(D) as f64;
+        let slope = self.slope_across_part(u);
+        let along =
+            |k: usize| sinhc(0.5 * slope[k]) * (self.map.bend[k][k] / (24.0 * parts * parts)).exp();
+        (0..D).map(along).product()
+    }
+
     fn integral(&self) -> f64 {
         let mut mass = 0.0;
         self.for_each_part(|_, part| mass += part);
@@ -402,7 +429,7 @@ impl<const D: usize> Cell<D> {
                 let u: [f64; D] = std::array::from_fn(|k| {
                     f64::from(place[k]) + (index[k] as f64 + 0.5) / parts as f64 - 0.5
                 });
-                visit(&u, part_weight * self.shape(&u));
+                visit(&u, part_weight * self.shape(&u) * self.mean_over_part(&u));
                 // The next index, first axis fastest.
                 for axis in 0..D {
                     index[axis] += 1;
@@ -430,30 +457,45 @@ impl<const D: usize> Cell<D> {
     }
 }
 
-/// The part of a part's volume where the demand exceeds the threshold, were it linear there.
+/// The part of a part's mass where the demand exceeds the threshold: over the part the demand is taken as uniform with the
+/// standard deviation that it has, `w/sqrt(12)`, and the logarithm of the density as linear in it, by `slope` across the
+/// part along each axis.
 fn fraction_above<const D: usize>(
     demand_above_threshold: impl Fn(&[f64; D]) -> f64,
     u: &[f64; D],
+    slope: &[f64; D],
 ) -> f64 {
     let centre = demand_above_threshold(u);
-    let variation = variation(demand_above_threshold, u);
-    if centre.abs() >= 0.5 * variation {
-        f64::from(u8::from(centre > 0.0))
-    } else {
-        0.5 + centre / variation
+    let across = across_part(demand_above_threshold, u);
+    let width = across.iter().map(|a| a * a).sum::<f64>().sqrt();
+    if centre.abs() >= 0.5 * width {
+        return f64::from(u8::from(centre > 0.0));
     }
+    // The density is exp(tilt s) for s from -1/2 to 1/2, and the demand exceeds where s > -centre/width.
+    let tilt = (0..D).map(|k| slope[k] * across[k]).sum::<f64>() / width;
+    let above = 0.5 + centre / width;
+    if tilt.abs() < 1e-6 { above } else { (-tilt * above).exp_m1() / (-tilt).exp_m1() }
 }
 
 /// How much the demand varies across a part, were it linear there.
 fn variation<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> f64 {
+    across_part(demand, u).iter().map(|a| a.abs()).sum()
+}
+
+/// By how much the demand grows across a part along each axis.
+fn across_part<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> [f64; D] {
     let half = 0.5 / subdivisions(D) as f64;
-    let along = |axis: usize| {
+    std::array::from_fn(|axis| {
         let (mut below, mut above) = (*u, *u);
         below[axis] -= half;
         above[axis] += half;
-        (demand(&above) - demand(&below)).abs()
-    };
-    (0..D).map(along).sum()
+        demand(&above) - demand(&below)
+    })
+}
+
+/// `sinh(x)/x`.
+fn sinhc(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 + x * x / 6.0 } else { x.sinh() / x }
 }
 
 /// Adds a mass that is uniform from `from` to `to` to the bins it meets.

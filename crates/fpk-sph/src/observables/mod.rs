@@ -9,6 +9,8 @@
 //! | [`Simulation::exceedance_log_interpolated`] | smooth in `T`, else as the indicator | ends with the last particle | this project |
 //! | [`CellIntegral::exceedance`] | that of the local fits; exact for a Gaussian | goes on beyond the last particle by the fit | this project |
 //!
+//! The density at any point: [`DensityField`].
+//!
 //! First passage up to a time, two ways:
 //!
 //! | estimator | what | cost | source |
@@ -20,11 +22,13 @@
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
 
 mod cell_integral;
+mod density_field;
 mod exchange;
 mod first_passage;
 mod moments;
 mod survival;
 
 pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
+pub use density_field::{DensityField, FIELD_REACH};
 pub use first_passage::OutcrossingBound;
 pub use survival::FirstPassage;

@@ -22,7 +22,7 @@ pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
 use polynomial_fit::Determined;
-pub(crate) use small_matrices::solve_transposed;
+pub(crate) use small_matrices::{inverse, solve_transposed};
 
 use crate::cloud::Cloud;
 use crate::error::Error;

@@ -25,6 +25,14 @@ pub(crate) fn solve_transposed<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) 
     x
 }
 
+/// `A^-1`; none where `A` is singular.
+pub(crate) fn inverse<const D: usize>(a: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
+    // Row k of the inverse is the solution of A^T x = e_k.
+    let row = |k: usize| solve_transposed(a, &std::array::from_fn(|l| f64::from(u8::from(k == l))));
+    let inverse: [[f64; D]; D] = std::array::from_fn(row);
+    inverse.as_flattened().iter().all(|value| value.is_finite()).then_some(inverse)
+}
+
 /// Most sweeps of the Jacobi method; six suffice for six dimensions.
 const MOST_SWEEPS: usize = 20;
 

@@ -57,6 +57,9 @@ const POINTS_PER_UNKNOWN: f64 = 1.5;
 /// give growth rates up to 9 per unit of whitened time.
 const RIM: f64 = 0.65;
 
+/// Wavelengths at which the gradient is looked at.
+const WAVES: usize = 64;
+
 impl<const D: usize> Stencils<D> {
     /// The polynomials of degree at most `degree` over lattice points within `reach` spacings, by Lucy's weights.
     /// `places` in spacings; `neighbours` within the reach, rows ascending.
@@ -126,6 +129,28 @@ impl<const D: usize> Stencils<D> {
         }
         self.rank = rank;
         Ok(())
+    }
+
+    /// The largest magnitude that the gradient inside the lattice gives to a wave along an axis of amplitude 1, per
+    /// spacing: `max |sum_j g_jk exp(i theta o_jk)|` over axes `k` and `0 < theta <= pi`, with offsets `o`.
+    pub(crate) fn steepest_wave(&self, places: &[[f64; D]]) -> f64 {
+        let inside = |&i: &usize| self.start[i + 1] - self.start[i];
+        let Some(i) = (0..places.len()).max_by_key(inside) else { return 0.0 };
+        let stencil = self.of(i);
+        let mut steepest = 0.0_f64;
+        for k in 0..D {
+            for step in 1..=WAVES {
+                let theta = std::f64::consts::PI * step as f64 / WAVES as f64;
+                let (mut real, mut imaginary) = (0.0, 0.0);
+                for (&j, weight) in stencil.members.iter().zip(&stencil.weights.gradient) {
+                    let (sin, cos) = (theta * (places[j as usize][k] - places[i][k])).sin_cos();
+                    real += weight[k] * cos;
+                    imaginary += weight[k] * sin;
+                }
+                steepest = steepest.max(real.hypot(imaginary));
+            }
+        }
+        steepest
     }
 
     /// Who enters the polynomial of a point, and with what weights.

@@ -1,0 +1,205 @@
+//! The error that a refinement states against the error that it makes: the effectivity index.
+
+use fpk_sph::systems::GeometricBrownianMotion;
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
+use sde_integrators::{GaussianMixture, Sde};
+
+use super::lines::{Lines, scene};
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::Reference;
+use crate::fpk::problem::Problem;
+use crate::fpk::reference::ReferenceTable;
+use crate::fpk::scene::System;
+use crate::fpk::scene_system::SceneSystem;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "fpk-sph/effectivity",
+    title: "Estimated over true error of second moments, three lattices finer by the square root of two",
+    source: "Roache 1994; references of the scenes",
+    cost: Profile::Default,
+    run,
+};
+
+/// An index from 0.5 to 2 is a good one.
+const GOOD: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+/// A true error below this many errors of its reference is not known.
+const KNOWN: f64 = 4.0;
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut all = Vec::new();
+    let mut claims = Vec::new();
+    let mut take = |name: &str, indices: Vec<Index>, words: (&str, (f64, f64))| {
+        all.extend(indices.iter().map(|index| index.value));
+        claims.extend(of_scene(context, name, &indices, words));
+    };
+    context.progress("damper");
+    let order_2 = "not reached, 0.71 seen: the three runs show an order above 2 in E[q^2] and so state 0.36 to 0.48 of its error \
+                   up to t = 5";
+    take("viscous-damper/log-density-fit", damper()?, (order_2, (0.6, 0.85)));
+    context.progress("Bouc-Wen");
+    let fold = "not reached: the fold of the cloud is resolved by no lattice here, the differences do not fall as a power";
+    take("bouc-wen/flow-map-fit", bouc_wen()?, (fold, (0.15, 0.6)));
+    context.progress("geometric Brownian motion");
+    let order_4 = "not reached: the runs show the order 4 and more, and at t = 0.25 state 0.3 of the error that is left, 1e-7, of which the box leaves out a part";
+    take("geometric-brownian-motion/flow-map-fit", gbm()?, (order_4, (0.3, 0.8)));
+    let share = share(&all);
+    let method =
+        format!("{} values of second moments, all scenes; the finest of three runs", all.len());
+    let lines = Lines { context, id: "all", method };
+    let reason = "0.8 was hoped for and is not reached; what fails is said of each scene";
+    claims.push(lines.measured(
+        ("share", "share of indices from 0.5 to 2", ""),
+        share,
+        (0.45, 0.75),
+        reason,
+    ));
+    Ok(claims)
+}
+
+/// The index of one moment at one time.
+struct Index {
+    name: String,
+    value: f64,
+}
+
+fn share(indices: &[f64]) -> f64 {
+    indices.iter().filter(|value| GOOD.contains(*value)).count() as f64 / indices.len() as f64
+}
+
+/// The share of good indices, and each of them.
+fn of_scene(
+    context: &Context<'_>,
+    name: &str,
+    indices: &[Index],
+    (reason, band): (&str, (f64, f64)),
+) -> Vec<Claim> {
+    let words: Vec<String> =
+        indices.iter().map(|index| format!("{} {:.2}", index.name, index.value)).collect();
+    let method = format!("estimated over true error: {}", words.join(", "));
+    let values: Vec<f64> = indices.iter().map(|index| index.value).collect();
+    let lines = Lines { context, id: name, method };
+    vec![lines.measured(
+        ("share", "share of indices from 0.5 to 2", ""),
+        share(&values),
+        band,
+        reason,
+    )]
+}
+
+/// What is refined: where it starts, until when, and what is looked at.
+struct Asks<'a, const D: usize> {
+    law: &'a GaussianMixture<D>,
+    config: Config<D>,
+    /// Enough for three runs and too few for a fourth.
+    most_particles: usize,
+    times: &'a [f64],
+    moments: &'a [(&'a str, [u32; D])],
+}
+
+/// Three runs, and the index wherever the true error of the finest is known.
+fn indices<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
+    system: &S,
+    asks: &Asks<'_, D>,
+    exact: impl Fn([u32; D], f64) -> Option<Reference>,
+) -> Result<Vec<Index>, CaseError> {
+    // A tolerance that is never met: the particles end it.
+    let refinement = Refinement { tolerance: 1e-12, most_particles: asks.most_particles };
+    let refined = refine(asks.config.lattice, &refinement, |lattice| {
+        let config = Config { lattice: *lattice, ..asks.config };
+        let mut simulation = Simulation::new(system.clone(), asks.law, &config)?;
+        let mut values = Vec::new();
+        for &t in asks.times {
+            simulation.advance_to(t)?;
+            values.extend(asks.moments.iter().map(|&(_, powers)| simulation.raw_moment(powers)));
+        }
+        Ok((simulation.n_particles(), values))
+    })?;
+    let finest = refined.runs.last().ok_or("no run")?;
+    let mut found = Vec::new();
+    let mut values = refined.values.iter().zip(&finest.values);
+    for &t in asks.times {
+        for &(name, powers) in asks.moments {
+            let (stated, &value) = values.next().ok_or("a value is missing")?;
+            let Some(Reference { value: reference, error }) = exact(powers, t) else { continue };
+            let made = (value - reference).abs();
+            if made > KNOWN * error.unwrap_or(0.0) {
+                found.push(Index { name: format!("{name} t{t}"), value: stated.error / made });
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn damper() -> Result<Vec<Index>, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let System::Damper(system) = &problem.system else {
+        return Err("the scene holds another system".into());
+    };
+    let config = Config {
+        method: Method::LogDensityFit,
+        lattice: InitialLattice::box_of(29),
+        reference_period: 2.0,
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let asks = Asks {
+        law: &problem.law,
+        config,
+        most_particles: 4_000,
+        times: &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
+        moments: &[("E[q^2]", [2, 0]), ("E[v^2]", [0, 2])],
+    };
+    indices(system, &asks, |powers, t| problem.reference.moment(powers, t))
+}
+
+fn bouc_wen() -> Result<Vec<Index>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/bouc_wen.json");
+    let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
+    let SceneSystem::BoucWen(system) = scene.system.build()? else {
+        return Err("the scene holds another system".into());
+    };
+    let law = scene.initial.build(None)?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.85 },
+        reference_period: system.period(),
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let asks = Asks {
+        law: &law,
+        config,
+        most_particles: 10_000,
+        times: &[1.0, 2.0, 3.0, 3.6],
+        moments: &[("E[q^2]", [2, 0, 0]), ("E[v^2]", [0, 2, 0]), ("E[z^2]", [0, 0, 2])],
+    };
+    let reference = ReferenceTable::bouc_wen()?;
+    indices(&system, &asks, |powers, t| reference.moment(powers, t))
+}
+
+fn gbm() -> Result<Vec<Index>, CaseError> {
+    let (growth, volatility, deviation) = (0.1, 0.3, 0.05);
+    let system = GeometricBrownianMotion::new(growth, volatility)?;
+    let law = GaussianMixture::independent([1.0], [deviation])?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::Box { reach: 5.0, count: [31] },
+        // The time in which the noise doubles the variance of the start.
+        reference_period: 0.03,
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let asks = Asks {
+        law: &law,
+        config,
+        most_particles: 70,
+        times: &[0.25, 0.5],
+        moments: &[("E[x]", [1]), ("E[x^2]", [2])],
+    };
+    indices(&system, &asks, |[power], t| {
+        // E[X^a] = E[X_0^a] exp(a mu t + a (a - 1) sigma^2 t / 2); the box leaves out 6e-7 of the mass.
+        let a = f64::from(power);
+        let start = if power == 2 { 1.0 + deviation * deviation } else { 1.0 };
+        let rate = a * growth + 0.5 * a * (a - 1.0) * volatility * volatility;
+        let value = start * (rate * t).exp();
+        Some(Reference::uncertain(value, 1e-7 * value))
+    })
+}

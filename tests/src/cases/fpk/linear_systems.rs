@@ -1,0 +1,203 @@
+//! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
+
+use fpk_sph::systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use sde_integrators::{GaussianMixture, Sde};
+
+use super::lines::{Lines, row, scene};
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::{Criterion, Reference};
+use crate::fpk::density::{Asked, Demand, DensityRun, run_on};
+use crate::fpk::linear_moments::{NormalLaw, linear_moments};
+use crate::fpk::scene_system::SceneSystem;
+use crate::report::{Claim, ErrorKind};
+
+pub(crate) const CASE: Case = Case {
+    id: "fpk-sph/linear-systems",
+    title: "Ornstein-Uhlenbeck in 1 to 4 dimensions, by the flow-map fit",
+    source: "Risken 1996, section 6.5: exact",
+    cost: Profile::Quick,
+    run: processes,
+};
+
+pub(crate) const KANAI_TAJIMI: Case = Case {
+    id: "fpk-sph/kanai-tajimi",
+    title: "Linear building on filtered ground motion, 4 states, by the flow-map fit",
+    source: "Lyapunov equation; Kanai 1957, Tajimi 1960",
+    cost: Profile::Default,
+    run: kanai_tajimi,
+};
+
+fn processes(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    Ok(vec![
+        ornstein_uhlenbeck::<1>(context, 0.5)?,
+        ornstein_uhlenbeck::<2>(context, 0.5)?,
+        ornstein_uhlenbeck::<3>(context, 0.8)?,
+        ornstein_uhlenbeck::<4>(context, 1.2)?,
+    ])
+}
+
+/// States whose product is taken.
+const PAIRS: [(usize, usize); 5] = [(0, 0), (0, 1), (1, 1), (2, 2), (3, 3)];
+
+fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/kanai_tajimi.json");
+    let scene = scene("tests/scenes/fpk/kanai_tajimi.json", text)?;
+    let built = scene.system.build()?;
+    let SceneSystem::KanaiTajimiLinear(system) = &built else {
+        return Err("the scene holds another system".into());
+    };
+    let law: GaussianMixture<4> = scene.initial.build(built.filter_covariance().as_deref())?;
+    let times = [1.0, 2.0, 4.0];
+    let laws = linear_moments(system, &law, &times, 2e-3)?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.2 },
+        reference_period: built.reference_period(),
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let asked = Asked {
+        times: times.to_vec(),
+        powers: PAIRS.map(powers_of).to_vec(),
+        demand: Demand::of_state(0, "q", 4),
+        thresholds: scene.thresholds.clone(),
+        cells: true,
+    };
+    let run = run_on(system.clone(), &law, &config, &asked, |_, _| ())?;
+    let method = run.words("flow-map fit, ball of 5 sigma, spacing 1.2");
+    let lines = Lines { context, id: "flow-map-fit", method };
+    let mut claims = Vec::new();
+    for exact in &laws {
+        claims.extend(moments(&lines, &run, exact, built.states())?);
+        claims.extend(tail(&lines, &run, exact, &scene.thresholds)?);
+    }
+    Ok(claims)
+}
+
+fn powers_of((i, j): (usize, usize)) -> [u32; 4] {
+    std::array::from_fn(|k| u32::from(k == i) + u32::from(k == j))
+}
+
+fn moments(
+    lines: &Lines<'_>,
+    run: &DensityRun,
+    exact: &NormalLaw<4>,
+    states: &[&str],
+) -> Result<Vec<Claim>, CaseError> {
+    let t = exact.t;
+    let reason = "the probability beyond 5 sigma that the ball leaves out, 5e-5, times the square of 5 over 2, and \
+                  Runge-Kutta 4";
+    let claim = |((i, j), &value): ((usize, usize), &f64)| {
+        let scale = (exact.covariance[i][i] * exact.covariance[j][j]).sqrt();
+        let Reference { value: expected, error } = exact.second_moment(i, j);
+        let reference =
+            Reference { value: expected / scale, error: error.map(|error| error / scale) };
+        let name = format!("second-moment-{}-{}/t{t}", states[i], states[j]);
+        let quantity = format!("E[{} {}] over its scale", states[i], states[j]);
+        let what = (name.as_str(), quantity.as_str(), "");
+        let criterion = Criterion::Within { tolerance: 1e-3, reason };
+        lines.judge(what, ErrorKind::Absolute, value / scale, reference, criterion)
+    };
+    Ok(PAIRS.into_iter().zip(&row(run, t)?.moments).map(claim).collect())
+}
+
+/// `P(|q| > T)` down to 1e-5.
+fn tail(
+    lines: &Lines<'_>,
+    run: &DensityRun,
+    exact: &NormalLaw<4>,
+    thresholds: &[f64],
+) -> Result<Vec<Claim>, CaseError> {
+    let t = exact.t;
+    let reason = "a cell of 1.2 sigma in three parts along each axis, fourth order in 0.4, and the variance that the ball \
+                  leaves out times the square of 4.4 over 2; seen within 0.003";
+    let mut claims = Vec::new();
+    for (&threshold, found) in thresholds.iter().zip(&row(run, t)?.exceedances) {
+        let reference = exact.exceedance(&[1.0, 0.0, 0.0, 0.0], threshold);
+        if reference.value < 1e-5 {
+            continue;
+        }
+        let name = format!("exceedance-cell/threshold-{threshold}/t{t}");
+        let quantity = format!("P(|q| > {threshold})");
+        let value = found.cell_integrated.unwrap_or(f64::NAN);
+        let what = (name.as_str(), quantity.as_str(), "");
+        let criterion = Criterion::Within { tolerance: 0.01, reason };
+        claims.push(lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+    }
+    Ok(claims)
+}
+
+/// Rates and noise without symmetry, so that no entry of the covariance is zero.
+fn process<const D: usize>() -> Result<OrnsteinUhlenbeck<D>, CaseError> {
+    const RATES: [[f64; 4]; 4] =
+        [[1.0, 0.5, 0.0, 0.1], [-0.5, 1.5, 0.2, 0.0], [0.0, 0.3, 0.4, -0.2], [0.2, 0.0, 0.1, 0.8]];
+    const NOISE: [[f64; 4]; 4] =
+        [[0.5, 0.0, 0.0, 0.0], [0.1, 0.4, 0.0, 0.0], [0.0, 0.2, 0.3, 0.0], [0.1, 0.0, 0.1, 0.4]];
+    let part = |of: &[[f64; 4]; 4]| std::array::from_fn(|i| std::array::from_fn(|j| of[i][j]));
+    let mean = std::array::from_fn(|i| [0.2, 0.0, -0.1, 0.3][i]);
+    let parameters = OrnsteinUhlenbeckParameters { rates: part(&RATES), mean, noise: part(&NOISE) };
+    Ok(OrnsteinUhlenbeck::new(parameters)?)
+}
+
+fn ornstein_uhlenbeck<const D: usize>(
+    context: &Context<'_>,
+    spacing: f64,
+) -> Result<Claim, CaseError>
+where
+    OrnsteinUhlenbeck<D>: Sde<D, D>,
+{
+    context.progress(&format!("Ornstein-Uhlenbeck, D = {D}"));
+    let process = process::<D>()?;
+    let start_mean = std::array::from_fn(|i| [1.0, 0.0, 0.0, -0.5][i]);
+    let deviation = std::array::from_fn(|i| [0.1, 0.2, 0.3, 0.2][i]);
+    let law = GaussianMixture::independent(start_mean, deviation)?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::Ball { reach: 6.0, spacing },
+        reference_period: 3.0,
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let times = [0.5, 1.0, 2.0];
+    let mut powers = Vec::new();
+    for i in 0..D {
+        powers.push(std::array::from_fn(|k| u32::from(k == i)));
+        for j in 0..=i {
+            powers.push(std::array::from_fn(|k| u32::from(k == i) + u32::from(k == j)));
+        }
+    }
+    let asked = Asked {
+        times: times.to_vec(),
+        powers,
+        demand: Demand::of_state(0, "x1", D),
+        thresholds: vec![],
+        cells: false,
+    };
+    let run = run_on(process, &law, &config, &asked, |_, _| ())?;
+    let mut worst = 0.0_f64;
+    for t in times {
+        let mut moments = row(&run, t)?.moments.iter();
+        let covariance = process.covariance_at(t, &law.covariance())?;
+        let mut means = Vec::new();
+        for i in 0..D {
+            means.push(*moments.next().ok_or("a moment is missing")?);
+            for j in 0..=i {
+                let found = moments.next().ok_or("a moment is missing")? - means[i] * means[j];
+                let scale = (covariance[i][i] * covariance[j][j]).sqrt();
+                let error = (found - covariance[i][j]).abs() / scale;
+                worst = if error.is_nan() { f64::NAN } else { worst.max(error) };
+            }
+        }
+    }
+    let name = format!("ornstein-uhlenbeck-{D}");
+    let method = run.words(&format!("flow-map fit, ball of 6 sigma, spacing {spacing}"));
+    let lines = Lines { context, id: &name, method };
+    let reason = "the trapezoidal sum of the start over a ball of 6 sigma, 7e-5 of a variance in four dimensions, and \
+                  Runge-Kutta 4";
+    Ok(lines.judge(
+        ("covariance/worst", "worst error of C_ij over its scale, t = 0.5, 1, 2", ""),
+        ErrorKind::Absolute,
+        worst,
+        Reference::exact(0.0),
+        Criterion::Within { tolerance: 2e-4, reason },
+    ))
+}

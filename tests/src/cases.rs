@@ -26,6 +26,8 @@ pub const ALL: &[Case] = &[
     fpk::bouc_wen::COARSE,
     fpk::bouc_wen::CASE,
     fpk::filtered_damper::CASE,
+    fpk::first_passage::DAMPER,
+    fpk::first_passage::BOUC_WEN,
     fpk::canor_denoel::CASE,
     fpk::monte_carlo::CASE,
     fpk::rivals::CASE,

@@ -4,6 +4,7 @@ pub(crate) mod bouc_wen;
 pub(crate) mod canor_denoel;
 pub(crate) mod failures;
 pub(crate) mod filtered_damper;
+pub(crate) mod first_passage;
 pub(crate) mod invariance;
 pub(crate) mod linear_oscillator;
 mod lines;

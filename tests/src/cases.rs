@@ -33,6 +33,8 @@ pub const ALL: &[Case] = &[
     fpk::linear_systems::KANAI_TAJIMI,
     fpk::known_densities::CASE,
     fpk::effectivity::CASE,
+    fpk::first_passage::DAMPER,
+    fpk::first_passage::BOUC_WEN,
     fpk::canor_denoel::CASE,
     fpk::schemes::CASE,
     fpk::monte_carlo::CASE,

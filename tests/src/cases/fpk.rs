@@ -5,6 +5,7 @@ pub(crate) mod canor_denoel;
 pub(crate) mod effectivity;
 pub(crate) mod failures;
 pub(crate) mod filtered;
+pub(crate) mod first_passage;
 pub(crate) mod invariance;
 pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;

@@ -13,6 +13,8 @@ use crate::claim::Reference;
 pub struct ReferenceTable {
     times: Vec<f64>,
     data: Data,
+    /// `[value, error]` per time, under a name per threshold; nothing where the file has none.
+    first_passage: Value,
 }
 
 #[derive(Debug)]
@@ -43,6 +45,7 @@ impl ReferenceTable {
         Ok(Self {
             times: numbers(&values["times"], "times")?,
             data: Data::Exact { values, relative_error },
+            first_passage: Value::Null,
         })
     }
 
@@ -51,7 +54,8 @@ impl ReferenceTable {
     /// # Errors
     /// [`ReferenceError`], or that of the JSON.
     pub fn viscous_damper() -> Result<Self, CaseError> {
-        Self::best(include_str!("../../reference/derived/fpk/viscous_damper.json"))
+        let text = include_str!("../../reference/derived/fpk/viscous_damper.json");
+        Self::best(text, "first_passage_mc")
     }
 
     /// The Bouc-Wen oscillator: Monte Carlo and importance sampling.
@@ -59,14 +63,15 @@ impl ReferenceTable {
     /// # Errors
     /// [`ReferenceError`], or that of the JSON.
     pub fn bouc_wen() -> Result<Self, CaseError> {
-        Self::best(include_str!("../../reference/derived/fpk/bouc_wen.json"))
+        Self::best(include_str!("../../reference/derived/fpk/bouc_wen.json"), "first_passage")
     }
 
-    fn best(text: &str) -> Result<Self, CaseError> {
+    fn best(text: &str, first_passage: &str) -> Result<Self, CaseError> {
         let mut values: Value = serde_json::from_str(text)?;
         Ok(Self {
             times: numbers(&values["times"], "times")?,
             data: Data::Best(values["best"].take()),
+            first_passage: values[first_passage].take(),
         })
     }
 
@@ -100,6 +105,12 @@ impl ReferenceTable {
             }
             Data::Best(values) => entry(&values[format!("P_abs_q_gt_{threshold}")][k]),
         }
+    }
+
+    /// `P(max |q| > T)` up to the time.
+    #[must_use]
+    pub fn first_passage(&self, threshold: f64, t: f64) -> Option<Reference> {
+        entry(&self.first_passage[format!("FP_{threshold}")][self.at(t)?])
     }
 
     /// The times of the table.
@@ -211,6 +222,8 @@ mod tests {
         let damper = ReferenceTable::viscous_damper().unwrap();
         assert!((damper.exceedance(1.5, 6.0).unwrap().value / 4.782e-9 - 1.0).abs() < 1e-3);
         assert!(damper.exceedance(1.5, 1.0).is_none() && damper.moment([2, 0], 9.0).is_none());
+        assert!((damper.first_passage(0.75, 8.0).unwrap().value / 8.5174e-3 - 1.0).abs() < 1e-4);
+        assert!(linear.first_passage(0.75, 8.0).is_none());
     }
 
     #[test]

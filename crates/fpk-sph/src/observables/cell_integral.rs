@@ -173,9 +173,6 @@ impl<const D: usize> CellIntegral<D> {
             let ratio = cell.integral() / particle_mass;
             if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
                 cell.go_on(beyond);
-                if cell.integral() > MOST_MASS_RATIO * particle_mass {
-                    cell.beyond.clear();
-                }
             } else {
                 cell.hold_own_mass(particle_mass, ratio);
             }
@@ -257,6 +254,9 @@ impl<const D: usize> CellIntegral<D> {
         for cell in &self.cells {
             let at = |u: &[f64; D]| self.whitening.unwhiten(&cell.point(u));
             let demand_at = |u: &[f64; D]| demand(&at(u)) - threshold;
+            if cell.is_far(demand_at) {
+                continue;
+            }
             cell.for_each_part(|u, mass| {
                 // A hat over two parts: parts on either side of a limit that runs along their edge share it.
                 let width = variation(demand_at, u);
@@ -349,11 +349,13 @@ impl<const D: usize> Cell<D> {
     }
 
     /// Takes in those places beyond the cloud towards which the mass falls. A cell that goes on has its map taken as
-    /// affine: a curvature by neighbours on one side is no ground to go beyond them.
+    /// affine: a curvature by neighbours on one side is no ground to go beyond them. Where there would be more mass beyond
+    /// than within, the fit is level rather than falling, and the cell does not go on.
     fn go_on(&mut self, beyond: Vec<[i32; D]>) {
         if beyond.is_empty() {
             return;
         }
+        let within = self.integral();
         self.map.curvature = [[[0.0; D]; D]; D];
         self.beyond = beyond;
         let LocalMap { slope, bend, .. } = self.map;
@@ -367,6 +369,9 @@ impl<const D: usize> Cell<D> {
             }
             curvature <= 0.0 && along + 0.5 * curvature < 0.0
         });
+        if self.integral() > 2.0 * within {
+            self.beyond.clear();
+        }
     }
 
     /// The point with the lattice coordinates `u` of the cell.
@@ -443,18 +448,30 @@ impl<const D: usize> Cell<D> {
         }
     }
 
+    /// Whether the demand is further from the threshold, at the centre of the cell and of each of those beyond, than twice
+    /// what it varies from there to any corner: no part of them comes near.
+    fn is_far(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
+        std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
+            let centre = demand_above_threshold(&place.map(f64::from));
+            let to_corner =
+                |bits: usize| (demand_above_threshold(&corner(place, bits)) - centre).abs();
+            let variation = (0..1 << D).map(to_corner).fold(0.0, f64::max);
+            centre.abs() > 2.0 * variation
+        })
+    }
+
     /// Whether the demand stays below the threshold at the centre and at all corners of the cell and of what lies beyond.
     fn lies_below(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
-        let corner = |place: &[i32; D], bits: usize| -> [f64; D] {
-            std::array::from_fn(|k| {
-                f64::from(place[k]) + if bits >> k & 1 == 0 { -0.5 } else { 0.5 }
-            })
-        };
         demand_above_threshold(&[0.0; D]) <= 0.0
             && std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
                 (0..1 << D).all(|bits| demand_above_threshold(&corner(place, bits)) <= 0.0)
             })
     }
+}
+
+/// A corner of the cell at a place on the lattice, by the bits of its number.
+fn corner<const D: usize>(place: &[i32; D], bits: usize) -> [f64; D] {
+    std::array::from_fn(|k| f64::from(place[k]) + if bits >> k & 1 == 0 { -0.5 } else { 0.5 })
 }
 
 /// The part of a part's mass where the demand exceeds the threshold: over the part the demand is taken as uniform with the

@@ -1,0 +1,222 @@
+//! First passage: the absorbing boundary, and the bound by the rate of crossing.
+
+use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound};
+use fpk_sph::score::{Degree, VolumeEstimate};
+use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
+use fpk_sph::{Error, Simulation};
+use sde_integrators::{GaussianMixture, Sde};
+
+use super::lines::Lines;
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::fpk::problem::{Problem, bouc_wen};
+use crate::fpk::reference::ReferenceTable;
+use crate::fpk::scene::System;
+use crate::report::{Claim, ErrorKind};
+
+const SOURCE: &str =
+    "Canor & Denoël 2013, sections 4.1 and 4.2; references by Monte Carlo with parabolic peaks";
+
+pub(crate) const DAMPER: Case = Case {
+    id: "fpk-sph/first-passage/viscous-damper",
+    title: "First passage of a building with a viscous damper, from the run of its density",
+    source: SOURCE,
+    cost: Profile::Quick,
+    run: damper,
+};
+
+pub(crate) const BOUC_WEN: Case = Case {
+    id: "fpk-sph/first-passage/bouc-wen",
+    title: "First passage of a building that yields, from the run of its density",
+    source: SOURCE,
+    cost: Profile::Default,
+    run: hysteresis,
+};
+
+/// When all that will pass has passed: the noise of both scenes is weak or none.
+const END: f64 = 8.0;
+
+/// What a run to the end gives, in the order of the thresholds.
+struct Watched {
+    absorbed: Vec<f64>,
+    bound: Vec<f64>,
+    words: String,
+}
+
+/// Runs to the end under watch of `|q|`; the rate of crossing is taken every `interval` where one is given.
+fn watch<S: Sde<D, M>, const D: usize, const M: usize>(
+    system: S,
+    law: &GaussianMixture<D>,
+    config: &Config<D>,
+    thresholds: &[f64],
+    interval: Option<f64>,
+) -> Result<Watched, CaseError> {
+    let demand = |x: &[f64; D]| x[0].abs();
+    let start = cpu_time::ProcessTime::now();
+    let mut simulation = Simulation::new(system, law, config)?;
+    let mut passage = FirstPassage::new(&simulation, demand, thresholds)?;
+    let mut bounds: Vec<OutcrossingBound> = passage
+        .probabilities()
+        .iter()
+        .map(|&initial| OutcrossingBound::new(initial))
+        .collect::<Result<_, _>>()?;
+    let add = |cells: &CellIntegral<D>, time: f64, bounds: &mut [OutcrossingBound]| {
+        for (bound, &threshold) in bounds.iter_mut().zip(thresholds) {
+            let rate = cells.crossing_rate(demand, |x| x[0].signum() * x[1], threshold)?;
+            bound.record(time, rate)?;
+        }
+        Ok::<_, Error>(())
+    };
+    if let Some(interval) = interval {
+        add(&simulation.cell_integral()?, 0.0, &mut bounds)?;
+        let mut looks = 0.0;
+        while simulation.time() < END {
+            looks += 1.0;
+            passage.advance_to(&mut simulation, (looks * interval).min(END))?;
+            add(&simulation.cell_integral()?, simulation.time(), &mut bounds)?;
+        }
+    } else {
+        passage.advance_to(&mut simulation, END)?;
+    }
+    Ok(Watched {
+        absorbed: passage.probabilities().to_vec(),
+        bound: bounds.iter().map(OutcrossingBound::probability).collect(),
+        words: format!(
+            "{} particles, {} steps, {:.1} s CPU",
+            simulation.n_particles(),
+            simulation.work().steps,
+            start.elapsed().as_secs_f64()
+        ),
+    })
+}
+
+/// The absorbing estimate against the reference, threshold by threshold.
+fn absorbed<'c>(
+    lines: &Lines<'_>,
+    (watched, thresholds): (&Watched, &[f64]),
+    reference: &ReferenceTable,
+    criterion: impl Fn(f64) -> Criterion<'c>,
+) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    for (&threshold, &value) in thresholds.iter().zip(&watched.absorbed) {
+        let reference = reference.first_passage(threshold, END).ok_or("no reference")?;
+        let (name, quantity) = passage_words("absorbing", threshold);
+        let what = (name.as_str(), quantity.as_str(), "");
+        let criterion = criterion(threshold);
+        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+    }
+    Ok(claims)
+}
+
+fn passage_words(estimator: &str, threshold: f64) -> (String, String) {
+    (format!("{estimator}/threshold-{threshold}"), format!("P(max |q| > {threshold})"))
+}
+
+/// The bound lies above the reference, and no further than seen.
+fn bounded(
+    lines: &Lines<'_>,
+    (watched, thresholds): (&Watched, &[f64]),
+    reference: &ReferenceTable,
+    most: &[f64],
+) -> Result<Vec<Claim>, CaseError> {
+    let reason = "an upper bound, at least the reference less two standard errors; it is high by the mean number of \
+                  crossings in a clump, and was seen a tenth below the upper end";
+    let mut claims = Vec::new();
+    for ((&threshold, &value), &to) in thresholds.iter().zip(&watched.bound).zip(most) {
+        let reference = reference.first_passage(threshold, END).ok_or("no reference")?;
+        let from = -2.0 * reference.error.unwrap_or(0.0) / reference.value;
+        let (name, quantity) = passage_words("bound", threshold);
+        let what = (name.as_str(), quantity.as_str(), "");
+        let criterion = Criterion::AsMeasured { from, to, reason };
+        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+    }
+    Ok(claims)
+}
+
+const DAMPER_THRESHOLDS: [f64; 3] = [0.5, 0.75, 1.0];
+/// The rate of crossing swings with the period of 2 s, twice in each: ten times in a swing.
+const INTERVAL: f64 = 0.1;
+
+fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> {
+    let config = problem
+        .scene
+        .density_config(problem.system.period(), refinement)
+        .ok_or("the scene has no density method")?;
+    Ok(Config { method: Method::FlowMapFit, ..config })
+}
+
+fn damper_system(problem: &Problem) -> Result<fpk_sph::systems::ViscousDamper, CaseError> {
+    match &problem.system {
+        System::Damper(system) => Ok(system.clone()),
+        System::Linear(_) => Err("the scene holds another system".into()),
+    }
+}
+
+fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let system = damper_system(&problem)?;
+    let mut claims = Vec::new();
+    let reason = "a threshold between layers of particles, and numerical diffusion of the survival across the noise; seen \
+                  within 5.5 % with 1,681 particles and 1.5 % with 6,561";
+    for (id, refinement, tolerance, interval) in
+        [("flow-map-fit", 1.0, 0.15, Some(INTERVAL)), ("flow-map-fit-refined", 2.0, 0.05, None)]
+    {
+        let config = flow_map(&problem, refinement)?;
+        let thresholds = &DAMPER_THRESHOLDS;
+        let watched = watch(system.clone(), &problem.law, &config, thresholds, interval)?;
+        let lines = Lines { context, id, method: format!("flow-map fit, {}", watched.words) };
+        let criterion = |_| Criterion::Within { tolerance, reason };
+        let both = (&watched, thresholds.as_slice());
+        claims.extend(absorbed(&lines, both, &problem.reference, criterion)?);
+        if interval.is_some() {
+            claims.extend(bounded(&lines, both, &problem.reference, &[1.1, 0.67, 0.41])?);
+        }
+    }
+    Ok(claims)
+}
+
+fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let (system, law, reference) = bouc_wen()?;
+    let thresholds = [1.0, 1.5];
+    let reference_period = system.period();
+    let config = |method, spacing| Config {
+        method,
+        lattice: InitialLattice::Ball { reach: 5.0, spacing },
+        reference_period,
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let kernel_sum = Method::Custom(Combination {
+        estimator: Estimator::LogDensityFit {
+            volume: VolumeEstimate::KernelSum,
+            degree: Degree::Quadratic,
+        },
+        ..Method::LogDensityFit.combination()
+    });
+    let watched = watch(system.clone(), &law, &config(kernel_sum, 0.4), &thresholds, None)?;
+    let words = "log-density fit, kernel-sum volumes, ball of 5 sigma, spacing 0.4";
+    let method = format!("{words}, {}", watched.words);
+    let lines = Lines { context, id: "log-density-fit", method };
+    let reason = "the tail of the fit, +0.03 in log10 at t = 3; seen 1.8 and 9.4 % high, and 7 and 31 % at spacing 0.5";
+    let criterion = |_| Criterion::Within { tolerance: 0.15, reason };
+    let both = (&watched, thresholds.as_slice());
+    let mut claims = absorbed(&lines, both, &reference, criterion)?;
+
+    context.progress("flow-map fit");
+    let watched = watch(system, &law, &config(Method::FlowMapFit, 0.6), &thresholds, Some(0.2))?;
+    let method = format!("flow-map fit, ball of 5 sigma, spacing 0.6, {}", watched.words);
+    let lines = Lines { context, id: "flow-map-fit", method };
+    let near = "truncation of the cubic fit at the fold; seen 1.6 % high, 0.4 % low at spacing 0.4";
+    let far = "not reached: cells at the rim turn over, and the density has too little tail at T = 1.5, -0.4 in log10 near \
+               t = 3.6; -45 % at spacing 0.4";
+    claims.extend(absorbed(&lines, (&watched, &thresholds), &reference, |threshold| {
+        if threshold < 1.25 {
+            Criterion::Within { tolerance: 0.15, reason: near }
+        } else {
+            Criterion::AsMeasured { from: -0.8, to: -0.5, reason: far }
+        }
+    })?);
+    // At T = 1.5 neither density has a bound worth a claim: too little tail here, and fits across the sheet that the limit
+    // of z makes of the cloud give the other rates of crossing hundreds of times too high.
+    claims.extend(bounded(&lines, (&watched, &thresholds[..1]), &reference, &[0.26])?);
+    Ok(claims)
+}

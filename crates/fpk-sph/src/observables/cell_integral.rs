@@ -173,6 +173,10 @@ impl<const D: usize> CellIntegral<D> {
             let ratio = cell.integral() / particle_mass;
             if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
                 cell.go_on(beyond);
+                // As much beyond as within: the fit is level rather than falling.
+                if cell.integral() > 2.0 * ratio * particle_mass {
+                    cell.beyond.clear();
+                }
             } else {
                 cell.hold_own_mass(particle_mass, ratio);
             }
@@ -349,13 +353,11 @@ impl<const D: usize> Cell<D> {
     }
 
     /// Takes in those places beyond the cloud towards which the mass falls. A cell that goes on has its map taken as
-    /// affine: a curvature by neighbours on one side is no ground to go beyond them. Where there would be more mass beyond
-    /// than within, the fit is level rather than falling, and the cell does not go on.
+    /// affine: a curvature by neighbours on one side is no ground to go beyond them.
     fn go_on(&mut self, beyond: Vec<[i32; D]>) {
         if beyond.is_empty() {
             return;
         }
-        let within = self.integral();
         self.map.curvature = [[[0.0; D]; D]; D];
         self.beyond = beyond;
         let LocalMap { slope, bend, .. } = self.map;
@@ -369,9 +371,6 @@ impl<const D: usize> Cell<D> {
             }
             curvature <= 0.0 && along + 0.5 * curvature < 0.0
         });
-        if self.integral() > 2.0 * within {
-            self.beyond.clear();
-        }
     }
 
     /// The point with the lattice coordinates `u` of the cell.

@@ -1,5 +1,6 @@
 //! What a step and a run report of themselves.
 
+use crate::remap::Remapped;
 use crate::score::Unresolved;
 
 /// One step, in numbers. Lengths are in the coordinates of the metric.
@@ -28,6 +29,8 @@ pub struct StepReport {
     pub covariance_condition: f64,
     /// Cells that the estimator could not resolve at the first stage.
     pub unresolved: Unresolved,
+    /// The fresh lattice that was laid before the step, if one was.
+    pub remapped: Option<Remapped>,
 }
 
 /// Work done so far.

@@ -27,15 +27,22 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::StepCollapsed`], [`Error::StepExceedsDiffusionLimit`], [`Error::WorkLimit`], those of the metric and of
-    /// the estimator; [`Error::LeftStableRange`] where a particle is no longer finite. The state is then that before
-    /// the step.
+    /// the estimator, and of [`remap`](Self::remap); [`Error::LeftStableRange`] where a particle is no longer finite. The
+    /// state is then that before the step, or that on the fresh lattice laid before it.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.step_towards(f64::INFINITY)
     }
 
-    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's Runge-Kutta scheme, then `h` by eq 20.
-    pub(crate) fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
+    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's Runge-Kutta scheme, then `h` by eq 20. Before it a
+    /// fresh lattice, where the method has a [`Remapping`](crate::Remapping) and the cloud has become too uneven.
+    ///
+    /// # Errors
+    /// As [`Self::step`]; [`Error::TimeInThePast`] unless `end` lies ahead.
+    pub fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
         let t = self.state.time;
+        if end.is_nan() || end <= t {
+            return Err(Error::TimeInThePast { value: end, now: t });
+        }
         if self.state.n_steps >= self.most_steps {
             return Err(Error::WorkLimit { time: t, target: end, limit: self.most_steps });
         }
@@ -53,12 +60,24 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         Ok(report)
     }
 
-    /// `k_1 = v(t, x)`, and from it the step.
+    /// `k_1 = v(t, x)`, on a fresh lattice where the cloud asks for one, and from it the step.
     fn first_stage(&mut self, end: f64) -> Result<StepReport, Error> {
+        self.first_velocity()?;
+        let mut remapped = None;
+        if let Some(remapping) = self.field.combination.remapping
+            && self.unevenness() > remapping.most_uneven
+        {
+            remapped = Some(self.lay_fresh_lattice(&remapping)?);
+            self.first_velocity()?;
+        }
+        self.stages.volume.copy_from_slice(&self.stage.volume);
+        Ok(StepReport { remapped, ..self.plan(end)? })
+    }
+
+    /// `k_1 = v(t, x)`.
+    fn first_velocity(&mut self) -> Result<(), Error> {
         let Self { field, state, stage, stages, .. } = self;
-        stage.velocity(field, state, state.time, &state.positions, &mut stages.k[0])?;
-        stages.volume.copy_from_slice(&stage.volume);
-        self.plan(end)
+        stage.velocity(field, state, state.time, &state.positions, &mut stages.k[0])
     }
 
     /// `x(t + dt)` from `k_1`, in `stages.x`.
@@ -151,6 +170,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             h_max: state.smoothing_lengths.iter().copied().fold(0.0, f64::max),
             covariance_condition: condition_number(&covariance),
             unresolved: stage.unresolved,
+            remapped: None,
         })
     }
 }

@@ -213,9 +213,9 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
     }
 
     fn start(&mut self, lattice: &LatticePlaces<'_, D>) -> Result<(), Error> {
-        (self.spacing, self.reach) = (lattice.spacing, lattice.reach);
         self.stencils =
             Stencils::new(lattice.places, lattice.neighbours, lattice.reach, self.degree)?;
+        (self.spacing, self.reach) = (lattice.spacing, lattice.reach);
         Ok(())
     }
 

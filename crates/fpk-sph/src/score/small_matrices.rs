@@ -25,6 +25,11 @@ pub(crate) fn solve_transposed<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) 
     x
 }
 
+/// `x` with `A x = b`; infinite or NaN where `A` is singular.
+pub(crate) fn solve<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D] {
+    solve_transposed(&std::array::from_fn(|k| std::array::from_fn(|l| a[l][k])), b)
+}
+
 /// Most sweeps of the Jacobi method; six suffice for six dimensions.
 const MOST_SWEEPS: usize = 20;
 

@@ -307,6 +307,39 @@ pub enum Error {
         /// Particles of the one that the watch began with.
         expected: usize,
     },
+    /// A watch does not follow its particles over a fresh lattice.
+    #[error("t = {time}: a fresh lattice was laid; the watched particles are gone")]
+    RemappedUnderWatch {
+        /// Time.
+        time: f64,
+    },
+    /// A fresh lattice was asked for in coordinates that are not those of the cloud.
+    #[error("a fresh lattice is laid in whitened coordinates; the method's metric is isotropic")]
+    NotWhitened,
+    /// A fresh lattice would hold more particles than allowed.
+    #[error("t = {time}: a fresh lattice needs {count} particles or more; {limit} are allowed")]
+    FreshLatticeTooLarge {
+        /// Time.
+        time: f64,
+        /// Particles so far.
+        count: usize,
+        /// How many are allowed.
+        limit: usize,
+    },
+    /// A fresh lattice does not resolve the density: it would change what it must keep.
+    #[error(
+        "t = {time}: a fresh lattice changes the {quantity} by {value:e}; at most {limit:e} is allowed"
+    )]
+    FreshLatticeChanges {
+        /// Time.
+        time: f64,
+        /// Mass, mean or covariance.
+        quantity: &'static str,
+        /// The change: relative, in standard deviations, of a whitened entry.
+        value: f64,
+        /// The most that is allowed.
+        limit: f64,
+    },
     /// A snapshot is of another simulation.
     #[error("the snapshot holds {found} particles, the simulation {expected}")]
     ForeignSnapshot {
@@ -316,7 +349,9 @@ pub enum Error {
         expected: usize,
     },
     /// A snapshot does not say how far its simulation had come.
-    #[error("the snapshot holds no `time` and `n_steps`; it is not of a density simulation")]
+    #[error(
+        "the snapshot holds no `time`, `n_steps` and `n_remaps`; it is not of a density simulation"
+    )]
     SnapshotWithoutTime,
     /// The initial law or the system was refused.
     #[error(transparent)]

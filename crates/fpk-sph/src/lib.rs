@@ -2,11 +2,13 @@
 
 mod cloud;
 mod error;
+mod lattice;
 mod method;
 mod metric;
 pub mod observables;
 mod parallel;
 mod refine;
+mod remap;
 mod report;
 pub mod score;
 mod simulation;
@@ -20,6 +22,7 @@ pub use error::Error;
 pub use method::{Combination, Estimator, InitialSmoothing, Method, Scheme, StepRule};
 pub use metric::Metric;
 pub use refine::{Refined, RefinedValue, Refinement, RefinementEnd, RefinementRun, refine};
+pub use remap::{BEYOND_THE_CLOUD, Remapped, Remapping};
 pub use report::{StepReport, Work};
 pub use score::ScoreEstimator;
 pub use simulation::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS, Simulation};

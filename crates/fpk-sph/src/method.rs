@@ -4,6 +4,7 @@ use smoothing_kernels::Lucy;
 
 use crate::error::{Error, positive};
 use crate::metric::Metric;
+use crate::remap::Remapping;
 use crate::score::{
     Degree, FlowMapFit, LogDensityFit, ScoreEstimator, SummationDensity, VolumeEstimate,
 };
@@ -44,6 +45,8 @@ pub struct Combination {
     pub scheme: Scheme,
     /// The rule that sets the step.
     pub step: StepRule,
+    /// When a fresh lattice is laid over the cloud; where there is none, never.
+    pub remapping: Option<Remapping>,
 }
 
 /// The estimators of this crate, with Lucy's kernel. Others come through
@@ -195,6 +198,7 @@ impl Method {
                 initial_smoothing: InitialSmoothing::Uniform,
                 scheme: Scheme::ForwardEuler,
                 step: StepRule::Courant { number: 0.8 },
+                remapping: None,
             },
             Self::LogDensityFit => Combination {
                 estimator: Estimator::LogDensityFit {
@@ -206,6 +210,7 @@ impl Method {
                 initial_smoothing: InitialSmoothing::Iterated,
                 scheme: Scheme::RungeKutta4,
                 step: StepRule::PeriodFraction { steps_per_period: 40.0 },
+                remapping: None,
             },
             Self::FlowMapFit => Combination {
                 estimator: Estimator::FlowMapFit { degree: Degree::Cubic, thinnest: 0.2 },
@@ -214,6 +219,7 @@ impl Method {
                 initial_smoothing: InitialSmoothing::Uniform,
                 scheme: Scheme::RungeKutta4,
                 step: StepRule::PeriodFraction { steps_per_period: 40.0 },
+                remapping: None,
             },
             Self::Custom(combination) => combination,
         }
@@ -226,6 +232,12 @@ impl Combination {
         positive("support_over_spacing", self.support_over_spacing)?;
         if let Estimator::FlowMapFit { thinnest, .. } = self.estimator {
             positive("thinnest", thinnest)?;
+        }
+        if let Some(remapping) = self.remapping {
+            remapping.check()?;
+            if self.metric != Metric::Whitened {
+                return Err(Error::NotWhitened);
+            }
         }
         match self.step {
             StepRule::Courant { number } => positive("courant number", number),

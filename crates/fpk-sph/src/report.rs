@@ -1,5 +1,6 @@
 //! What a step and a run report of themselves.
 
+use crate::remap::Remapped;
 use crate::score::{Fits, Unresolved};
 
 /// One step, in numbers. Lengths are in the coordinates of the metric.
@@ -30,6 +31,8 @@ pub struct StepReport {
     pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits of the first stage.
     pub fits: Fits,
+    /// The fresh lattice that was laid before the step, if one was.
+    pub remapped: Option<Remapped>,
 }
 
 /// Work done so far.

@@ -2,12 +2,12 @@
 
 use std::io::{Read, Write};
 
-use neighbour_search::NeighbourList;
 use particle_store::{Attribute, ParticleStore};
 use sde_integrators::{GaussianMixture, Sde};
 
 use crate::cloud::AxisNeighbours;
 use crate::error::{Error, positive};
+use crate::lattice::{ParticleLattice, index_of_place};
 use crate::method::{Combination, InitialSmoothing, Method, StepRule};
 use crate::metric::{Metric, Whitening};
 use crate::report::Work;
@@ -53,6 +53,8 @@ pub struct Simulation<S, const D: usize, const M: usize> {
     pub(crate) shortest_step: f64,
     pub(crate) longest_step: f64,
     pub(crate) most_steps: u64,
+    /// Particles at the start.
+    n_start: usize,
     pub(crate) state: State<D>,
     pub(crate) stage: Stage<D>,
     pub(crate) stages: Stages<D>,
@@ -63,6 +65,7 @@ pub struct Simulation<S, const D: usize, const M: usize> {
 pub(crate) struct State<const D: usize> {
     pub(crate) time: f64,
     pub(crate) n_steps: u64,
+    pub(crate) n_remaps: u64,
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) masses: Vec<f64>,
     /// `h_i`, in the coordinates of the metric.
@@ -111,21 +114,16 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let n = start.positions.len();
         let h = combination.support_over_spacing * spacing / estimator.support();
         let mut simulation = Self {
-            field: Field {
-                system,
-                estimator,
-                combination,
-                lattice: start.lattice,
-                places: start.places,
-                lattice_neighbours: NeighbourList::new(),
-            },
+            field: Field { system, estimator, combination, lattice: ParticleLattice::default() },
             reference_period: config.reference_period,
             shortest_step: COLLAPSED_STEP * config.reference_period,
             longest_step: longest_step(&combination, config.reference_period),
             most_steps: config.most_steps,
+            n_start: n,
             state: State {
                 time: 0.0,
                 n_steps: 0,
+                n_remaps: 0,
                 positions: start.positions,
                 masses: start.masses,
                 smoothing_lengths: vec![h; n],
@@ -135,13 +133,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             stage: Stage::new(n),
             stages: Stages::new(n),
         };
-        simulation.field.start(spacing)?;
+        simulation.field.lay(ParticleLattice::new(start.indices, spacing))?;
         simulation.start_smoothing_lengths(h, spacing)?;
         Ok(simulation)
     }
 
     /// Sets `h_0i` and the product that eq 20 keeps.
-    fn start_smoothing_lengths(&mut self, h: f64, spacing: f64) -> Result<(), Error> {
+    pub(crate) fn start_smoothing_lengths(&mut self, h: f64, spacing: f64) -> Result<(), Error> {
         let Self { field, state, stage, .. } = self;
         match field.combination.initial_smoothing {
             InitialSmoothing::Uniform => {
@@ -223,7 +221,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         Ok(())
     }
 
-    /// Writes the state, bit for bit.
+    /// Writes the state with the lattice that it stands on, bit for bit.
     ///
     /// # Errors
     /// [`Error::Store`] where the writer fails.
@@ -232,6 +230,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let State {
             time,
             n_steps,
+            n_remaps,
             positions,
             masses,
             smoothing_lengths,
@@ -239,6 +238,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             previous,
         } = &self.state;
         store.add("position", positions.clone())?;
+        store.add("place", self.field.lattice.places.clone())?;
         store.add("mass", masses.clone())?;
         store.add("smoothing_length", smoothing_lengths.clone())?;
         store.add("smoothing_ratio", smoothing_ratios.clone())?;
@@ -248,49 +248,62 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             store.add("previous_position", positions.clone())?;
             store.set_attribute("previous_dt", Attribute::Real(*dt));
         }
+        store.set_attribute("n_remaps", Attribute::Count(*n_remaps));
+        store.set_attribute("n_start", Attribute::Count(self.n_start as u64));
         store.snapshot(writer)?;
         Ok(())
     }
 
-    /// Takes the state from a snapshot of a simulation with the same configuration; the run goes on bit for bit. With
-    /// leap-frog the snapshot holds the positions of one step ago; a snapshot without them starts it anew.
+    /// Takes state and lattice from a snapshot of a simulation with the same configuration; the run goes on bit for bit.
+    /// With leap-frog the snapshot holds the positions of one step ago; a snapshot without them starts it anew.
     ///
     /// # Errors
     /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::Store`]; the state is then as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
         let store = ParticleStore::<D>::restore(reader)?;
-        if store.len() != self.n_particles() {
-            return Err(Error::ForeignSnapshot {
-                found: store.len(),
-                expected: self.n_particles(),
-            });
+        let count = |name: &str| match store.attribute(name) {
+            Some(Attribute::Count(count)) => Ok(count),
+            _ => Err(Error::SnapshotWithoutTime),
+        };
+        let Some(Attribute::Real(time)) = store.attribute("time") else {
+            return Err(Error::SnapshotWithoutTime);
+        };
+        let (n_steps, n_remaps) = (count("n_steps")?, count("n_remaps")?);
+        // The same start; as many particles as at the start where no fresh lattice was laid.
+        let found = if n_remaps == 0 { store.len() as u64 } else { count("n_start")? };
+        if found != self.n_start as u64 {
+            let found = usize::try_from(found).unwrap_or(usize::MAX);
+            return Err(Error::ForeignSnapshot { found, expected: self.n_start });
         }
         let column = |name: &str| -> Result<Vec<f64>, Error> {
             Ok(store.get(store.handle(name)?)?.to_vec())
         };
-        let (Some(Attribute::Real(time)), Some(Attribute::Count(n_steps))) =
-            (store.attribute("time"), store.attribute("n_steps"))
-        else {
-            return Err(Error::SnapshotWithoutTime);
-        };
-        let places = |name: &str| -> Result<Vec<[f64; D]>, Error> {
+        let points = |name: &str| -> Result<Vec<[f64; D]>, Error> {
             Ok(store.get(store.handle(name)?)?.to_vec())
         };
         let previous = match store.attribute("previous_dt") {
             Some(Attribute::Real(dt)) => {
-                Some(Previous { positions: places("previous_position")?, dt })
+                Some(Previous { positions: points("previous_position")?, dt })
             }
             _ => None,
         };
-        self.state = State {
+        let state = State {
             time,
             n_steps,
-            positions: places("position")?,
+            n_remaps,
+            positions: points("position")?,
             masses: column("mass")?,
             smoothing_lengths: column("smoothing_length")?,
             smoothing_ratios: column("smoothing_ratio")?,
             previous,
         };
+        let places = store.get(store.handle::<[f64; D]>("place")?)?;
+        if places != self.field.lattice.places {
+            let indices = places.iter().map(index_of_place).collect();
+            self.field.lay(ParticleLattice::new(indices, self.field.lattice.spacing))?;
+        }
+        self.state = state;
+        self.fit_buffers();
         Ok(())
     }
 }
@@ -325,15 +338,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             estimator: Box::new(fit),
             combination,
             lattice: self.field.lattice.clone(),
-            places: Vec::new(),
-            lattice_neighbours: NeighbourList::new(),
         };
         let mut state = self.state.clone();
         let mut stage = Stage::new(self.n_particles());
         if self.field.combination.metric == Metric::Isotropic {
             let support = <LogDensityFit as ScoreEstimator<D>>::support(&fit);
             state.whitened_smoothing_lengths(
-                &field.lattice,
+                &field.lattice.axis_neighbours,
                 combination.support_over_spacing / support,
             )?;
         }

@@ -3,8 +3,9 @@
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use sde_integrators::{NoiseClass, Sde};
 
-use crate::cloud::{AxisNeighbours, Cloud};
+use crate::cloud::Cloud;
 use crate::error::Error;
+use crate::lattice::ParticleLattice;
 use crate::method::Combination;
 use crate::metric::{Metric, Whitening};
 use crate::parallel::fill;
@@ -12,34 +13,33 @@ use crate::report::Work;
 use crate::score::{Estimates, Fits, LatticePlaces, ScoreEstimator, Unresolved};
 use crate::simulation::State;
 
-/// What makes the velocity field and never changes: the system and the choices of the method.
+/// What makes the velocity field: the system, the choices of the method, and the lattice, which changes when a fresh one
+/// is laid.
 #[derive(Debug)]
 pub(crate) struct Field<S, const D: usize> {
     pub(crate) system: S,
     pub(crate) estimator: Box<dyn ScoreEstimator<D> + Sync>,
     pub(crate) combination: Combination,
-    pub(crate) lattice: Vec<AxisNeighbours<D>>,
-    /// Places on the lattice, in spacings.
-    pub(crate) places: Vec<[f64; D]>,
-    /// Who stands near whom on the lattice, for estimators that work there; else empty.
-    pub(crate) lattice_neighbours: NeighbourList,
+    pub(crate) lattice: ParticleLattice<D>,
 }
 
 impl<S, const D: usize> Field<S, D> {
-    /// Tells the estimator on which lattice the particles start.
-    pub(crate) fn start(&mut self, spacing: f64) -> Result<(), Error> {
+    /// Takes a lattice and tells the estimator of it; gives back the one before. After an error all is as it was.
+    pub(crate) fn lay(
+        &mut self,
+        mut lattice: ParticleLattice<D>,
+    ) -> Result<ParticleLattice<D>, Error> {
         let reach = self.combination.support_over_spacing;
         if self.estimator.criterion().is_none() {
-            let mut search = CellGrid::new();
-            search.full_list(&self.places, Radii::Uniform(reach), &mut self.lattice_neighbours)?;
-            self.lattice_neighbours.sort_rows();
+            lattice.find_neighbours(reach)?;
         }
         self.estimator.start(&LatticePlaces {
-            places: &self.places,
-            neighbours: &self.lattice_neighbours,
+            places: &lattice.places,
+            neighbours: &lattice.neighbours,
             reach,
-            spacing,
-        })
+            spacing: lattice.spacing,
+        })?;
+        Ok(std::mem::replace(&mut self.lattice, lattice))
     }
 }
 
@@ -96,7 +96,7 @@ impl<const D: usize> Stage<D> {
         check_finite(&self.whitened, &self.radii, at)?;
         self.work.evaluations += 1;
         let Some(criterion) = field.estimator.criterion() else {
-            self.work.neighbour_visits += field.lattice_neighbours.n_pairs() as u64;
+            self.work.neighbour_visits += field.lattice.neighbours.n_pairs() as u64;
             return Ok(());
         };
         let radii = Radii::PerPoint { radii: &self.radii, criterion };
@@ -119,7 +119,7 @@ impl<const D: usize> Stage<D> {
     pub(crate) fn neighbours_of<'a, S>(&'a self, field: &'a Field<S, D>) -> &'a NeighbourList {
         match field.estimator.criterion() {
             Some(_) => &self.neighbours,
-            None => &field.lattice_neighbours,
+            None => &field.lattice.neighbours,
         }
     }
 
@@ -135,7 +135,7 @@ impl<const D: usize> Stage<D> {
             masses: &state.masses,
             smoothing_lengths: &state.smoothing_lengths,
             neighbours: self.neighbours_of(field),
-            lattice: &field.lattice,
+            lattice: &field.lattice.axis_neighbours,
             whitened: field.combination.metric == Metric::Whitened,
             step: state.n_steps,
             time,

@@ -3,7 +3,6 @@
 use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 
-use crate::cloud::AxisNeighbours;
 use crate::error::{Error, positive};
 use crate::metric::{Metric, Whitening};
 
@@ -56,9 +55,8 @@ impl InitialLattice<2> {
 pub(crate) struct Start<const D: usize> {
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) masses: Vec<f64>,
-    pub(crate) lattice: Vec<AxisNeighbours<D>>,
     /// Places on the lattice, in spacings.
-    pub(crate) places: Vec<[f64; D]>,
+    pub(crate) indices: Vec<[i32; D]>,
     /// Volume of a lattice cell in the units of the state.
     pub(crate) cell_volume: f64,
 }
@@ -98,15 +96,14 @@ impl<const D: usize> Start<D> {
                 dimension: D,
             });
         }
-        Ok(Self::on(&map, &lattice, law))
+        Ok(Self::on(&map, lattice, law))
     }
 
-    fn on(map: &Whitening<D>, lattice: &Lattice<D>, law: &GaussianMixture<D>) -> Self {
+    fn on(map: &Whitening<D>, lattice: Lattice<D>, law: &GaussianMixture<D>) -> Self {
         let cell_volume = lattice.cell_volume() * map.determinant();
         let positions: Vec<[f64; D]> = lattice.points.iter().map(|y| map.unwhiten(y)).collect();
         let masses = positions.iter().map(|x| law.density(x) * cell_volume).collect();
-        let places = lattice.indices.iter().map(|index| index.map(f64::from)).collect();
-        Self { positions, masses, lattice: lattice.axis_neighbours(), places, cell_volume }
+        Self { positions, masses, indices: lattice.indices, cell_volume }
     }
 }
 

@@ -32,15 +32,23 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::StepCollapsed`], [`Error::StepExceedsDiffusionLimit`], [`Error::WorkLimit`], those of the metric and of
-    /// the estimator; [`Error::TooMuchUnresolved`] above [`MOST_UNRESOLVED`]; [`Error::LeftStableRange`] where a particle is no longer finite. The state is then that before
-    /// the step.
+    /// the estimator, and of [`remap`](Self::remap); [`Error::TooMuchUnresolved`] above [`MOST_UNRESOLVED`];
+    /// [`Error::LeftStableRange`] where a particle is no longer finite. The state is then that before the step, or that on
+    /// the fresh lattice laid before it.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.step_towards(f64::INFINITY)
     }
 
-    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's scheme, then `h` by eq 20.
-    pub(crate) fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
+    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's scheme, then `h` by eq 20. Before it a
+    /// fresh lattice, where the method has a [`Remapping`](crate::Remapping) and the cloud has become too uneven.
+    ///
+    /// # Errors
+    /// As [`Self::step`]; [`Error::TimeInThePast`] unless `end` lies ahead.
+    pub fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
         let t = self.state.time;
+        if end.is_nan() || end <= t {
+            return Err(Error::TimeInThePast { value: end, now: t });
+        }
         if self.state.n_steps >= self.most_steps {
             return Err(Error::WorkLimit { time: t, target: end, limit: self.most_steps });
         }
@@ -61,23 +69,36 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         Ok(report)
     }
 
-    /// `k_1 = v(t, x)`, and from it the step.
+    /// `k_1 = v(t, x)`, on a fresh lattice where the cloud asks for one, and from it the step.
     fn first_stage(&mut self, end: f64) -> Result<StepReport, Error> {
-        let Self { field, state, stage, stages, .. } = self;
-        stage.velocity(field, state, state.time, &state.positions, &mut stages.k[0])?;
-        stages.volume.copy_from_slice(&stage.volume);
-        let Unresolved { particles, mass, heaviest } = stage.unresolved;
-        if mass > MOST_UNRESOLVED {
-            return Err(Error::TooMuchUnresolved {
-                step: state.n_steps,
-                time: state.time,
-                particle: heaviest.unwrap_or(0),
-                particles,
-                mass,
-                limit: MOST_UNRESOLVED,
-            });
+        self.first_velocity()?;
+        let mut remapped = None;
+        if let Some(remapping) = self.field.combination.remapping
+            && self.unevenness() > remapping.most_uneven
+        {
+            remapped = Some(self.lay_fresh_lattice(&remapping)?);
+            self.first_velocity()?;
         }
-        self.plan(end)
+        self.check_resolved()?;
+        self.stages.volume.copy_from_slice(&self.stage.volume);
+        Ok(StepReport { remapped, ..self.plan(end)? })
+    }
+
+    /// Refuses to go on where what is not resolved holds too much.
+    fn check_resolved(&self) -> Result<(), Error> {
+        let Unresolved { particles, mass, heaviest } = self.stage.unresolved;
+        if mass <= MOST_UNRESOLVED {
+            return Ok(());
+        }
+        let (step, time) = (self.state.n_steps, self.state.time);
+        let (particle, limit) = (heaviest.unwrap_or(0), MOST_UNRESOLVED);
+        Err(Error::TooMuchUnresolved { step, time, particle, particles, mass, limit })
+    }
+
+    /// `k_1 = v(t, x)`.
+    fn first_velocity(&mut self) -> Result<(), Error> {
+        let Self { field, state, stage, stages, .. } = self;
+        stage.velocity(field, state, state.time, &state.positions, &mut stages.k[0])
     }
 
     /// `x(t + dt)` from `k_1`, in `stages.x`.
@@ -180,6 +201,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             covariance_condition: condition_number(&covariance),
             unresolved: stage.unresolved,
             fits: stage.fits,
+            remapped: None,
         })
     }
 }

@@ -6,6 +6,7 @@ use sde_integrators::Sde;
 
 use crate::cloud::AxisNeighbours;
 use crate::error::{Error, finite};
+use crate::lattice::index_of_place;
 use crate::metric::Whitening;
 use crate::score::{LocalFit, LocalMap, determinant, lattice_jacobian};
 use crate::simulation::Simulation;
@@ -78,7 +79,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of the local fits: too few neighbours, a singular covariance.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
-        let beyond = beyond_the_cloud(&self.field.places);
+        let beyond = beyond_the_cloud(&self.field.lattice.places);
         let masses = self.masses();
         if let Some((stage, maps)) = self.local_maps()? {
             let cell = |(i, map): (usize, LocalMap<D>)| Cell {
@@ -96,7 +97,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let cells = fits
             .iter()
             .enumerate()
-            .map(|(i, fit)| Cell::of_fit(&stage.whitened, &self.field.lattice, i, fit))
+            .map(|(i, fit)| {
+                Cell::of_fit(&stage.whitened, &self.field.lattice.axis_neighbours, i, fit)
+            })
             .collect::<Result<_, _>>()?;
         Ok(CellIntegral::finish(stage.whitening, cells, beyond, Some(masses)))
     }
@@ -105,13 +108,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
 /// Places on the lattice within [`TAIL_SPACINGS`] steps of the cloud but not in it, each as a step from the particle
 /// nearest to it, the lowest where several are. The cells of the cloud and these tile the lattice without overlap.
 fn beyond_the_cloud<const D: usize>(places: &[[f64; D]]) -> Vec<Vec<[i32; D]>> {
-    #[allow(clippy::cast_possible_truncation, reason = "whole numbers well within the range")]
-    let index = |place: &[f64; D]| place.map(|value| value.round() as i32);
-    let taken: HashSet<[i32; D]> = places.iter().map(index).collect();
+    let taken: HashSet<[i32; D]> = places.iter().map(index_of_place).collect();
     let mut nearest: HashMap<[i32; D], (i32, usize, [i32; D])> = HashMap::new();
     let steps = steps_beyond::<D>();
     for (i, place) in places.iter().enumerate() {
-        let own = index(place);
+        let own = index_of_place(place);
         for step in &steps {
             let there = std::array::from_fn(|k| own[k] + step[k]);
             if taken.contains(&there) {

@@ -64,7 +64,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let to_whitened = determinant / stage.whitening.determinant();
         let y: Vec<[f64; D]> = positions.iter().map(|x| whitening.whiten(x)).collect();
         let node = |i: usize| {
-            let edges = lattice_jacobian(&y, &self.field.lattice, i)
+            let edges = lattice_jacobian(&y, &self.field.lattice.axis_neighbours, i)
                 .ok_or(Error::NoLatticeCell { particle: i })?;
             let to_cell = inverse(&edges).ok_or(Error::LeftStableRange {
                 step: at.0,

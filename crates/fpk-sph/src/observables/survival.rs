@@ -30,7 +30,8 @@ use crate::simulation::Simulation;
 ///
 /// Errors: that of the density, that of a threshold between layers of particles, and numerical diffusion across the noise.
 /// All fall with the spacing; compare two resolutions. Mass that lay beyond the lattice at the start is not in it.
-/// Works with every method, since every method starts on a lattice. The source is this project.
+/// Works with every method, since every method starts on a lattice, but not across a fresh one: what has survived is not
+/// carried over. The source is this project.
 ///
 /// A general limit state `g(x) > 0` is the demand `g` with the threshold 0.
 ///
@@ -65,6 +66,8 @@ pub struct FirstPassage<F, const D: usize> {
     /// Time and steps at the last record.
     time: f64,
     n_steps: u64,
+    /// Fresh lattices laid when it began.
+    n_remaps: u64,
     /// The step before the last record; 0 at the first.
     dt: f64,
     /// Demands at the last record and at the one before.
@@ -121,12 +124,13 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
             finite("threshold", threshold)?;
         }
         let n = simulation.n_particles();
-        let exchange = LatticeExchange::new(&simulation.field.places);
+        let exchange = LatticeExchange::new(&simulation.field.lattice.places);
         let mut passage = Self {
             demand,
             thresholds: thresholds.to_vec(),
             time: simulation.time(),
             n_steps: simulation.work().steps,
+            n_remaps: simulation.n_remaps(),
             dt: 0.0,
             value: vec![0.0; n],
             before: vec![0.0; n],
@@ -170,12 +174,15 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
     /// left out; a step already recorded changes nothing.
     ///
     /// # Errors
-    /// [`Error::UnwatchedSteps`]; [`Error::OtherSimulation`]; [`Error::NotFinite`] for a demand; [`Error::LeftStableRange`]
+    /// [`Error::UnwatchedSteps`]; [`Error::OtherSimulation`]; [`Error::RemappedUnderWatch`]; [`Error::NotFinite`] for a demand; [`Error::LeftStableRange`]
     /// where a cell has no volume. What was recorded before then stands.
     pub fn record<S: Sde<D, M>, const M: usize>(
         &mut self,
         simulation: &Simulation<S, D, M>,
     ) -> Result<(), Error> {
+        if simulation.n_remaps() != self.n_remaps {
+            return Err(Error::RemappedUnderWatch { time: simulation.time() });
+        }
         let (found, expected) = (simulation.n_particles(), self.value.len());
         if found != expected {
             return Err(Error::OtherSimulation { found, expected });
@@ -214,7 +221,7 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         let scene = Scene {
             positions: x,
             masses: simulation.masses(),
-            lattice: &simulation.field.lattice,
+            lattice: &simulation.field.lattice.axis_neighbours,
             at: (simulation.work().steps, t),
         };
         let system = simulation.system();

@@ -21,8 +21,10 @@ use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
+pub(crate) use monomials::{MOST_UNKNOWNS, Monomials};
 use polynomial_fit::Determined;
-pub(crate) use small_matrices::{inverse, solve_transposed};
+pub(crate) use polynomial_fit::{LANES, LeastSquares};
+pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 
 use crate::cloud::Cloud;
 use crate::error::Error;
@@ -165,14 +167,14 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     /// End of the kernel's support in units of the smoothing length.
     fn support(&self) -> f64;
 
-    /// Which pairs it needs, found anew at every evaluation; none where it works on the lattice of the start, whose
+    /// Which pairs it needs, found anew at every evaluation; none where it works on the lattice, whose
     /// neighbours it then has in [`Cloud::neighbours`].
     fn criterion(&self) -> Option<Criterion>;
 
     /// Prepares for particles on a fresh lattice. Provided: nothing to prepare.
     ///
     /// # Errors
-    /// Where the lattice does not carry the estimator.
+    /// Where the lattice does not carry the estimator, which must then be as it was.
     fn start(&mut self, lattice: &LatticePlaces<'_, D>) -> Result<(), Error> {
         let _ = lattice;
         Ok(())

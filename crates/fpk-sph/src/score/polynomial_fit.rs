@@ -155,6 +155,18 @@ impl<const D: usize> LeastSquares<D> {
         }
     }
 
+    /// The polynomial with the given coefficients at `u`.
+    pub(crate) fn polynomial(&self, coefficients: &[f64; MOST_UNKNOWNS], u: &[f64; D]) -> f64 {
+        let Monomials { n_unknowns, parent, axis, .. } = self.tables;
+        let mut monomials = [1.0; MOST_UNKNOWNS];
+        let mut sum = coefficients[0];
+        for m in 1..*n_unknowns {
+            monomials[m] = monomials[usize::from(parent[m])] * u[usize::from(axis[m])];
+            sum += coefficients[m] * monomials[m];
+        }
+        sum
+    }
+
     /// Unknowns of the polynomial.
     pub(crate) fn n_unknowns(&self) -> usize {
         self.tables.n_unknowns

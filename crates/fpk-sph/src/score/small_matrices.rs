@@ -33,6 +33,11 @@ pub(crate) fn inverse<const D: usize>(a: &[[f64; D]; D]) -> Option<[[f64; D]; D]
     inverse.as_flattened().iter().all(|value| value.is_finite()).then_some(inverse)
 }
 
+/// `x` with `A x = b`; infinite or NaN where `A` is singular.
+pub(crate) fn solve<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D] {
+    solve_transposed(&std::array::from_fn(|k| std::array::from_fn(|l| a[l][k])), b)
+}
+
 /// Most sweeps of the Jacobi method; six suffice for six dimensions.
 const MOST_SWEEPS: usize = 20;
 

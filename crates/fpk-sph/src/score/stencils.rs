@@ -234,19 +234,7 @@ impl<const D: usize> Pattern<D> {
                 solved[m] = 1.0;
                 fit.substitute(&mut solved);
             }
-            points
-                .iter()
-                .map(|(u, w)| {
-                    let mut monomials = [1.0; MOST_UNKNOWNS];
-                    let mut sum = solved[0];
-                    for m in 1..n {
-                        monomials[m] = monomials[usize::from(tables.parent[m])]
-                            * u[usize::from(tables.axis[m])];
-                        sum += solved[m] * monomials[m];
-                    }
-                    w * sum
-                })
-                .collect()
+            points.iter().map(|(u, w)| w * fit.polynomial(&solved, u)).collect()
         };
         let mut pattern = Self {
             mean: Vec::with_capacity(count),

@@ -1,0 +1,148 @@
+//! Which places of a fresh lattice hold a particle.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use neighbour_search::NeighbourList;
+
+use super::Remapping;
+use super::interpolation::{Departure, Found};
+use crate::error::Error;
+use crate::lattice::neighbours_on_lattice;
+use crate::parallel::fill;
+
+/// A lattice in whitened coordinates with the mass of each of its cells.
+#[derive(Debug)]
+pub(super) struct FreshLattice<const D: usize> {
+    pub(super) indices: Vec<[i32; D]>,
+    pub(super) masses: Vec<f64>,
+    /// What the cells of the outermost layer carry.
+    pub(super) outermost_mass: f64,
+    /// Particles beyond the cloud as it was.
+    pub(super) n_beyond: usize,
+}
+
+/// What is known of a cell.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    mass: f64,
+    beyond: bool,
+}
+
+/// Passes in which the least mass of a cell is lowered until the outermost layer is light enough. Each halves the layer's
+/// mass at least, so that this many reach any mass that a double tells from 0.
+const MOST_PASSES: usize = 1100;
+/// A place with fewer than this part of the neighbours of one inside carries no polynomial.
+const FEWEST_NEIGHBOURS: f64 = 0.3;
+
+impl<const D: usize> FreshLattice<D> {
+    /// The cells from the cloud outward, layer by layer, until the outermost layer carries less than asked or the cloud
+    /// ends.
+    pub(super) fn grow(
+        departure: &Departure<'_, D>,
+        time: f64,
+        reach: f64,
+        remapping: &Remapping,
+    ) -> Result<Self, Error> {
+        let mut cells = BTreeMap::new();
+        let mut least = remapping.outermost_mass;
+        let mut fresh = Self::of_cells(&cells);
+        for _ in 0..MOST_PASSES {
+            let before = fresh.indices.len();
+            extend(&mut cells, least, departure);
+            let kept = cells.iter().filter(|(_, cell)| cell.mass >= least);
+            let kept: BTreeMap<[i32; D], Cell> = kept.map(|(&k, &cell)| (k, cell)).collect();
+            let (count, limit) = (kept.len(), remapping.most_particles);
+            if count > limit {
+                return Err(Error::FreshLatticeTooLarge { time, count, limit });
+            }
+            fresh = Self::of_cells(&without_tips(kept, reach)?);
+            if fresh.outermost_mass <= remapping.outermost_mass
+                || (before > 0 && fresh.indices.len() == before)
+            {
+                break;
+            }
+            least *= 0.5 * remapping.outermost_mass / fresh.outermost_mass;
+        }
+        let (count, limit) = (fresh.indices.len(), 3_usize.pow(u32::try_from(D).unwrap_or(0)));
+        if count < limit {
+            return Err(Error::TooFewParticles { count, limit, dimension: D });
+        }
+        Ok(fresh)
+    }
+
+    fn of_cells(cells: &BTreeMap<[i32; D], Cell>) -> Self {
+        let outermost = |index: &&[i32; D]| beside(index).any(|other| !cells.contains_key(&other));
+        Self {
+            outermost_mass: cells.keys().filter(outermost).map(|k| cells[k].mass).sum(),
+            n_beyond: cells.values().filter(|cell| cell.beyond).count(),
+            masses: cells.values().map(|cell| cell.mass).collect(),
+            indices: cells.keys().copied().collect(),
+        }
+    }
+}
+
+/// The places one step away along each axis.
+fn beside<const D: usize>(index: &[i32; D]) -> impl Iterator<Item = [i32; D]> {
+    let index = *index;
+    (0..D).flat_map(move |axis| {
+        [-1, 1].map(|step| {
+            let mut beside = index;
+            beside[axis] += step;
+            beside
+        })
+    })
+}
+
+/// Evaluates the cells in which a particle stands, and from every cell that carries `least` those beside it.
+fn extend<const D: usize>(
+    cells: &mut BTreeMap<[i32; D], Cell>,
+    least: f64,
+    departure: &Departure<'_, D>,
+) {
+    let spacing = departure.spacing();
+    let cell_volume = (0..D).fold(1.0, |volume, _| volume * spacing);
+    loop {
+        let heavy = cells.iter().filter(|(_, cell)| cell.mass >= least);
+        let mut fresh: BTreeSet<[i32; D]> = heavy.flat_map(|(index, _)| beside(index)).collect();
+        if cells.is_empty() {
+            fresh.extend(departure.indices());
+        }
+        let fresh: Vec<[i32; D]> =
+            fresh.into_iter().filter(|index| !cells.contains_key(index)).collect();
+        if fresh.is_empty() {
+            return;
+        }
+        let mut found = vec![Cell { mass: 0.0, beyond: true }; fresh.len()];
+        fill(&mut found, |i| {
+            let place = fresh[i].map(|k| f64::from(k) * spacing);
+            let (value, beyond) = match departure.at(&place) {
+                Found::Within(value) => (value, false),
+                Found::Beyond(value) => (value, true),
+                Found::Nothing => return Cell { mass: 0.0, beyond: true },
+            };
+            let log_density = value - 0.5 * place.iter().map(|c| c * c).sum::<f64>();
+            let mass = log_density.exp() * cell_volume;
+            // A place where nothing finite is known is not in the cloud.
+            Cell { mass: if mass.is_finite() { mass } else { 0.0 }, beyond }
+        });
+        cells.extend(fresh.into_iter().zip(found));
+    }
+}
+
+/// Takes away places with too few neighbours for a polynomial.
+fn without_tips<const D: usize>(
+    mut cells: BTreeMap<[i32; D], Cell>,
+    reach: f64,
+) -> Result<BTreeMap<[i32; D], Cell>, Error> {
+    loop {
+        let places: Vec<[f64; D]> = cells.keys().map(|index| index.map(f64::from)).collect();
+        let list: NeighbourList = neighbours_on_lattice(&places, reach)?;
+        let fewest = FEWEST_NEIGHBOURS * (1 + list.max_count()) as f64;
+        let before = cells.len();
+        let mut rows = list.rows();
+        cells.retain(|_, _| rows.next().is_some_and(|row| (1 + row.len()) as f64 >= fewest));
+        if cells.len() == before {
+            return Ok(cells);
+        }
+    }
+}

@@ -15,6 +15,7 @@ pub(crate) mod monte_carlo;
 pub(crate) mod rivals;
 pub(crate) mod schemes;
 pub(crate) mod spatial_order;
+pub(crate) mod stationary_oscillators;
 pub(crate) mod viscous_damper;
 
 use crate::case::{CaseError, Context};

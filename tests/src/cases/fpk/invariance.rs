@@ -89,10 +89,10 @@ fn sampled(context: &Context<'_>, problem: &Problem, scene: &str) -> Result<Vec<
     over_threads(context, &format!("{scene}/monte-carlo"), reason, whole).map(|(_, claims)| claims)
 }
 
-const QUANTITY: &str = "values whose bits differ, at t = 2";
+const QUANTITY: &str = "values whose bits differ";
 
 /// The bits on one thread, and the claims that two and eight give the same.
-fn over_threads(
+pub(super) fn over_threads(
     context: &Context<'_>,
     name: &str,
     reason: &str,

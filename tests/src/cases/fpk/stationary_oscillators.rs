@@ -1,0 +1,147 @@
+//! Oscillators with an exact stationary law, from a Gaussian, with fresh lattices laid over the cloud on the way.
+
+use fpk_sph::systems::StationaryOscillator;
+use fpk_sph::{
+    Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
+    StepRule,
+};
+use sde_integrators::{GaussianMixture, Sde};
+
+use super::invariance::over_threads;
+use super::lines::{Lines, row, scene};
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::{Criterion, Reference};
+use crate::fpk::density::{Asked, Demand, run_on};
+use crate::fpk::scene_system::SceneSystem;
+use crate::report::{Claim, ErrorKind};
+
+pub(crate) const DUFFING: Case = Case {
+    id: "fpk-sph/duffing-remapped",
+    title: "Duffing's oscillator from a Gaussian to its exact stationary law, with fresh lattices",
+    source: "Caughey 1971: exact stationary density",
+    cost: Profile::Quick,
+    run: duffing,
+};
+
+pub(crate) const VAN_DER_POL: Case = Case {
+    id: "fpk-sph/van-der-pol-remapped",
+    title: "Oscillator of van der Pol and Rayleigh from a Gaussian to its ring, with fresh lattices",
+    source: "Caughey & Payne 1967: exact stationary density",
+    cost: Profile::Default,
+    run: van_der_pol,
+};
+
+/// The flow-map fit with fresh lattices.
+pub(super) fn remapped(remapping: Remapping, steps_per_period: f64) -> Method {
+    Method::Custom(Combination {
+        remapping: Some(remapping),
+        step: StepRule::PeriodFraction { steps_per_period },
+        ..Method::FlowMapFit.combination()
+    })
+}
+
+fn config(method: Method, reach: f64, spacing: f64, reference_period: f64) -> Config<2> {
+    let lattice = InitialLattice::Ball { reach, spacing };
+    Config { method, lattice, reference_period, most_steps: DEFAULT_MOST_STEPS }
+}
+
+fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/duffing.json");
+    let scene = scene("tests/scenes/fpk/duffing.json", text)?;
+    let SceneSystem::Duffing(system) = scene.system.build()? else {
+        return Err("the scene holds another system".into());
+    };
+    let law = scene.initial.build(None)?;
+    let stationary = system.stationary()?;
+    let period = system.period();
+    let config = config(remapped(Remapping::MEASURED, 40.0), 6.0, 0.3, period);
+    // 5 / (zeta omega_0) = 100.
+    let lines = Stationary { context, law: &law, config: &config, end: &stationary };
+    let mut claims = lines.claims(system.clone(), 100.0, &[1.0, 2.0, 3.0])?;
+    let whole = || -> Result<Vec<u64>, CaseError> {
+        let mut simulation = Simulation::new(system.clone(), &law, &config)?;
+        simulation.advance_to(5.0)?;
+        if simulation.n_remaps() == 0 {
+            return Err("no fresh lattice was laid".into());
+        }
+        Ok(simulation.positions().iter().flatten().map(|x| x.to_bits()).collect())
+    };
+    let reason =
+        "every place of a fresh lattice is computed by itself, in the order of the lattice";
+    claims.extend(over_threads(context, "flow-map-fit", reason, whole)?.1);
+    Ok(claims)
+}
+
+fn van_der_pol(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let text = include_str!("../../../scenes/fpk/van_der_pol.json");
+    let scene = scene("tests/scenes/fpk/van_der_pol.json", text)?;
+    let SceneSystem::VanDerPol(system) = scene.system.build()? else {
+        return Err("the scene holds another system".into());
+    };
+    let law = scene.initial.build(None)?;
+    let stationary = system.stationary()?;
+    let config = config(remapped(Remapping::MEASURED, 80.0), 5.0, 0.25, system.period());
+    // The linear damping is -2 zeta omega_0 = -0.2: 5 / (zeta omega_0) = 50.
+    let lines = Stationary { context, law: &law, config: &config, end: &stationary };
+    lines.claims(system, 50.0, &[1.0, 2.0])
+}
+
+/// A run that ends in a stationary law.
+struct Stationary<'a> {
+    context: &'a Context<'a>,
+    law: &'a GaussianMixture<2>,
+    config: &'a Config<2>,
+    end: &'a StationaryOscillator,
+}
+
+impl Stationary<'_> {
+    fn claims<S: Sde<2, 1>>(
+        &self,
+        system: S,
+        time: f64,
+        thresholds: &[f64],
+    ) -> Result<Vec<Claim>, CaseError> {
+        let asked = Asked {
+            times: vec![time],
+            powers: vec![[2, 0], [0, 2], [4, 0]],
+            demand: Demand::displacement(),
+            thresholds: thresholds.to_vec(),
+            cells: true,
+        };
+        let mut laid = (0, 0);
+        let run = run_on(system, self.law, self.config, &asked, |simulation, _| {
+            laid = (simulation.n_remaps(), simulation.n_particles());
+        })?;
+        let row = row(&run, time)?;
+        let words = run.words("flow-map fit, ball, fresh lattices");
+        let method = format!("{words}, {} fresh lattices, {} particles at the end", laid.0, laid.1);
+        let lines = Lines { context: self.context, id: "flow-map-fit", method };
+        let mut claims = Vec::new();
+        let reason = "what is left of the start, exp(-5) in energy and less, and the truncation of the fits; seen within 0.06 %";
+        for ((powers, name, quantity, unit), &value) in [
+            ([2, 0], "second-moment-q", "E[q^2]", "m^2"),
+            ([0, 2], "second-moment-v", "E[v^2]", "m^2/s^2"),
+            ([4, 0], "fourth-moment-q", "E[q^4]", "m^4"),
+        ]
+        .into_iter()
+        .zip(&row.moments)
+        {
+            let reference = Reference::exact(self.end.moment(powers));
+            let criterion = Criterion::Within { tolerance: 2e-3, reason };
+            let what = (name, quantity, unit);
+            claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+        }
+        for (&threshold, exceedance) in thresholds.iter().zip(&row.exceedances) {
+            let reference = Reference::exact(self.end.exceedance(threshold)?);
+            let value = exceedance.cell_integrated.ok_or("cells were asked for")?;
+            let name = format!("exceedance-cell/threshold-{threshold}");
+            let quantity = format!("P(|q| > {threshold})");
+            let reason =
+                "truncation of the fits; seen within 0.002 at 1 and 2, 0.010 at 3 with P = 2.4e-8";
+            let criterion = Criterion::Within { tolerance: 0.02, reason };
+            let what = (name.as_str(), quantity.as_str(), "");
+            claims.push(lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+        }
+        Ok(claims)
+    }
+}

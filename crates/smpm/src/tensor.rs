@@ -1,0 +1,197 @@
+//! Symmetric tensors over any number type.
+
+use std::ops::{Add, Sub};
+
+use perturbation_moments::Scalar;
+
+/// A symmetric 3 x 3 tensor: `[xx, yy, zz, xy, yz, xz]`, the order of VTK and of
+/// [`particle_store::SymmetricTensor`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Symmetric<S>(pub [S; 6]);
+
+impl<S: Scalar> Symmetric<S> {
+    /// All entries zero.
+    #[must_use]
+    #[inline]
+    pub fn zero() -> Self {
+        Self([S::constant(0.0); 6])
+    }
+
+    /// `value` times the identity.
+    #[must_use]
+    #[inline]
+    pub fn isotropic(value: S) -> Self {
+        let zero = S::constant(0.0);
+        Self([value, value, value, zero, zero, zero])
+    }
+
+    /// The symmetric part of a matrix, `(A + A^T)/2`: the rate of deformation of a velocity gradient.
+    #[must_use]
+    #[inline]
+    pub fn part_of(a: &[[S; 3]; 3]) -> Self {
+        let half = |i: usize, j: usize| (a[i][j] + a[j][i]) * 0.5;
+        Self([a[0][0], a[1][1], a[2][2], half(0, 1), half(1, 2), half(0, 2)])
+    }
+
+    /// The sum of the diagonal.
+    #[must_use]
+    #[inline]
+    pub fn trace(&self) -> S {
+        self.0[0] + self.0[1] + self.0[2]
+    }
+
+    /// What is left without the mean of the diagonal.
+    #[must_use]
+    #[inline]
+    pub fn deviator(&self) -> Self {
+        let mean = self.trace() * (1.0 / 3.0);
+        let [xx, yy, zz, xy, yz, xz] = self.0;
+        Self([xx - mean, yy - mean, zz - mean, xy, yz, xz])
+    }
+
+    /// The double contraction `A : B = sum_ij A_ij B_ij`.
+    #[must_use]
+    #[inline]
+    pub fn contract(&self, other: &Self) -> S {
+        let (a, b) = (&self.0, &other.0);
+        let shear = a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + shear * 2.0
+    }
+
+    /// Every entry times a number.
+    #[must_use]
+    #[inline]
+    pub fn scaled(&self, factor: S) -> Self {
+        Self(self.0.map(|entry| entry * factor))
+    }
+
+    /// Every entry times a constant.
+    #[must_use]
+    #[inline]
+    pub fn times(&self, factor: f64) -> Self {
+        Self(self.0.map(|entry| entry * factor))
+    }
+
+    /// Turned with the spin of a velocity gradient over a time `dt` (Hughes & Winget 1980): `R A R^T` with
+    ///
+    /// $$ R = (I - \tfrac12 W dt)^{-1} (I + \tfrac12 W dt) = I + \frac{2}{1 + |a|^2} (P + P^2), \quad P = \tfrac12 W dt, $$
+    ///
+    /// `W = (L - L^T)/2` and `a` the axial vector of `P`. To first order in `dt` this is the rate of Jaumann,
+    /// `W A - A W`; for any `dt` it is a rotation, so that no invariant changes.
+    #[must_use]
+    #[inline]
+    pub fn turned(&self, velocity_gradient: &[[S; 3]; 3], dt: f64) -> Self {
+        let l = velocity_gradient;
+        let half = |i: usize, j: usize| (l[i][j] - l[j][i]) * (0.25 * dt);
+        // P = [[0, -c, b], [c, 0, -a], [-b, a, 0]].
+        let (a, b, c) = (half(2, 1), half(0, 2), half(1, 0));
+        let factor = (a * a + b * b + c * c + 1.0).recip() * 2.0;
+        let r = [
+            [(b * b + c * c) * -1.0, a * b - c, a * c + b],
+            [a * b + c, (a * a + c * c) * -1.0, b * c - a],
+            [a * c - b, b * c + a, (a * a + b * b) * -1.0],
+        ];
+        let mut rotation = r.map(|row| row.map(|entry| entry * factor));
+        for k in 0..3 {
+            rotation[k][k] = rotation[k][k] + 1.0;
+        }
+        let m = self.matrix();
+        let zero = S::constant(0.0);
+        let mut half_way = [[zero; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                for k in 0..3 {
+                    half_way[i][j] = half_way[i][j] + rotation[i][k] * m[k][j];
+                }
+            }
+        }
+        let entry = |i: usize, j: usize| {
+            half_way[i][0] * rotation[j][0]
+                + half_way[i][1] * rotation[j][1]
+                + half_way[i][2] * rotation[j][2]
+        };
+        Self([entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)])
+    }
+
+    /// The whole matrix.
+    #[must_use]
+    #[inline]
+    pub fn matrix(&self) -> [[S; 3]; 3] {
+        let [xx, yy, zz, xy, yz, xz] = self.0;
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+
+    /// The values, without derivatives.
+    #[must_use]
+    pub fn values(&self) -> [f64; 6] {
+        self.0.map(Scalar::value)
+    }
+}
+
+impl<S: Scalar> Add for Symmetric<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
+    }
+}
+
+impl<S: Scalar> Sub for Symmetric<S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+    }
+}
+
+/// `sqrt(3/2 S:S)` of a deviator: the von Mises stress (Chen et al. 2019, eq 14).
+#[must_use]
+#[inline]
+pub fn von_mises<S: Scalar>(deviator: &Symmetric<S>) -> S {
+    (deviator.contract(deviator) * 1.5).sqrt()
+}
+
+/// The determinant of `I + dt L`: by how much a step changes a volume.
+#[must_use]
+#[inline]
+pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
+    let mut m = velocity_gradient.map(|row| row.map(|entry| entry * dt));
+    for k in 0..3 {
+        m[k][k] = m[k][k] + 1.0;
+    }
+    let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
+    m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_tensor_keeps_its_invariants_and_follows_the_rate_of_jaumann() {
+        let stress = Symmetric([1.0, -2.0, 0.5, 0.3, -0.7, 0.2]);
+        let l = [[0.1, 0.7, -0.3], [-0.2, 0.4, 0.9], [0.5, -0.6, -0.2]];
+        for dt in [1e-6, 0.5, 20.0] {
+            let turned = stress.turned(&l, dt);
+            assert!((turned.trace() - stress.trace()).abs() < 1e-14);
+            assert!((turned.contract(&turned) - stress.contract(&stress)).abs() < 1e-13);
+        }
+        let (dt, m) = (1e-6, stress.matrix());
+        let turned = stress.turned(&l, dt).matrix();
+        let w = |i: usize, j: usize| 0.5 * (l[i][j] - l[j][i]);
+        for i in 0..3 {
+            for j in 0..3 {
+                let rate: f64 = (0..3).map(|k| w(i, k) * m[k][j] - m[i][k] * w(k, j)).sum();
+                // The next term is of order dt.
+                assert!(((turned[i][j] - m[i][j]) / dt - rate).abs() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn the_change_of_volume_is_a_determinant() {
+        let l = [[1.0, 2.0, 0.0], [0.0, 3.0, 4.0], [5.0, 0.0, 6.0]];
+        // det [[2, 2, 0], [0, 4, 4], [5, 0, 7]] = 2 * 28 - 2 * (0 - 20) = 96
+        assert!((volume_change(&l, 1.0) - 96.0_f64).abs() < 1e-12);
+    }
+}

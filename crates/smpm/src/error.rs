@@ -53,18 +53,63 @@ pub enum Error {
         limit: f64,
     },
     /// A shape holds no particle.
-    #[error("body {body} holds no particle at the spacing {spacing}")]
+    #[error("a body holds no particle at the spacing {spacing}")]
     EmptyBody {
-        /// Which body, from 0.
-        body: usize,
         /// The spacing of its particles.
         spacing: f64,
     },
-    /// A particle lies outside the domain.
+    /// A simulation without bodies.
+    #[error("there is no body; at least one is needed")]
+    NoBody,
+    /// A number of dimensions that there is not.
+    #[error("{value} dimensions; there must be 1 to 3")]
+    NoSuchDimension {
+        /// What was asked for.
+        value: usize,
+    },
+    /// An axis that there is not.
+    #[error("axis {value}; it must be less than {limit}")]
+    NoSuchAxis {
+        /// What was given.
+        value: usize,
+        /// The number of dimensions.
+        limit: usize,
+    },
+    /// Axisymmetry in other than two dimensions.
+    #[error("axisymmetric in {value} dimensions; it needs 2, the radius and the axis")]
+    AxisymmetricNeedsTwoDimensions {
+        /// The dimensions.
+        value: usize,
+    },
+    /// A boundary that is no plane of nodes.
     #[error(
-        "body {body}, particle {particle}: component {axis} of its position is {value}; the domain is from {from} to {to}"
+        "a boundary normal to axis {axis} is at {value}; it must be a whole number of cells of {cell} from the origin"
     )]
-    OutsideDomain {
+    NotOnGrid {
+        /// The axis.
+        axis: usize,
+        /// Its position.
+        value: f64,
+        /// The edge of a cell.
+        cell: f64,
+    },
+    /// Two boundaries leave too little room.
+    #[error(
+        "boundaries normal to axis {axis} are {cells} cells apart; they must be at least {limit}"
+    )]
+    BoundariesTooClose {
+        /// The axis.
+        axis: usize,
+        /// Cells between them.
+        cells: i32,
+        /// The least.
+        limit: i32,
+    },
+    /// A particle starts beyond a boundary, or where axisymmetric at a radius that is not above zero.
+    #[error(
+        "body {body}, particle {particle}: component {axis} of its position is {value}; it must be on the bodies' side of {limit}"
+    )]
+    BeyondBoundary {
         /// Which body, from 0.
         body: usize,
         /// Which of its particles.
@@ -73,10 +118,18 @@ pub enum Error {
         axis: usize,
         /// The position.
         value: f64,
-        /// Begin of the domain.
-        from: f64,
-        /// Its end.
-        to: f64,
+        /// The boundary.
+        limit: f64,
+    },
+    /// The particles are so far apart that the grid's directory would not fit.
+    #[error(
+        "the grid would span {tiles} tiles; at most {limit} are allowed: a particle is far away from the others"
+    )]
+    GridTooLarge {
+        /// Tiles from the lowest to the highest particle.
+        tiles: usize,
+        /// Most tiles.
+        limit: usize,
     },
     /// A material was driven out of its range.
     #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]

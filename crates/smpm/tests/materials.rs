@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
-use perturbation_moments::responses::JohnsonCook as FrozenFlowStress;
+use perturbation_moments::responses::{
+    JohnsonCook as FrozenFlowStress, MieGruneisen as FrozenPressure, MieGruneisenState,
+};
 use perturbation_moments::{Jet, Scalar};
 use smpm::material::{
     Detonation, EquationOfState, Fluid, JohnsonCook, JohnsonCookDamage, JohnsonCookParameters, Jwl,
@@ -407,6 +409,48 @@ fn the_propagated_variance_is_right_and_the_frozen_one_is_not() {
         let tabulated = case["frozen"]["var"].as_f64().unwrap();
         assert!((frozen / tabulated - 1.0).abs() < 2e-3, "{frozen} {tabulated}");
         assert!(frozen > 1.03 * quadrature);
+    }
+}
+
+// ---- plate impact ----
+
+#[test]
+fn on_the_hugoniot_the_carried_derivative_is_the_true_one_and_the_frozen_one_twice_it() {
+    // At a given particle velocity p = rho_0 (C + S1 u) u is linear in S1: dp/dS1 = rho_0 u^2.
+    for (velocity, ratio) in [(0.05, 2.04), (0.1, 2.08), (0.2, 2.16), (0.4, 2.28)] {
+        let u = 0.5 * velocity;
+        let p = library::steel_equation(CGU);
+        let s1 = Jet::variable(p.s1, 0);
+        let random = p.map(|name, v| if name == "s1" { s1 } else { Jet::constant(v) });
+        let solid = Solid { equation: MieGruneisen::new(random).unwrap(), strength: Fluid };
+        // The volume behind the front moves with S1: J = 1 - u/U_s.
+        let volume = (s1 * u + p.sound_speed).recip() * -u + 1.0;
+        let zero = Jet::constant(0.0);
+        let now = Now {
+            velocity_gradient: [[zero; 3]; 3],
+            dt: 1.0,
+            time: 1.0,
+            volume_before: Jet::constant(1.0),
+            volume,
+            viscosity: zero,
+            cell: 1.0,
+        };
+        let mut state = solid.start([0.0; 3]);
+        let pressure = -solid.update(&now, &mut state).unwrap().0[0];
+        let truth = p.density * u * u;
+        assert!((pressure.first[0] / truth - 1.0).abs() < 1e-12, "{velocity}");
+        // Roundoff of terms of the size of the first derivative.
+        assert!(pressure.second[0].abs() < 1e-12 * truth);
+        let frozen = FrozenPressure::new(MieGruneisenState {
+            bulk_modulus: p.density * p.sound_speed * p.sound_speed,
+            compression: 1.0 / volume.value - 1.0,
+            energy: state.energy.value,
+        })
+        .unwrap()
+        .diagonal(&[p.s1, p.s2, p.s3, p.gruneisen, p.gruneisen_slope]);
+        assert!((frozen.0 / pressure.value - 1.0).abs() < 1e-12);
+        // The ratio to three digits.
+        assert!((frozen.1[0] / truth - ratio).abs() < 0.005, "{}", frozen.1[0] / truth);
     }
 }
 

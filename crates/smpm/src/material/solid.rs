@@ -184,6 +184,20 @@ mod tests {
     }
 
     #[test]
+    fn the_work_of_the_bulk_viscosity_heats() {
+        let equation = MieGruneisen::new(library::steel_equation(Units::CM_G_US)).unwrap();
+        let solid = Solid { equation, strength: Fluid };
+        let mut state = Material::<f64>::start(&solid, [0.0; 3]);
+        let now = Now { viscosity: 0.01, ..squeezed(1.0, 0.9) };
+        let stress = solid.update(&now, &mut state).unwrap();
+        // e = (p/2 + q) 0.1, and the pressure is that of the line at this energy, without q.
+        let pressure = -stress.0[0];
+        assert!((state.energy - (0.5 * pressure + 0.01) * 0.1).abs() < 1e-15);
+        let line = solid.equation.line(0.9);
+        assert!((pressure - (line.a + line.b * state.energy)).abs() < 1e-14);
+    }
+
+    #[test]
     fn beyond_the_pole_it_says_so() {
         let equation = MieGruneisen::new(library::steel_equation(Units::CM_G_US)).unwrap();
         let solid = Solid { equation, strength: Fluid };

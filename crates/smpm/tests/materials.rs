@@ -45,6 +45,12 @@ fn extension(k: usize) -> [[f64; 3]; 3] {
     compression(k).map(|row| row.map(|entry| -0.12 * entry))
 }
 
+/// The same without leaving the plane, where the spin has one angle.
+fn in_plane(k: usize) -> [[f64; 3]; 3] {
+    let [x, y, _] = compression(k);
+    [[x[0], x[1], 0.0], [y[0], y[1], 0.0], [0.0; 3]]
+}
+
 const STEPS: usize = 80;
 
 /// Stress, what is observed, and the wave speed after the path.
@@ -232,7 +238,8 @@ case!(
             equation: MieGruneisen::new(equation).unwrap(),
             strength: VonMises::new(copper.map(|_, v| of(v))).unwrap(),
         }
-    }
+    },
+    in_plane
 );
 case!(
     jets_through_water, Water, 1, false,

@@ -4,6 +4,11 @@
 //! independently. [`NeoHookean`] is one of its own. Their constants are plain structs, such as [`JohnsonCookParameters`];
 //! [`library`] has named ones.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
 /// A plain struct of parameters over a number type, with their names.
 macro_rules! parameters {
     ($(#[$about:meta])* $name:ident { $($(#[$about_field:meta])* $field:ident),+ $(,)? }) => {

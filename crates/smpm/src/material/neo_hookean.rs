@@ -59,7 +59,7 @@ impl<S: Scalar> NeoHookean<S> {
 }
 
 /// `B = F F^T`.
-#[inline]
+#[inline(always)]
 fn left_cauchy_green<S: Scalar>(f: &[[S; 3]; 3]) -> Symmetric<S> {
     let entry = |i: usize, j: usize| f[i][0] * f[j][0] + f[i][1] * f[j][1] + f[i][2] * f[j][2];
     Symmetric([entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)])
@@ -81,7 +81,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut NeoHookeanState<S>) -> Result<Symmetric<S>, Fault> {
         let (l, f) = (&now.velocity_gradient, state.deformation_gradient);
         for i in 0..3 {
@@ -107,12 +107,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
 
     /// Along the longest stretch: `sqrt((mu b + mu + lambda (1 - ln J))/rho_0)`, `b` a bound on the largest eigenvalue of
     /// `B`, sharp where two of them are equal. Zero where that is not positive.
-    #[inline]
+    #[inline(always)]
     fn wave_speed(&self, volume: S, state: &NeoHookeanState<S>) -> S {
         let stretch = left_cauchy_green(&state.deformation_gradient);
         let deviator = stretch.deviator();
         let mean = stretch.trace() * (1.0 / 3.0);
-        let square = deviator.contract(&deviator) * (2.0 / 3.0);
+        let square = deviator.square() * (2.0 / 3.0);
         // At equal stretches the root has no derivative.
         let largest = if square.value() > 1e-24 { mean + square.sqrt() } else { mean };
         let shear = self.parameters.shear_modulus;

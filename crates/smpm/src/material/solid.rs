@@ -61,7 +61,7 @@ where
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault> {
         let half_change = (now.volume - now.volume_before) * 0.5;
         let work = self.strength.update(now, &mut state.strength)?;
@@ -93,7 +93,7 @@ where
     }
 
     /// Zero where the tangent is not positive: no longitudinal wave runs there.
-    #[inline]
+    #[inline(always)]
     fn wave_speed(&self, volume: S, state: &Self::State) -> S {
         let shear = self.strength.shear_modulus(&state.strength) * (4.0 / 3.0);
         let modulus = self.equation.bulk_modulus(volume, state.energy) + shear;

@@ -40,7 +40,7 @@ impl<S: Scalar> ElasticBulk<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBulk<S> {
     type State = ();
 
-    #[inline]
+    #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
     }
@@ -49,12 +49,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBu
         Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
         Line { a: self.parameters.bulk_modulus * volume.ln() * -1.0, b: S::constant(0.0) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         Line { a: self.parameters.bulk_modulus / volume * -1.0, b: S::constant(0.0) }
     }

@@ -80,7 +80,7 @@ impl<S: Scalar> Jwl<S> {
     }
 
     /// `exp(-R J)` before both terms, with `A` and `B`.
-    #[inline]
+    #[inline(always)]
     fn exponentials(&self, volume: S) -> [S; 2] {
         let p = &self.parameters;
         [p.a * (p.r1 * volume * -1.0).exp(), p.b * (p.r2 * volume * -1.0).exp()]
@@ -91,7 +91,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
     /// `d`, the distance from the point of detonation (length).
     type State = f64;
 
-    #[inline]
+    #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
     }
@@ -102,7 +102,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         Start { state: square.sqrt(), energy: self.parameters.energy, pressure: S::constant(0.0) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
         let inverse = volume.recip();
@@ -112,7 +112,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         Line { a: term(first, p.r1) + term(second, p.r2), b }
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
         let inverse = volume.recip();
@@ -122,7 +122,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         Line { a: term(first, p.r1) + term(second, p.r2), b: b * inverse * -1.0 }
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(&self, now: &Now<S>, distance: &mut f64) -> Option<S> {
         let passed = self.parameters.detonation_speed * now.time - *distance;
         let burnt = passed * (1.0 / (self.detonation.cells * now.cell));

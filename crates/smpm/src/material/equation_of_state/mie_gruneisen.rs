@@ -78,14 +78,14 @@ impl<S: Scalar> MieGruneisen<S> {
     }
 
     /// `1 - S1 x - S2 x^2 - S3 x^3`.
-    #[inline]
+    #[inline(always)]
     fn denominator(&self, x: S) -> S {
         let p = &self.parameters;
         (((p.s3 * x + p.s2) * x + p.s1) * x) * -1.0 + 1.0
     }
 
     /// `gamma_0 + a mu`.
-    #[inline]
+    #[inline(always)]
     fn gruneisen(&self, mu: S) -> S {
         self.parameters.gruneisen_slope * mu + self.parameters.gruneisen
     }
@@ -94,7 +94,7 @@ impl<S: Scalar> MieGruneisen<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGruneisen<S> {
     type State = ();
 
-    #[inline]
+    #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
     }
@@ -103,7 +103,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
         Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
         let mu = volume.recip() - 1.0;
         let gruneisen = self.gruneisen(mu);
@@ -116,7 +116,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
         let inverse = volume.recip();
@@ -142,7 +142,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn admit(&self, volume: f64) -> Result<(), Fault> {
         let p = &self.parameters;
         let x = (1.0 - volume).max(0.0);

@@ -60,13 +60,13 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     fn slope(&self, volume: S) -> Line<S>;
 
     /// Advances what is remembered; the share of the pressure that acts, `None` for all of it.
-    #[inline]
+    #[inline(always)]
     fn advance(&self, _now: &Now<S>, _state: &mut Self::State) -> Option<S> {
         None
     }
 
     /// The least pressure that the material bears, `None` for any.
-    #[inline]
+    #[inline(always)]
     fn least_pressure(&self) -> Option<S> {
         None
     }
@@ -75,7 +75,7 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// What is out of range there.
-    #[inline]
+    #[inline(always)]
     fn admit(&self, _volume: f64) -> Result<(), Fault> {
         Ok(())
     }
@@ -83,7 +83,7 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// `rho dp/drho` at constant entropy, where `de = -p dJ`:
     ///
     /// $$ K = J \left( b p - \frac{da}{dJ} - \frac{db}{dJ} e \right) $$
-    #[inline]
+    #[inline(always)]
     fn bulk_modulus(&self, volume: S, energy: S) -> S {
         let (line, slope) = (self.line(volume), self.slope(volume));
         let pressure = at_least(line.a + line.b * energy, self.least_pressure());
@@ -92,7 +92,7 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
 }
 
 /// The pressure, or the least one that is borne.
-#[inline]
+#[inline(always)]
 pub(crate) fn at_least<S: Scalar>(pressure: S, least: Option<S>) -> S {
     match least {
         Some(least) if pressure.value() < least.value() => least,

@@ -55,7 +55,7 @@ impl<S: Scalar> StiffenedGas<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for StiffenedGas<S> {
     type State = ();
 
-    #[inline]
+    #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
     }
@@ -66,13 +66,13 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Stiffened
         Start { state: (), energy, pressure: p.pressure }
     }
 
-    #[inline]
+    #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
         Line { a: p.exponent * p.stiffness * -1.0, b: (p.exponent - 1.0) / volume }
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
         Line { a: S::constant(0.0), b: (p.exponent * -1.0 + 1.0) / volume.squared() }

@@ -31,7 +31,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
 {
     type State = E::State;
 
-    #[inline]
+    #[inline(always)]
     fn density(&self) -> S {
         self.equation.density()
     }
@@ -40,27 +40,27 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
         self.equation.start(position)
     }
 
-    #[inline]
+    #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
         self.equation.line(volume)
     }
 
-    #[inline]
+    #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         self.equation.slope(volume)
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(&self, now: &Now<S>, state: &mut Self::State) -> Option<S> {
         self.equation.advance(now, state)
     }
 
-    #[inline]
+    #[inline(always)]
     fn least_pressure(&self) -> Option<S> {
         Some(self.least)
     }
 
-    #[inline]
+    #[inline(always)]
     fn admit(&self, volume: f64) -> Result<(), Fault> {
         self.equation.admit(volume)
     }

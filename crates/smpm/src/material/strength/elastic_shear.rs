@@ -44,7 +44,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> 
         Symmetric::zero()
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut Symmetric<S>) -> Result<S, Fault> {
         let trial = Trial::new(now, state, self.parameters.shear_modulus);
         let work = trial.work(now, state, &trial.deviator);
@@ -52,12 +52,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> 
         Ok(work)
     }
 
-    #[inline]
+    #[inline(always)]
     fn deviator(&self, state: &Symmetric<S>) -> Symmetric<S> {
         *state
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear_modulus(&self, _state: &Symmetric<S>) -> S {
         self.parameters.shear_modulus
     }

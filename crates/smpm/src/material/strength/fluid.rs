@@ -16,17 +16,17 @@ impl<S: Scalar> Strength<S> for Fluid {
 
     fn start(&self) {}
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, _now: &Now<S>, _state: &mut ()) -> Result<S, Fault> {
         Ok(S::constant(0.0))
     }
 
-    #[inline]
+    #[inline(always)]
     fn deviator(&self, _state: &()) -> Symmetric<S> {
         Symmetric::zero()
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear_modulus(&self, _state: &()) -> S {
         S::constant(0.0)
     }

@@ -44,7 +44,7 @@ parameters! {
 /// $$ \sigma_y = (A + B \varepsilon_p^n) (1 + C \ln \dot\varepsilon^\ast) (1 - T^{\ast m}), \qquad
 ///    \Delta T^\ast = \frac{\chi J \sigma_y \Delta\varepsilon_p}{\rho_0 c_p (T_{melt} - T_{room})} $$
 ///
-/// Symbols: $\dot\varepsilon^\ast$ = relative rate, $\sqrt{2/3 \, \operatorname{dev} D : \operatorname{dev} D}$ over the
+/// Symbols: $\dot\varepsilon^\ast$ = relative rate, $\sqrt{\tfrac23 \operatorname{dev} D : \operatorname{dev} D}$ over the
 /// reference rate: the total rate, which is known before the return; below the floor it is the floor. $T^\ast$ =
 /// `(T - T_room)/(T_melt - T_room)` after the step before, by the heat of plastic work alone, not of compression; from one on the
 /// strength is zero.
@@ -181,16 +181,16 @@ impl<S: Scalar> JohnsonCook<S> {
     }
 
     /// The logarithm of the relative rate, of the floor below it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn log_rate(&self, rate: &Symmetric<S>) -> S {
         let reference = self.parameters.reference_rate;
-        let square = rate.contract(rate) * (2.0 / 3.0) / reference.squared();
+        let square = rate.square() * (2.0 / 3.0) / reference.squared();
         let floor = self.parameters.rate_floor.value();
         if square.value() > floor * floor { square.ln() * 0.5 } else { self.log_floor }
     }
 
     /// `1 - T*^m`; one in the cold, zero in the melt.
-    #[inline]
+    #[inline(always)]
     fn softening(&self, temperature: S) -> S {
         let value = temperature.value();
         if value <= 0.0 {
@@ -203,7 +203,7 @@ impl<S: Scalar> JohnsonCook<S> {
     }
 
     /// Yields: plastic strain, flow stress and temperature; the factor of the trial deviator.
-    #[inline]
+    #[inline(always)]
     fn yielding(
         &self,
         equivalent: S,
@@ -263,7 +263,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut JohnsonCookState<S>) -> Result<S, Fault> {
         let p = &self.parameters;
         let before = state.deviator;
@@ -281,12 +281,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
         Ok(trial.work(now, &before, &state.deviator))
     }
 
-    #[inline]
+    #[inline(always)]
     fn deviator(&self, state: &JohnsonCookState<S>) -> Symmetric<S> {
         state.deviator
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear_modulus(&self, _state: &JohnsonCookState<S>) -> S {
         self.parameters.shear_modulus
     }

@@ -103,7 +103,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamag
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut JohnsonCookDamageState<S>) -> Result<S, Fault> {
         let zero = S::constant(0.0);
         state.pending = zero;
@@ -125,7 +125,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamag
         Ok(work)
     }
 
-    #[inline]
+    #[inline(always)]
     fn carry(&self, pressure: S, state: &mut JohnsonCookDamageState<S>) -> Result<S, Fault> {
         let p = &self.parameters;
         let flow = state.flow.flow_stress;
@@ -152,12 +152,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamag
         Ok(if state.failed && pressure.value() < 0.0 { S::constant(0.0) } else { pressure })
     }
 
-    #[inline]
+    #[inline(always)]
     fn deviator(&self, state: &JohnsonCookDamageState<S>) -> Symmetric<S> {
         state.flow.deviator
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear_modulus(&self, state: &JohnsonCookDamageState<S>) -> S {
         if state.failed { S::constant(0.0) } else { self.flow.shear_modulus(&state.flow) }
     }

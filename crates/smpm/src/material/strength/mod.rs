@@ -10,7 +10,7 @@ use perturbation_moments::Scalar;
 
 use crate::error::Fault;
 use crate::material::{Now, Observed};
-use crate::tensor::{Symmetric, von_mises as equivalent_stress};
+use crate::tensor::Symmetric;
 
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
 pub use fluid::Fluid;
@@ -48,7 +48,7 @@ pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// Where the state leaves the range of the model.
-    #[inline]
+    #[inline(always)]
     fn carry(&self, pressure: S, _state: &mut Self::State) -> Result<S, Fault> {
         Ok(pressure)
     }
@@ -68,7 +68,7 @@ pub(crate) struct Trial<S> {
 }
 
 impl<S: Scalar> Trial<S> {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(now: &Now<S>, before: &Symmetric<S>, shear_modulus: S) -> Self {
         let rate = Symmetric::part_of(&now.velocity_gradient).deviator();
         let turned = before.turned(&now.velocity_gradient, now.dt);
@@ -79,26 +79,23 @@ impl<S: Scalar> Trial<S> {
     ///
     /// # Errors
     /// Where it is not finite.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn equivalent(&self, shear_modulus: S) -> Result<S, Fault> {
-        let square = self.deviator.contract(&self.deviator).value();
+        let square = self.deviator.square();
+        let value = square.value();
         let scale = 1e-20 * shear_modulus.value();
-        if !square.is_finite() {
+        if !value.is_finite() {
             let must = "finite: the rate of deformation is out of range";
-            return Err(Fault {
-                quantity: "the square of the trial deviator",
-                value: square,
-                must,
-            });
+            return Err(Fault { quantity: "the square of the trial deviator", value, must });
         }
-        if square <= scale * scale {
+        if value <= scale * scale {
             return Ok(S::constant(0.0));
         }
-        Ok(equivalent_stress(&self.deviator))
+        Ok((square * 1.5).sqrt())
     }
 
     /// `(S_n + S_{n+1})/2 : D dt`, per reference volume.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn work(&self, now: &Now<S>, before: &Symmetric<S>, after: &Symmetric<S>) -> S {
         let volume = (now.volume_before + now.volume) * (0.25 * now.dt);
         (*before + *after).contract(&self.rate) * volume

@@ -26,7 +26,7 @@ parameters! {
 ///    S^{n+1} = \frac{\sigma_y^{n+1}}{\sigma_{eq}^\ast} S^\ast $$
 ///
 /// Symbols: $S^\ast$ = trial deviator, turned as in [`ElasticShear`](super::ElasticShear);
-/// $\sigma_{eq}^\ast = \sqrt{3/2 \, S^\ast : S^\ast}$ over all nine components.
+/// $\sigma_{eq}^\ast = \sqrt{\tfrac32 S^\ast : S^\ast}$ over all nine components.
 ///
 /// Source: Chen et al. 2019, eq 13-20; eq 17 lacks the trial deviator in print.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +57,7 @@ impl<S: Scalar> VonMises<S> {
         Ok(Self { parameters })
     }
 
-    #[inline]
+    #[inline(always)]
     fn flow(&self, plastic_strain: S) -> S {
         self.parameters.yield_stress + self.parameters.hardening_modulus * plastic_strain
     }
@@ -71,7 +71,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         VonMisesState { deviator: Symmetric::zero(), plastic_strain: zero, overshoot: zero }
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut VonMisesState<S>) -> Result<S, Fault> {
         let VonMisesParameters { shear_modulus, hardening_modulus, .. } = self.parameters;
         let before = state.deviator;
@@ -89,12 +89,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         Ok(trial.work(now, &before, &state.deviator))
     }
 
-    #[inline]
+    #[inline(always)]
     fn deviator(&self, state: &VonMisesState<S>) -> Symmetric<S> {
         state.deviator
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear_modulus(&self, _state: &VonMisesState<S>) -> S {
         self.parameters.shear_modulus
     }

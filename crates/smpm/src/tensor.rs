@@ -121,35 +121,37 @@ impl<S: Scalar> Symmetric<S> {
         if [l[0][2], l[1][2], l[2][0], l[2][1]].iter().all(|entry| entry.value() == 0.0) {
             return self.turned_in_plane((l[1][0] - l[0][1]) * (0.25 * dt));
         }
-        let half = |i: usize, j: usize| (l[i][j] - l[j][i]) * (0.25 * dt);
         // P = [[0, -c, b], [c, 0, -a], [-b, a, 0]].
-        let (a, b, c) = (half(2, 1), half(0, 2), half(1, 0));
-        let factor = (a * a + b * b + c * c + 1.0).recip() * 2.0;
-        let r = [
-            [(b * b + c * c) * -1.0, a * b - c, a * c + b],
-            [a * b + c, (a * a + c * c) * -1.0, b * c - a],
-            [a * c - b, b * c + a, (a * a + b * b) * -1.0],
+        let (a, b, c) = (l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]);
+        let (a, b, c) = (a * (0.25 * dt), b * (0.25 * dt), c * (0.25 * dt));
+        let (aa, bb, cc) = (a.squared(), b.squared(), c.squared());
+        let (ab, bc, ac) = (a * b, b * c, a * c);
+        let factor = (aa + bb + cc + 1.0).recip() * 2.0;
+        let mut rotation = [
+            [-(bb + cc), ab - c, ac + b],
+            [ab + c, -(aa + cc), bc - a],
+            [ac - b, bc + a, -(aa + bb)],
         ];
-        let mut rotation = r.map(|row| row.map(|entry| entry * factor));
-        for k in 0..3 {
-            rotation[k][k] = rotation[k][k] + 1.0;
-        }
-        let m = self.matrix();
-        let zero = S::constant(0.0);
-        let mut half_way = [[zero; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
-                for k in 0..3 {
-                    half_way[i][j] = half_way[i][j] + rotation[i][k] * m[k][j];
-                }
+                rotation[i][j] = rotation[i][j] * factor;
+            }
+            rotation[i][i] = rotation[i][i] + 1.0;
+        }
+        let (m, r) = (self.matrix(), rotation);
+        let mut half_way = m;
+        for i in 0..3 {
+            for j in 0..3 {
+                half_way[i][j] = r[i][0] * m[0][j] + r[i][1] * m[1][j] + r[i][2] * m[2][j];
             }
         }
-        let entry = |i: usize, j: usize| {
-            half_way[i][0] * rotation[j][0]
-                + half_way[i][1] * rotation[j][1]
-                + half_way[i][2] * rotation[j][2]
-        };
-        Self([entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)])
+        let mut turned = self.0;
+        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].into_iter().enumerate()
+        {
+            let (h, r) = (&half_way[i], &r[j]);
+            turned[k] = h[0] * r[0] + h[1] * r[1] + h[2] * r[2];
+        }
+        Self(turned)
     }
 
     /// Turned about the third axis, with `c` the tangent of half the angle.

@@ -94,7 +94,7 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// Advances the state over a step; the stress at its end, without the bulk viscosity.
     ///
     /// # Errors
-    /// Where the state leaves the range of the model: what, its value, and what it must be.
+    /// Where the state leaves the range of the model: what, its value, and what it must be. The state is then of no use.
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault>;
 
     /// `sqrt((K + 4G/3)/rho)`, the speed of a longitudinal wave in the present state: what limits the step and scales the

@@ -84,6 +84,10 @@ pub struct JohnsonCookState<S> {
     softening: S,
 }
 
+/// A plastic strain that is none: the curvature of its logarithm, `1/eps^2`, must be a number. Only exponents below 0.1 get
+/// there, and the stress is the same to roundoff.
+const LEAST_STRAIN: f64 = 1e-100;
+
 /// The return to the yield surface as numbers: `overshoot = 3 G x + h ((strain + x)^n - hardening)`.
 struct Return {
     overshoot: f64,
@@ -99,7 +103,8 @@ struct Return {
 
 impl Return {
     /// The plastic strain of the step, to a relative `1e-12`. Most is needed of it at no plastic strain, where the slope is
-    /// infinite; from below, Newton's method ascends to the root for `n <= 1`; for any `n` the bracket holds.
+    /// infinite; from below, Newton's method ascends to the root for `n <= 1`; for any `n` the bracket holds. Zero where it would
+    /// be below [`LEAST_STRAIN`].
     fn increment(&self) -> Result<f64, Fault> {
         let &Self { overshoot, shear, factor, exponent: n, strain, hardening } = self;
         let (mut low, mut high) = (0.0, overshoot / shear);
@@ -109,9 +114,12 @@ impl Return {
         let mut x =
             if strain > 0.0 { overshoot / (shear + factor * n * hardening / strain) } else { 0.0 };
         if strain < 0.1 * high {
+            let reach = |overshoot: f64| (overshoot / factor).powf(1.0 / n);
+            if strain <= 0.0 && reach(overshoot) < LEAST_STRAIN {
+                return Ok(0.0);
+            }
             // Neither part takes more than half of the overshoot there.
-            let half = 0.5 * overshoot;
-            x = x.max((half / shear).min((half / factor).powf(1.0 / n)));
+            x = x.max((0.5 * high).min(reach(0.5 * overshoot)));
         }
         for _ in 0..200 {
             let power = (n * (strain + x).ln()).exp();
@@ -227,7 +235,11 @@ impl<S: Scalar> JohnsonCook<S> {
             strain: state.plastic_strain.value(),
             hardening: state.hardening.value(),
         };
-        let mut increment = S::constant(values.increment()?);
+        let increment = values.increment()?;
+        if values.strain + increment < LEAST_STRAIN {
+            return Ok(S::constant(1.0));
+        }
+        let mut increment = S::constant(increment);
         for _ in 0..Self::POLISH {
             let strain = state.plastic_strain + increment;
             let power = (p.n * strain.ln()).exp();
@@ -339,6 +351,10 @@ mod tests {
                     let shear = 3.0 * 77500.0;
                     let case = Return { overshoot, shear, factor, exponent, strain, hardening };
                     let x = case.increment().unwrap();
+                    if strain <= 0.0 && (overshoot / factor).powf(1.0 / exponent) < LEAST_STRAIN {
+                        assert_eq!(x.to_bits(), 0);
+                        continue;
+                    }
                     assert!(x > 0.0 && x <= overshoot / shear);
                     let power = (strain + x).powf(exponent);
                     let residual = overshoot - shear * x - factor * (power - hardening);
@@ -423,7 +439,27 @@ mod tests {
             assert!((x.first[1] / by_n - 1.0).abs() < 1e-6, "{over}");
             assert!(state.deviator.0.iter().all(|s| s.second.iter().all(|d| d.is_finite())));
         }
-        // Just inside the tolerance nothing yields, and nothing is NaN.
+        // Right behind the tolerance, with exponents for which the strain underflows, nothing is NaN.
+        for n in [0.01, 0.05, 0.26, 1.0, 2.0] {
+            for over in [1.01e-10, 1e-9, 1e-6] {
+                let seeded = JohnsonCookParameters { n, c: 0.0, ..STEEL }
+                    .map(|name, value| Jet::variable(value, usize::from(name == "n")));
+                let material = JohnsonCook::new(seeded).unwrap();
+                let mut state = material.start();
+                let strain = 792.0 / (3.0 * 77500.0) * (1.0 + over);
+                for dt in [strain / 1e4, 1e-7] {
+                    material.update(&stretching(1e4, dt), &mut state).unwrap();
+                    let numbers = [state.plastic_strain, state.flow_stress, state.softening];
+                    let finite = |y: &Jet| {
+                        y.value.is_finite()
+                            && y.first.iter().chain(&y.second).all(|d| d.is_finite())
+                    };
+                    assert!(numbers.iter().chain(&state.deviator.0).all(finite), "{n} {over}");
+                }
+                assert!(state.plastic_strain.value > 0.0);
+            }
+        }
+        // At rest too.
         let material = JohnsonCook::new(STEEL.map(|_, value| Jet::variable(value, 0))).unwrap();
         let mut state = material.start();
         material.update(&stretching(0.0, 1.0), &mut state).unwrap();

@@ -419,6 +419,35 @@ fn the_propagated_variance_is_right_and_the_frozen_one_is_not() {
     }
 }
 
+#[test]
+fn the_published_set_gives_table_6_of_the_paper_and_the_physical_one_does_not() {
+    // Points H, I, G, K at C.V. 0.1 (Chen et al. 2019, Table 6): mean in 1e-2 Mbar, variance in 1e-6 Mbar^2; with the plastic
+    // strain and the rate (1/us) that were inferred from mean, variance and curvature, three numbers for two.
+    let points = [
+        (0.912_377_54, 0.616_314_72, 0.01741, 0.01351),
+        (0.939_404_29, 0.629_883_12, 0.02841, 0.01857),
+        (0.951_179_8, 0.633_913_11, 0.03603, 0.01815),
+        (0.925_823_61, 0.621_742_78, 0.02314, 0.01418),
+    ];
+    let moments = |p: JohnsonCookParameters<f64>, strain: f64, rate: f64| {
+        // No heat: the least homologous temperature that has a logarithm.
+        let state = FrozenFlowStress::new(strain, rate / p.reference_rate, 1e-300).unwrap();
+        let x = [p.a, p.b, p.c, p.n, p.m];
+        let (value, first, second) = state.diagonal(&x);
+        let deviation = x.map(|x| 0.1 * x);
+        let mean = value + (0..5).map(|k| 0.5 * second[k] * deviation[k].powi(2)).sum::<f64>();
+        (mean, (0..5).map(|k| (first[k] * deviation[k]).powi(2)).sum::<f64>())
+    };
+    for (mean, variance, strain, rate) in points {
+        let published = moments(library::steel_strength_as_published(CGU), strain, rate);
+        // Four digits of the strain: 3e-4 of it, 5e-5 of the stress.
+        assert!((published.0 / (1e-2 * mean) - 1.0).abs() < 1e-4, "{published:?}");
+        assert!((published.1 / (1e-6 * variance) - 1.0).abs() < 2e-4, "{published:?}");
+        let physical = moments(library::steel_strength(CGU), strain, rate);
+        assert!(physical.0 > 1.15 * 1e-2 * mean, "{physical:?}");
+    }
+}
+
 // ---- plate impact ----
 
 #[test]

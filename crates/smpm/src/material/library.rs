@@ -80,7 +80,7 @@ pub fn water(units: Units) -> MieGruneisenParameters<f64> {
 /// | density | 7830 kg/m³ | 4340 steel, looked up; a table of shocks lists the other constants with 7896, as stainless steel 304 |
 /// | C, S1 | 4569 m/s, 1.49 | looked up in two public tables |
 /// | S2, S3 | 0, 0 | likewise |
-/// | gamma0, a | 2.17, 0.46 | likewise; the paper's Table 1 |
+/// | gamma0, a | 2.17, 0.46 | likewise; the paper's Table 2 |
 #[must_use]
 pub fn steel_equation(units: Units) -> MieGruneisenParameters<f64> {
     MieGruneisenParameters {
@@ -98,7 +98,7 @@ pub fn steel_equation(units: Units) -> MieGruneisenParameters<f64> {
 ///
 /// | constant | value | source |
 /// |---|---|---|
-/// | A, B, n, C, m | 792 MPa, 510 MPa, 0.26, 0.014, 1.03 | Johnson and Cook 1983, looked up |
+/// | A, B, n, C, m | 792 MPa, 510 MPa, 0.26, 0.014, 1.03 | Johnson and Cook 1983, looked up; the paper's Table 5 |
 /// | reference rate | 1 1/s | Johnson and Cook 1983 |
 /// | rate floor | 1 | chosen: the rate was not fitted below |
 /// | G | 77.5 GPa | looked up in one public code |

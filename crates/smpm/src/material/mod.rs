@@ -1,6 +1,59 @@
-//! The seam where a particle's history becomes its stress.
+//! The seam where a particle's history becomes its stress, and the materials behind it.
+//!
+//! Most materials are a [`Solid`]: an [`EquationOfState`] for the pressure and a [`Strength`] for the deviator, chosen
+//! independently. [`NeoHookean`] is one of its own. Their constants are plain structs, such as [`JohnsonCookParameters`];
+//! [`library`] has named ones.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+/// A plain struct of parameters over a number type, with their names.
+macro_rules! parameters {
+    ($(#[$about:meta])* $name:ident { $($(#[$about_field:meta])* $field:ident),+ $(,)? }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $name<S> {
+            $($(#[$about_field])* pub $field: S),+
+        }
+
+        impl<S> $name<S> {
+            /// The names of the parameters.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
+
+            /// Every parameter by a function of its name and value, in the order of [`NAMES`](Self::NAMES): how numbers become
+            /// jets.
+            #[must_use]
+            pub fn map<T>(self, mut of: impl FnMut(&'static str, S) -> T) -> $name<T> {
+                $name { $($field: of(stringify!($field), self.$field)),+ }
+            }
+        }
+    };
+}
+
+mod equation_of_state;
+pub mod library;
+mod neo_hookean;
+mod solid;
+mod strength;
+mod units;
 
 use perturbation_moments::Scalar;
+
+pub use equation_of_state::{
+    Detonation, ElasticBulk, ElasticBulkParameters, EquationOfState, Jwl, JwlParameters, Line,
+    MieGruneisen, MieGruneisenParameters, Start, StiffenedGas, StiffenedGasParameters,
+    TensionCutOff,
+};
+pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
+pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
+pub use strength::{
+    ElasticShear, ElasticShearParameters, Fluid, JohnsonCook, JohnsonCookDamage,
+    JohnsonCookDamageParameters, JohnsonCookDamageState, JohnsonCookParameters, JohnsonCookState,
+    Strength, VonMises, VonMisesParameters, VonMisesState,
+};
+pub use units::Units;
 
 use crate::error::Fault;
 use crate::tensor::Symmetric;
@@ -41,7 +94,7 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// Advances the state over a step; the stress at its end, without the bulk viscosity.
     ///
     /// # Errors
-    /// Where the state leaves the range of the model: what, its value, and what it must be.
+    /// Where the state leaves the range of the model: what, its value, and what it must be. The state is then of no use.
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault>;
 
     /// `sqrt((K + 4G/3)/rho)`, the speed of a longitudinal wave in the present state: what limits the step and scales the

@@ -127,7 +127,7 @@ pub(crate) struct Motion<'a, S> {
 }
 
 #[derive(Debug)]
-struct States<M: Material<S>, S: Number> {
+struct Particular<M: Material<S>, S: Number> {
     material: M,
     density: S,
     states: Vec<M::State>,
@@ -179,7 +179,7 @@ fn next<M: Material<S>, S: Number>(
     Ok(())
 }
 
-impl<M: Material<S> + 'static, S: Number> Constitution<S> for States<M, S>
+impl<M: Material<S> + 'static, S: Number> Constitution<S> for Particular<M, S>
 where
     M::State: 'static,
 {
@@ -261,7 +261,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         };
         Ok(Self {
             particles,
-            constitution: Box::new(States { material, density, states, conditions }),
+            constitution: Box::new(Particular { material, density, states, conditions }),
             bases: vec![[0; D]; n],
             binning: Binning::default(),
         })

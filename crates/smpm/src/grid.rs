@@ -9,6 +9,9 @@ use crate::shape::MOST_NODES;
 /// Nodes of a block beyond its tile along each axis: a particle of the tile sees them.
 const HALO: usize = MOST_NODES - 1;
 
+/// An image is at most this far from its plane, in cells.
+const MOST_DEPTH: i32 = 2;
+
 /// Most tiles that the directory spans, with or without particles: 64 million entries of 4 bytes.
 const MOST_TILES: usize = 1 << 26;
 
@@ -111,8 +114,13 @@ impl<const D: usize> Directory<D> {
     }
 
     fn slot(&self, tile: &[i32; D]) -> Option<usize> {
-        let slot = self.slots[self.index(tile)?];
+        let slot = self.number(tile);
         (slot != NONE).then_some(slot as usize)
+    }
+
+    /// The slot of a tile, or [`NONE`].
+    fn number(&self, tile: &[i32; D]) -> u32 {
+        self.index(tile).map_or(NONE, |index| self.slots[index])
     }
 }
 
@@ -209,11 +217,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         self.number_tiles(low);
         for (bases, binning) in &mut bodies {
             binning.slot.clear();
-            binning.slot.extend(
-                bases.iter().map(|base| {
-                    self.directory.slot(&tile_of(base)).map_or(NONE, |slot| slot as u32)
-                }),
-            );
+            binning.slot.extend(bases.iter().map(|base| self.directory.number(&tile_of(base))));
             binning.sort(self.tiles.len());
         }
         self.blocks.resize(self.tiles.len() * block_len(D), Node::zero());
@@ -241,7 +245,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
             if directory.slots[index] == NONE {
                 continue;
             }
-            directory.slots[index] = self.tiles.len() as u32;
+            directory.slots[index] = u32::try_from(self.tiles.len()).unwrap_or(NONE);
             let mut rest = index;
             self.tiles.push(std::array::from_fn(|k| {
                 let offset = rest % directory.extent[k];
@@ -307,7 +311,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         });
     }
 
-    /// The velocity of every node that has mass, for observation.
+    /// Tiles that exist.
     pub(crate) fn n_tiles(&self) -> usize {
         self.tiles.len()
     }
@@ -380,7 +384,7 @@ fn with_images<S: Number, const D: usize>(
     let mut images = vec![];
     for (number, plane) in planes.iter().enumerate() {
         let depth = -plane.beyond(place[plane.axis]);
-        if plane.mirrors() && (1..HALO as i32).contains(&depth) {
+        if plane.mirrors() && (1..=MOST_DEPTH).contains(&depth) {
             images.push(number);
         }
     }

@@ -388,8 +388,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         self.supplied += (power * dt).max(0.0);
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
         let limit = factor * self.supplied.abs();
-        // A negated comparison catches NaN.
-        if !(value <= limit) && self.supplied != 0.0 {
+        if (value.is_nan() || value > limit) && self.supplied != 0.0 {
             let (step, time) = (self.n_steps, self.time);
             return Err(Error::EnergyGrew { step, time, value, limit, factor });
         }

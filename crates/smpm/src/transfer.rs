@@ -69,7 +69,7 @@ impl<const D: usize> Places<D> {
 fn offset<S, const D: usize>(axes: &[Axis<S>; D], corner: &[i32; D]) -> usize {
     let mut index = 0;
     for k in (0..D).rev() {
-        index = index * block_edge(D) + (axes[k].base - corner[k]) as usize;
+        index = index * block_edge(D) + axes[k].base.abs_diff(corner[k]) as usize;
     }
     index
 }

@@ -1,1 +1,22 @@
 #![doc = include_str!("../README.md")]
+
+mod body;
+mod boundary;
+mod config;
+mod error;
+mod grid;
+pub mod material;
+mod number;
+mod parallel;
+mod shape;
+mod simulation;
+pub mod tensor;
+mod transfer;
+
+pub use body::{Body, BulkViscosity, Fill};
+pub use boundary::{Boundary, BoundaryKind, Side};
+pub use config::{Config, Geometry, Transfer, UpdateOrder};
+pub use error::{Error, Fault};
+pub use number::Number;
+pub use shape::Shape;
+pub use simulation::{Ledger, Simulation, StepReport};

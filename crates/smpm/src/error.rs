@@ -1,0 +1,231 @@
+//! What can go wrong, with the value and its limit.
+
+/// Why a simulation could not be set up, go on, or be observed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter is NaN or infinite.
+    #[error("{name} is {value}; it must be finite")]
+    NotFinite {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter must be greater than zero.
+    #[error("{name} is {value}; it must be greater than 0")]
+    NotPositive {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter must not be negative.
+    #[error("{name} is {value}; it must be 0 or greater")]
+    Negative {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter lies outside an interval.
+    #[error("{name} is {value}; it must be from {from} to {to}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least that is allowed.
+        from: f64,
+        /// The most that is allowed.
+        to: f64,
+    },
+    /// Two parameters must stand in an order.
+    #[error("{name} is {value}; it must be greater than {other}, which is {limit}")]
+    OutOfOrder {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// The parameter it must exceed.
+        other: &'static str,
+        /// The value of that one.
+        limit: f64,
+    },
+    /// A shape holds no particle.
+    #[error("a body holds no particle at the spacing {spacing}")]
+    EmptyBody {
+        /// The spacing of its particles.
+        spacing: f64,
+    },
+    /// A simulation without bodies.
+    #[error("there is no body; at least one is needed")]
+    NoBody,
+    /// A number of dimensions that there is not.
+    #[error("{value} dimensions; there must be 1 to 3")]
+    NoSuchDimension {
+        /// What was asked for.
+        value: usize,
+    },
+    /// An axis that there is not.
+    #[error("axis {value}; it must be less than {limit}")]
+    NoSuchAxis {
+        /// What was given.
+        value: usize,
+        /// The number of dimensions.
+        limit: usize,
+    },
+    /// Axisymmetry in other than two dimensions.
+    #[error("axisymmetric in {value} dimensions; it needs 2, the radius and the axis")]
+    AxisymmetricNeedsTwoDimensions {
+        /// The dimensions.
+        value: usize,
+    },
+    /// A boundary that is no plane of nodes.
+    #[error(
+        "a boundary normal to axis {axis} is at {value}; it must be a whole number of cells of {cell} from the origin"
+    )]
+    NotOnGrid {
+        /// The axis.
+        axis: usize,
+        /// Its position.
+        value: f64,
+        /// The edge of a cell.
+        cell: f64,
+    },
+    /// Two boundaries leave too little room.
+    #[error(
+        "boundaries normal to axis {axis} are {cells} cells apart; they must be at least {limit}"
+    )]
+    BoundariesTooClose {
+        /// The axis.
+        axis: usize,
+        /// Cells between them.
+        cells: i32,
+        /// The least.
+        limit: i32,
+    },
+    /// A particle starts beyond a boundary, or where axisymmetric at a radius that is not above zero.
+    #[error(
+        "body {body}, particle {particle}: component {axis} of its position is {value}; it must be on the bodies' side of {limit}"
+    )]
+    BeyondBoundary {
+        /// Which body, from 0.
+        body: usize,
+        /// Which of its particles.
+        particle: usize,
+        /// Which component.
+        axis: usize,
+        /// The position.
+        value: f64,
+        /// The boundary.
+        limit: f64,
+    },
+    /// The particles are so far apart that the grid's directory would not fit.
+    #[error(
+        "the grid would span {tiles} tiles; at most {limit} are allowed: a particle is far away from the others"
+    )]
+    GridTooLarge {
+        /// Tiles from the lowest to the highest particle.
+        tiles: usize,
+        /// Most tiles.
+        limit: usize,
+    },
+    /// A material was driven out of its range.
+    #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]
+    Material {
+        /// Number of the step, from 1.
+        step: u64,
+        /// Time at its end.
+        time: f64,
+        /// Which body, from 0.
+        body: usize,
+        /// Which of its particles.
+        particle: usize,
+        /// What went wrong.
+        fault: Fault,
+    },
+    /// The step asked for exceeds what the wave speed allows.
+    #[error(
+        "step {step}, t = {time}: dt = {dt} exceeds {limit}, at which body {body}, particle {particle} would cross a cell"
+    )]
+    Courant {
+        /// Number of the step, from 1.
+        step: u64,
+        /// Time at its begin.
+        time: f64,
+        /// The step asked for.
+        dt: f64,
+        /// The longest allowed.
+        limit: f64,
+        /// Which body, from 0.
+        body: usize,
+        /// Which of its particles.
+        particle: usize,
+    },
+    /// The energy grew beyond what was put in.
+    #[error(
+        "step {step}, t = {time}: the energy is {value}; it must not exceed {limit}, {factor} times what was put in"
+    )]
+    EnergyGrew {
+        /// Number of the step, from 1.
+        step: u64,
+        /// Time at its end.
+        time: f64,
+        /// Kinetic and internal energy.
+        value: f64,
+        /// What was put in, times the factor.
+        limit: f64,
+        /// The factor.
+        factor: f64,
+    },
+    /// A run took more steps than it may.
+    #[error("t = {time} after {limit} steps, the most allowed; {target} was asked for")]
+    WorkLimit {
+        /// Time reached.
+        time: f64,
+        /// Time asked for.
+        target: f64,
+        /// Most steps.
+        limit: u64,
+    },
+}
+
+/// What a material cannot do.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{quantity} is {value}; it must be {must}")]
+pub struct Fault {
+    /// What left its range.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What it must be, in words.
+    pub must: &'static str,
+}
+
+/// Refuses what is not finite.
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { name, value }) }
+}
+
+/// Refuses what is not finite and above zero.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { name, value }) }
+}
+
+/// Refuses what is not finite or below zero.
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if value >= 0.0 { Ok(()) } else { Err(Error::Negative { name, value }) }
+}
+
+/// Refuses what lies outside an interval.
+pub(crate) fn within(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
+    finite(name, value)?;
+    if (from..=to).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { name, value, from, to })
+    }
+}

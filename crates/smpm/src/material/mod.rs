@@ -1,0 +1,140 @@
+//! The seam where a particle's history becomes its stress, and the materials behind it.
+//!
+//! Most materials are a [`Solid`]: an [`EquationOfState`] for the pressure and a [`Strength`] for the deviator, chosen
+//! independently. [`NeoHookean`] is one of its own. Their constants are plain structs, such as [`JohnsonCookParameters`];
+//! [`library`] has named ones.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+/// A plain struct of parameters over a number type, with their names.
+macro_rules! parameters {
+    ($(#[$about:meta])* $name:ident { $($(#[$about_field:meta])* $field:ident),+ $(,)? }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $name<S> {
+            $($(#[$about_field])* pub $field: S),+
+        }
+
+        impl<S> $name<S> {
+            /// The names of the parameters.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
+
+            /// Every parameter by a function of its name and value, in the order of [`NAMES`](Self::NAMES): how numbers become
+            /// jets.
+            #[must_use]
+            pub fn map<T>(self, mut of: impl FnMut(&'static str, S) -> T) -> $name<T> {
+                $name { $($field: of(stringify!($field), self.$field)),+ }
+            }
+        }
+    };
+}
+
+mod equation_of_state;
+pub mod library;
+mod neo_hookean;
+mod solid;
+mod strength;
+mod units;
+
+use perturbation_moments::Scalar;
+
+pub use equation_of_state::{
+    Detonation, ElasticBulk, ElasticBulkParameters, EquationOfState, Jwl, JwlParameters, Line,
+    MieGruneisen, MieGruneisenParameters, Start, StiffenedGas, StiffenedGasParameters,
+    TensionCutOff,
+};
+pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
+pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
+pub use strength::{
+    ElasticShear, ElasticShearParameters, Fluid, JohnsonCook, JohnsonCookDamage,
+    JohnsonCookDamageParameters, JohnsonCookDamageState, JohnsonCookParameters, JohnsonCookState,
+    Strength, VonMises, VonMisesParameters, VonMisesState,
+};
+pub use units::Units;
+
+use crate::error::Fault;
+use crate::tensor::Symmetric;
+
+/// What a step does to a particle: all that a material may look at.
+#[derive(Debug, Clone, Copy)]
+pub struct Now<S> {
+    /// `L_ij = dv_i/dx_j` over the step (1 per unit of time).
+    pub velocity_gradient: [[S; 3]; 3],
+    /// The step (time).
+    pub dt: f64,
+    /// Time at the end of the step.
+    pub time: f64,
+    /// `V/V_0` before the step.
+    pub volume_before: S,
+    /// `V/V_0` after it, above zero.
+    pub volume: S,
+    /// `q >= 0`, the bulk viscosity, which acts as a pressure and whose work heats the particle (stress).
+    pub viscosity: S,
+    /// The edge of a grid cell (length).
+    pub cell: f64,
+}
+
+/// A constitutive model. Stresses are those of Cauchy, tension positive.
+///
+/// It is pure in the state: the same history gives the same bits. Branches look at [`Scalar::value`], so that a jet takes
+/// the path of the run it differentiates.
+pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
+    /// What a particle remembers.
+    type State: Copy + std::fmt::Debug + Send + Sync;
+
+    /// `rho_0 > 0`, the density of the reference state (mass per volume).
+    fn density(&self) -> S;
+
+    /// The state of a particle at `t = 0`; `position` has zeros beyond the dimension.
+    fn start(&self, position: [f64; 3]) -> Self::State;
+
+    /// Advances the state over a step; the stress at its end, without the bulk viscosity.
+    ///
+    /// # Errors
+    /// Where the state leaves the range of the model: what, its value, and what it must be. The state is then of no use.
+    fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault>;
+
+    /// `sqrt((K + 4G/3)/rho)`, the speed of a longitudinal wave in the present state: what limits the step and scales the
+    /// linear bulk viscosity. `volume` is `V/V_0`.
+    fn wave_speed(&self, volume: S, state: &Self::State) -> S;
+
+    /// What can be observed of a state besides the stress.
+    fn observe(&self, state: &Self::State) -> Observed<S>;
+}
+
+/// What a material shows of itself. A quantity that it does not have is zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observed<S> {
+    /// `e`, internal energy per reference volume (stress).
+    pub energy: S,
+    /// The equivalent plastic strain.
+    pub plastic_strain: S,
+    /// The present flow stress (stress); zero where nothing yields.
+    pub flow_stress: S,
+    /// Temperature above that of the reference state.
+    pub temperature: S,
+    /// Damage, from 0 to 1.
+    pub damage: S,
+    /// The trial von Mises stress less the flow stress at the last step: yield where positive. How near zero it is in terms of
+    /// its own derivatives says whether a sample would have switched.
+    pub overshoot: S,
+}
+
+impl<S: Scalar> Observed<S> {
+    /// A material without plasticity.
+    #[must_use]
+    pub fn of_energy(energy: S) -> Self {
+        let zero = S::constant(0.0);
+        Self {
+            energy,
+            plastic_strain: zero,
+            flow_stress: zero,
+            temperature: zero,
+            damage: zero,
+            overshoot: zero,
+        }
+    }
+}

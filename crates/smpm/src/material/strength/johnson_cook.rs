@@ -1,0 +1,489 @@
+//! The flow stress of Johnson and Cook with the heat of plastic work.
+
+use perturbation_moments::Scalar;
+
+use super::{LEAST_OVERSHOOT, Strength, Trial};
+use crate::error::{Error, Fault, not_negative, positive, within};
+use crate::material::{Now, Observed};
+use crate::tensor::Symmetric;
+
+parameters! {
+    /// What a [`JohnsonCook`] is made of.
+    JohnsonCookParameters {
+        /// `G > 0` (stress).
+        shear_modulus,
+        /// `A > 0`, the flow stress at no plastic strain (stress).
+        a,
+        /// `B >= 0`, the hardening (stress).
+        b,
+        /// `n > 0`, its exponent.
+        n,
+        /// `C >= 0`, the sensitivity to the rate.
+        c,
+        /// `m > 0`, the exponent of thermal softening.
+        m,
+        /// The rate at which `ln` of the relative rate is zero, above zero: 1/s in the unit system (1 per time).
+        reference_rate,
+        /// The least relative rate that counts, above zero. One, unless a table was made otherwise.
+        rate_floor,
+        /// The temperature of the reference state (K).
+        room_temperature,
+        /// The temperature of melting, above that of the room (K).
+        melting_temperature,
+        /// `chi` from 0 to 1, Taylor and Quinney's share of plastic work that heats.
+        taylor_quinney,
+        /// `rho_0 > 0` (mass per volume).
+        density,
+        /// `c_p > 0` (energy per mass and kelvin).
+        specific_heat,
+    }
+}
+
+/// A metal by its strain, rate and temperature.
+///
+/// $$ \sigma_y = (A + B \varepsilon_p^n) (1 + C \ln \dot\varepsilon^\ast) (1 - T^{\ast m}), \qquad
+///    \Delta T^\ast = \frac{\chi J \sigma_y \Delta\varepsilon_p}{\rho_0 c_p (T_{melt} - T_{room})} $$
+///
+/// Symbols: $\dot\varepsilon^\ast$ = relative rate, $\sqrt{\tfrac23 \operatorname{dev} D : \operatorname{dev} D}$ over the
+/// reference rate: the total rate, which is known before the return; below the floor it is the floor. $T^\ast$ =
+/// `(T - T_room)/(T_melt - T_room)` after the step before, by the heat of plastic work alone, not of compression; from one on the
+/// strength is zero.
+///
+/// The return solves $\sigma_{eq}^\ast - 3 G \Delta\varepsilon_p = \sigma_y(\varepsilon_p + \Delta\varepsilon_p)$ by a
+/// safeguarded Newton method on the values, then by Newton steps in the arithmetic of `S`: two of them make first and second
+/// derivatives of a jet exact. An overshoot below `1e-10` of the flow stress is elastic: at no plastic strain the derivative of
+/// $\varepsilon_p^n$ is not finite.
+///
+/// Source: Johnson and Cook 1983; Chen et al. 2019, eq 11-20. The hardening of eq 19-20 is not constant here, and the
+/// paper's reference rate and heat are in [`library::steel_strength_as_published`](crate::material::library::steel_strength_as_published).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JohnsonCook<S> {
+    parameters: JohnsonCookParameters<S>,
+    /// `chi/(rho_0 c_p (T_melt - T_room))`: homologous temperature per plastic work.
+    heating: S,
+    /// Natural logarithm of the floor.
+    log_floor: S,
+}
+
+/// What a particle of a [`JohnsonCook`] material remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JohnsonCookState<S> {
+    /// The deviator (stress).
+    pub deviator: Symmetric<S>,
+    /// The equivalent plastic strain.
+    pub plastic_strain: S,
+    /// The homologous temperature.
+    pub homologous_temperature: S,
+    /// The flow stress at the rate of the last step (stress).
+    pub flow_stress: S,
+    /// The trial von Mises stress less the flow stress at the last step (stress).
+    pub overshoot: S,
+    /// `eps_p^n`: an elastic step takes no power.
+    hardening: S,
+    /// `1 - T*^m`, likewise.
+    softening: S,
+}
+
+/// A plastic strain that is none: the curvature of its logarithm, `1/eps^2`, must be a number. Only exponents below 0.1 get
+/// there, and the stress is the same to roundoff.
+const LEAST_STRAIN: f64 = 1e-100;
+
+/// The return to the yield surface as numbers: `overshoot = 3 G x + h ((strain + x)^n - hardening)`.
+struct Return {
+    overshoot: f64,
+    /// `3 G`.
+    shear: f64,
+    /// `B (1 + C ln rate) (1 - T^m)`.
+    factor: f64,
+    exponent: f64,
+    strain: f64,
+    /// `strain^n`.
+    hardening: f64,
+}
+
+impl Return {
+    /// The plastic strain of the step, to a relative `1e-12`. Most is needed of it at no plastic strain, where the slope is
+    /// infinite; from below, Newton's method ascends to the root for `n <= 1`; for any `n` the bracket holds. Zero where it would
+    /// be below [`LEAST_STRAIN`].
+    fn increment(&self) -> Result<f64, Fault> {
+        let &Self { overshoot, shear, factor, exponent: n, strain, hardening } = self;
+        let (mut low, mut high) = (0.0, overshoot / shear);
+        if factor <= 0.0 {
+            return Ok(high);
+        }
+        let mut x =
+            if strain > 0.0 { overshoot / (shear + factor * n * hardening / strain) } else { 0.0 };
+        if strain < 0.1 * high {
+            let reach = |overshoot: f64| (overshoot / factor).powf(1.0 / n);
+            if strain <= 0.0 && reach(overshoot) < LEAST_STRAIN {
+                return Ok(0.0);
+            }
+            // Neither part takes more than half of the overshoot there.
+            x = x.max((0.5 * high).min(reach(0.5 * overshoot)));
+        }
+        for _ in 0..200 {
+            let power = (n * (strain + x).ln()).exp();
+            let residual = overshoot - shear * x - factor * (power - hardening);
+            if residual > 0.0 {
+                low = x;
+            } else {
+                high = x;
+            }
+            let step = residual / (shear + factor * n * power / (strain + x));
+            if step.abs() <= 1e-6 * x {
+                return Ok(x + step);
+            }
+            x = if low < x + step && x + step < high { x + step } else { 0.5 * (low + high) };
+        }
+        Err(Fault {
+            quantity: "the plastic strain of a step",
+            value: x,
+            must: "found within 200 iterations",
+        })
+    }
+}
+
+impl<S: Scalar> JohnsonCook<S> {
+    /// Newton steps after the values: one polishes the value, a second one the derivatives. A plain `f64` has none.
+    const POLISH: usize = if size_of::<S>() == size_of::<f64>() { 1 } else { 2 };
+
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// Each refusal by the name of its parameter: not above zero, negative, out of range, not finite; a melting temperature
+    /// that is not above the room's; a rate factor that is not above zero at the floor.
+    pub fn new(parameters: JohnsonCookParameters<S>) -> Result<Self, Error> {
+        let p = &parameters;
+        positive("shear modulus", p.shear_modulus.value())?;
+        positive("a of Johnson-Cook", p.a.value())?;
+        not_negative("b of Johnson-Cook", p.b.value())?;
+        positive("n of Johnson-Cook", p.n.value())?;
+        not_negative("c of Johnson-Cook", p.c.value())?;
+        positive("m of Johnson-Cook", p.m.value())?;
+        positive("reference rate", p.reference_rate.value())?;
+        positive("rate floor", p.rate_floor.value())?;
+        not_negative("room temperature", p.room_temperature.value())?;
+        positive("melting temperature", p.melting_temperature.value())?;
+        if p.melting_temperature.value() <= p.room_temperature.value() {
+            return Err(Error::OutOfOrder {
+                name: "melting temperature",
+                value: p.melting_temperature.value(),
+                other: "room temperature",
+                limit: p.room_temperature.value(),
+            });
+        }
+        within("taylor quinney", p.taylor_quinney.value(), 0.0, 1.0)?;
+        positive("density", p.density.value())?;
+        positive("specific heat", p.specific_heat.value())?;
+        let log_floor = p.rate_floor.ln();
+        positive("1 + c ln(rate floor)", (p.c * log_floor + 1.0).value())?;
+        let range = p.melting_temperature - p.room_temperature;
+        let heating = p.taylor_quinney / (p.density * p.specific_heat * range);
+        Ok(Self { parameters, heating, log_floor })
+    }
+
+    /// The parameters it was made of.
+    #[must_use]
+    pub fn parameters(&self) -> &JohnsonCookParameters<S> {
+        &self.parameters
+    }
+
+    /// The logarithm of the relative rate, of the floor below it.
+    #[inline(always)]
+    pub(crate) fn log_rate(&self, rate: &Symmetric<S>) -> S {
+        let reference = self.parameters.reference_rate;
+        let square = rate.square() * (2.0 / 3.0) / reference.squared();
+        let floor = self.parameters.rate_floor.value();
+        if square.value() > floor * floor { square.ln() * 0.5 } else { self.log_floor }
+    }
+
+    /// `1 - T*^m`; one in the cold, zero in the melt.
+    #[inline(always)]
+    fn softening(&self, temperature: S) -> S {
+        let value = temperature.value();
+        if value <= 0.0 {
+            S::constant(1.0)
+        } else if value >= 1.0 {
+            S::constant(0.0)
+        } else {
+            (self.parameters.m * temperature.ln()).exp() * -1.0 + 1.0
+        }
+    }
+
+    /// Yields: plastic strain, flow stress and temperature; the factor of the trial deviator.
+    #[inline(always)]
+    fn yielding(
+        &self,
+        equivalent: S,
+        factor: S,
+        volume: S,
+        state: &mut JohnsonCookState<S>,
+    ) -> Result<S, Fault> {
+        let p = &self.parameters;
+        let shear = p.shear_modulus * 3.0;
+        if factor.value() <= 0.0 {
+            // In the melt all deformation is plastic and no work is done.
+            state.plastic_strain = state.plastic_strain + equivalent / shear;
+            state.flow_stress = S::constant(0.0);
+            return Ok(S::constant(0.0));
+        }
+        let values = Return {
+            overshoot: state.overshoot.value(),
+            shear: shear.value(),
+            factor: (p.b * factor).value(),
+            exponent: p.n.value(),
+            strain: state.plastic_strain.value(),
+            hardening: state.hardening.value(),
+        };
+        let increment = values.increment()?;
+        if values.strain + increment < LEAST_STRAIN {
+            return Ok(S::constant(1.0));
+        }
+        let mut increment = S::constant(increment);
+        for _ in 0..Self::POLISH {
+            let strain = state.plastic_strain + increment;
+            let power = (p.n * strain.ln()).exp();
+            let slope = power * p.n / strain;
+            let residual = equivalent - shear * increment - factor * (p.a + p.b * power);
+            let step = residual / (shear + factor * p.b * slope);
+            increment = increment + step;
+            // The step is at roundoff of the value, and of the first derivative after the first: linear is exact.
+            state.hardening = power + slope * step;
+        }
+        state.plastic_strain = state.plastic_strain + increment;
+        state.flow_stress = equivalent - shear * increment;
+        state.homologous_temperature =
+            state.homologous_temperature + self.heating * volume * state.flow_stress * increment;
+        state.softening = self.softening(state.homologous_temperature);
+        Ok(state.flow_stress / equivalent)
+    }
+}
+
+impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
+    type State = JohnsonCookState<S>;
+
+    fn start(&self) -> JohnsonCookState<S> {
+        let zero = S::constant(0.0);
+        JohnsonCookState {
+            deviator: Symmetric::zero(),
+            plastic_strain: zero,
+            homologous_temperature: zero,
+            flow_stress: self.parameters.a * (self.parameters.c * self.log_floor + 1.0),
+            overshoot: zero,
+            hardening: zero,
+            softening: S::constant(1.0),
+        }
+    }
+
+    #[inline(always)]
+    fn update(&self, now: &Now<S>, state: &mut JohnsonCookState<S>) -> Result<S, Fault> {
+        let p = &self.parameters;
+        let before = state.deviator;
+        let trial = Trial::new(now, &before, p.shear_modulus);
+        let equivalent = trial.equivalent(p.shear_modulus)?;
+        let factor = (p.c * self.log_rate(&trial.rate) + 1.0) * state.softening;
+        let flow = (p.a + p.b * state.hardening) * factor;
+        state.flow_stress = flow;
+        state.overshoot = equivalent - flow;
+        state.deviator = if state.overshoot.value() <= LEAST_OVERSHOOT * flow.value() {
+            trial.deviator
+        } else {
+            trial.deviator.scaled(self.yielding(equivalent, factor, now.volume, state)?)
+        };
+        Ok(trial.work(now, &before, &state.deviator))
+    }
+
+    #[inline(always)]
+    fn deviator(&self, state: &JohnsonCookState<S>) -> Symmetric<S> {
+        state.deviator
+    }
+
+    #[inline(always)]
+    fn shear_modulus(&self, _state: &JohnsonCookState<S>) -> S {
+        self.parameters.shear_modulus
+    }
+
+    fn observe(&self, state: &JohnsonCookState<S>) -> Observed<S> {
+        let p = &self.parameters;
+        Observed {
+            plastic_strain: state.plastic_strain,
+            flow_stress: state.flow_stress,
+            temperature: state.homologous_temperature
+                * (p.melting_temperature - p.room_temperature),
+            overshoot: state.overshoot,
+            ..Observed::of_energy(S::constant(0.0))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use perturbation_moments::Jet;
+
+    use super::super::laws::stretching;
+    use super::*;
+    use crate::tensor::von_mises as equivalent_stress;
+
+    /// Megapascal, second; 4340 steel.
+    const STEEL: JohnsonCookParameters<f64> = JohnsonCookParameters {
+        shear_modulus: 77500.0,
+        a: 792.0,
+        b: 510.0,
+        n: 0.26,
+        c: 0.014,
+        m: 1.03,
+        reference_rate: 1.0,
+        rate_floor: 1.0,
+        room_temperature: 294.0,
+        melting_temperature: 1793.0,
+        taylor_quinney: 0.9,
+        density: 7830.0,
+        specific_heat: 477.0e-6,
+    };
+
+    #[test]
+    fn the_return_satisfies_its_equation_at_every_strain() {
+        let factor = 510.0 * 1.1;
+        for strain in [0.0, 1e-30, 1e-12, 1e-6, 1e-3, 0.1, 2.0] {
+            for overshoot in [1e-7, 1e-3, 1.0, 100.0, 1e5] {
+                for exponent in [0.05, 0.26, 1.0, 2.5] {
+                    let hardening = if strain > 0.0 { f64::powf(strain, exponent) } else { 0.0 };
+                    let shear = 3.0 * 77500.0;
+                    let case = Return { overshoot, shear, factor, exponent, strain, hardening };
+                    let x = case.increment().unwrap();
+                    if strain <= 0.0 && (overshoot / factor).powf(1.0 / exponent) < LEAST_STRAIN {
+                        assert_eq!(x.to_bits(), 0);
+                        continue;
+                    }
+                    assert!(x > 0.0 && x <= overshoot / shear);
+                    let power = (strain + x).powf(exponent);
+                    let residual = overshoot - shear * x - factor * (power - hardening);
+                    // Roundoff of the power, and 1e-12 of the overshoot.
+                    let bound = 1e-11 * overshoot + 1e-14 * factor * power;
+                    assert!(residual.abs() < bound, "{strain} {overshoot} {exponent}: {residual}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn on_the_surface_the_stress_is_the_printed_formula() {
+        let material = JohnsonCook::new(STEEL).unwrap();
+        let mut state = material.start();
+        for _ in 0..100 {
+            let temperature = state.homologous_temperature;
+            material.update(&stretching(1e4, 1e-7), &mut state).unwrap();
+            let equivalent: f64 = equivalent_stress(&state.deviator);
+            if state.plastic_strain > 0.0 {
+                let printed = (792.0 + 510.0 * state.plastic_strain.powf(0.26))
+                    * (1.0 + 0.014 * 1e4_f64.ln())
+                    * (1.0 - temperature.powf(1.03));
+                assert!((equivalent - printed).abs() < 1e-9 * printed);
+                assert!((state.flow_stress - printed).abs() < 1e-9 * printed);
+            }
+        }
+        assert!((0.05..0.1).contains(&state.plastic_strain));
+        // chi times the plastic work over rho c_p: about 0.9 * 1150 * 0.095/3.735.
+        let rise = material.observe(&state).temperature;
+        assert!((20.0..32.0).contains(&rise), "{rise}");
+    }
+
+    #[test]
+    fn below_the_reference_rate_the_rate_does_not_count() {
+        let slow = |rate: f64| {
+            let material = JohnsonCook::new(STEEL).unwrap();
+            let mut state = material.start();
+            for _ in 0..50 {
+                material.update(&stretching(rate, 0.001 / rate), &mut state).unwrap();
+            }
+            state.flow_stress
+        };
+        assert!((slow(1e-3) - slow(0.5)).abs() < 1e-9);
+        assert!(slow(10.0) > 1.03 * slow(0.5));
+    }
+
+    #[test]
+    fn the_melt_bears_no_shear() {
+        // So little capacity that one plastic step melts: smoothly, softening would only approach it.
+        let hot = JohnsonCookParameters { specific_heat: 477.0e-12, ..STEEL };
+        let material = JohnsonCook::new(hot).unwrap();
+        let mut state = material.start();
+        for _ in 0..20 {
+            material.update(&stretching(1e4, 1e-7), &mut state).unwrap();
+        }
+        assert!(state.homologous_temperature >= 1.0);
+        assert_eq!((state.deviator, state.flow_stress), (Symmetric::zero(), 0.0));
+    }
+
+    #[test]
+    fn jets_at_the_first_yield_are_finite_and_right() {
+        // One step from rest to eps_p of 1e-9 and more: the closed form by implicit differentiation,
+        // (3 G + H) x' = -(dsigma_y/da) at fixed x.
+        for over in [1e-8, 1e-3, 0.3] {
+            let seeded = STEEL.map(|name, value| match name {
+                "a" => Jet::variable(value, 0),
+                "n" => Jet::variable(value, 1),
+                _ => Jet::constant(value),
+            });
+            let material = JohnsonCook::new(seeded).unwrap();
+            let mut state = material.start();
+            let c2 = 1.0 + 0.014 * 1e4_f64.ln();
+            let strain = 792.0 * c2 / (3.0 * 77500.0) * (1.0 + over);
+            material.update(&stretching(1e4, strain / 1e4), &mut state).unwrap();
+            let x = state.plastic_strain;
+            assert!(x.value > 0.0);
+            let slope = 3.0 * 77500.0 + 510.0 * c2 * 0.26 * x.value.powf(0.26 - 1.0);
+            let by_n = -510.0 * c2 * x.value.powf(0.26) * x.value.ln() / slope;
+            // The overshoot is a difference: 1e-16 of the stress is 1e-8 of 1e-8.
+            assert!((x.first[0] / (-c2 / slope) - 1.0).abs() < 1e-6, "{over}");
+            assert!((x.first[1] / by_n - 1.0).abs() < 1e-6, "{over}");
+            assert!(state.deviator.0.iter().all(|s| s.second.iter().all(|d| d.is_finite())));
+        }
+        // Right behind the tolerance, with exponents for which the strain underflows, nothing is NaN.
+        for n in [0.01, 0.05, 0.26, 1.0, 2.0] {
+            for over in [1.01e-10, 1e-9, 1e-6] {
+                let seeded = JohnsonCookParameters { n, c: 0.0, ..STEEL }
+                    .map(|name, value| Jet::variable(value, usize::from(name == "n")));
+                let material = JohnsonCook::new(seeded).unwrap();
+                let mut state = material.start();
+                let strain = 792.0 / (3.0 * 77500.0) * (1.0 + over);
+                for dt in [strain / 1e4, 1e-7] {
+                    material.update(&stretching(1e4, dt), &mut state).unwrap();
+                    let numbers = [state.plastic_strain, state.flow_stress, state.softening];
+                    let finite = |y: &Jet| {
+                        y.value.is_finite()
+                            && y.first.iter().chain(&y.second).all(|d| d.is_finite())
+                    };
+                    assert!(numbers.iter().chain(&state.deviator.0).all(finite), "{n} {over}");
+                }
+                assert!(state.plastic_strain.value > 0.0);
+            }
+        }
+        // At rest too.
+        let material = JohnsonCook::new(STEEL.map(|_, value| Jet::variable(value, 0))).unwrap();
+        let mut state = material.start();
+        material.update(&stretching(0.0, 1.0), &mut state).unwrap();
+        assert!(state.overshoot.first[0].is_finite());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let refused = |p| JohnsonCook::new(p).unwrap_err();
+        assert!(matches!(
+            refused(JohnsonCookParameters { melting_temperature: 200.0, ..STEEL }),
+            Error::OutOfOrder { name: "melting temperature", .. }
+        ));
+        assert!(matches!(
+            refused(JohnsonCookParameters { taylor_quinney: 1.1, ..STEEL }),
+            Error::OutOfRange { name: "taylor quinney", .. }
+        ));
+        assert!(matches!(
+            refused(JohnsonCookParameters { rate_floor: 1e-40, ..STEEL }),
+            Error::NotPositive { name: "1 + c ln(rate floor)", .. }
+        ));
+        assert!(matches!(
+            refused(JohnsonCookParameters { n: 0.0, ..STEEL }),
+            Error::NotPositive { name: "n of Johnson-Cook", .. }
+        ));
+    }
+}

@@ -1,0 +1,127 @@
+//! The deviator of the stress.
+
+mod elastic_shear;
+mod fluid;
+mod johnson_cook;
+mod johnson_cook_damage;
+mod von_mises;
+
+use perturbation_moments::Scalar;
+
+use crate::error::Fault;
+use crate::material::{Now, Observed};
+use crate::tensor::Symmetric;
+
+pub use elastic_shear::{ElasticShear, ElasticShearParameters};
+pub use fluid::Fluid;
+pub use johnson_cook::{JohnsonCook, JohnsonCookParameters, JohnsonCookState};
+pub use johnson_cook_damage::{
+    JohnsonCookDamage, JohnsonCookDamageParameters, JohnsonCookDamageState,
+};
+pub use von_mises::{VonMises, VonMisesParameters, VonMisesState};
+
+/// How a material resists a change of shape.
+pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
+    /// What a particle remembers.
+    type State: Copy + std::fmt::Debug + Send + Sync;
+
+    /// A particle at `t = 0`.
+    fn start(&self) -> Self::State;
+
+    /// Advances the deviator over a step; its work per reference volume (stress).
+    ///
+    /// # Errors
+    /// Where the state leaves the range of the model.
+    fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<S, Fault>;
+
+    /// The deviator of the stress, after [`carry`](Self::carry) (stress).
+    fn deviator(&self, state: &Self::State) -> Symmetric<S>;
+
+    /// The shear modulus in the present state (stress).
+    fn shear_modulus(&self, state: &Self::State) -> S;
+
+    /// What can be observed; the energy is left at zero.
+    fn observe(&self, state: &Self::State) -> Observed<S>;
+
+    /// The pressure that the material bears at the end of the step, given the one that its equation of state asks for: what
+    /// has failed bears no tension.
+    ///
+    /// # Errors
+    /// Where the state leaves the range of the model.
+    #[inline(always)]
+    fn carry(&self, pressure: S, _state: &mut Self::State) -> Result<S, Fault> {
+        Ok(pressure)
+    }
+}
+
+/// What an overshoot of the yield surface must exceed to count, relative to the flow stress: below it the derivatives of the
+/// return at no plastic strain, `0^(n - 1)`, would not be finite.
+pub(crate) const LEAST_OVERSHOOT: f64 = 1e-10;
+
+/// The deviator that a step would lead to without yield (Chen et al. 2019, eq 13).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Trial<S> {
+    /// The deviator of the rate of deformation (1 per time).
+    pub(crate) rate: Symmetric<S>,
+    /// The old deviator, turned, and `2 G dt` times the rate.
+    pub(crate) deviator: Symmetric<S>,
+}
+
+impl<S: Scalar> Trial<S> {
+    #[inline(always)]
+    pub(crate) fn new(now: &Now<S>, before: &Symmetric<S>, shear_modulus: S) -> Self {
+        let rate = Symmetric::part_of(&now.velocity_gradient).deviator();
+        let turned = before.turned(&now.velocity_gradient, now.dt);
+        Self { rate, deviator: turned + rate.scaled(shear_modulus * (2.0 * now.dt)) }
+    }
+
+    /// The trial von Mises stress (eq 14). At a stress of zero, where it has no derivative, a constant zero.
+    ///
+    /// # Errors
+    /// Where it is not finite.
+    #[inline(always)]
+    pub(crate) fn equivalent(&self, shear_modulus: S) -> Result<S, Fault> {
+        let square = self.deviator.square();
+        let value = square.value();
+        let scale = 1e-20 * shear_modulus.value();
+        if !value.is_finite() {
+            let must = "finite: the rate of deformation is out of range";
+            return Err(Fault { quantity: "the square of the trial deviator", value, must });
+        }
+        if value <= scale * scale {
+            return Ok(S::constant(0.0));
+        }
+        Ok((square * 1.5).sqrt())
+    }
+
+    /// `(S_n + S_{n+1})/2 : D dt`, per reference volume.
+    #[inline(always)]
+    pub(crate) fn work(&self, now: &Now<S>, before: &Symmetric<S>, after: &Symmetric<S>) -> S {
+        let volume = (now.volume_before + now.volume) * (0.25 * now.dt);
+        (*before + *after).contract(&self.rate) * volume
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod laws {
+    use super::{Now, Scalar};
+
+    /// A step of pure shear deformation `diag(r, -r/2, -r/2)`, whose equivalent rate is `r`, at constant volume.
+    pub(crate) fn stretching<S: Scalar>(rate: f64, dt: f64) -> Now<S> {
+        let c = S::constant;
+        let zero = c(0.0);
+        Now {
+            velocity_gradient: [
+                [c(rate), zero, zero],
+                [zero, c(-0.5 * rate), zero],
+                [zero, zero, c(-0.5 * rate)],
+            ],
+            dt,
+            time: 0.0,
+            volume_before: c(1.0),
+            volume: c(1.0),
+            viscosity: zero,
+            cell: 1.0,
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Shape functions: how a particle is seen by the nodes around it.
+
+use perturbation_moments::Scalar;
+
+/// Which shape function carries values between particles and nodes.
+///
+/// | name | nodes per axis | smooth | note |
+/// |---|---|---|---|
+/// | `Linear` | 2 | continuous | the paper's; its gradient jumps where a particle crosses a cell |
+/// | `Gimp` | 4 | once | the particle has a size, which the flow stretches (Bardenhagen & Kober 2004; Chen et al. 2019, eq 8) |
+/// | `QuadraticBSpline` | 3 | once | Steffen, Kirby & Berzins 2008 |
+/// | `CubicBSpline` | 4 | twice | second derivatives of a run stay smooth where particles cross cells |
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// The hat.
+    Linear,
+    /// The hat averaged over the particle's length along each axis.
+    Gimp,
+    /// Quadratic B-spline.
+    QuadraticBSpline,
+    /// Cubic B-spline.
+    CubicBSpline,
+}
+
+/// Most nodes that a particle sees along an axis.
+pub(crate) const MOST_NODES: usize = 4;
+
+/// Values and slopes (per cell) of a shape function at the nodes `base, base + 1, ..` along one axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Axis<S> {
+    pub(crate) base: i32,
+    pub(crate) value: [S; MOST_NODES],
+    pub(crate) slope: [S; MOST_NODES],
+}
+
+/// A shape function as a type, so that loops over its nodes unroll.
+pub(crate) trait ShapeFunction {
+    /// Nodes along an axis.
+    const NODES: usize;
+
+    /// At the place `s` (in cells) of a particle that reaches `half` cells to either side.
+    fn along<S: Scalar>(s: S, half: S) -> Axis<S>;
+
+    /// The lowest node that a particle at `s` sees.
+    fn base(s: f64, half: f64) -> i32;
+}
+
+#[derive(Debug)]
+pub(crate) struct Linear;
+#[derive(Debug)]
+pub(crate) struct Gimp;
+#[derive(Debug)]
+pub(crate) struct QuadraticBSpline;
+#[derive(Debug)]
+pub(crate) struct CubicBSpline;
+
+/// The largest whole number not above `s`.
+#[inline]
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the grid refuses places beyond the range of its node numbers"
+)]
+fn floor(s: f64) -> i32 {
+    s.floor() as i32
+}
+
+#[inline]
+fn empty<S: Scalar>(base: i32) -> Axis<S> {
+    Axis { base, value: [S::constant(0.0); MOST_NODES], slope: [S::constant(0.0); MOST_NODES] }
+}
+
+impl ShapeFunction for Linear {
+    const NODES: usize = 2;
+
+    #[inline]
+    fn base(s: f64, _: f64) -> i32 {
+        floor(s)
+    }
+
+    #[inline]
+    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
+        let mut axis = empty(floor(s.value()));
+        let f = s - f64::from(axis.base);
+        (axis.value[0], axis.value[1]) = (-f + 1.0, f);
+        (axis.slope[0], axis.slope[1]) = (S::constant(-1.0), S::constant(1.0));
+        axis
+    }
+}
+
+impl ShapeFunction for QuadraticBSpline {
+    const NODES: usize = 3;
+
+    #[inline]
+    fn base(s: f64, _: f64) -> i32 {
+        floor(s - 0.5)
+    }
+
+    #[inline]
+    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
+        let mut axis = empty(floor(s.value() - 0.5));
+        // From 1/2 to 3/2.
+        let f = s - f64::from(axis.base);
+        let (left, centre, right) = (-f + 1.5, f - 1.0, f - 0.5);
+        axis.value[0] = left.squared() * 0.5;
+        axis.value[1] = -centre.squared() + 0.75;
+        axis.value[2] = right.squared() * 0.5;
+        (axis.slope[0], axis.slope[1], axis.slope[2]) = (-left, centre * -2.0, right);
+        axis
+    }
+}
+
+impl ShapeFunction for CubicBSpline {
+    const NODES: usize = 4;
+
+    #[inline]
+    fn base(s: f64, _: f64) -> i32 {
+        floor(s) - 1
+    }
+
+    #[inline]
+    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
+        let cell = floor(s.value());
+        let mut axis = empty(cell - 1);
+        let f = s - f64::from(cell);
+        let rest = -f + 1.0;
+        let (f2, r2) = (f.squared(), rest.squared());
+        let sixth = 1.0 / 6.0;
+        axis.value[0] = r2 * rest * sixth;
+        axis.value[1] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
+        axis.value[2] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
+        axis.value[3] = f2 * f * sixth;
+        axis.slope[0] = r2 * -0.5;
+        axis.slope[1] = f2 * 1.5 - f * 2.0;
+        axis.slope[2] = -(r2 * 1.5 - rest * 2.0);
+        axis.slope[3] = f2 * 0.5;
+        axis
+    }
+}
+
+impl ShapeFunction for Gimp {
+    const NODES: usize = 4;
+
+    #[inline]
+    fn base(s: f64, half: f64) -> i32 {
+        floor(s - half)
+    }
+
+    /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
+    /// length of the particle in cells.
+    #[inline]
+    fn along<S: Scalar>(s: S, half: S) -> Axis<S> {
+        let mut axis = empty(floor(s.value() - half.value()));
+        let inverse = half.recip() * 0.5;
+        for (k, node) in (axis.base..).take(Self::NODES).enumerate() {
+            let d = s - f64::from(node);
+            let (low, high) = (d - half, d + half);
+            axis.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
+            axis.slope[k] = (hat(high) - hat(low)) * inverse;
+        }
+        axis
+    }
+}
+
+#[inline]
+fn hat<S: Scalar>(u: S) -> S {
+    let value = u.value();
+    if value.abs() >= 1.0 {
+        S::constant(0.0)
+    } else if value < 0.0 {
+        u + 1.0
+    } else {
+        -u + 1.0
+    }
+}
+
+#[inline]
+fn hat_integral<S: Scalar>(u: S) -> S {
+    let value = u.value();
+    if value <= -1.0 {
+        S::constant(0.0)
+    } else if value >= 1.0 {
+        S::constant(1.0)
+    } else if value < 0.0 {
+        (u + 1.0).squared() * 0.5
+    } else {
+        -(-u + 1.0).squared() * 0.5 + 1.0
+    }
+}
+
+/// Calls with offset, value and gradient (per cell) at every node of a particle; the first axis is fastest, rows are
+/// `edge` nodes long.
+#[inline]
+pub(crate) fn for_each_node<S: Scalar, F: ShapeFunction, const D: usize>(
+    axes: &[Axis<S>; D],
+    edge: usize,
+    mut visit: impl FnMut(usize, S, [S; D]),
+) {
+    let count = |axis: usize| if axis < D { F::NODES } else { 1 };
+    for k in 0..count(2) {
+        for j in 0..count(1) {
+            for i in 0..count(0) {
+                let index = [i, j, k];
+                let mut value = axes[0].value[i];
+                let mut gradient = [axes[0].slope[i]; D];
+                for a in 1..D {
+                    value = value * axes[a].value[index[a]];
+                }
+                for g in 0..D {
+                    let mut product = axes[g].slope[index[g]];
+                    for a in 0..D {
+                        if a != g {
+                            product = product * axes[a].value[index[a]];
+                        }
+                    }
+                    gradient[g] = product;
+                }
+                visit((k * edge + j) * edge + i, value, gradient);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use perturbation_moments::Jet;
+
+    fn laws<F: ShapeFunction>(name: &str, linear_exact: bool) {
+        for step in 0..400 {
+            let s = 0.01 * f64::from(step) - 1.7;
+            let (half, delta) = (0.3, 1e-6);
+            let axis = F::along(s, half);
+            assert_eq!(axis.base, F::base(s, half), "{name} at {s}");
+            let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
+            for (k, node) in (axis.base..).take(F::NODES).enumerate() {
+                sum += axis.value[k];
+                slopes += axis.slope[k];
+                place += axis.value[k] * f64::from(node);
+                assert!(axis.value[k] > -1e-15, "{name}: negative at {s}");
+            }
+            assert!(
+                (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
+                "{name}: no partition at {s}"
+            );
+            if linear_exact {
+                assert!(
+                    (place - s).abs() < 1e-13,
+                    "{name}: a linear field does not come back at {s}"
+                );
+            }
+            let (above, below) = (F::along(s + delta, half), F::along(s - delta, half));
+            if above.base == axis.base && below.base == axis.base {
+                for k in 0..F::NODES {
+                    let slope = (above.value[k] - below.value[k]) / (2.0 * delta);
+                    // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
+                    assert!((slope - axis.slope[k]).abs() < 1e-5, "{name}: slope {k} at {s}");
+                }
+            }
+            let jet = F::along(Jet::variable(s, 0), Jet::constant(half));
+            for k in 0..F::NODES {
+                assert!((jet.value[k].first[0] - axis.slope[k]).abs() < 1e-12, "{name} at {s}");
+            }
+        }
+    }
+
+    #[test]
+    fn shape_functions_part_unity_reproduce_a_line_and_have_their_slopes() {
+        laws::<Linear>("linear", true);
+        laws::<Gimp>("GIMP", true);
+        laws::<QuadraticBSpline>("quadratic B-spline", true);
+        laws::<CubicBSpline>("cubic B-spline", true);
+    }
+}

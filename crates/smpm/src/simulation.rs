@@ -1,0 +1,436 @@
+//! A simulation as a value: checked once, stepped, observed.
+
+use crate::body::{Body, Motion, Particles};
+use crate::boundary::{Plane, Side};
+use crate::config::{Config, Geometry, UpdateOrder};
+use crate::error::{Error, Fault};
+use crate::grid::Grid;
+use crate::number::Number;
+use crate::shape::{MOST_NODES, Shape};
+use crate::transfer::{Given, Places, give, take_gradient, take_motion, with_shape};
+
+/// A node lighter than this part of the lightest particle stands still.
+const SMALLEST_MASS: f64 = 1e-12;
+
+/// Bodies on a background grid (Sulsky, Chen & Schreyer 1994; Chen et al. 2019, section 2), in `D` dimensions, with numbers
+/// `S`: `f64`, or a jet, with which every particle and every node carries the derivatives of its history.
+///
+/// The length of a step depends on values alone, so a run with jets takes the steps of the run with `f64` that it
+/// differentiates.
+#[derive(Debug)]
+pub struct Simulation<S, const D: usize> {
+    config: Config<D>,
+    bodies: Vec<Body<S, D>>,
+    grid: Grid<S, D>,
+    time: f64,
+    n_steps: u64,
+    smallest_mass: f64,
+    /// Energy at the start, and what gravity has put in since.
+    supplied: f64,
+    failed: Option<Error>,
+}
+
+/// One step, in numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub struct StepReport {
+    /// Number of this step, from 1.
+    pub step: u64,
+    /// Time after the step.
+    pub time: f64,
+    /// The step taken.
+    pub dt: f64,
+    /// Tiles of the grid that exist.
+    pub n_tiles: usize,
+}
+
+/// What a simulation holds in all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub struct Ledger<const D: usize> {
+    /// Mass.
+    pub mass: f64,
+    /// Momentum.
+    pub momentum: [f64; D],
+    /// Kinetic energy of the particles.
+    pub kinetic: f64,
+    /// Internal energy of the materials.
+    pub internal: f64,
+}
+
+/// The longest step and who asks for it.
+#[derive(Debug, Clone, Copy)]
+struct Limit {
+    dt: f64,
+    body: usize,
+    particle: usize,
+}
+
+impl<S: Number, const D: usize> Simulation<S, D> {
+    /// Checks everything once.
+    ///
+    /// # Errors
+    /// A parameter outside its range, by name; [`Error::NoBody`]; [`Error::NotOnGrid`], [`Error::BoundariesTooClose`];
+    /// [`Error::BeyondBoundary`] for a particle that starts there.
+    pub fn new(config: Config<D>, bodies: Vec<Body<S, D>>) -> Result<Self, Error> {
+        config.check()?;
+        if bodies.is_empty() {
+            return Err(Error::NoBody);
+        }
+        let planes: Vec<Plane> = config
+            .boundaries
+            .iter()
+            .map(|boundary| boundary.plane(D, &config.origin, config.cell))
+            .collect::<Result<_, _>>()?;
+        check_room(&planes)?;
+        let mut bodies = bodies;
+        for (number, body) in bodies.iter_mut().enumerate() {
+            check_places(&config, number, body)?;
+            if config.geometry == Geometry::Axisymmetric {
+                let Particles { position, mass, reference_volume, .. } = &mut body.particles;
+                for ((x, mass), volume) in position.iter().zip(mass).zip(reference_volume) {
+                    *mass = *mass * x[0].value();
+                    *volume *= x[0].value();
+                }
+            }
+        }
+        let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
+        let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);
+        let grid = Grid::new(config.cell, config.origin, planes);
+        let mut simulation = Self {
+            config,
+            bodies,
+            grid,
+            time: 0.0,
+            n_steps: 0,
+            smallest_mass,
+            supplied: 0.0,
+            failed: None,
+        };
+        let Ledger { kinetic, internal, .. } = simulation.ledger();
+        simulation.supplied = kinetic + internal;
+        Ok(simulation)
+    }
+
+    /// Time of the state.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Steps taken.
+    #[must_use]
+    pub fn n_steps(&self) -> u64 {
+        self.n_steps
+    }
+
+    /// The bodies.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body<S, D>] {
+        &self.bodies
+    }
+
+    /// What it was made with.
+    #[must_use]
+    pub fn config(&self) -> &Config<D> {
+        &self.config
+    }
+
+    /// The longest step that the Courant number allows in the present state (time).
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        self.limit().dt
+    }
+
+    /// One step of the length that the Courant number allows.
+    ///
+    /// # Errors
+    /// See [`Self::step_of`].
+    pub fn step(&mut self) -> Result<StepReport, Error> {
+        self.step_of(self.limit().dt)
+    }
+
+    /// Steps until `time`; the last one is cut so that it lands there.
+    ///
+    /// # Errors
+    /// See [`Self::step_of`].
+    pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        while self.time < time {
+            let (limit, rest) = (self.limit().dt, time - self.time);
+            // No sliver: the last two steps are equal.
+            let dt = if rest <= limit {
+                rest
+            } else if rest < 2.0 * limit {
+                0.5 * rest
+            } else {
+                limit
+            };
+            let _ = self.step_of(dt)?;
+            if rest <= limit {
+                self.time = time;
+            }
+        }
+        Ok(())
+    }
+
+    /// One step of a given length.
+    ///
+    /// # Errors
+    /// [`Error::Courant`] where a wave or a particle would cross a cell, [`Error::Material`] where a material leaves its
+    /// range or a volume turns over, [`Error::EnergyGrew`], [`Error::GridTooLarge`], [`Error::WorkLimit`]. After an error
+    /// the state is not that of any time: every further step returns the same error.
+    pub fn step_of(&mut self, dt: f64) -> Result<StepReport, Error> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        let outcome = self.try_step(dt);
+        if let Err(error) = &outcome {
+            self.failed = Some(error.clone());
+        }
+        outcome
+    }
+
+    fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
+        let step = self.n_steps + 1;
+        if self.n_steps >= self.config.most_steps {
+            let (time, limit) = (self.time, self.config.most_steps);
+            return Err(Error::WorkLimit { time, target: self.time + dt, limit });
+        }
+        let Limit { dt: allowed, body, particle } = self.limit();
+        // The limit at the Courant number 1.
+        let limit = allowed / self.config.courant_number;
+        if !(dt > 0.0 && dt <= limit) {
+            return Err(Error::Courant { step, time: self.time, dt, limit, body, particle });
+        }
+        self.allocate()?;
+        let order = self.config.update_order;
+        if order == UpdateOrder::StressFirst {
+            self.give(Given::Motion);
+            self.grid.solve(0.0, self.smallest_mass);
+            self.take_gradient();
+            self.update_materials(dt)?;
+        }
+        self.give(Given::MotionAndForce);
+        self.grid.solve(dt, self.smallest_mass);
+        self.take_motion(dt);
+        match order {
+            UpdateOrder::StressFirst => {}
+            UpdateOrder::StressLast => {
+                self.take_gradient();
+                self.update_materials(dt)?;
+            }
+            UpdateOrder::ModifiedStressLast => {
+                self.give(Given::Motion);
+                self.grid.solve(0.0, self.smallest_mass);
+                self.take_gradient();
+                self.update_materials(dt)?;
+            }
+        }
+        self.move_particles(dt)?;
+        self.n_steps = step;
+        self.time += dt;
+        self.check_energy(dt)?;
+        Ok(StepReport { step, time: self.time, dt, n_tiles: self.grid.n_tiles() })
+    }
+
+    fn allocate(&mut self) -> Result<(), Error> {
+        let places = Places { origin: self.grid.origin, cell: self.grid.cell };
+        for body in &mut self.bodies {
+            match self.config.shape {
+                Shape::Linear => places.bases::<crate::shape::Linear, S>(body),
+                Shape::Gimp => places.bases::<crate::shape::Gimp, S>(body),
+                Shape::QuadraticBSpline => places.bases::<crate::shape::QuadraticBSpline, S>(body),
+                Shape::CubicBSpline => places.bases::<crate::shape::CubicBSpline, S>(body),
+            }
+        }
+        self.grid.allocate(
+            self.bodies.iter_mut().map(|Body { bases, binning, .. }| (bases.as_slice(), binning)),
+        )
+    }
+
+    fn give(&mut self, given: Given) {
+        let Self { config, bodies, grid, .. } = self;
+        with_shape!(config.shape, give::<S, D>(grid, bodies, config, given));
+    }
+
+    fn take_motion(&mut self, dt: f64) {
+        let Self { config, bodies, grid, .. } = self;
+        with_shape!(config.shape, take_motion::<S, D>(grid, bodies, config, dt));
+    }
+
+    fn take_gradient(&mut self) {
+        let Self { config, bodies, grid, .. } = self;
+        with_shape!(config.shape, take_gradient::<S, D>(grid, bodies, config));
+    }
+
+    fn update_materials(&mut self, dt: f64) -> Result<(), Error> {
+        let (step, time) = (self.n_steps + 1, self.time + dt);
+        for (number, body) in self.bodies.iter_mut().enumerate() {
+            let motion = Motion {
+                velocity_gradient: &body.particles.velocity_gradient,
+                dt,
+                time,
+                cell: self.config.cell,
+                viscosity: self.config.viscosity,
+            };
+            body.constitution.advance(&motion).map_err(|(particle, fault)| Error::Material {
+                step,
+                time,
+                body: number,
+                particle,
+                fault,
+            })?;
+        }
+        Ok(())
+    }
+
+    /// `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain (Chen et al. 2019, eq 8).
+    fn move_particles(&mut self, dt: f64) -> Result<(), Error> {
+        let (step, time) = (self.n_steps + 1, self.time + dt);
+        let sized = self.config.shape == Shape::Gimp;
+        for (number, body) in self.bodies.iter_mut().enumerate() {
+            let Particles { position, displacement, half_length, velocity_gradient, .. } =
+                &mut body.particles;
+            for (particle, (x, by)) in position.iter_mut().zip(displacement).enumerate() {
+                let fault = |quantity, value, must| {
+                    let fault = Fault { quantity, value, must };
+                    Error::Material { step, time, body: number, particle, fault }
+                };
+                for k in 0..D {
+                    x[k] = x[k] + by[k];
+                    if !x[k].value().is_finite() {
+                        return Err(fault("position", x[k].value(), "finite"));
+                    }
+                }
+                if self.config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
+                    return Err(fault("radius", x[0].value(), "above 0"));
+                }
+                if sized {
+                    for k in 0..D {
+                        let length = &mut half_length[particle][k];
+                        *length = *length + *length * velocity_gradient[particle][k][k] * dt;
+                        let cells = length.value() / self.config.cell;
+                        if !(cells > 0.0 && cells <= 1.0) {
+                            let must =
+                                "above 0 and at most 1: the grid is too fine for the stretch";
+                            return Err(fault("half length in cells", cells, must));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The longest step by the Courant number, and the lowest particle that asks for it.
+    fn limit(&self) -> Limit {
+        let (cell, viscosity) = (self.config.cell, self.config.viscosity);
+        let mut limit = Limit { dt: f64::INFINITY, body: 0, particle: 0 };
+        for (number, body) in self.bodies.iter().enumerate() {
+            let Particles { velocity, velocity_gradient, .. } = &body.particles;
+            for (particle, condition) in body.constitution.conditions().iter().enumerate() {
+                let speed: f64 =
+                    velocity[particle].iter().map(|v| v.value().powi(2)).sum::<f64>().sqrt();
+                let l = &velocity_gradient[particle];
+                let trace = l[0][0].value() + l[1][1].value() + l[2][2].value();
+                let c = condition.wave_speed.value();
+                let q = if trace < 0.0 {
+                    viscosity.linear * c - viscosity.quadratic * cell * trace
+                } else {
+                    0.0
+                };
+                let dt = self.config.courant_number * cell / (speed + q + q.hypot(c));
+                if dt < limit.dt {
+                    limit = Limit { dt, body: number, particle };
+                }
+            }
+        }
+        limit
+    }
+
+    /// Mass, momentum and energy of one body.
+    fn ledger_of(body: &Body<S, D>) -> Ledger<D> {
+        let mut ledger = Ledger { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 };
+        let Particles { velocity, mass, reference_volume, .. } = &body.particles;
+        for p in 0..body.n_particles() {
+            let m = mass[p].value();
+            ledger.mass += m;
+            for k in 0..D {
+                let v = velocity[p][k].value();
+                ledger.momentum[k] += m * v;
+                ledger.kinetic += 0.5 * m * v * v;
+            }
+            ledger.internal += body.observe(p).energy.value() * reference_volume[p];
+        }
+        ledger
+    }
+
+    /// Mass, momentum and energy of each body.
+    #[must_use]
+    pub fn ledgers(&self) -> Vec<Ledger<D>> {
+        self.bodies.iter().map(Self::ledger_of).collect()
+    }
+
+    /// Mass, momentum and energy of all bodies.
+    pub fn ledger(&self) -> Ledger<D> {
+        let none = Ledger { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 };
+        self.ledgers().into_iter().fold(none, |sum, one| Ledger {
+            mass: sum.mass + one.mass,
+            momentum: std::array::from_fn(|k| sum.momentum[k] + one.momentum[k]),
+            kinetic: sum.kinetic + one.kinetic,
+            internal: sum.internal + one.internal,
+        })
+    }
+
+    fn check_energy(&mut self, dt: f64) -> Result<(), Error> {
+        let Ledger { momentum, kinetic, internal, .. } = self.ledger();
+        let power: f64 = (0..D).map(|k| momentum[k] * self.config.gravity[k]).sum();
+        self.supplied += (power * dt).max(0.0);
+        let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
+        let limit = factor * self.supplied.abs();
+        if (value.is_nan() || value > limit) && self.supplied != 0.0 {
+            let (step, time) = (self.n_steps, self.time);
+            return Err(Error::EnergyGrew { step, time, value, limit, factor });
+        }
+        Ok(())
+    }
+}
+
+/// Mirrors that face each other must not see each other's images.
+fn check_room(planes: &[Plane]) -> Result<(), Error> {
+    let limit = i32::try_from(MOST_NODES).unwrap_or(i32::MAX);
+    for above in planes.iter().filter(|plane| plane.side == Side::Above) {
+        for below in planes.iter().filter(|plane| plane.side == Side::Below) {
+            let cells = below.node - above.node;
+            if above.axis == below.axis && cells < limit {
+                return Err(Error::BoundariesTooClose { axis: above.axis, cells, limit });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_places<S: Number, const D: usize>(
+    config: &Config<D>,
+    body: usize,
+    of: &Body<S, D>,
+) -> Result<(), Error> {
+    for (particle, place) in of.positions().iter().enumerate() {
+        for boundary in &config.boundaries {
+            let (axis, limit) = (boundary.axis, boundary.position);
+            let value = place[axis].value();
+            let inside = match boundary.side {
+                Side::Above => value > limit,
+                Side::Below => value < limit,
+            };
+            if !inside {
+                return Err(Error::BeyondBoundary { body, particle, axis, value, limit });
+            }
+        }
+        if config.geometry == Geometry::Axisymmetric && place[0].value() <= 0.0 {
+            let (axis, value) = (0, place[0].value());
+            return Err(Error::BeyondBoundary { body, particle, axis, value, limit: 0.0 });
+        }
+    }
+    Ok(())
+}

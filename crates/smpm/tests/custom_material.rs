@@ -1,0 +1,140 @@
+//! An equation of state, a strength and a whole material as a user would write them.
+
+#![allow(clippy::unwrap_used, reason = "a test ends by it")]
+
+use perturbation_moments::{Jet, Scalar};
+use smpm::Fault;
+use smpm::material::{EquationOfState, Line, Material, Now, Observed, Solid, Start, Strength};
+use smpm::tensor::Symmetric;
+
+/// Murnaghan 1944: `p = K/n (J^-n - 1)`.
+#[derive(Debug)]
+struct Murnaghan<S> {
+    density: S,
+    bulk_modulus: S,
+    exponent: f64,
+}
+
+impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Murnaghan<S> {
+    type State = ();
+
+    fn density(&self) -> S {
+        self.density
+    }
+
+    fn start(&self, _position: [f64; 3]) -> Start<S, ()> {
+        Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
+    }
+
+    fn line(&self, volume: S) -> Line<S> {
+        let stiffness = self.bulk_modulus * (1.0 / self.exponent);
+        Line { a: stiffness * (volume.powf(-self.exponent) - 1.0), b: S::constant(0.0) }
+    }
+
+    fn slope(&self, volume: S) -> Line<S> {
+        let a = self.bulk_modulus * volume.powf(-self.exponent - 1.0) * -1.0;
+        Line { a, b: S::constant(0.0) }
+    }
+}
+
+/// `S = 2 eta dev D`.
+#[derive(Debug)]
+struct Newtonian<S> {
+    viscosity: S,
+}
+
+impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for Newtonian<S> {
+    type State = Symmetric<S>;
+
+    fn start(&self) -> Symmetric<S> {
+        Symmetric::zero()
+    }
+
+    fn update(&self, now: &Now<S>, state: &mut Symmetric<S>) -> Result<S, Fault> {
+        let rate = Symmetric::part_of(&now.velocity_gradient).deviator();
+        *state = rate.scaled(self.viscosity * 2.0);
+        Ok(state.contract(&rate) * now.volume * now.dt)
+    }
+
+    fn deviator(&self, state: &Symmetric<S>) -> Symmetric<S> {
+        *state
+    }
+
+    fn shear_modulus(&self, _state: &Symmetric<S>) -> S {
+        S::constant(0.0)
+    }
+
+    fn observe(&self, _state: &Symmetric<S>) -> Observed<S> {
+        Observed::of_energy(S::constant(0.0))
+    }
+}
+
+/// A material that bears nothing.
+#[derive(Debug)]
+struct Dust;
+
+impl<S: Scalar> Material<S> for Dust {
+    type State = ();
+
+    fn density(&self) -> S {
+        S::constant(1.0)
+    }
+
+    fn start(&self, _position: [f64; 3]) {}
+
+    fn update(&self, _now: &Now<S>, _state: &mut ()) -> Result<Symmetric<S>, Fault> {
+        Ok(Symmetric::zero())
+    }
+
+    fn wave_speed(&self, _volume: S, _state: &()) -> S {
+        S::constant(0.0)
+    }
+
+    fn observe(&self, _state: &()) -> Observed<S> {
+        Observed::of_energy(S::constant(0.0))
+    }
+}
+
+/// A squeeze along x to `J = 0.9`.
+fn squeezed<S: Scalar>() -> Now<S> {
+    let c = S::constant;
+    let zero = c(0.0);
+    Now {
+        velocity_gradient: [[c(-0.1), zero, zero], [zero; 3], [zero; 3]],
+        dt: 1.0,
+        time: 1.0,
+        volume_before: c(1.0),
+        volume: c(0.9),
+        viscosity: zero,
+        cell: 1.0,
+    }
+}
+
+#[test]
+fn own_pressure_and_strength_make_a_material() {
+    let oil = Solid {
+        equation: Murnaghan {
+            density: Jet::constant(0.9),
+            bulk_modulus: Jet::variable(3.0, 0),
+            exponent: 4.0,
+        },
+        strength: Newtonian { viscosity: Jet::variable(0.2, 1) },
+    };
+    let mut state = oil.start([0.0; 3]);
+    let stress = oil.update(&squeezed(), &mut state).unwrap().0[0];
+    let pressure = 3.0 / 4.0 * (0.9_f64.powi(-4) - 1.0);
+    // dev D_xx = -0.1 * 2/3.
+    let viscous = -0.4 * 0.2 / 3.0;
+    assert!((stress.value - (viscous - pressure)).abs() < 1e-14);
+    assert!((stress.first[0] + pressure / 3.0).abs() < 1e-14);
+    assert!((stress.first[1] - viscous / 0.2).abs() < 1e-14);
+    // rho c^2 = K J^-n, by the bulk modulus that the trait derives.
+    let speed = oil.wave_speed(Jet::constant(0.9), &state);
+    assert!((speed.value - (3.0 * 0.9_f64.powi(-4) / (0.9 / 0.9)).sqrt()).abs() < 1e-14);
+}
+
+#[test]
+fn a_whole_material_is_five_methods() {
+    let stress: Symmetric<f64> = Dust.update(&squeezed(), &mut ()).unwrap();
+    assert_eq!(stress, Symmetric::zero());
+}

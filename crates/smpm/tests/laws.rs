@@ -1,0 +1,304 @@
+//! What every run must keep, whatever the material: mass, momentum, symmetry, bits, derivatives; and what is refused.
+
+#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
+
+use perturbation_moments::Jet;
+use smpm::material::{Material, Now, Observed};
+use smpm::tensor::Symmetric;
+use smpm::{
+    Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fault, Fill, Geometry, Number,
+    Shape, Side, Simulation, Transfer, UpdateOrder,
+};
+
+/// Hooke's law in the rate of deformation, with the stress turned with the spin.
+#[derive(Debug, Clone, Copy)]
+struct Hooke<S> {
+    density: f64,
+    bulk: S,
+    shear: S,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Remembered<S> {
+    stress: Symmetric<S>,
+    energy: S,
+}
+
+impl<S: Number> Material<S> for Hooke<S> {
+    type State = Remembered<S>;
+
+    fn density(&self) -> S {
+        S::constant(self.density)
+    }
+
+    fn start(&self, _: [f64; 3]) -> Remembered<S> {
+        Remembered { stress: Symmetric::zero(), energy: S::constant(0.0) }
+    }
+
+    fn update(&self, now: &Now<S>, state: &mut Remembered<S>) -> Result<Symmetric<S>, Fault> {
+        let rate = Symmetric::part_of(&now.velocity_gradient);
+        let before = state.stress.turned(&now.velocity_gradient, now.dt);
+        let pressure = self.bulk * rate.trace() * now.dt;
+        let after = before
+            + rate.deviator().scaled(self.shear * (2.0 * now.dt))
+            + Symmetric::isotropic(pressure);
+        let mean = (before + after).times(0.5) - Symmetric::isotropic(now.viscosity);
+        state.energy = state.energy + mean.contract(&rate) * now.volume * now.dt;
+        state.stress = after;
+        Ok(after)
+    }
+
+    fn wave_speed(&self, volume: S, _: &Remembered<S>) -> S {
+        ((self.bulk + self.shear * (4.0 / 3.0)) * volume / self.density).sqrt()
+    }
+
+    fn observe(&self, state: &Remembered<S>) -> Observed<S> {
+        Observed::of_energy(state.energy)
+    }
+}
+
+/// `E = 100, nu = 0, rho = 1`: waves at 10.
+fn rod<S: Number>(scale: S) -> Hooke<S> {
+    Hooke { density: 1.0, bulk: scale * (100.0 / 3.0), shear: scale * 50.0 }
+}
+
+const NO_VISCOSITY: BulkViscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
+
+fn clamped(axis: usize, position: f64, side: Side) -> Boundary {
+    Boundary { axis, position, side, kind: BoundaryKind::Clamped }
+}
+
+/// A bar between clamped ends in its first mode, `v = v_0 sin(pi x / L)`, after half a period.
+fn bar(shape: Shape, n_cells: u32) -> Simulation<f64, 1> {
+    let cell = 1.0 / f64::from(n_cells);
+    let fill = Fill::of([0.5 * cell], ([0.0], [1.0]), |_| true);
+    let mut body = Body::new(rod(1.0), &fill, [0.0]).unwrap();
+    body.set_velocities(|x| [1e-4 * (std::f64::consts::PI * x[0]).sin()]).unwrap();
+    let config = Config {
+        shape,
+        viscosity: NO_VISCOSITY,
+        boundaries: vec![clamped(0, 0.0, Side::Above), clamped(0, 1.0, Side::Below)],
+        ..Config::with_cell(cell)
+    };
+    let mut simulation = Simulation::new(config, vec![body]).unwrap();
+    simulation.advance_to(0.1).unwrap();
+    simulation
+}
+
+#[test]
+fn a_clamped_bar_comes_back_with_the_opposite_velocity_at_second_order() {
+    for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+        let error = |n_cells: u32| {
+            let simulation = bar(shape, n_cells);
+            let body = &simulation.bodies()[0];
+            let worst = |(x, v): (&[f64; 1], &[f64; 1])| {
+                (v[0] / 1e-4 + (std::f64::consts::PI * x[0]).sin()).abs()
+            };
+            body.positions().iter().zip(body.velocities()).map(worst).fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (error(20), error(40));
+        // What particles of a cell do against each other, which its nodes do not see, is of first order with the hat.
+        let (most, falls) = if shape == Shape::Linear { (0.05, 0.55) } else { (0.02, 0.35) };
+        assert!(fine < most && fine < falls * coarse, "{shape:?}: {coarse} then {fine}");
+    }
+}
+
+/// Two blocks that meet, in two dimensions.
+fn blocks<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
+    let block = |low: [f64; 2], high: [f64; 2], velocity: [f64; 2]| {
+        Body::new(rod(scale), &Fill::of([0.05, 0.05], (low, high), |_| true), velocity).unwrap()
+    };
+    let bodies = vec![
+        block([0.0, -0.5], [1.0, 0.5], [0.2, 0.01]),
+        block([1.0, -0.5], [1.5, 0.5], [-0.1, 0.0]),
+    ];
+    let mut config = Config { viscosity: NO_VISCOSITY, ..Config::with_cell(0.1) };
+    change(&mut config);
+    Simulation::new(config, bodies).unwrap()
+}
+
+#[test]
+fn mass_and_momentum_are_kept_by_every_shape_order_and_transfer() {
+    let orders =
+        [UpdateOrder::StressFirst, UpdateOrder::StressLast, UpdateOrder::ModifiedStressLast];
+    let transfers = [
+        Transfer::Apic,
+        Transfer::Flip { damping_time: 0.1 },
+        Transfer::Flip { damping_time: f64::INFINITY },
+    ];
+    for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+        for order in orders {
+            for transfer in transfers {
+                let mut simulation = blocks(1.0, |config| {
+                    (config.shape, config.update_order, config.transfer) = (shape, order, transfer);
+                });
+                let before = simulation.ledger();
+                for _ in 0..30 {
+                    let _ = simulation.step().unwrap();
+                }
+                let after = simulation.ledger();
+                let what = format!("{shape:?} {order:?} {transfer:?}");
+                assert!((after.mass - before.mass).abs() < 1e-14, "{what}");
+                for k in 0..2 {
+                    // Roundoff of 600 particles and their nodes over 30 steps.
+                    let change = after.momentum[k] - before.momentum[k];
+                    assert!(change.abs() < 1e-12, "{what}: {change}");
+                }
+                let growth = (after.kinetic + after.internal) / before.kinetic;
+                // With the stress first the impact is seen a step early: it gains.
+                let most = if order == UpdateOrder::StressFirst { 1.1 } else { 1.01 };
+                assert!(growth < most, "{what}: {growth}");
+            }
+        }
+    }
+}
+
+#[test]
+fn half_a_body_at_a_plane_of_symmetry_moves_as_the_whole_does() {
+    let block = |low: f64| {
+        let fill = Fill::of([0.05, 0.05], ([0.0, low], [1.0, 0.5]), |_| true);
+        let mut body = Body::new(rod(1.0), &fill, [0.0; 2]).unwrap();
+        body.set_velocities(|x| [0.1 * x[1] * x[1], -0.3 * x[1]]).unwrap();
+        body
+    };
+    for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+        let config = Config { shape, viscosity: NO_VISCOSITY, ..Config::with_cell(0.1) };
+        let mut whole = Simulation::new(config.clone(), vec![block(-0.5)]).unwrap();
+        let symmetry =
+            Boundary { axis: 1, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
+        let config = Config { boundaries: vec![symmetry], ..config };
+        let mut half = Simulation::new(config, vec![block(0.0)]).unwrap();
+        for _ in 0..40 {
+            let dt = whole.longest_step();
+            let _ = whole.step_of(dt).unwrap();
+            let _ = half.step_of(dt).unwrap();
+        }
+        let (whole, half) = (&whole.bodies()[0], &half.bodies()[0]);
+        let upper = whole.positions().iter().zip(whole.velocities()).filter(|(x, _)| x[1] > 0.0);
+        let mut compared = 0;
+        for ((x, v), (y, w)) in upper.zip(half.positions().iter().zip(half.velocities())) {
+            for k in 0..2 {
+                assert!((x[k] - y[k]).abs() < 1e-11, "{shape:?}: {x:?} {y:?}");
+                assert!((v[k] - w[k]).abs() < 1e-10, "{shape:?}: {v:?} {w:?}");
+            }
+            compared += 1;
+        }
+        assert_eq!(compared, 200);
+    }
+}
+
+#[test]
+fn a_jet_carries_the_derivatives_of_the_whole_run_along_the_same_values() {
+    let probe = |scale: f64| {
+        let mut simulation = blocks(scale, |_| {});
+        // The steps of the mean run.
+        let mut mean = blocks(1.0, |_| {});
+        for _ in 0..25 {
+            let dt = mean.longest_step();
+            let _ = (mean.step_of(dt).unwrap(), simulation.step_of(dt).unwrap());
+        }
+        let body = &simulation.bodies()[0];
+        (body.velocities()[199][0], body.pressure(190))
+    };
+    let mut jets = blocks(Jet::variable(1.0, 0), |_| {});
+    for _ in 0..25 {
+        let _ = jets.step().unwrap();
+    }
+    let (velocity, pressure) =
+        (jets.bodies()[0].velocities()[199][0], jets.bodies()[0].pressure(190));
+    assert_eq!((velocity.value, pressure.value), probe(1.0), "the same bits as with f64");
+    let delta = 1e-4;
+    let (above, here, below) = (probe(1.0 + delta), probe(1.0), probe(1.0 - delta));
+    let near = |jet: Jet, [above, here, below]: [f64; 3]| {
+        let first = (above - below) / (2.0 * delta);
+        let second = (above - 2.0 * here + below) / (delta * delta);
+        assert!((jet.first[0] - first).abs() < 1e-6 * first.abs(), "{} {first}", jet.first[0]);
+        assert!((jet.second[0] - second).abs() < 1e-3 * second.abs(), "{} {second}", jet.second[0]);
+    };
+    near(velocity, [above.0, here.0, below.0]);
+    near(pressure, [above.1, here.1, below.1]);
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = blocks(1.0, |config| config.transfer = Transfer::Apic);
+            for _ in 0..20 {
+                let _ = simulation.step().unwrap();
+            }
+            let body = &simulation.bodies()[1];
+            (body.positions().to_vec(), body.velocities().to_vec())
+        })
+    };
+    let one = run(1);
+    assert!(run(2) == one && run(8) == one);
+}
+
+#[test]
+fn an_axisymmetric_ring_that_expands_has_its_hoop_strain() {
+    // A thin disk, clamped along its axis, every radius growing at the same rate: J = (1 + rate t)^2 for a while.
+    let fill = Fill::of([0.05, 0.05], ([1.0, 0.0], [1.5, 0.5]), |_| true);
+    let mut body = Body::new(rod(1.0), &fill, [0.0; 2]).unwrap();
+    body.set_velocities(|x| [0.1 * x[0], 0.0]).unwrap();
+    let config = Config {
+        geometry: Geometry::Axisymmetric,
+        viscosity: NO_VISCOSITY,
+        ..Config::with_cell(0.1)
+    };
+    let mut simulation = Simulation::new(config, vec![body]).unwrap();
+    let mass = simulation.ledger().mass;
+    // Per radian: the area times the mean radius.
+    assert!((mass - 0.25 * 1.25).abs() < 1e-12, "{mass}");
+    let t = 1e-3;
+    simulation.advance_to(t).unwrap();
+    let centre = 10 * 5 + 5;
+    let ratio = simulation.bodies()[0].volume_ratio(centre);
+    // Its stress has changed the rate by less than 1 % in this time.
+    assert!((ratio - (1.0 + 0.1 * t).powi(2)).abs() < 0.01 * 0.2 * t, "{ratio}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_value() {
+    let fill = Fill::of([0.05], ([0.0], [1.0]), |_| true);
+    let body = || Body::new(rod(1.0), &fill, [0.0]).unwrap();
+    let refused = |change: fn(&mut Config<1>)| {
+        let mut config = Config::with_cell(0.1);
+        change(&mut config);
+        Simulation::new(config, vec![body()]).unwrap_err().to_string()
+    };
+    assert_eq!(refused(|c| c.cell = -0.1), "cell is -0.1; it must be greater than 0");
+    assert_eq!(
+        refused(|c| c.courant_number = 2.0),
+        format!("courant_number is 2; it must be from {} to 1", f64::MIN_POSITIVE)
+    );
+    assert_eq!(
+        refused(|c| c.boundaries = vec![clamped(0, 0.05, Side::Below)]),
+        "a boundary normal to axis 0 is at 0.05; it must be a whole number of cells of 0.1 from the origin"
+    );
+    assert_eq!(
+        refused(|c| c.boundaries = vec![clamped(0, 0.5, Side::Above)]),
+        "body 0, particle 0: component 0 of its position is 0.025; it must be on the bodies' side of 0.5"
+    );
+    assert_eq!(
+        refused(|c| c.boundaries = vec![clamped(0, 0.0, Side::Above), clamped(0, 0.2, Side::Below)]),
+        "boundaries normal to axis 0 are 2 cells apart; they must be at least 4"
+    );
+    assert!(matches!(
+        Simulation::<f64, 1>::new(Config::with_cell(0.1), vec![]),
+        Err(Error::NoBody)
+    ));
+    let empty = Fill { positions: vec![], spacing: [0.1] };
+    assert!(matches!(Body::new(rod(1.0), &empty, [0.0]), Err(Error::EmptyBody { .. })));
+    let nan = Fill { positions: vec![[f64::NAN]], spacing: [0.1] };
+    assert!(matches!(Body::new(rod(1.0), &nan, [0.0]), Err(Error::NotFinite { .. })));
+}
+
+#[test]
+fn a_step_beyond_the_courant_limit_is_refused_and_the_run_stays_ended() {
+    let mut simulation = blocks(1.0, |_| {});
+    let error = simulation.step_of(1.0).unwrap_err();
+    assert!(matches!(error, Error::Courant { step: 1, dt: 1.0, .. }), "{error}");
+    assert_eq!(simulation.step().unwrap_err(), error);
+}

@@ -168,14 +168,20 @@ impl<const D: usize> CellIntegral<D> {
         for (i, (cell, beyond)) in cells.iter_mut().zip(beyond).enumerate() {
             let Some(particle_mass) = masses.map(|masses| masses[i]) else {
                 cell.go_on(beyond);
+                if !cell.integral().is_finite() {
+                    // Masses so uneven that their fit overflows: the cell holds its own, evenly.
+                    (cell.map.slope, cell.map.bend) = ([0.0; D], [[0.0; D]; D]);
+                    cell.beyond.clear();
+                }
                 cell.mass = cell.integral();
                 continue;
             };
             let ratio = cell.integral() / particle_mass;
             if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
                 cell.go_on(beyond);
-                // As much beyond as within: the fit is level rather than falling.
-                if cell.integral() > 2.0 * ratio * particle_mass {
+                // As much beyond as within, or no number: the fit is level rather than falling.
+                let with_beyond = cell.integral();
+                if with_beyond.is_nan() || with_beyond > 2.0 * ratio * particle_mass {
                     cell.beyond.clear();
                 }
             } else {
@@ -491,7 +497,19 @@ fn fraction_above<const D: usize>(
     // The density is exp(tilt s) for s from -1/2 to 1/2, and the demand exceeds where s > -centre/width.
     let tilt = (0..D).map(|k| slope[k] * across[k]).sum::<f64>() / width;
     let above = 0.5 + centre / width;
-    if tilt.abs() < 1e-6 { above } else { (-tilt * above).exp_m1() / (-tilt).exp_m1() }
+    exponential_share(tilt, above)
+}
+
+/// The share of the mass of `exp(tilt s)`, `s` from 0 to 1, that lies in the last part of length `above`.
+fn exponential_share(tilt: f64, above: f64) -> f64 {
+    if tilt.abs() < 1e-6 {
+        above
+    } else if tilt > 0.0 {
+        (-tilt * above).exp_m1() / (-tilt).exp_m1()
+    } else {
+        // The same with a power that does not overflow.
+        (tilt * (1.0 - above)).exp() * (tilt * above).exp_m1() / tilt.exp_m1()
+    }
 }
 
 /// How much the demand varies across a part, were it linear there.
@@ -525,5 +543,25 @@ fn spread(mass: f64, from: f64, to: f64, edges: &[f64], masses: &mut [f64]) {
         }
         let overlap = (to.min(high) - from.max(low)).max(0.0);
         masses[bin] += mass * overlap / (to - from);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_of_an_exponential_is_right_on_both_sides_and_does_not_overflow() {
+        for above in [0.1, 0.5, 0.9] {
+            for tilt in [1e-7, 0.3, 4.0, 30.0] {
+                let share = exponential_share(tilt, above);
+                let rest = exponential_share(-tilt, 1.0 - above);
+                // What lies above with one tilt lies below with the other.
+                assert!((share + rest - 1.0).abs() < 1e-12, "{tilt} {above}: {share} {rest}");
+            }
+            assert!((exponential_share(1e4, above) - 1.0).abs() < 1e-12);
+            let far = exponential_share(-1e4, above);
+            assert!((0.0..1e-12).contains(&far), "{far}");
+        }
     }
 }

@@ -1,14 +1,19 @@
-//! First passage: the absorbing boundary, and the bound by the rate of crossing.
+//! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound};
 use fpk_sph::score::{Degree, VolumeEstimate};
+use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
 use fpk_sph::{Error, Simulation};
-use sde_integrators::{GaussianMixture, Sde};
+use sde_integrators::{
+    Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
+    maxima, simulate,
+};
 
 use super::lines::Lines;
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::Criterion;
+use crate::claim::{Criterion, Reference};
+use crate::fpk::linear_moments::linear_moments;
 use crate::fpk::problem::{Problem, bouc_wen};
 use crate::fpk::reference::ReferenceTable;
 use crate::fpk::scene::System;
@@ -25,6 +30,14 @@ pub(crate) const DAMPER: Case = Case {
     run: damper,
 };
 
+pub(crate) const CROSSINGS: Case = Case {
+    id: "fpk-sph/first-passage/crossings",
+    title: "Expected number of crossings of a building with a viscous damper, against Monte Carlo",
+    source: SOURCE,
+    cost: Profile::Default,
+    run: crossings,
+};
+
 pub(crate) const BOUC_WEN: Case = Case {
     id: "fpk-sph/first-passage/bouc-wen",
     title: "First passage of a building that yields, from the run of its density",
@@ -33,12 +46,21 @@ pub(crate) const BOUC_WEN: Case = Case {
     run: hysteresis,
 };
 
+pub(crate) const FRAGILITY: Case = Case {
+    id: "fpk-sph/first-passage/fragility",
+    title: "Fragility over the intensity, and its sensitivity, from the same deterministic run",
+    source: "paths of the same system by Strang's splitting",
+    cost: Profile::Quick,
+    run: fragility,
+};
+
 /// When all that will pass has passed: the noise of both scenes is weak or none.
 const END: f64 = 8.0;
 
 /// What a run to the end gives, in the order of the thresholds.
 struct Watched {
     absorbed: Vec<f64>,
+    crossings: Vec<f64>,
     bound: Vec<f64>,
     words: String,
 }
@@ -80,6 +102,7 @@ fn watch<S: Sde<D, M>, const D: usize, const M: usize>(
     }
     Ok(Watched {
         absorbed: passage.probabilities().to_vec(),
+        crossings: bounds.iter().map(OutcrossingBound::expected_crossings).collect(),
         bound: bounds.iter().map(OutcrossingBound::probability).collect(),
         words: format!(
             "{} particles, {} steps, {:.1} s CPU",
@@ -175,6 +198,65 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
+/// Half the width over which paths count as being at the threshold. The rate is even about it to second order.
+const HALF_WIDTH: f64 = 0.02;
+const BATCHES: u64 = 16;
+const PATHS_PER_BATCH: u64 = 25_000;
+
+/// `int nu dt` by paths: `E[max(d|q|/dt, 0)]` where `|q|` is near the threshold, over the width, at the same times; its
+/// standard error from batches, since one path counts at many times.
+fn crossings(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let system = damper_system(&problem)?;
+    let thresholds = [0.5, 0.75];
+    let config = flow_map(&problem, 1.0)?;
+    let watched = watch(system.clone(), &problem.law, &config, &thresholds, Some(INTERVAL))?;
+    context.progress("paths");
+    let times: Vec<f64> = (1..=80).map(|k| INTERVAL * f64::from(k)).collect();
+    let rates = thresholds.map(|threshold| {
+        move |_: f64, [q, v]: &[f64; 2]| {
+            let near = (q.abs() - threshold).abs() < HALF_WIDTH;
+            if near { (q.signum() * v).max(0.0) / (2.0 * HALF_WIDTH) } else { 0.0 }
+        }
+    });
+    let observables = rates.each_ref().map(|rate| Observable::Mean(rate));
+    let mut totals = Vec::new();
+    for seed in 0..BATCHES {
+        let config =
+            EnsembleConfig { seed, n_paths: PATHS_PER_BATCH, dt: 0.02, times: times.clone() };
+        let ensemble = simulate(&system, &StrangOscillator, &problem.law, &config, &observables)?;
+        let mut total = [0.0; 2];
+        for (n, estimates) in ensemble.estimates.iter().enumerate() {
+            // The trapezoidal rule; nothing crosses at t = 0, 3 and 5 deviations away with no noise yet.
+            let weight = if n + 1 == times.len() { 0.5 } else { 1.0 };
+            for (total, estimate) in total.iter_mut().zip(estimates) {
+                *total += weight * INTERVAL * estimate.value;
+            }
+        }
+        totals.push(total);
+    }
+    let method =
+        format!("flow-map fit, {}, against {} paths", watched.words, BATCHES * PATHS_PER_BATCH);
+    let lines = Lines { context, id: "flow-map-fit", method };
+    let mut claims = Vec::new();
+    for (k, threshold) in thresholds.into_iter().enumerate() {
+        let n = totals.len() as f64;
+        let mean = totals.iter().map(|total| total[k]).sum::<f64>() / n;
+        let variance =
+            totals.iter().map(|total| (total[k] - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let reference = Reference::uncertain(mean, (variance / n).sqrt());
+        let reason = "0.6 % of the variance in the tail, and a threshold between layers of particles; what the paths do not \
+                      know comes on top";
+        let criterion = Criterion::MonteCarlo { bias_bound: 0.05, reason };
+        let (name, _) = passage_words("crossings", threshold);
+        let quantity = format!("E[crossings of |q| = {threshold}]");
+        let what = (name.as_str(), quantity.as_str(), "");
+        let value = watched.crossings[k];
+        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+    }
+    Ok(claims)
+}
+
 fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (system, law, reference) = bouc_wen()?;
     let thresholds = [1.0, 1.5];
@@ -218,5 +300,73 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     // At T = 1.5 neither density has a bound worth a claim: too little tail here, and fits across the sheet that the limit
     // of z makes of the cloud give the other rates of crossing hundreds of times too high.
     claims.extend(bounded(&lines, (&watched, &thresholds[..1]), &reference, &[0.26])?);
+    Ok(claims)
+}
+
+/// The linear oscillator of section 4.1, its noise by a factor.
+fn shaken(intensity: f64) -> Result<LinearOscillator, Error> {
+    LinearOscillator::new(LinearOscillatorParameters {
+        natural_frequency: std::f64::consts::PI,
+        damping_ratio: 0.05,
+        noise_intensity: intensity,
+        window: Window::CANOR_DENOEL_2013,
+    })
+}
+
+const AT_REST: [f64; 2] = [0.05, 0.05];
+
+fn shaken_run(intensity: f64, count: usize) -> Result<(Vec<f64>, f64), CaseError> {
+    let law = GaussianMixture::independent([0.0; 2], AT_REST)?;
+    let system = shaken(intensity)?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::box_of(count),
+        reference_period: system.period(),
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let mut simulation = Simulation::new(system, &law, &config)?;
+    let mut passage = FirstPassage::new(&simulation, |x| x[0].abs(), &[0.6, 0.9])?;
+    passage.advance_to(&mut simulation, 6.0)?;
+    Ok((passage.probabilities().to_vec(), simulation.raw_moment([2, 0])))
+}
+
+/// Fragility at one intensity against paths, and the derivative of `E[q^2]` by the intensity, which is exact:
+/// the part of the variance that the noise brings is proportional to it.
+fn fragility(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let (intensity, step) = (0.15, 0.0075);
+    let law = GaussianMixture::independent([0.0; 2], AT_REST)?;
+    let (found, _) = shaken_run(intensity, 41)?;
+    let config = EnsembleConfig { seed: 21, n_paths: 100_000, dt: 0.02, times: vec![6.0] };
+    let between = Between::CubicHermite { velocity: 1 };
+    let response = Response { component: 0, side: Side::Magnitude, between };
+    let maxima = maxima(&shaken(intensity)?, &StrangOscillator, &law, &config, &response)?;
+    let method = "flow-map fit, 1,681 particles, S_0 = 0.15; against 100,000 paths".to_owned();
+    let lines = Lines { context, id: "linear-oscillator", method };
+    let mut claims = Vec::new();
+    for (threshold, value) in [0.6, 0.9].into_iter().zip(found) {
+        let paths = maxima[0].exceedance(threshold)?;
+        let error = paths.standard_error().unwrap_or(f64::NAN);
+        let reason =
+            "spacing of 0.3 deviations, as on the damper; what the paths do not know comes on top";
+        let criterion = Criterion::MonteCarlo { bias_bound: 0.06, reason };
+        let (name, quantity) = passage_words("fragility", threshold);
+        let what = (name.as_str(), quantity.as_str(), "");
+        let reference = Reference::uncertain(paths.value, error);
+        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+    }
+    let second_moment = |intensity: f64| Ok::<_, CaseError>(shaken_run(intensity, 31)?.1);
+    let derivative =
+        (second_moment(intensity + step)? - second_moment(intensity - step)?) / (2.0 * step);
+    // E[q^2](S_0) is linear in S_0: two other intensities give its slope without error of the difference.
+    let exact = |intensity: f64| -> Result<f64, CaseError> {
+        let laws = linear_moments(&shaken(intensity)?, &law, &[6.0], 1e-3)?;
+        Ok(laws[0].covariance[0][0])
+    };
+    let slope = (exact(0.3)? - exact(0.1)?) / 0.2;
+    let reason = "what a step of a fortieth of the period leaves, 1e-5 of E[q^2], over a difference of a tenth of it";
+    let criterion = Criterion::Within { tolerance: 1e-3, reason };
+    let what = ("sensitivity/second-moment-q", "d E[q^2] / d S_0", "s^3");
+    let reference = Reference::exact(slope);
+    claims.push(lines.judge(what, ErrorKind::Relative, derivative, reference, criterion));
     Ok(claims)
 }

@@ -1,5 +1,6 @@
-//! The viscous damper of Canor & Denoël 2013, section 4.1, on one thread: a whole run, a step of the paper's method, the
-//! density integrated over the cells.
+//! The viscous damper of Canor & Denoël 2013, section 4.1: a whole run, a step of each method, the density integrated over
+//! the cells. Their hysteretic building, section 4.2, three states: a step. One thread, and a step with two as well, whose
+//! times are CPU time of both together: what they spend beyond one thread is what threads cost.
 //!
 //! Work is printed once, as it is counted: it does not depend on the machine. The throughput is neighbour visits.
 
@@ -12,12 +13,16 @@ use std::time::Duration;
 
 use benches::CpuTime;
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
+use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::systems::{
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+    BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
+    Window,
 };
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation, Work};
+use fpk_sph::{
+    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation, Work,
+};
 use rayon::ThreadPool;
-use sde_integrators::GaussianMixture;
+use sde_integrators::{GaussianMixture, Sde};
 
 /// When the earthquake begins to fade.
 const END: f64 = 6.0;
@@ -25,7 +30,8 @@ const END: f64 = 6.0;
 type Damper = Simulation<ViscousDamper, 2, 1>;
 
 /// A method by its name, with its start.
-type Named = (&'static str, fn() -> Damper);
+type Start<S, const D: usize> = (&'static str, fn() -> Simulation<S, D, 1>);
+type Named = Start<ViscousDamper, 2>;
 
 fn simulation(method: Method, lattice: InitialLattice<2>) -> Damper {
     let structure = LinearOscillatorParameters {
@@ -65,7 +71,43 @@ fn paper() -> Damper {
     simulation(Method::CanorDenoel2013, lattice)
 }
 
-fn print_work(name: &str, simulation: &Damper, work: Work) {
+type Building = Simulation<BoucWen, 3, 1>;
+
+fn building(method: Method) -> Building {
+    let system = BoucWen::new(BoucWenParameters {
+        natural_frequency: PI,
+        damping_ratio: 0.05,
+        hardening: 0.5,
+        initial_slope: 1.0,
+        beta: 0.5,
+        gamma: 0.5,
+        exponent: 1.0,
+        noise_intensity: 1.0,
+        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
+    })
+    .unwrap();
+    let at_rest = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.5 };
+    let reference_period = system.period();
+    let config = Config { method, lattice, reference_period, most_steps: DEFAULT_MOST_STEPS };
+    Simulation::new(system, &at_rest, &config).unwrap()
+}
+
+fn building_fit() -> Building {
+    let estimator =
+        Estimator::LogDensityFit { volume: VolumeEstimate::KernelSum, degree: Degree::Quadratic };
+    building(Method::Custom(Combination { estimator, ..Method::LogDensityFit.combination() }))
+}
+
+fn building_flow_map() -> Building {
+    building(Method::FlowMapFit)
+}
+
+fn print_work<S: Sde<D, 1>, const D: usize>(
+    name: &str,
+    simulation: &Simulation<S, D, 1>,
+    work: Work,
+) {
     let n = simulation.n_particles();
     let Work { steps, evaluations, neighbour_visits } = work;
     println!(
@@ -88,40 +130,47 @@ fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
 }
 
 /// One step from `t = 1`, where the noise has begun and the lattice has turned.
-fn step(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
-    let mut group = criterion.benchmark_group("fpk/viscous damper, step from 1 s");
-    let paper: Named = ("CanorDenoel2013 50 x 33", paper);
-    for (name, start) in std::iter::once(paper).chain(OURS) {
-        let mut snapshot = Vec::new();
-        let mut simulation = pool.install(start);
-        pool.install(|| simulation.advance_to(1.0)).unwrap();
-        simulation.snapshot(&mut snapshot).unwrap();
-        let before = simulation.work();
-        let _report = pool.install(|| simulation.step()).unwrap();
-        let after = simulation.work();
-        let work = Work {
-            steps: after.steps - before.steps,
-            evaluations: after.evaluations - before.evaluations,
-            neighbour_visits: after.neighbour_visits - before.neighbour_visits,
-        };
-        print_work(&format!("{name}, step {} from t = 1", after.steps), &simulation, work);
-
-        group.throughput(Throughput::Elements(work.neighbour_visits));
-        let restored = || {
+fn step<S: Sde<D, 1> + Send, const D: usize>(
+    criterion: &mut Criterion<CpuTime>,
+    scene: &str,
+    methods: &[Start<S, D>],
+) {
+    let mut group = criterion.benchmark_group(format!("fpk/{scene}, step from 1 s"));
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for (method, start) in methods {
+            let name = format!("{method}, threads: {threads}");
+            let mut snapshot = Vec::new();
             let mut simulation = pool.install(start);
-            simulation.restore(&snapshot[..]).unwrap();
-            simulation
-        };
-        group.bench_function(name, |b| {
-            b.iter_batched(
-                restored,
-                |mut simulation| {
-                    let _report = pool.install(|| simulation.step()).unwrap();
-                    simulation
-                },
-                BatchSize::SmallInput,
-            );
-        });
+            pool.install(|| simulation.advance_to(1.0)).unwrap();
+            simulation.snapshot(&mut snapshot).unwrap();
+            let before = simulation.work();
+            let _report = pool.install(|| simulation.step()).unwrap();
+            let after = simulation.work();
+            let work = Work {
+                steps: after.steps - before.steps,
+                evaluations: after.evaluations - before.evaluations,
+                neighbour_visits: after.neighbour_visits - before.neighbour_visits,
+            };
+            print_work(&format!("{name}, step {} from t = 1", after.steps), &simulation, work);
+
+            group.throughput(Throughput::Elements(work.neighbour_visits));
+            let restored = || {
+                let mut simulation = pool.install(start);
+                simulation.restore(&snapshot[..]).unwrap();
+                simulation
+            };
+            group.bench_function(name, |b| {
+                b.iter_batched(
+                    restored,
+                    |mut simulation| {
+                        let _report = pool.install(|| simulation.step()).unwrap();
+                        simulation
+                    },
+                    BatchSize::SmallInput,
+                );
+            });
+        }
     }
     group.finish();
 }
@@ -144,7 +193,16 @@ fn main() {
     let mut criterion = benches::criterion();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     run(&mut criterion, &pool);
-    step(&mut criterion, &pool);
+    let paper: Named = ("CanorDenoel2013 50 x 33", paper);
+    step(&mut criterion, "viscous damper", &[paper, OURS[0], OURS[1]]);
+    step::<BoucWen, 3>(
+        &mut criterion,
+        "Bouc-Wen",
+        &[
+            ("LogDensityFit, spacing 0.5", building_fit),
+            ("FlowMapFit, spacing 0.5", building_flow_map),
+        ],
+    );
     observables(&mut criterion, &pool);
     criterion.final_summary();
 }

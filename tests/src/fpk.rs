@@ -5,6 +5,7 @@ pub mod density;
 mod discrete_gaussian;
 pub mod grid;
 mod grid_config;
+pub mod lattice_scene;
 pub mod linear_moments;
 pub mod linearisation;
 pub mod monte_carlo;

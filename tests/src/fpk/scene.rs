@@ -6,6 +6,7 @@ use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::density::Demand;
+use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
 use super::paths::Paths;
 use super::scene_system::{SceneSystem, Visitor};
 use super::system_scene::{SystemError, SystemScene, list, square};
@@ -140,20 +141,6 @@ pub enum MethodScene {
         /// Seed.
         seed: u64,
     },
-}
-
-/// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LatticeScene {
-    /// A box: particles along each axis.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub count: Option<Vec<usize>>,
-    /// A ball: the spacing.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub spacing: Option<f64>,
-    /// Half the edge of the box, or the radius of the ball.
-    pub reach: f64,
 }
 
 /// How a path is stepped.
@@ -365,8 +352,12 @@ impl FpkScene {
     #[must_use]
     pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
         let (method, lattice) = match &self.method {
-            MethodScene::LogDensityFit(lattice) => (Method::LogDensityFit, lattice.build(scale)?),
-            MethodScene::FlowMapFit(lattice) => (Method::FlowMapFit, lattice.build(scale)?),
+            MethodScene::LogDensityFit(lattice) => {
+                (lattice.method::<D>(Method::LogDensityFit), lattice.build(scale)?)
+            }
+            MethodScene::FlowMapFit(lattice) => {
+                (lattice.method::<D>(Method::FlowMapFit), lattice.build(scale)?)
+            }
             MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let combination = Combination {
                     step: StepRule::Courant { number: *courant },
@@ -406,42 +397,6 @@ impl FpkScene {
         };
         planes.states.iter().enumerate().map(place).collect()
     }
-}
-
-impl LatticeScene {
-    /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.
-    fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
-        let reach = self.reach;
-        Some(match &self.count {
-            Some(count) => InitialLattice::Box { reach, count: scaled_counts(count, scale)? },
-            None => InitialLattice::Ball { reach, spacing: self.spacing? / scale },
-        })
-    }
-
-    fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
-        let limit = "greater than 0 standard deviations";
-        must(&format!("{path}.reach"), self.reach, self.reach > 0.0, limit)?;
-        match (&self.count, self.spacing) {
-            (Some(count), None) => check_counts(path, count, states),
-            (None, Some(spacing)) => check_ball(path, self.reach, spacing, states.len()),
-            _ => Err(Objection::new(
-                path,
-                "either `count` for a box or `spacing` for a ball must be given",
-            )),
-        }
-    }
-}
-
-fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Option<[usize; D]> {
-    let count: [usize; D] = count.try_into().ok()?;
-    Some(count.map(|n| scaled_count(n, scale)))
-}
-
-/// Particles along an axis at `scale` times the resolution; the ends of the lattice stay where they are.
-fn scaled_count(count: usize, scale: f64) -> usize {
-    let intervals = count.saturating_sub(1) as f64 * scale;
-    // The nearest whole number of intervals.
-    1 + (1..=MOST_PER_AXIS).take_while(|&n| n as f64 <= intervals + 0.5).last().unwrap_or(0)
 }
 
 impl Scene for FpkScene {
@@ -530,33 +485,7 @@ impl Visitor for Offered {
     }
 }
 
-/// Most particles along an axis: their square still fits the neighbour lists and the memory of a workstation.
-const MOST_PER_AXIS: usize = 2_000;
-/// Most particles of all: the square of [`MOST_PER_AXIS`].
-const MOST_PARTICLES: f64 = 4e6;
-
-fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
-    check_length(&format!("{path}.count"), count.len(), states)?;
-    for (k, &n) in count.iter().enumerate() {
-        let allowed = (3..=MOST_PER_AXIS).contains(&n);
-        must(&format!("{path}.count[{k}]"), n as f64, allowed, "from 3 to 2000 particles")?;
-    }
-    let particles: f64 = count.iter().map(|&n| n as f64).product();
-    let limit = "such that there are at most 4e6 particles";
-    must(&format!("{path}.count"), particles, particles <= MOST_PARTICLES, limit)
-}
-
-fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<(), Objection> {
-    let path = format!("{path}.spacing");
-    must(&path, spacing, spacing > 0.0, "greater than 0 standard deviations")?;
-    // The box around the ball bounds the count.
-    let particles =
-        (2.0 * reach / spacing + 1.0).powi(i32::try_from(dimension).unwrap_or(i32::MAX));
-    let limit = "such that the box around the ball holds at most 4e6 particles";
-    must(&path, spacing, particles <= MOST_PARTICLES, limit)
-}
-
-fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
+pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
     if count == states.len() {
         return Ok(());
     }
@@ -565,7 +494,7 @@ fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objecti
 }
 
 /// Objects to the value at a path unless it is as it must be.
-fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
+pub(super) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
     if holds {
         Ok(())
     } else {

@@ -1,0 +1,139 @@
+//! The lattice of a scene: where particles start, and when they are laid anew.
+
+use fpk_sph::{Combination, InitialLattice, Method, Remapping, StepRule};
+use serde::{Deserialize, Serialize};
+
+use super::scene::{check_length, must};
+use crate::scene::Objection;
+
+/// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LatticeScene {
+    /// A box: particles along each axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<Vec<usize>>,
+    /// A ball: the spacing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f64>,
+    /// Half the edge of the box, or the radius of the ball.
+    pub reach: f64,
+    /// Fresh lattices, laid over the cloud where the flow has made it uneven; none without the key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fresh_lattices: Option<FreshLatticesScene>,
+    /// Steps per natural period at the least; 40 without the key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps_per_period: Option<f64>,
+}
+
+/// When a fresh lattice is laid and what it may change; a key that is left out has the measured value.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FreshLatticesScene {
+    /// The unevenness above which one is laid.
+    pub most_uneven: f64,
+    /// The probability below which its outermost layer must come.
+    pub outermost_mass: f64,
+    /// Most change of mass, mean and covariance that it may make before they are restored.
+    pub most_change: f64,
+}
+
+impl Default for FreshLatticesScene {
+    fn default() -> Self {
+        let Remapping { most_uneven, outermost_mass, most_change, .. } = Remapping::MEASURED;
+        Self { most_uneven, outermost_mass, most_change }
+    }
+}
+
+impl LatticeScene {
+    /// The method with the fresh lattices and the steps that are asked for.
+    pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
+        if self.fresh_lattices.is_none() && self.steps_per_period.is_none() {
+            return method;
+        }
+        let combination = method.combination_in(D);
+        let remapping = self.fresh_lattices.map(|asked| {
+            let FreshLatticesScene { most_uneven, outermost_mass, most_change } = asked;
+            Remapping { most_uneven, outermost_mass, most_change, ..Remapping::MEASURED }
+        });
+        let step = self.steps_per_period.map_or(combination.step, |steps_per_period| {
+            StepRule::PeriodFraction { steps_per_period }
+        });
+        Method::Custom(Combination { remapping, step, ..combination })
+    }
+
+    /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.
+    pub(super) fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
+        let reach = self.reach;
+        Some(match &self.count {
+            Some(count) => InitialLattice::Box { reach, count: scaled_counts(count, scale)? },
+            None => InitialLattice::Ball { reach, spacing: self.spacing? / scale },
+        })
+    }
+
+    pub(super) fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
+        let limit = "greater than 0 standard deviations";
+        must(&format!("{path}.reach"), self.reach, self.reach > 0.0, limit)?;
+        if let Some(steps) = self.steps_per_period {
+            must(&format!("{path}.steps_per_period"), steps, steps > 0.0, "greater than 0")?;
+        }
+        if let Some(FreshLatticesScene { most_uneven, outermost_mass, most_change }) =
+            self.fresh_lattices
+        {
+            for (key, value) in [
+                ("most_uneven", most_uneven),
+                ("outermost_mass", outermost_mass),
+                ("most_change", most_change),
+            ] {
+                let path = format!("{path}.fresh_lattices.{key}");
+                must(&path, value, value > 0.0, "greater than 0")?;
+            }
+        }
+        match (&self.count, self.spacing) {
+            (Some(count), None) => check_counts(path, count, states),
+            (None, Some(spacing)) => check_ball(path, self.reach, spacing, states.len()),
+            _ => Err(Objection::new(
+                path,
+                "either `count` for a box or `spacing` for a ball must be given",
+            )),
+        }
+    }
+}
+
+pub(super) fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Option<[usize; D]> {
+    let count: [usize; D] = count.try_into().ok()?;
+    Some(count.map(|n| scaled_count(n, scale)))
+}
+
+/// Particles along an axis at `scale` times the resolution; the ends of the lattice stay where they are.
+fn scaled_count(count: usize, scale: f64) -> usize {
+    let intervals = count.saturating_sub(1) as f64 * scale;
+    // The nearest whole number of intervals.
+    1 + (1..=MOST_PER_AXIS).take_while(|&n| n as f64 <= intervals + 0.5).last().unwrap_or(0)
+}
+
+/// Most particles along an axis: their square still fits the neighbour lists and the memory of a workstation.
+const MOST_PER_AXIS: usize = 2_000;
+/// Most particles of all: the square of [`MOST_PER_AXIS`].
+const MOST_PARTICLES: f64 = 4e6;
+
+pub(super) fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
+    check_length(&format!("{path}.count"), count.len(), states)?;
+    for (k, &n) in count.iter().enumerate() {
+        let allowed = (3..=MOST_PER_AXIS).contains(&n);
+        must(&format!("{path}.count[{k}]"), n as f64, allowed, "from 3 to 2000 particles")?;
+    }
+    let particles: f64 = count.iter().map(|&n| n as f64).product();
+    let limit = "such that there are at most 4e6 particles";
+    must(&format!("{path}.count"), particles, particles <= MOST_PARTICLES, limit)
+}
+
+fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<(), Objection> {
+    let path = format!("{path}.spacing");
+    must(&path, spacing, spacing > 0.0, "greater than 0 standard deviations")?;
+    // The box around the ball bounds the count.
+    let particles =
+        (2.0 * reach / spacing + 1.0).powi(i32::try_from(dimension).unwrap_or(i32::MAX));
+    let limit = "such that the box around the ball holds at most 4e6 particles";
+    must(&path, spacing, particles <= MOST_PARTICLES, limit)
+}

@@ -69,8 +69,10 @@ pub struct Config<const D: usize> {
 }
 
 impl<const D: usize> Config<D> {
-    /// The recipe that holds: modified update stress last with quadratic B-splines, FLIP alone, bulk viscosity 1.5 and 0.06,
-    /// Courant number 0.4, no boundaries.
+    /// The usual choice: modified update stress last with quadratic B-splines, FLIP alone, bulk viscosity 1.5 and 0.06,
+    /// Courant number 0.4, no boundaries. It keeps energy. For shocks it is a poor one: behind that of a plate impact the
+    /// pressure ripples by 10 %, and its carried derivative is off by up to 70 %; APIC with a linear viscosity of 1, or FLIP
+    /// that damps, is right within a few per cent (see the crate's page).
     #[must_use]
     pub fn with_cell(cell: f64) -> Self {
         Self {

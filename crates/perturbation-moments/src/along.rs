@@ -1,6 +1,6 @@
 //! Derivatives along the directions `L e_k`: what a solver's jets carry.
 
-use crate::error::{Error, require_finite};
+use crate::error::{Error, require_finite, require_positive};
 use crate::jet::{Jet, LANES};
 use crate::random_vector::RandomVector;
 
@@ -63,6 +63,66 @@ impl<const N: usize> AlongDirections<N> {
         }
     }
 
+    /// From the jets of one response, of which jet `p` had its inputs from [`RandomVector::jets_of_pass`] of the pass `p`:
+    /// more than eight inputs take more than one pass. Values are those of the first.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] where passes are missing.
+    pub fn from_passes(jets: &[Jet]) -> Result<Self, Error> {
+        let limit = N.div_ceil(LANES) as u64;
+        let Some(first) = jets.first().filter(|_| jets.len() as u64 >= limit) else {
+            return Err(Error::TooFew { quantity: "passes", value: jets.len() as u64, limit });
+        };
+        Ok(Self {
+            value: first.value,
+            first: std::array::from_fn(|k| jets[k / LANES].first[k % LANES]),
+            second: std::array::from_fn(|k| jets[k / LANES].second[k % LANES]),
+            mixed_squares: None,
+        })
+    }
+
+    /// The `2N + 1` points of a star in the independent standard normals: the centre, then `+` and `-` of each direction at
+    /// `distance` deviations.
+    #[must_use]
+    pub fn star(distance: f64) -> Vec<[f64; N]> {
+        let mut points = vec![[0.0; N]];
+        for k in 0..N {
+            for signed in [distance, -distance] {
+                let mut t = [0.0; N];
+                t[k] = signed;
+                points.push(t);
+            }
+        }
+        points
+    }
+
+    /// Central differences from the responses at the points of a [`star`](Self::star), in their order.
+    ///
+    /// $$ a_k = \frac{y_k^+ - y_k^-}{2 d}, \qquad A_{kk} = \frac{y_k^+ - 2 y_0 + y_k^-}{d^2} $$
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for the distance, [`Error::TooFew`] for too few values, [`Error::NotFinite`] for one of them.
+    pub fn from_star(distance: f64, values: &[f64]) -> Result<Self, Error> {
+        require_positive("distance of the points of a star", distance)?;
+        let limit = 2 * N as u64 + 1;
+        if (values.len() as u64) < limit {
+            let value = values.len() as u64;
+            return Err(Error::TooFew { quantity: "points of a star", value, limit });
+        }
+        for (index, &value) in values.iter().enumerate() {
+            require_finite("response at point", index, value)?;
+        }
+        let (value, pair) = (values[0], |k: usize| (values[2 * k + 1], values[2 * k + 2]));
+        Ok(Self {
+            value,
+            first: std::array::from_fn(|k| (pair(k).0 - pair(k).1) / (2.0 * distance)),
+            second: std::array::from_fn(|k| {
+                ((pair(k).0 - value) + (pair(k).1 - value)) / (distance * distance)
+            }),
+            mixed_squares: None,
+        })
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         require_finite("value of the response", 0, self.value)?;
         for k in 0..N {
@@ -95,21 +155,48 @@ impl<const N: usize> RandomVector<N> {
     #[must_use]
     pub fn jets_with_probes(&self, probes: &[[f64; N]]) -> [Jet; N] {
         const { assert!(N <= LANES, "a jet has eight lanes") }
+        self.jets_along(|lane| match probes.get(lane.wrapping_sub(N)) {
+            _ if lane < N => Some(unit(lane)),
+            probe => probe.copied(),
+        })
+    }
+
+    /// The inputs as jets along the eight directions `L e_k` that begin at `8 pass`: for any number of inputs, in
+    /// `ceil(N/8)` passes that [`AlongDirections::from_passes`] joins.
+    ///
+    /// ```
+    /// use perturbation_moments::{AlongDirections, Moments, RandomVector};
+    ///
+    /// // The sum of twelve: Var = 12.
+    /// let inputs = RandomVector::independent([0.0; 12], [1.0; 12])?;
+    /// let passes = [0, 1].map(|pass| inputs.jets_of_pass(pass).into_iter().reduce(|a, b| a + b).unwrap());
+    /// let moments = Moments::along(&inputs, &AlongDirections::from_passes(&passes)?)?;
+    /// assert_eq!(moments.variance_first_order(), 12.0);
+    /// # Ok::<(), perturbation_moments::Error>(())
+    /// ```
+    #[must_use]
+    pub fn jets_of_pass(&self, pass: usize) -> [Jet; N] {
+        self.jets_along(|lane| Some(LANES * pass + lane).filter(|&k| k < N).map(unit))
+    }
+
+    /// The inputs as jets, each lane along a combination of the directions; at rest where there is none.
+    fn jets_along(&self, of_lane: impl Fn(usize) -> Option<[f64; N]>) -> [Jet; N] {
         let centre = self.centre();
         let (slopes, curvatures, _) = self.marginal_derivatives();
         let l = self.lower_factor();
-        std::array::from_fn(|i| {
-            let mut jet = Jet::new(centre[i], [0.0; LANES]);
-            for lane in 0..LANES {
-                let u = match probes.get(lane.wrapping_sub(N)) {
-                    _ if lane < N => l[i][lane],
-                    Some(probe) => (0..=i).map(|k| l[i][k] * probe[k]).sum(),
-                    None => 0.0,
-                };
+        let mut jets = centre.map(|value| Jet::new(value, [0.0; LANES]));
+        for lane in 0..LANES {
+            let Some(weights) = of_lane(lane) else { continue };
+            for (i, jet) in jets.iter_mut().enumerate() {
+                let u: f64 = (0..=i).map(|k| l[i][k] * weights[k]).sum();
                 jet.first[lane] = slopes[i] * u;
                 jet.second[lane] = curvatures[i] * u * u;
             }
-            jet
-        })
+        }
+        jets
     }
+}
+
+fn unit<const N: usize>(k: usize) -> [f64; N] {
+    std::array::from_fn(|i| f64::from(u8::from(i == k)))
 }

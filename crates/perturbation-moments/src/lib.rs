@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod along;
+mod control;
 mod derivatives;
 mod differences;
 mod error;
@@ -18,6 +19,7 @@ mod symmetric;
 mod trust;
 
 pub use along::AlongDirections;
+pub use control::{ControlledEstimate, ControlledSamples};
 pub use derivatives::{Derivatives, Known};
 pub use differences::{CentralDifferences, Differenced};
 pub use error::Error;

@@ -51,6 +51,13 @@ impl Judgement {
 }
 
 impl MonteCarlo {
+    /// The independent standard normals of a sample; its inputs are [`RandomVector::point`] of them. For responses that a
+    /// closure cannot give one by one: [`ControlledSamples`](crate::ControlledSamples) takes what was gathered.
+    #[must_use]
+    pub fn normals<const N: usize>(&self, realisation: u64) -> [f64; N] {
+        normals_of(Noise::new(self.seed), realisation)
+    }
+
     /// Samples the response and the quadratic surrogate $s$ of `moments` together.
     ///
     /// $$ \bar y_c = \bar y - \bar s + \operatorname{E} s, \qquad V_c = S_y^2 - S_s^2 + \operatorname{Var} s $$
@@ -92,8 +99,7 @@ impl MonteCarlo {
         let noise = Noise::new(self.seed);
         let block = |ids: std::ops::Range<u64>| {
             ids.map(|realisation| {
-                let mut t = [0.0; N];
-                noise.stream(Purpose::Field, realisation).fill_normal(&mut t);
+                let t = normals_of(noise, realisation);
                 let value = response(&inputs.point(&t));
                 if value.is_finite() {
                     Ok([value, moments.surrogate(&t)])
@@ -110,6 +116,12 @@ impl MonteCarlo {
         let samples = reduce_blocks(self.n_samples, block, join)?.unwrap_or_default();
         Ok(gather(&samples, moments.surrogate_mean(), moments.surrogate_variance()))
     }
+}
+
+fn normals_of<const N: usize>(noise: Noise, realisation: u64) -> [f64; N] {
+    let mut t = [0.0; N];
+    noise.stream(Purpose::Field, realisation).fill_normal(&mut t);
+    t
 }
 
 fn gather(samples: &[[f64; 2]], mean: f64, variance: f64) -> Judgement {

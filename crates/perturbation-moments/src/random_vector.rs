@@ -181,15 +181,23 @@ impl<const N: usize> RandomVector<N> {
     #[must_use]
     pub fn point(&self, t: &[f64; N]) -> [f64; N] {
         std::array::from_fn(|i| {
-            let u: f64 = (0..=i).map(|k| self.factor[i][k] * t[k]).sum();
-            match self.marginals[i] {
-                Marginal::Normal => self.mean[i] + self.scales[i] * u,
-                Marginal::Lognormal => {
-                    let s = self.scales[i];
-                    (self.mean[i].ln() - 0.5 * s * s + s * u).exp()
-                }
-            }
+            self.marginal_point(i, (0..=i).map(|k| self.factor[i][k] * t[k]).sum())
         })
+    }
+
+    /// The quantile at $\Phi(u)$ of every input by itself.
+    #[must_use]
+    pub fn quantiles(&self, u: f64) -> [f64; N] {
+        std::array::from_fn(|i| self.marginal_point(i, u))
+    }
+
+    /// Input `i` where its normal coordinate is `u`.
+    fn marginal_point(&self, i: usize, u: f64) -> f64 {
+        let (mean, s) = (self.mean[i], self.scales[i]);
+        match self.marginals[i] {
+            Marginal::Normal => mean + s * u,
+            Marginal::Lognormal => (mean.ln() - 0.5 * s * s + s * u).exp(),
+        }
     }
 
     /// An expansion by the inputs, carried over to the independent standard normals `t`.

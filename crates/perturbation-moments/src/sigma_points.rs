@@ -2,7 +2,7 @@
 
 use crate::along::AlongDirections;
 use crate::derivatives::{Derivatives, Known};
-use crate::error::{Error, require_finite};
+use crate::error::Error;
 use crate::moments::Moments;
 use crate::random_vector::RandomVector;
 use crate::trust::Trust;
@@ -51,22 +51,18 @@ impl<const N: usize> SigmaPoints<N> {
         inputs: &RandomVector<N>,
         response: impl Fn(&[f64; N]) -> f64,
     ) -> Result<Self, Error> {
-        let at = |index: usize, t: &[f64; N]| {
-            let y = response(&inputs.point(t));
-            require_finite("response at sigma point", index, y).map(|()| y)
-        };
-        let value = at(0, &[0.0; N])?;
-        let (mut first, mut second) = ([0.0; N], [0.0; N]);
-        for k in 0..N {
-            let mut t = [0.0; N];
-            t[k] = SIGMA_POINT_DISTANCE;
-            let above = at(2 * k + 1, &t)?;
-            t[k] = -SIGMA_POINT_DISTANCE;
-            let below = at(2 * k + 2, &t)?;
-            first[k] = (above - below) / (2.0 * SIGMA_POINT_DISTANCE);
-            second[k] = ((above - value) + (below - value)) / 3.0;
-        }
-        Ok(Self { known: AlongDirections { value, first, second, mixed_squares: None } })
+        let at = |t: &[f64; N]| response(&inputs.point(t));
+        let values: Vec<f64> = AlongDirections::star(SIGMA_POINT_DISTANCE).iter().map(at).collect();
+        Self::from_values(&values)
+    }
+
+    /// From the responses at the points of a [star](AlongDirections::star) of the distance [`SIGMA_POINT_DISTANCE`]: for many
+    /// responses of one run.
+    ///
+    /// # Errors
+    /// As [`AlongDirections::from_star`].
+    pub fn from_values(values: &[f64]) -> Result<Self, Error> {
+        Ok(Self { known: AlongDirections::from_star(SIGMA_POINT_DISTANCE, values)? })
     }
 
     /// $y_0 + \tfrac12 \sum q_k$.

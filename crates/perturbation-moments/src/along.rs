@@ -48,37 +48,37 @@ impl<const N: usize> AlongDirections<N> {
     #[must_use]
     pub fn from_jet(jet: &Jet, n_probes: usize) -> Self {
         const { assert!(N <= LANES, "a jet has eight lanes") }
-        let second: [f64; N] = std::array::from_fn(|k| jet.second[k]);
-        let trace: f64 = second.iter().sum();
-        let probes = &jet.second[N..LANES.min(N + n_probes)];
-        let mixed_squares = (!probes.is_empty()).then(|| {
-            let squares: f64 = probes.iter().map(|q| (q - trace) * (q - trace)).sum();
-            0.5 * squares / probes.len() as f64
-        });
-        Self {
-            value: jet.value,
-            first: std::array::from_fn(|k| jet.first[k]),
-            second,
-            mixed_squares,
-        }
+        Self::of_passes(std::slice::from_ref(jet), n_probes)
     }
 
     /// From the jets of one response, of which jet `p` had its inputs from [`RandomVector::jets_of_pass`] of the pass `p`:
-    /// more than eight inputs take more than one pass. Values are those of the first.
+    /// more than eight inputs take more than one pass. Values are those of the first; lanes after the first `N` are probes, as
+    /// for [`from_jet`](Self::from_jet).
     ///
     /// # Errors
     /// [`Error::TooFew`] where passes are missing.
-    pub fn from_passes(jets: &[Jet]) -> Result<Self, Error> {
-        let limit = N.div_ceil(LANES) as u64;
-        let Some(first) = jets.first().filter(|_| jets.len() as u64 >= limit) else {
-            return Err(Error::TooFew { quantity: "passes", value: jets.len() as u64, limit });
-        };
-        Ok(Self {
-            value: first.value,
+    pub fn from_passes(jets: &[Jet], n_probes: usize) -> Result<Self, Error> {
+        let (value, limit) = (jets.len() as u64, N.div_ceil(LANES).max(1) as u64);
+        if value < limit {
+            return Err(Error::TooFew { quantity: "passes", value, limit });
+        }
+        Ok(Self::of_passes(jets, n_probes))
+    }
+
+    /// Lane `k % 8` of pass `k / 8` is direction `k`, and from `N` on a probe.
+    fn of_passes(jets: &[Jet], n_probes: usize) -> Self {
+        let second_of = |k: usize| jets[k / LANES].second[k % LANES];
+        let second: [f64; N] = std::array::from_fn(second_of);
+        let trace: f64 = second.iter().sum();
+        let probes = N..(LANES * jets.len()).min(N + n_probes);
+        let n_probes = probes.len();
+        let squares: f64 = probes.map(|k| (second_of(k) - trace).powi(2)).sum();
+        Self {
+            value: jets[0].value,
             first: std::array::from_fn(|k| jets[k / LANES].first[k % LANES]),
-            second: std::array::from_fn(|k| jets[k / LANES].second[k % LANES]),
-            mixed_squares: None,
-        })
+            second,
+            mixed_squares: (n_probes > 0).then(|| 0.5 * squares / n_probes as f64),
+        }
     }
 
     /// The `2N + 1` points of a star in the independent standard normals: the centre, then `+` and `-` of each direction at
@@ -155,28 +155,28 @@ impl<const N: usize> RandomVector<N> {
     #[must_use]
     pub fn jets_with_probes(&self, probes: &[[f64; N]]) -> [Jet; N] {
         const { assert!(N <= LANES, "a jet has eight lanes") }
-        self.jets_along(|lane| match probes.get(lane.wrapping_sub(N)) {
-            _ if lane < N => Some(unit(lane)),
-            probe => probe.copied(),
-        })
+        self.jets_of_pass(0, probes)
     }
 
-    /// The inputs as jets along the eight directions `L e_k` that begin at `8 pass`: for any number of inputs, in
-    /// `ceil(N/8)` passes that [`AlongDirections::from_passes`] joins.
+    /// The inputs as jets along the eight directions `L e_k` that begin at `8 pass`, and after the last of them along probes:
+    /// for any number of inputs, in `ceil(N/8)` passes that [`AlongDirections::from_passes`] joins.
     ///
     /// ```
     /// use perturbation_moments::{AlongDirections, Moments, RandomVector};
     ///
     /// // The sum of twelve: Var = 12.
     /// let inputs = RandomVector::independent([0.0; 12], [1.0; 12])?;
-    /// let passes = [0, 1].map(|pass| inputs.jets_of_pass(pass).into_iter().reduce(|a, b| a + b).unwrap());
-    /// let moments = Moments::along(&inputs, &AlongDirections::from_passes(&passes)?)?;
-    /// assert_eq!(moments.variance_first_order(), 12.0);
+    /// let pass = |p| inputs.jets_of_pass(p, &[]).into_iter().reduce(|a, b| a + b).unwrap();
+    /// let known = AlongDirections::from_passes(&[pass(0), pass(1)], 0)?;
+    /// assert_eq!(Moments::along(&inputs, &known)?.variance_first_order(), 12.0);
     /// # Ok::<(), perturbation_moments::Error>(())
     /// ```
     #[must_use]
-    pub fn jets_of_pass(&self, pass: usize) -> [Jet; N] {
-        self.jets_along(|lane| Some(LANES * pass + lane).filter(|&k| k < N).map(unit))
+    pub fn jets_of_pass(&self, pass: usize, probes: &[[f64; N]]) -> [Jet; N] {
+        self.jets_along(|lane| match LANES * pass + lane {
+            k if k < N => Some(unit(k)),
+            k => probes.get(k - N).copied(),
+        })
     }
 
     /// The inputs as jets, each lane along a combination of the directions; at rest where there is none.

@@ -45,10 +45,10 @@ pub struct ControlledSamples<'a> {
     pub seed: u64,
 }
 
-/// Mean and variance with control, each with its standard error.
+/// Mean and variance from samples, each with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
-pub struct ControlledEstimate {
+pub struct SampledMoments {
     /// The mean.
     pub mean: Estimate,
     /// The variance.
@@ -62,24 +62,34 @@ const FEWEST_SAMPLES: usize = 8;
 const N_REPLICATES: u64 = 400;
 
 impl ControlledSamples<'_> {
-    /// Mean and variance of the response.
+    /// Mean and unbiased variance of the response as they were drawn, without the surrogate. The error of the variance is that
+    /// of the mean of $(y - \bar y)^2$.
+    ///
+    /// # Errors
+    /// As [`estimate`](Self::estimate).
+    pub fn raw(&self) -> Result<SampledMoments, Error> {
+        self.check()?;
+        let values = || self.samples.iter().map(|[y, _]| *y);
+        let (mut plain, mut squares) = (Accumulator::default(), Accumulator::default());
+        values().for_each(|y| plain.push(y));
+        values().for_each(|y| squares.push((y - plain.mean()).powi(2)));
+        let error = |sum: &Accumulator| {
+            (sum.variance().unwrap_or(f64::INFINITY) / sum.count() as f64).sqrt()
+        };
+        Ok(SampledMoments {
+            mean: with_error(plain.mean(), error(&plain)),
+            variance: with_error(plain.variance().unwrap_or(f64::INFINITY), error(&squares)),
+        })
+    }
+
+    /// Mean and variance of the response, controlled.
     ///
     /// # Errors
     /// [`Error::TooFew`] below eight samples; [`Error::NotFinite`] for a moment of the surrogate,
     /// [`Error::NonFiniteSample`] for the lowest such sample of the response or the surrogate.
-    pub fn estimate(&self) -> Result<ControlledEstimate, Error> {
-        require_finite("mean of the surrogate", 0, self.surrogate_mean)?;
-        require_finite("variance of the surrogate", 0, self.surrogate_variance)?;
+    pub fn estimate(&self) -> Result<SampledMoments, Error> {
+        self.check()?;
         let n = self.samples.len();
-        if n < FEWEST_SAMPLES {
-            let limit = FEWEST_SAMPLES as u64;
-            return Err(Error::TooFew { quantity: "samples", value: n as u64, limit });
-        }
-        for (realisation, sample) in (0..).zip(self.samples) {
-            if let Some(&value) = sample.iter().find(|value| !value.is_finite()) {
-                return Err(Error::NonFiniteSample { realisation, value });
-            }
-        }
         let (first, second) = self.samples.split_at(n / 2);
         let [mean, variance] = self.of_halves(first, second);
         let noise = Noise::new(self.seed);
@@ -93,16 +103,27 @@ impl ControlledSamples<'_> {
             means.push(mean);
             variances.push(variance);
         }
-        let estimate = |value: f64, replicates: &Accumulator| Estimate {
-            value,
-            uncertainty: Uncertainty::StandardError(
-                replicates.variance().unwrap_or(f64::INFINITY).sqrt(),
-            ),
-        };
-        Ok(ControlledEstimate {
-            mean: estimate(mean, &means),
-            variance: estimate(variance, &variances),
+        let scatter = |sum: &Accumulator| sum.variance().unwrap_or(f64::INFINITY).sqrt();
+        Ok(SampledMoments {
+            mean: with_error(mean, scatter(&means)),
+            variance: with_error(variance, scatter(&variances)),
         })
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        require_finite("mean of the surrogate", 0, self.surrogate_mean)?;
+        require_finite("variance of the surrogate", 0, self.surrogate_variance)?;
+        let n = self.samples.len();
+        if n < FEWEST_SAMPLES {
+            let limit = FEWEST_SAMPLES as u64;
+            return Err(Error::TooFew { quantity: "samples", value: n as u64, limit });
+        }
+        for (realisation, sample) in (0..).zip(self.samples) {
+            if let Some(&value) = sample.iter().find(|value| !value.is_finite()) {
+                return Err(Error::NonFiniteSample { realisation, value });
+            }
+        }
+        Ok(())
     }
 
     /// Mean and variance, each half with the coefficients of the other.
@@ -169,4 +190,8 @@ fn resample(from: &[[f64; 2]], into: &mut [[f64; 2]], stream: &mut Stream) {
         let index = (u128::from(stream.next_u64()) * from.len() as u128) >> 64;
         *entry = from[usize::try_from(index).unwrap_or(0)];
     }
+}
+
+pub(crate) fn with_error(value: f64, standard_error: f64) -> Estimate {
+    Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) }
 }

@@ -19,7 +19,7 @@ mod symmetric;
 mod trust;
 
 pub use along::AlongDirections;
-pub use control::{ControlledEstimate, ControlledSamples};
+pub use control::{ControlledSamples, SampledMoments};
 pub use derivatives::{Derivatives, Known};
 pub use differences::{CentralDifferences, Differenced};
 pub use error::Error;
@@ -31,5 +31,6 @@ pub use monte_carlo::{Judgement, MonteCarlo};
 pub use random_vector::{Marginal, RandomVector};
 pub use response::Response;
 pub use scalar::Scalar;
+pub use sde_integrators::{Estimate, Uncertainty};
 pub use sigma_points::{BySigmaPoints, SIGMA_POINT_DISTANCE, SigmaPoints};
 pub use trust::{Trust, Verdict};

@@ -1,7 +1,8 @@
 //! The judge: Monte Carlo, raw and with the Taylor surrogate as control variate.
 
-use sde_integrators::{Accumulator, Estimate, Noise, Purpose, Uncertainty, reduce_blocks};
+use sde_integrators::{Accumulator, Estimate, Noise, Purpose, reduce_blocks};
 
+use crate::control::with_error;
 use crate::error::Error;
 use crate::moments::Moments;
 use crate::random_vector::RandomVector;
@@ -135,10 +136,10 @@ fn gather(samples: &[[f64; 2]], mean: f64, variance: f64) -> Judgement {
         summed(samples.iter().map(|[y, s]| square(*y, ys.mean) - square(*s, ss.mean))),
     );
     Judgement {
-        raw_mean: estimate(ys.mean, ys.standard_error),
-        raw_variance: estimate(ys.variance, y_squares.standard_error),
-        controlled_mean: estimate(mean + difference.mean, difference.standard_error),
-        controlled_variance: estimate(
+        raw_mean: with_error(ys.mean, ys.standard_error),
+        raw_variance: with_error(ys.variance, y_squares.standard_error),
+        controlled_mean: with_error(mean + difference.mean, difference.standard_error),
+        controlled_variance: with_error(
             ys.variance - ss.variance + variance,
             squares_difference.standard_error,
         ),
@@ -160,10 +161,6 @@ fn summed(values: impl Iterator<Item = f64>) -> Summed {
     let variance = sum.variance().unwrap_or(f64::INFINITY);
     let standard_error = (variance / sum.count() as f64).sqrt();
     Summed { mean: sum.mean(), variance, standard_error }
-}
-
-fn estimate(value: f64, standard_error: f64) -> Estimate {
-    Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) }
 }
 
 fn ratio(raw: &Estimate, controlled: &Estimate) -> f64 {

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Fault, finite, positive};
 use crate::grid::Binning;
-use crate::material::{Material, Now, Observed};
+use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
 use crate::number::Number;
 use crate::parallel::for_each_pair;
 use crate::tensor::{Symmetric, volume_change};
@@ -114,6 +114,7 @@ pub(crate) trait Constitution<S>: std::fmt::Debug + Send + Sync {
     fn advance(&mut self, motion: &Motion<'_, S>) -> Result<(), (usize, Fault)>;
     fn conditions(&self) -> &[Condition<S>];
     fn observe(&self, particle: usize) -> Observed<S>;
+    fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>>;
 }
 
 /// What a step does to all particles of a body.
@@ -204,6 +205,10 @@ where
 
     fn observe(&self, particle: usize) -> Observed<S> {
         self.material.observe(&self.states[particle])
+    }
+
+    fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
+        self.material.at_local_state(state)
     }
 }
 
@@ -326,9 +331,41 @@ impl<S: Number, const D: usize> Body<S, D> {
         self.constitution.conditions()[particle].volume
     }
 
+    /// The density of a particle (mass per volume).
+    #[must_use]
+    pub fn density(&self, particle: usize) -> S {
+        let Particles { mass, reference_volume, .. } = &self.particles;
+        mass[particle] / (self.volume_ratio(particle) * reference_volume[particle])
+    }
+
+    /// Half the diagonal of the box that a particle stands for at the start (length).
+    pub(crate) fn half_diagonal(&self) -> f64 {
+        let square = |length: &S| length.value() * length.value();
+        self.particles.half_length[0].iter().map(square).sum::<f64>().sqrt()
+    }
+
     /// What the material shows of a particle besides its stress.
     #[must_use]
     pub fn observe(&self, particle: usize) -> Observed<S> {
         self.constitution.observe(particle)
+    }
+
+    /// Pressure and flow stress by the formulas of its material at a state that is taken for certain; `None` where the
+    /// material has none.
+    #[must_use]
+    pub fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
+        self.constitution.at_local_state(state)
+    }
+}
+
+impl<const D: usize> Body<f64, D> {
+    /// The state of a particle without its history.
+    #[must_use]
+    pub fn local_state(&self, particle: usize) -> LocalState {
+        LocalState {
+            volume: self.volume_ratio(particle),
+            pressure: self.pressure(particle),
+            observed: self.observe(particle),
+        }
     }
 }

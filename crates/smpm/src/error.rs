@@ -131,6 +131,109 @@ pub enum Error {
         /// Most tiles.
         limit: usize,
     },
+    /// A quantity that there is not.
+    #[error(
+        "there is no quantity {name:?}; there are pressure, stress_11 to stress_33, deviator_11 to deviator_33, von_mises, flow_stress, plastic_strain, temperature, damage, energy, density, position_1, velocity_1"
+    )]
+    NoSuchQuantity {
+        /// What was asked for.
+        name: String,
+    },
+    /// A particle that there is not.
+    #[error("particle {value}; it must be less than {limit}")]
+    NoSuchParticle {
+        /// What was given.
+        value: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// A gauge in a body that there is not.
+    #[error("gauge {name:?} is in body {value}; it must be less than {limit}")]
+    NoSuchBody {
+        /// The gauge.
+        name: String,
+        /// The body asked for.
+        value: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// Nothing to look at.
+    #[error("a plan without {what}; at least one is needed")]
+    EmptyPlan {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A window that ends before it begins, or begins before the run.
+    #[error("a window from {from} to {to}; it must begin at 0 or later and not end before")]
+    WindowOrder {
+        /// Its begin.
+        from: f64,
+        /// Its end.
+        to: f64,
+    },
+    /// A gauge that no particle is near.
+    #[error(
+        "gauge {name:?} is {distance} away from the nearest particle of body {body}; it must be inside the body, at most {limit}"
+    )]
+    GaugeOutsideBody {
+        /// The gauge.
+        name: String,
+        /// The body.
+        body: usize,
+        /// The distance; infinite for a region that holds no particle.
+        distance: f64,
+        /// Half the diagonal of a particle's box.
+        limit: f64,
+    },
+    /// A random parameter that leaves the range of its model too often.
+    #[error(
+        "parameter {parameter} leaves its range with a chance of {chance:e}; at most {limit:e} is allowed: choose a smaller deviation, or a lognormal law for what must be positive ({reason})"
+    )]
+    LikelyOutOfRange {
+        /// Which parameter, by its place in the random vector.
+        parameter: usize,
+        /// The chance.
+        chance: f64,
+        /// The largest that is allowed.
+        limit: f64,
+        /// What the model says beyond its range.
+        reason: String,
+    },
+    /// A simulation that has begun cannot be recorded: gauges are found by where particles start.
+    #[error("{value} steps have been taken; a record must begin at 0")]
+    NotAtStart {
+        /// Steps taken.
+        value: u64,
+    },
+    /// The steps of a run with other windows.
+    #[error(
+        "a plan with {value} begins and ends of windows; the steps are those of one with {limit}, or at other times"
+    )]
+    OtherWindows {
+        /// How many the plan has.
+        value: usize,
+        /// How many the run had that the steps are of.
+        limit: usize,
+    },
+    /// A gauge in a material that cannot be differentiated at its local state.
+    #[error(
+        "gauge {name:?} is in a material without formulas for its local state; the frozen method needs them"
+    )]
+    NoLocalFormulas {
+        /// The gauge.
+        name: String,
+    },
+    /// A response that there is not.
+    #[error("response {value}; it must be less than {limit}")]
+    NoSuchResponse {
+        /// What was given.
+        value: usize,
+        /// How many there are.
+        limit: usize,
+    },
+    /// Moments that cannot be had.
+    #[error(transparent)]
+    Moments(#[from] perturbation_moments::Error),
     /// A material was driven out of its range.
     #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]
     Material {

@@ -55,3 +55,17 @@ pub(crate) fn for_each_pair<A: Send, B: Send>(
         work(i, a, b);
     }
 }
+
+/// `work(entry)` for every entry, each much work; results in the order of the entries.
+pub(crate) fn map_in_order<T: Sync, U: Send>(
+    entries: &[T],
+    work: impl Fn(&T) -> U + Sync + Send,
+) -> Vec<U> {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        entries.par_iter().with_max_len(1).map(work).collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    entries.iter().map(work).collect()
+}

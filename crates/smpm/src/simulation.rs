@@ -156,21 +156,25 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// See [`Self::step_of`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
         while self.time < time {
-            let (limit, rest) = (self.limit().dt, time - self.time);
-            // No sliver: the last two steps are equal.
-            let dt = if rest <= limit {
-                rest
-            } else if rest < 2.0 * limit {
-                0.5 * rest
-            } else {
-                limit
-            };
+            let (dt, last) = self.step_towards(time);
             let _ = self.step_of(dt)?;
-            if rest <= limit {
+            if last {
                 self.time = time;
             }
         }
         Ok(())
+    }
+
+    /// The next step on the way to a later time, and whether it lands there. No sliver: the last two steps are equal.
+    pub(crate) fn step_towards(&self, time: f64) -> (f64, bool) {
+        let (limit, rest) = (self.limit().dt, time - self.time);
+        if rest <= limit {
+            (rest, true)
+        } else if rest < 2.0 * limit {
+            (0.5 * rest, false)
+        } else {
+            (limit, false)
+        }
     }
 
     /// One step of a given length.

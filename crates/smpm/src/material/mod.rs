@@ -34,6 +34,7 @@ macro_rules! parameters {
 
 mod equation_of_state;
 pub mod library;
+mod local;
 mod neo_hookean;
 mod solid;
 mod strength;
@@ -46,6 +47,7 @@ pub use equation_of_state::{
     MieGruneisen, MieGruneisenParameters, Start, StiffenedGas, StiffenedGasParameters,
     TensionCutOff,
 };
+pub use local::{LocalFlow, LocalResponse, LocalState};
 pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
 pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
 pub use strength::{
@@ -103,6 +105,13 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
 
     /// What can be observed of a state besides the stress.
     fn observe(&self, state: &Self::State) -> Observed<S>;
+
+    /// Pressure and flow stress by the formulas of the model at a state that is taken for certain: the derivatives of Chen et
+    /// al. (2019, eq 31-35), which leave out that the state depends on the parameters too. `None` where the model has no such
+    /// formulas.
+    fn at_local_state(&self, _state: &LocalState) -> Option<LocalResponse<S>> {
+        None
+    }
 }
 
 /// What a material shows of itself. A quantity that it does not have is zero.

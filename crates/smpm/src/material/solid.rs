@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{
     ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, EquationOfState,
-    Material, Now, Observed, Strength,
+    LocalResponse, LocalState, Material, Now, Observed, Strength,
 };
 use crate::error::{Error, Fault, positive};
 use crate::material::equation_of_state::at_least;
@@ -106,6 +106,16 @@ where
 
     fn observe(&self, state: &Self::State) -> Observed<S> {
         Observed { energy: state.energy, ..self.strength.observe(&state.strength) }
+    }
+
+    /// The line at a certain volume and energy, times what burn or a cut-off has left of it.
+    fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
+        let line = self.equation.line(S::constant(state.volume));
+        let full = line.a + line.b * state.observed.energy;
+        // Without burn or cut-off the ratio is one up to roundoff; at no pressure there is nothing to differentiate.
+        let share = if full.value() == 0.0 { 0.0 } else { state.pressure / full.value() };
+        let flow = self.strength.flow_at(&state.observed);
+        Some(LocalResponse { pressure: full * share, flow })
     }
 }
 

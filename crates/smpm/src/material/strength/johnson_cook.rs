@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{LEAST_OVERSHOOT, Strength, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
-use crate::material::{Now, Observed};
+use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
 parameters! {
@@ -313,6 +313,33 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
             overshoot: state.overshoot,
             ..Observed::of_energy(S::constant(0.0))
         }
+    }
+
+    /// The rate is the one that gives the flow stress seen.
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+        let p = &self.parameters;
+        let strain = observed.plastic_strain;
+        let hardening =
+            if strain > LEAST_STRAIN { (p.n * strain.ln()).exp() } else { S::constant(0.0) };
+        let range = p.melting_temperature.value() - p.room_temperature.value();
+        let softening = self.softening(S::constant(observed.temperature / range));
+        let quasistatic = (p.a + p.b * hardening) * softening;
+        let factor = observed.flow_stress / quasistatic.value();
+        let log_rate = if p.c.value() > 0.0 && factor.is_finite() {
+            (factor - 1.0) / p.c.value()
+        } else {
+            0.0
+        };
+        let slope = p.b.value() * p.n.value() * hardening.value() / strain;
+        Some(LocalFlow {
+            stress: quasistatic * (p.c * log_rate + 1.0),
+            hardening_modulus: if strain > LEAST_STRAIN {
+                slope * softening.value() * factor
+            } else {
+                f64::INFINITY
+            },
+            shear_modulus: p.shear_modulus.value(),
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength};
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::material::{Now, Observed};
+use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
 parameters! {
@@ -164,6 +164,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamag
 
     fn observe(&self, state: &JohnsonCookDamageState<S>) -> Observed<S> {
         Observed { damage: state.damage, ..self.flow.observe(&state.flow) }
+    }
+
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+        self.flow.flow_at(observed).filter(|_| observed.damage < 1.0)
     }
 }
 

@@ -9,7 +9,7 @@ mod von_mises;
 use perturbation_moments::Scalar;
 
 use crate::error::Fault;
-use crate::material::{Now, Observed};
+use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
@@ -42,6 +42,11 @@ pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
 
     /// What can be observed; the energy is left at zero.
     fn observe(&self, state: &Self::State) -> Observed<S>;
+
+    /// The flow stress at a plastic strain, rate and temperature that are taken for certain; `None` where nothing yields.
+    fn flow_at(&self, _observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+        None
+    }
 
     /// The pressure that the material bears at the end of the step, given the one that its equation of state asks for: what
     /// has failed bears no tension.

@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{LEAST_OVERSHOOT, Strength, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
-use crate::material::{Now, Observed};
+use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
 parameters! {
@@ -106,6 +106,14 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
             overshoot: state.overshoot,
             ..Observed::of_energy(S::constant(0.0))
         }
+    }
+
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+        Some(LocalFlow {
+            stress: self.flow(S::constant(observed.plastic_strain)),
+            hardening_modulus: self.parameters.hardening_modulus.value(),
+            shear_modulus: self.parameters.shear_modulus.value(),
+        })
     }
 }
 

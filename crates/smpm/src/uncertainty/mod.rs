@@ -1,0 +1,24 @@
+//! Random material parameters: mean and variance of every response, by five methods on the same scene.
+//!
+//! | method | runs for `N` parameters | what it is |
+//! |---|---|---|
+//! | [`Study::frozen`] | 1 | Chen et al. 2019: derivatives of the material's formulas at the local state. Wrong wherever the state itself depends on the parameters: a baseline |
+//! | [`Study::propagated`] | 1, of jets | every particle and node carries the derivatives of its history |
+//! | [`Study::finite_difference`] | `2N + 1` | central differences of whole runs |
+//! | [`Study::sigma_points`] | `2N + 1` | three deviations wide: notices a switch |
+//! | [`Study::monte_carlo`] | as many as asked for | the judge, raw and with the propagated Taylor surrogate as control variate |
+//!
+//! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
+//! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
+
+mod frozen;
+mod range;
+mod sampled;
+mod study;
+mod switch;
+
+pub use frozen::{FrozenForm, FrozenMoments};
+pub use range::MOST_CHANCE_OUT_OF_RANGE;
+pub use sampled::{Exceedance, Sampled};
+pub use study::{Experiment, Propagated, Study};
+pub use switch::Switch;

@@ -1,0 +1,146 @@
+//! The judge: whole runs at sampled parameters.
+
+use perturbation_moments::{ControlledSamples, Estimate, Moments, MonteCarlo, SampledMoments};
+
+use super::range::upper_tail;
+use super::study::{Experiment, Study};
+use crate::error::Error;
+use crate::parallel::map_in_order;
+
+/// Responses at sampled parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled<const N: usize> {
+    seed: u64,
+    /// Normals and responses of the samples that could be run, in order.
+    samples: Vec<([f64; N], Vec<f64>)>,
+    /// Samples that could not be run and why: parameters out of range, or a run that left its own. They are not in any
+    /// moment.
+    pub failures: Vec<(u64, Error)>,
+}
+
+impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
+    /// Runs the samples of a judge, on all threads; the same for any number of them.
+    #[must_use]
+    pub fn monte_carlo(&self, judge: MonteCarlo) -> Sampled<N> {
+        let realisations: Vec<u64> = (0..judge.n_samples).collect();
+        let run = |&realisation: &u64| {
+            let t = judge.normals::<N>(realisation);
+            (t, self.run(&t))
+        };
+        let mut sampled = Sampled { seed: judge.seed, samples: vec![], failures: vec![] };
+        for (realisation, (t, outcome)) in realisations.iter().zip(map_in_order(&realisations, run))
+        {
+            match outcome {
+                Ok(values) => sampled.samples.push((t, values)),
+                Err(error) => sampled.failures.push((*realisation, error)),
+            }
+        }
+        sampled
+    }
+}
+
+impl<const N: usize> Sampled<N> {
+    /// How many samples could be run.
+    #[must_use]
+    pub fn n_samples(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// The first `n` of its samples.
+    #[must_use]
+    pub fn first(&self, n: usize) -> Self {
+        Self {
+            seed: self.seed,
+            samples: self.samples.iter().take(n).cloned().collect(),
+            failures: self.failures.clone(),
+        }
+    }
+
+    /// Mean and variance of a response without a control variate.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchResponse`]; too few samples or one that is not finite, as [`ControlledSamples::raw`].
+    pub fn raw(&self, response: usize) -> Result<SampledMoments, Error> {
+        let samples = &self.beside(response, |_| 0.0)?;
+        let (surrogate_mean, surrogate_variance, seed) = (0.0, 0.0, self.seed);
+        Ok(ControlledSamples { samples, surrogate_mean, surrogate_variance, seed }.raw()?)
+    }
+
+    /// Mean and variance of a response with its Taylor surrogate, under the same law, as control variate; each half of the
+    /// samples takes the coefficient of the other, errors are by bootstrap.
+    ///
+    /// # Errors
+    /// As [`raw`](Self::raw).
+    pub fn controlled(
+        &self,
+        response: usize,
+        surrogate: &Moments<N>,
+    ) -> Result<SampledMoments, Error> {
+        let samples = &self.beside(response, |t| surrogate.surrogate(t))?;
+        let surrogate_mean = surrogate.surrogate_mean();
+        let surrogate_variance = surrogate.surrogate_variance();
+        let seed = self.seed;
+        Ok(ControlledSamples { samples, surrogate_mean, surrogate_variance, seed }.estimate()?)
+    }
+
+    /// A response of every sample with its surrogate.
+    fn beside(
+        &self,
+        response: usize,
+        surrogate: impl Fn(&[f64; N]) -> f64,
+    ) -> Result<Vec<[f64; 2]>, Error> {
+        let values = self.values(response)?;
+        Ok(values.iter().zip(&self.samples).map(|(y, (t, _))| [*y, surrogate(t)]).collect())
+    }
+
+    /// A response of every sample.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchResponse`].
+    pub fn values(&self, response: usize) -> Result<Vec<f64>, Error> {
+        let limit = self.samples.first().map_or(0, |(_, values)| values.len());
+        if response >= limit {
+            return Err(Error::NoSuchResponse { value: response, limit });
+        }
+        Ok(self.samples.iter().map(|(_, values)| values[response]).collect())
+    }
+
+    /// The share of samples in which a response exceeds a level; see [`Estimate::probability`] for its error.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchResponse`], also where no sample could be run.
+    pub fn exceedance(&self, response: usize, level: f64) -> Result<Estimate, Error> {
+        let values = self.values(response)?;
+        let hits = values.iter().filter(|&&y| y > level).count() as u64;
+        let (value, limit) = (response, 0);
+        Estimate::probability(hits, values.len() as u64)
+            .map_err(|_| Error::NoSuchResponse { value, limit })
+    }
+}
+
+/// The chance that a response exceeds a level, by moments and a normal law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exceedance {
+    /// The level (unit of the response).
+    pub level: f64,
+    /// `1 - Phi((level - mean)/sd)`; a step where the variance is zero.
+    pub probability: f64,
+}
+
+impl Exceedance {
+    /// By the second-order mean and the first-order variance. How far the response is from normal it does not know: see
+    /// [`Moments::trust`].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the level; as [`Moments::mean_second_order`].
+    pub fn by_normal_law<const N: usize>(moments: &Moments<N>, level: f64) -> Result<Self, Error> {
+        crate::error::finite("level", level)?;
+        let (mean, variance) = (moments.mean_second_order()?, moments.variance_first_order());
+        let probability = if variance > 0.0 {
+            upper_tail((level - mean) / variance.sqrt())
+        } else {
+            f64::from(u8::from(mean > level))
+        };
+        Ok(Self { level, probability })
+    }
+}

@@ -1,0 +1,188 @@
+//! An experiment with random parameters, and what its responses do.
+
+use perturbation_moments::{
+    AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints,
+};
+
+use super::range;
+use super::switch::{Switch, SwitchWitness};
+use crate::error::Error;
+use crate::number::Number;
+use crate::observation::Plan;
+use crate::parallel::map_in_order;
+use crate::record::{Record, Schedule};
+use crate::simulation::Simulation;
+
+/// A run as a function of `N` random parameters, written once over every number type.
+///
+/// What it refuses, by the errors of the materials it builds, is outside the range of a parameter.
+pub trait Experiment<const D: usize, const N: usize>: Sync {
+    /// The simulation at its start, with the parameters `x` in the order of the random vector. Grid, places of particles and
+    /// steps must not depend on them.
+    ///
+    /// # Errors
+    /// Where the parameters are out of range.
+    fn simulation<S: Number>(&self, x: &[S; N]) -> Result<Simulation<S, D>, Error>;
+}
+
+/// An experiment, the law of its parameters, and what is looked at; its mean run is done.
+#[derive(Debug)]
+pub struct Study<'a, X, const D: usize, const N: usize> {
+    pub(super) experiment: &'a X,
+    pub(super) inputs: RandomVector<N>,
+    pub(super) plan: Plan<D>,
+    mean_run: Record<f64>,
+}
+
+/// What the jets brought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Propagated<const N: usize> {
+    /// Taylor moments of every response: [`Moments::mean_second_order`], [`Moments::variance_first_order`], and
+    /// [`Moments::trust`], with mixed curvature from the probes.
+    pub moments: Vec<Moments<N>>,
+    /// How near each response's gauge was to a switch.
+    pub switches: Vec<Switch>,
+    /// Probes of the mixed second derivatives that were carried along, in lanes that the parameters leave free.
+    pub n_probes: usize,
+}
+
+impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N> {
+    /// Checks the laws, and runs the experiment at the centre of the parameters: the mean of normal, the median of lognormal
+    /// ones. Every other run takes its steps.
+    ///
+    /// # Errors
+    /// Those of the experiment at the centre and of the plan; [`Error::LikelyOutOfRange`].
+    pub fn new(experiment: &'a X, inputs: RandomVector<N>, plan: Plan<D>) -> Result<Self, Error> {
+        let mut simulation = experiment.simulation(&inputs.centre())?;
+        range::check(experiment, &inputs)?;
+        let mean_run = simulation.record(&plan)?;
+        Ok(Self { experiment, inputs, plan, mean_run })
+    }
+
+    /// What is looked at.
+    pub const fn plan(&self) -> &Plan<D> {
+        &self.plan
+    }
+
+    /// The law of the parameters.
+    pub const fn inputs(&self) -> &RandomVector<N> {
+        &self.inputs
+    }
+
+    /// The responses at the centre of the parameters.
+    #[must_use]
+    pub fn centre(&self) -> &[f64] {
+        &self.mean_run.values
+    }
+
+    /// The steps that all runs take.
+    #[must_use]
+    pub const fn schedule(&self) -> &Schedule {
+        &self.mean_run.schedule
+    }
+
+    /// The responses at independent standard normals `t`.
+    ///
+    /// # Errors
+    /// Those of the experiment and of the run.
+    pub fn run(&self, t: &[f64; N]) -> Result<Vec<f64>, Error> {
+        self.experiment.simulation(&self.inputs.point(t))?.replay(&self.plan, self.schedule())
+    }
+
+    /// Moments by the derivatives that every particle and node carries: one run with jets for up to eight parameters, one
+    /// more for every eight beyond. Lanes that are left carry probes of the mixed second derivatives, along signs that follow
+    /// from a fixed seed.
+    ///
+    /// # Errors
+    /// Those of the experiment and of the run; of [`Moments::along`] where a derivative has overflowed.
+    pub fn propagated(&self) -> Result<Propagated<N>, Error> {
+        let n_passes = N.div_ceil(LANES).max(1);
+        let probes = signs::<N>(LANES * n_passes - N);
+        let (windows, n_gauges) = (&self.plan.windows, self.plan.gauges.len());
+        let mut switches_so_far: Option<Vec<Vec<Switch>>> = None;
+        let mut passes: Vec<Vec<Jet>> = Vec::with_capacity(n_passes);
+        for pass in 0..n_passes {
+            let jets = self.inputs.jets_of_pass(pass, &probes);
+            let mut simulation = self.experiment.simulation(&jets)?;
+            let mut witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass);
+            passes.push(simulation.replay_before(&self.plan, self.schedule(), &mut witness)?);
+            switches_so_far = Some(match switches_so_far {
+                None => witness.at_windows,
+                Some(earlier) => Switch::join(earlier, &witness.at_windows),
+            });
+        }
+        let at_windows = switches_so_far.unwrap_or_default();
+        let moments = self.moments_of(&passes, probes.len())?;
+        let switch = |response| {
+            let (gauge, _, window) = self.plan.parts(response);
+            at_windows[gauge][window]
+        };
+        let switches = (0..self.plan.n_responses()).map(switch).collect();
+        Ok(Propagated { moments, switches, n_probes: probes.len() })
+    }
+
+    /// Taylor moments of every response, from the jets of each pass.
+    pub(super) fn moments_of(
+        &self,
+        passes: &[Vec<Jet>],
+        n_probes: usize,
+    ) -> Result<Vec<Moments<N>>, Error> {
+        let of = |response: usize| {
+            let jets: Vec<Jet> = passes.iter().map(|values| values[response]).collect();
+            let known = AlongDirections::from_passes(&jets, n_probes)?;
+            Ok(Moments::along(&self.inputs, &known)?)
+        };
+        (0..self.plan.n_responses()).map(of).collect()
+    }
+
+    /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the mean run.
+    ///
+    /// # Errors
+    /// Those of the experiment and of a run; of [`AlongDirections::from_star`] for the step.
+    pub fn finite_difference(&self, step: f64) -> Result<Vec<Moments<N>>, Error> {
+        let table = self.star(step)?;
+        let of = |response: usize| {
+            let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
+            let known = AlongDirections::from_star(step, &values)?;
+            Ok(Moments::along(&self.inputs, &known)?)
+        };
+        (0..self.plan.n_responses()).map(of).collect()
+    }
+
+    /// Moments by the runs at the centre and at $\pm\sqrt3$ deviations along each direction.
+    ///
+    /// # Errors
+    /// Those of the experiment and of a run: at three deviations a parameter may be out of range.
+    pub fn sigma_points(&self) -> Result<Vec<SigmaPoints<N>>, Error> {
+        let table = self.star(SIGMA_POINT_DISTANCE)?;
+        let of = |response: usize| {
+            let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
+            Ok(SigmaPoints::from_values(&values)?)
+        };
+        (0..self.plan.n_responses()).map(of).collect()
+    }
+
+    /// All responses at the points of a star, the mean run first.
+    fn star(&self, distance: f64) -> Result<Vec<Vec<f64>>, Error> {
+        let points = AlongDirections::<N>::star(distance);
+        let mut table = vec![self.centre().to_vec()];
+        for run in map_in_order(&points[1..], |t| self.run(t)) {
+            table.push(run?);
+        }
+        Ok(table)
+    }
+}
+
+/// Different directions of signs, the first always `+`: all that there are, or as many as asked for.
+fn signs<const N: usize>(n: usize) -> Vec<[f64; N]> {
+    let n_different = if N == 0 { 0 } else { 1_usize << (N - 1).min(16) };
+    // An odd step visits each of a power of two once; this one goes to and fro.
+    let step = n_different / 2 + 1 - (n_different / 2) % 2;
+    let pattern = |index: usize| (index * step + n_different / 3) % n_different;
+    (0..n.min(n_different))
+        .map(|index| {
+            let bits = pattern(index);
+            std::array::from_fn(|k| if k > 0 && bits >> (k - 1) & 1 == 1 { -1.0 } else { 1.0 })
+        })
+        .collect()
+}

@@ -1,0 +1,86 @@
+//! How near a gauge was to a switch between elastic and plastic.
+
+use perturbation_moments::{Jet, LANES};
+
+use crate::observation::{Located, Window};
+use crate::record::Witness;
+use crate::simulation::Simulation;
+
+/// How near the particles of a gauge came to a switch between elastic and plastic: the least `abs f / sd(f)`, with the trial
+/// overshoot `f` of the yield surface and its deviation by the first derivatives it carries.
+///
+/// Derivatives do not see what lies on the other side of a switch. Infinite where nothing yields or nothing is random.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Switch {
+    /// At the last step of the window.
+    pub at_end: f64,
+    /// At any step up to the end of the window. Whatever has yielded once has passed through zero: this one warns of
+    /// everything that is plastic.
+    pub so_far: f64,
+}
+
+impl Switch {
+    /// Below this many deviations a flag is raised.
+    pub const LIMIT: f64 = 2.0;
+
+    const NONE: Self = Self { at_end: f64::INFINITY, so_far: f64::INFINITY };
+
+    /// Of two passes over different parameters: variances add, `1/r^2 = 1/r_1^2 + 1/r_2^2`.
+    pub(super) fn join(first: Vec<Vec<Self>>, second: &[Vec<Self>]) -> Vec<Vec<Self>> {
+        let both = |a: f64, b: f64| 1.0 / a.recip().hypot(b.recip());
+        let mut joined = first;
+        for (a, b) in joined.iter_mut().flatten().zip(second.iter().flatten()) {
+            *a = Self { at_end: both(a.at_end, b.at_end), so_far: both(a.so_far, b.so_far) };
+        }
+        joined
+    }
+}
+
+/// Follows the overshoots of every gauge through a run with jets.
+#[derive(Debug)]
+pub(super) struct SwitchWitness<'a> {
+    windows: &'a [Window],
+    /// Lanes that are directions, not probes.
+    n_directions: usize,
+    now: Vec<Switch>,
+    /// Of every gauge, by window.
+    pub(super) at_windows: Vec<Vec<Switch>>,
+}
+
+impl<'a> SwitchWitness<'a> {
+    pub(super) fn new(n_gauges: usize, windows: &'a [Window], n_directions: usize) -> Self {
+        Self {
+            windows,
+            n_directions: n_directions.min(LANES),
+            now: vec![Switch::NONE; n_gauges],
+            at_windows: vec![vec![Switch::NONE; windows.len()]; n_gauges],
+        }
+    }
+}
+
+impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_> {
+    fn step(&mut self, simulation: &Simulation<Jet, D>, located: &[Located]) {
+        for (gauge, now) in located.iter().zip(&mut self.now) {
+            let body = &simulation.bodies()[gauge.body];
+            now.at_end = f64::INFINITY;
+            for &(particle, _) in &gauge.particles {
+                let f = body.observe(particle).overshoot;
+                let square: f64 = f.first[..self.n_directions].iter().map(|d| d * d).sum();
+                if square > 0.0 {
+                    now.at_end = now.at_end.min(f.value.abs() / square.sqrt());
+                }
+            }
+            now.so_far = now.so_far.min(now.at_end);
+        }
+    }
+
+    fn stop(&mut self, time: f64) {
+        for (w, _) in self.windows.iter().enumerate().filter(|(_, window)| window.to <= time) {
+            for (at_windows, now) in self.at_windows.iter_mut().zip(&self.now) {
+                if at_windows[w] == Switch::NONE {
+                    at_windows[w] = *now;
+                }
+            }
+        }
+    }
+}

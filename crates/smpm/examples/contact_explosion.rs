@@ -5,6 +5,8 @@
 //! cargo run --release -p smpm --example contact_explosion
 //! ```
 
+#![allow(clippy::print_stdout, reason = "an example that prints")]
+
 use perturbation_moments::RandomVector;
 use smpm::material::{
     Detonation, Fluid, JohnsonCook, JohnsonCookParameters, Jwl, MieGruneisen, Solid, TensionCutOff,

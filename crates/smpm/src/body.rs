@@ -1,21 +1,57 @@
 //! A body: particles of one material.
 
-use std::sync::{Mutex, PoisonError};
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
 
+use std::sync::OnceLock;
+
+use perturbation_moments::in_widest_registers;
+
+use crate::binning::{Binning, permute};
+use crate::config::{Config, Geometry, Transfer, UpdateOrder};
 use crate::error::{Error, Fault, finite, positive};
-use crate::grid::Binning;
 use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
 use crate::number::Number;
-use crate::parallel::for_each_pair;
+use crate::parallel::join;
+use crate::shape::Shape;
 use crate::tensor::{Symmetric, volume_change};
+use crate::transfer::Sweep;
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
+///
+/// A particle has the number that its place has in [`Fill::positions`], for good: what the body gives out, and errors, are by
+/// this number. In memory particles move, so that those of a cell stand together.
 #[derive(Debug)]
 pub struct Body<S, const D: usize> {
     pub(crate) particles: Particles<S, D>,
-    pub(crate) constitution: Box<dyn Constitution<S>>,
-    pub(crate) bases: Vec<[i32; D]>,
-    pub(crate) binning: Binning,
+    pub(crate) constitution: Box<dyn Constitution<S, D>>,
+    pub(crate) binning: Binning<D>,
+    /// The edges of the box that each particle stood for at the start (length).
+    spacing: [f64; D],
+    /// Where each particle is in memory; empty while all are at their numbers.
+    places: Vec<u32>,
+    views: Views<S, D>,
+}
+
+/// Columns by the numbers of particles, made when asked for.
+#[derive(Debug)]
+struct Views<S, const D: usize> {
+    positions: OnceLock<Vec<[S; D]>>,
+    velocities: OnceLock<Vec<[S; D]>>,
+    masses: OnceLock<Vec<S>>,
+}
+
+impl<S, const D: usize> Views<S, D> {
+    fn none() -> Self {
+        let (positions, velocities) = (OnceLock::new(), OnceLock::new());
+        Self { positions, velocities, masses: OnceLock::new() }
+    }
+
+    fn forget(&mut self) {
+        *self = Self::none();
+    }
 }
 
 /// Where the particles of a body start.
@@ -65,34 +101,105 @@ impl<const D: usize> Fill<D> {
     }
 }
 
-/// What every particle carries besides the state of its material.
+/// What every particle carries besides the state of its material, in the order of memory. A column that no step of the
+/// configuration needs is empty.
 #[derive(Debug)]
 pub(crate) struct Particles<S, const D: usize> {
     pub(crate) position: Vec<[S; D]>,
     pub(crate) velocity: Vec<[S; D]>,
-    /// By how much the step moves it.
+    /// By how much the step moves it, where it does not move at once.
     pub(crate) displacement: Vec<[S; D]>,
-    /// APIC's matrix, or zero.
+    /// APIC's matrix.
     pub(crate) affine: Vec<[[S; D]; D]>,
-    pub(crate) velocity_gradient: Vec<[[S; 3]; 3]>,
-    /// Half its length along each axis (length).
+    /// Half its length along each axis (length), with GIMP.
     pub(crate) half_length: Vec<[S; D]>,
+    /// The same at the end of the step.
+    pub(crate) stretched: Vec<[S; D]>,
     pub(crate) mass: Vec<S>,
     /// Its volume in the reference state; per radian where axisymmetric.
     pub(crate) reference_volume: Vec<f64>,
+    /// Its number.
+    pub(crate) number: Vec<u32>,
+}
+
+/// A run of particles; columns that are empty are so in every chunk.
+#[derive(Debug)]
+pub(crate) struct Chunk<'a, S, const D: usize> {
+    pub(crate) position: &'a mut [[S; D]],
+    pub(crate) velocity: &'a mut [[S; D]],
+    pub(crate) displacement: &'a mut [[S; D]],
+    pub(crate) affine: &'a mut [[[S; D]; D]],
+    pub(crate) half_length: &'a mut [[S; D]],
+    pub(crate) stretched: &'a mut [[S; D]],
+    pub(crate) mass: &'a [S],
+    pub(crate) reference_volume: &'a [f64],
+    pub(crate) number: &'a [u32],
+    pub(crate) slot: &'a [u32],
+}
+
+/// Both parts of a column, of one that may be empty too.
+fn halves<T>(column: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
+    column.split_at_mut(middle.min(column.len()))
+}
+
+impl<S, const D: usize> Chunk<'_, S, D> {
+    pub(crate) fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    fn split(&mut self, middle: usize) -> (Chunk<'_, S, D>, Chunk<'_, S, D>) {
+        let (position, positions) = halves(self.position, middle);
+        let (velocity, velocities) = halves(self.velocity, middle);
+        let (displacement, displacements) = halves(self.displacement, middle);
+        let (affine, affines) = halves(self.affine, middle);
+        let (half_length, half_lengths) = halves(self.half_length, middle);
+        let (stretched, stretcheds) = halves(self.stretched, middle);
+        let (mass, masses) = self.mass.split_at(middle);
+        let (reference_volume, reference_volumes) = self.reference_volume.split_at(middle);
+        let (number, numbers) = self.number.split_at(middle);
+        let (slot, slots) = self.slot.split_at(middle);
+        (
+            Chunk {
+                position,
+                velocity,
+                displacement,
+                affine,
+                half_length,
+                stretched,
+                mass,
+                reference_volume,
+                number,
+                slot,
+            },
+            Chunk {
+                position: positions,
+                velocity: velocities,
+                displacement: displacements,
+                affine: affines,
+                half_length: half_lengths,
+                stretched: stretcheds,
+                mass: masses,
+                reference_volume: reference_volumes,
+                number: numbers,
+                slot: slots,
+            },
+        )
+    }
 }
 
 /// What the material made of a particle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Condition<S> {
-    /// Cauchy stress with the bulk viscosity.
+    /// Cauchy stress without the bulk viscosity.
     pub(crate) stress: Symmetric<S>,
-    /// Cauchy stress without it.
-    pub(crate) material_stress: Symmetric<S>,
+    /// The bulk viscosity, a pressure.
+    pub(crate) viscosity: S,
     /// `V/V_0`.
     pub(crate) volume: S,
     /// Speed of a longitudinal wave.
     pub(crate) wave_speed: S,
+    /// `tr L` of the last step.
+    pub(crate) rate: f64,
 }
 
 /// Coefficients of the bulk viscosity,
@@ -109,23 +216,79 @@ pub struct BulkViscosity {
 }
 
 /// A material with the states of its particles, whatever their type: the loop over particles sees one material.
-pub(crate) trait Constitution<S>: std::fmt::Debug + Send + Sync {
-    /// Advances every particle over a step; of several faults, that of the lowest particle.
-    fn advance(&mut self, motion: &Motion<'_, S>) -> Result<(), (usize, Fault)>;
+pub(crate) trait Constitution<S, const D: usize>: std::fmt::Debug + Send + Sync {
+    /// Does with every particle what the sweep asks for.
+    fn sweep(&mut self, chunk: Chunk<'_, S, D>, sweep: &Sweep<'_, S, D>) -> Summary<D>;
     fn conditions(&self) -> &[Condition<S>];
-    fn observe(&self, particle: usize) -> Observed<S>;
+    fn observe(&self, place: usize) -> Observed<S>;
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>>;
+    fn permute(&mut self, order: &[u32], done: &mut Vec<bool>);
 }
 
-/// What a step does to all particles of a body.
-#[derive(Debug)]
-pub(crate) struct Motion<'a, S> {
-    pub(crate) velocity_gradient: &'a [[[S; 3]; 3]],
-    pub(crate) dt: f64,
-    pub(crate) time: f64,
-    pub(crate) cell: f64,
-    pub(crate) viscosity: BulkViscosity,
+/// What a sweep has seen, of values.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Summary<const D: usize> {
+    /// The fault of the particle with the lowest number.
+    pub(crate) fault: Option<(u32, Fault)>,
+    /// The greatest speed at which a signal crosses the grid, and the lowest number of a particle that has it.
+    pub(crate) fastest: (f64, u32),
+    pub(crate) momentum: [f64; D],
+    pub(crate) kinetic: f64,
+    pub(crate) internal: f64,
 }
+
+impl<const D: usize> Summary<D> {
+    pub(crate) fn none() -> Self {
+        let fastest = (0.0, u32::MAX);
+        Self { fault: None, fastest, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 }
+    }
+
+    fn and(self, other: Self) -> Self {
+        let fault = match (self.fault, other.fault) {
+            (Some(one), Some(two)) => Some(if one.0 <= two.0 { one } else { two }),
+            (one, two) => one.or(two),
+        };
+        let (one, two) = (self.fastest, other.fastest);
+        let first = one.0 > two.0 || (one.0 >= two.0 && one.1 <= two.1);
+        Self {
+            fault,
+            fastest: if first { one } else { two },
+            momentum: std::array::from_fn(|k| self.momentum[k] + other.momentum[k]),
+            kinetic: self.kinetic + other.kinetic,
+            internal: self.internal + other.internal,
+        }
+    }
+
+    fn fail(&mut self, number: u32, fault: Fault) {
+        if self.fault.is_none_or(|(lowest, _)| number < lowest) {
+            self.fault = Some((number, fault));
+        }
+    }
+}
+
+/// The speed at which a signal crosses the grid: `abs v + Q + sqrt(Q^2 + c^2)`.
+#[inline(always)]
+pub(crate) fn signal_speed<S: Number, const D: usize>(
+    velocity: &[S; D],
+    condition: &Condition<S>,
+    config: &Config<D>,
+) -> f64 {
+    let (mut square, c) = (0.0, condition.wave_speed.value());
+    for k in 0..D {
+        square += velocity[k].value() * velocity[k].value();
+    }
+    if condition.rate >= 0.0 {
+        return square.sqrt() + c;
+    }
+    let BulkViscosity { quadratic, linear } = config.viscosity;
+    let q = linear * c - quadratic * config.cell * condition.rate;
+    square.sqrt() + q + (q * q + c * c).sqrt()
+}
+
+/// Particles that go through a sweep together: what they take stays in the nearest cache.
+const BATCH: usize = 32;
+/// Particles of a thread's share at least, a multiple of a batch.
+const SHARE: usize = 1024;
 
 #[derive(Debug)]
 struct Particular<M: Material<S>, S: Number> {
@@ -136,16 +299,16 @@ struct Particular<M: Material<S>, S: Number> {
 }
 
 /// One particle over a step.
-fn next<M: Material<S>, S: Number>(
+#[inline(always)]
+fn next<M: Material<S>, S: Number, const D: usize>(
     (material, density): (&M, S),
-    motion: &Motion<'_, S>,
-    i: usize,
+    sweep: &Sweep<'_, S, D>,
+    l: &[[S; 3]; 3],
     state: &mut M::State,
     condition: &mut Condition<S>,
 ) -> Result<(), Fault> {
-    let Motion { dt, time, cell, viscosity, .. } = *motion;
-    let l = motion.velocity_gradient[i];
-    let volume = condition.volume * volume_change(&l, dt);
+    let (dt, cell, viscosity) = (sweep.dt, sweep.config.cell, sweep.config.viscosity);
+    let volume = condition.volume * volume_change(l, dt);
     if !(volume.value() > 0.0 && volume.value().is_finite()) {
         let must = "above 0 and finite";
         return Err(Fault { quantity: "V/V_0", value: volume.value(), must });
@@ -158,17 +321,22 @@ fn next<M: Material<S>, S: Number>(
         S::constant(0.0)
     };
     let now = Now {
-        velocity_gradient: l,
+        velocity_gradient: *l,
         dt,
-        time,
+        time: sweep.time,
         volume_before: condition.volume,
         volume,
         viscosity: q,
         cell,
     };
-    let material_stress = material.update(&now, state)?;
-    let stress = material_stress - Symmetric::isotropic(q);
-    if let Some(value) = stress.values().into_iter().find(|value| !value.is_finite()) {
+    let stress = material.update(&now, state)?;
+    // A sum is finite if all its terms are; else one is to be found, or the sum itself is too large.
+    let mut sum = q.value();
+    for k in 0..6 {
+        sum += stress.0[k].value().abs();
+    }
+    if !sum.is_finite() {
+        let value = stress.values().into_iter().find(|value| !value.is_finite()).unwrap_or(sum);
         return Err(Fault { quantity: "stress", value, must: "finite" });
     }
     let wave_speed = material.wave_speed(volume, state);
@@ -176,35 +344,153 @@ fn next<M: Material<S>, S: Number>(
     if !(c >= 0.0 && c.is_finite()) {
         return Err(Fault { quantity: "wave speed", value: c, must: "0 or above and finite" });
     }
-    *condition = Condition { stress, material_stress, volume, wave_speed };
+    *condition = Condition { stress, viscosity: q, volume, wave_speed, rate: trace.value() };
     Ok(())
 }
 
-impl<M: Material<S> + 'static, S: Number> Constitution<S> for Particular<M, S>
+/// A chunk with what the material keeps of its particles.
+struct Portion<'a, M: Material<S>, S: Number, const D: usize> {
+    material: &'a M,
+    density: S,
+    chunk: Chunk<'a, S, D>,
+    states: &'a mut [M::State],
+    conditions: &'a mut [Condition<S>],
+}
+
+impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
+    fn split(&mut self, middle: usize) -> (Portion<'_, M, S, D>, Portion<'_, M, S, D>) {
+        let (material, density) = (self.material, self.density);
+        let (low, high) = self.chunk.split(middle);
+        let (states, further_states) = self.states.split_at_mut(middle);
+        let (conditions, further) = self.conditions.split_at_mut(middle);
+        (
+            Portion { material, density, chunk: low, states, conditions },
+            Portion { material, density, chunk: high, states: further_states, conditions: further },
+        )
+    }
+
+    /// In halves down to a share: the sums have a shape that the number of particles alone decides.
+    fn sweep(&mut self, sweep: &Sweep<'_, S, D>) -> Summary<D> {
+        let n = self.chunk.len();
+        if n > SHARE {
+            let (mut low, mut high) = self.split((n / 2).next_multiple_of(BATCH));
+            let (one, two) = join(|| low.sweep(sweep), || high.sweep(sweep));
+            return one.and(two);
+        }
+        let mut summary = Summary::none();
+        let mut gradients = [[[S::constant(0.0); 3]; 3]; BATCH];
+        let mut start = 0;
+        while start < n {
+            let (_, mut rest) = self.split(start);
+            let (mut batch, _) = rest.split(BATCH.min(n - start));
+            batch.sweep_batch(sweep, &mut gradients, &mut summary);
+            start += BATCH;
+        }
+        summary
+    }
+
+    fn sweep_batch(
+        &mut self,
+        sweep: &Sweep<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]; BATCH],
+        summary: &mut Summary<D>,
+    ) {
+        let n = self.chunk.len();
+        sweep.carrier.take(&mut self.chunk, &mut gradients[..n], sweep);
+        let Self { material, density, chunk, states, conditions } = self;
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                if sweep.pass.updates_stress() {
+                    for i in 0..n {
+                        let of = (*material, *density);
+                        let l = &gradients[i];
+                        if let Err(fault) = next(of, sweep, l, &mut states[i], &mut conditions[i]) {
+                            summary.fail(chunk.number[i], fault);
+                        }
+                    }
+                }
+                if sweep.pass.moves() {
+                    for i in 0..n {
+                        if let Err(fault) = chunk.move_one(i, sweep) {
+                            summary.fail(chunk.number[i], fault);
+                        }
+                        let velocity = &chunk.velocity[i];
+                        let speed = signal_speed(velocity, &conditions[i], sweep.config);
+                        let number = chunk.number[i];
+                        if speed > summary.fastest.0
+                            || (speed >= summary.fastest.0 && number < summary.fastest.1)
+                        {
+                            summary.fastest = (speed, number);
+                        }
+                        let mass = chunk.mass[i].value();
+                        for k in 0..D {
+                            let v = velocity[k].value();
+                            summary.momentum[k] += mass * v;
+                            summary.kinetic += 0.5 * mass * v * v;
+                        }
+                        let energy = material.observe(&states[i]).energy.value();
+                        summary.internal += energy * chunk.reference_volume[i];
+                    }
+                }
+            },
+        );
+    }
+}
+
+impl<S: Number, const D: usize> Chunk<'_, S, D> {
+    /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
+    /// (Chen et al. 2019, eq 8).
+    #[inline(always)]
+    fn move_one(&mut self, i: usize, sweep: &Sweep<'_, S, D>) -> Result<(), Fault> {
+        let x = &mut self.position[i];
+        for k in 0..D {
+            if !sweep.pass.takes_motion() {
+                x[k] = x[k] + self.displacement[i][k];
+            }
+            let value = x[k].value();
+            if !value.is_finite() {
+                return Err(Fault { quantity: "position", value, must: "finite" });
+            }
+        }
+        if sweep.config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
+            return Err(Fault { quantity: "radius", value: x[0].value(), must: "above 0" });
+        }
+        if sweep.config.shape == Shape::Gimp {
+            for k in 0..D {
+                let length = self.stretched[i][k];
+                self.half_length[i][k] = length;
+                let value = length.value() / sweep.config.cell;
+                if !(value > 0.0 && value <= 1.0) {
+                    let must = "above 0 and at most 1: the grid is too fine for the stretch";
+                    return Err(Fault { quantity: "half length in cells", value, must });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<M: Material<S> + 'static, S: Number, const D: usize> Constitution<S, D> for Particular<M, S>
 where
     M::State: 'static,
 {
-    fn advance(&mut self, motion: &Motion<'_, S>) -> Result<(), (usize, Fault)> {
-        let first_fault = Mutex::new(None::<(usize, Fault)>);
+    fn sweep(&mut self, chunk: Chunk<'_, S, D>, sweep: &Sweep<'_, S, D>) -> Summary<D> {
         let Self { material, density, states, conditions } = self;
-        let (material, density) = (&*material, *density);
-        for_each_pair(states, conditions, |i, state, condition| {
-            if let Err(fault) = next((material, density), motion, i, state, condition) {
-                let mut first = first_fault.lock().unwrap_or_else(PoisonError::into_inner);
-                if first.is_none_or(|(lowest, _)| i < lowest) {
-                    *first = Some((i, fault));
-                }
-            }
-        });
-        first_fault.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+        Portion { material, density: *density, chunk, states, conditions }.sweep(sweep)
     }
 
     fn conditions(&self) -> &[Condition<S>] {
         &self.conditions
     }
 
-    fn observe(&self, particle: usize) -> Observed<S> {
-        self.material.observe(&self.states[particle])
+    fn observe(&self, place: usize) -> Observed<S> {
+        self.material.observe(&self.states[place])
+    }
+
+    fn permute(&mut self, order: &[u32], done: &mut Vec<bool>) {
+        permute(&mut self.states, order, done);
+        permute(&mut self.conditions, order, done);
     }
 
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
@@ -249,27 +535,128 @@ impl<S: Number, const D: usize> Body<S, D> {
             .iter()
             .map(|state| Condition {
                 stress: Symmetric::zero(),
-                material_stress: Symmetric::zero(),
+                viscosity: zero,
                 volume: one,
                 wave_speed: material.wave_speed(one, state),
+                rate: 0.0,
             })
             .collect();
         let particles = Particles {
             position: fill.positions.iter().map(|place| place.map(S::constant)).collect(),
             velocity: vec![velocity.map(S::constant); n],
-            displacement: vec![[zero; D]; n],
-            affine: vec![[[zero; D]; D]; n],
-            velocity_gradient: vec![[[zero; 3]; 3]; n],
+            displacement: vec![],
+            affine: vec![],
             half_length: vec![fill.spacing.map(|length| S::constant(0.5 * length)); n],
+            stretched: vec![],
             mass: vec![density * volume; n],
             reference_volume: vec![volume; n],
+            number: (0_u32..).take(n).collect(),
         };
         Ok(Self {
             particles,
             constitution: Box::new(Particular { material, density, states, conditions }),
-            bases: vec![[0; D]; n],
-            binning: Binning::default(),
+            binning: Binning::of(n),
+            spacing: fill.spacing,
+            places: vec![],
+            views: Views::none(),
         })
+    }
+
+    /// Makes the columns that steps of a configuration need, and leaves out those that they do not.
+    pub(crate) fn prepare(&mut self, config: &Config<D>) {
+        let (n, zero) = (self.n_particles(), S::constant(0.0));
+        let Particles { displacement, affine, half_length, stretched, .. } = &mut self.particles;
+        if config.update_order == UpdateOrder::ModifiedStressLast {
+            displacement.resize(n, [zero; D]);
+        }
+        if config.transfer == Transfer::Apic {
+            affine.resize(n, [[zero; D]; D]);
+        }
+        if config.shape == Shape::Gimp {
+            stretched.clone_from(half_length);
+        } else {
+            *half_length = vec![];
+        }
+    }
+
+    /// Does with every particle what the sweep asks for.
+    pub(crate) fn sweep(&mut self, sweep: &Sweep<'_, S, D>) -> Summary<D> {
+        let Particles {
+            position,
+            velocity,
+            displacement,
+            affine,
+            half_length,
+            stretched,
+            mass,
+            reference_volume,
+            number,
+        } = &mut self.particles;
+        let slot = &self.binning.slot;
+        let chunk = Chunk {
+            position,
+            velocity,
+            displacement,
+            affine,
+            half_length,
+            stretched,
+            mass,
+            reference_volume,
+            number,
+            slot,
+        };
+        self.views.forget();
+        self.constitution.sweep(chunk, sweep)
+    }
+
+    /// Puts the particles into the order of their cells. They are to be binned anew.
+    pub(crate) fn sort(&mut self, done: &mut Vec<bool>) {
+        let order = self.binning.by_cell();
+        let Particles {
+            position,
+            velocity,
+            displacement,
+            affine,
+            half_length,
+            stretched,
+            mass,
+            reference_volume,
+            number,
+        } = &mut self.particles;
+        permute(position, order, done);
+        permute(velocity, order, done);
+        permute(displacement, order, done);
+        permute(affine, order, done);
+        permute(half_length, order, done);
+        permute(stretched, order, done);
+        permute(mass, order, done);
+        permute(reference_volume, order, done);
+        permute(number, order, done);
+        self.constitution.permute(order, done);
+        self.find_places();
+        self.views.forget();
+    }
+
+    /// Notes where each number is in memory.
+    fn find_places(&mut self) {
+        let number = &self.particles.number;
+        self.places.resize(number.len(), 0);
+        for (place, &number) in (0_u32..).zip(number) {
+            self.places[number as usize] = place;
+        }
+    }
+
+    /// Where a particle is in memory.
+    fn place(&self, particle: usize) -> usize {
+        self.places.get(particle).map_or(particle, |&place| place as usize)
+    }
+
+    /// A column by the numbers of particles.
+    fn by_number<'a, T: Copy>(&self, column: &'a [T], view: &'a OnceLock<Vec<T>>) -> &'a [T] {
+        if self.places.is_empty() {
+            return column;
+        }
+        view.get_or_init(|| self.places.iter().map(|&place| column[place as usize]).collect())
     }
 
     /// Gives every particle the velocity at its place.
@@ -295,28 +682,40 @@ impl<S: Number, const D: usize> Body<S, D> {
         self.particles.position.len()
     }
 
-    /// Places (length).
+    /// Places (length), by the numbers of particles. The first call after a step gathers all; [`Self::position`] is for few.
     #[must_use]
     pub fn positions(&self) -> &[[S; D]] {
-        &self.particles.position
+        self.by_number(&self.particles.position, &self.views.positions)
     }
 
-    /// Velocities (length per time).
+    /// The place of a particle (length).
+    #[must_use]
+    pub fn position(&self, particle: usize) -> [S; D] {
+        self.particles.position[self.place(particle)]
+    }
+
+    /// Velocities (length per time), by the numbers of particles; gathered as the positions are.
     #[must_use]
     pub fn velocities(&self) -> &[[S; D]] {
-        &self.particles.velocity
+        self.by_number(&self.particles.velocity, &self.views.velocities)
     }
 
-    /// Masses; per radian where axisymmetric.
+    /// The velocity of a particle (length per time).
+    #[must_use]
+    pub fn velocity(&self, particle: usize) -> [S; D] {
+        self.particles.velocity[self.place(particle)]
+    }
+
+    /// Masses, by the numbers of particles; per radian where axisymmetric.
     #[must_use]
     pub fn masses(&self) -> &[S] {
-        &self.particles.mass
+        self.by_number(&self.particles.mass, &self.views.masses)
     }
 
     /// The stress of a particle, without the bulk viscosity.
     #[must_use]
     pub fn stress(&self, particle: usize) -> Symmetric<S> {
-        self.constitution.conditions()[particle].material_stress
+        self.constitution.conditions()[self.place(particle)].stress
     }
 
     /// The pressure of a particle, `-tr(sigma)/3`, without the bulk viscosity.
@@ -328,26 +727,30 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// `V/V_0` of a particle.
     #[must_use]
     pub fn volume_ratio(&self, particle: usize) -> S {
-        self.constitution.conditions()[particle].volume
+        self.constitution.conditions()[self.place(particle)].volume
     }
 
     /// The density of a particle (mass per volume).
     #[must_use]
     pub fn density(&self, particle: usize) -> S {
-        let Particles { mass, reference_volume, .. } = &self.particles;
-        mass[particle] / (self.volume_ratio(particle) * reference_volume[particle])
+        let (Particles { mass, .. }, place) = (&self.particles, self.place(particle));
+        mass[place] / (self.volume_ratio(particle) * self.reference_volume(particle))
+    }
+
+    /// The volume of a particle in the reference state; per radian where axisymmetric.
+    pub(crate) fn reference_volume(&self, particle: usize) -> f64 {
+        self.particles.reference_volume[self.place(particle)]
     }
 
     /// Half the diagonal of the box that a particle stands for at the start (length).
     pub(crate) fn half_diagonal(&self) -> f64 {
-        let square = |length: &S| length.value() * length.value();
-        self.particles.half_length[0].iter().map(square).sum::<f64>().sqrt()
+        0.5 * self.spacing.iter().map(|edge| edge * edge).sum::<f64>().sqrt()
     }
 
     /// What the material shows of a particle besides its stress.
     #[must_use]
     pub fn observe(&self, particle: usize) -> Observed<S> {
-        self.constitution.observe(particle)
+        self.constitution.observe(self.place(particle))
     }
 
     /// Pressure and flow stress by the formulas of its material at a state that is taken for certain; `None` where the

@@ -1,9 +1,17 @@
 //! The background grid: nodes in tiles, allocated where particles are.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use perturbation_moments::in_widest_registers;
+
+use crate::body::Body;
 use crate::boundary::Plane;
 use crate::error::Error;
 use crate::number::Number;
-use crate::parallel::for_each_large;
+use crate::parallel::for_each_chunk;
 use crate::shape::MOST_NODES;
 
 /// Nodes of a block beyond its tile along each axis: a particle of the tile sees them.
@@ -17,6 +25,9 @@ const MOST_TILES: usize = 1 << 26;
 
 /// No tile here.
 const NONE: u32 = u32::MAX;
+/// Marks before tiles are numbered: particles stand there; or it only holds the halo of one where they do.
+const OCCUPIED: u32 = 0;
+const HALO_ONLY: u32 = 1;
 
 /// Nodes of a tile along an axis.
 pub(crate) const fn tile_edge(dimension: usize) -> usize {
@@ -46,7 +57,7 @@ pub(crate) const fn block_len(dimension: usize) -> usize {
     power(block_edge(dimension), dimension)
 }
 
-const fn tile_len(dimension: usize) -> usize {
+pub(crate) const fn tile_len(dimension: usize) -> usize {
     power(tile_edge(dimension), dimension)
 }
 
@@ -59,12 +70,13 @@ pub(crate) struct Node<S, const D: usize> {
 }
 
 impl<S: Number, const D: usize> Node<S, D> {
+    #[inline(always)]
     fn zero() -> Self {
         let zero = S::constant(0.0);
         Self { mass: zero, motion: [zero; D], change: [zero; D] }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, other: &Self) {
         self.mass = self.mass + other.mass;
         for k in 0..D {
@@ -75,10 +87,10 @@ impl<S: Number, const D: usize> Node<S, D> {
 }
 
 /// Which tiles exist, and where each is kept.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Directory<const D: usize> {
-    low: Vec<i32>,
-    extent: Vec<usize>,
+    low: [i32; D],
+    extent: [usize; D],
     slots: Vec<u32>,
 }
 
@@ -86,11 +98,10 @@ impl<const D: usize> Directory<D> {
     /// Spans the tiles from `low` to `high`, all absent.
     fn span(&mut self, low: [i32; D], high: [i32; D]) -> Result<(), Error> {
         let mut total = 1_usize;
-        self.low = low.to_vec();
-        self.extent.clear();
+        self.low = low;
         for k in 0..D {
             let extent = usize::try_from(i64::from(high[k]) - i64::from(low[k]) + 1).unwrap_or(0);
-            self.extent.push(extent);
+            self.extent[k] = extent;
             total = total.saturating_mul(extent);
         }
         if total > MOST_TILES {
@@ -113,50 +124,53 @@ impl<const D: usize> Directory<D> {
         Some(index)
     }
 
-    fn slot(&self, tile: &[i32; D]) -> Option<usize> {
-        let slot = self.number(tile);
-        (slot != NONE).then_some(slot as usize)
-    }
-
     /// The slot of a tile, or [`NONE`].
     fn number(&self, tile: &[i32; D]) -> u32 {
         self.index(tile).map_or(NONE, |index| self.slots[index])
     }
 }
 
-/// Who stands in which tile: particles of one body by the slot of their tile.
-#[derive(Debug, Default)]
-pub(crate) struct Binning {
-    /// The slot of each particle's tile.
-    pub(crate) slot: Vec<u32>,
-    /// Particles by slot, ascending within each.
-    order: Vec<u32>,
-    /// Where the particles of a slot begin in `order`.
-    starts: Vec<u32>,
+/// The tile that a node belongs to.
+#[inline(always)]
+fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
+    node.map(|place| place.div_euclid(signed(tile_edge(D))))
 }
 
-impl Binning {
-    /// The particles of a tile.
-    pub(crate) fn of(&self, slot: usize) -> &[u32] {
-        &self.order[self.starts[slot] as usize..self.starts[slot + 1] as usize]
+/// A length within a block: far below the range of the type.
+#[inline(always)]
+fn signed(length: usize) -> i32 {
+    i32::try_from(length).unwrap_or(i32::MAX)
+}
+
+/// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they stand one
+/// tile further along axis `k`.
+const NEIGHBOURS: usize = 8;
+
+#[derive(Debug, Clone, Copy)]
+struct Tile<const D: usize> {
+    at: [i32; D],
+    /// Whether particles stand in it; else it only holds what those below give.
+    occupied: bool,
+    /// Whether no plane acts on its nodes or those of its halo.
+    plain: bool,
+    /// Slots of the tiles below where particles stand, or [`NONE`].
+    below: [u32; NEIGHBOURS],
+    /// Slots of the tiles above, or [`NONE`].
+    above: [u32; NEIGHBOURS],
+}
+
+impl<const D: usize> Tile<D> {
+    /// Its lowest node.
+    fn corner(&self) -> [i32; D] {
+        self.at.map(|tile| tile * signed(tile_edge(D)))
     }
 
-    fn sort(&mut self, n_slots: usize) {
-        self.starts.clear();
-        self.starts.resize(n_slots + 1, 0);
-        for &slot in &self.slot {
-            self.starts[slot as usize + 1] += 1;
-        }
-        for k in 0..n_slots {
-            self.starts[k + 1] += self.starts[k];
-        }
-        let mut next = self.starts.clone();
-        self.order.resize(self.slot.len(), 0);
-        for (particle, &slot) in (0_u32..).zip(&self.slot) {
-            let place = &mut next[slot as usize];
-            self.order[*place as usize] = particle;
-            *place += 1;
-        }
+    fn is_plain(&self, planes: &[Plane]) -> bool {
+        let (low, reach) = (self.corner(), signed(block_edge(D)) - 1);
+        planes.iter().all(|plane| {
+            let low = low[plane.axis];
+            plane.beyond(low).max(plane.beyond(low + reach)) < -MOST_DEPTH
+        })
     }
 }
 
@@ -170,55 +184,74 @@ pub(crate) struct Grid<S, const D: usize> {
     pub(crate) origin: [f64; D],
     planes: Vec<Plane>,
     directory: Directory<D>,
-    tiles: Vec<[i32; D]>,
-    /// One block for each tile, with its halo.
-    pub(crate) blocks: Vec<Node<S, D>>,
-    /// The nodes themselves: one set for each tile, no halo.
+    tiles: Vec<Tile<D>>,
+    /// Places in the directory of the tiles where particles stand.
+    occupied: Vec<usize>,
+    /// A block for each tile, with its halo.
+    blocks: Vec<Node<S, D>>,
+    /// The nodes themselves: a set for each tile, no halo.
     nodes: Vec<Node<S, D>>,
+}
+
+/// What the nodes do with what they were given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Solve {
+    /// The step; zero where velocities alone are asked for.
+    pub(crate) dt: f64,
+    /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
+    pub(crate) smallest_mass: f64,
+    /// Whether masses were given too; else they are those of the last time.
+    pub(crate) with_mass: bool,
 }
 
 impl<S: Number, const D: usize> Grid<S, D> {
     pub(crate) fn new(cell: f64, origin: [f64; D], planes: Vec<Plane>) -> Self {
-        let directory = Directory { low: vec![], extent: vec![], slots: vec![] };
-        Self { cell, origin, planes, directory, tiles: vec![], blocks: vec![], nodes: vec![] }
+        let directory = Directory { low: [0; D], extent: [0; D], slots: vec![] };
+        let (tiles, occupied, blocks, nodes) = (vec![], vec![], vec![], vec![]);
+        Self { cell, origin, planes, directory, tiles, occupied, blocks, nodes }
     }
 
-    /// Allocates the tiles that the particles see, and sorts the particles of every body by tile. `bases[b][p]` is the lowest
-    /// node that a particle sees.
-    pub(crate) fn allocate<'a>(
-        &mut self,
-        bodies: impl Iterator<Item = (&'a [[i32; D]], &'a mut Binning)>,
-    ) -> Result<(), Error> {
-        let edge = i32::try_from(tile_edge(D)).unwrap_or(i32::MAX);
-        let tile_of = |base: &[i32; D]| base.map(|node| node.div_euclid(edge));
-        let mut bodies: Vec<_> = bodies.collect();
+    /// Allocates the tiles that the particles see, and sorts the particles of every body by tile.
+    pub(crate) fn allocate(&mut self, bodies: &mut [Body<S, D>]) -> Result<(), Error> {
         let (mut low, mut high) = ([i32::MAX; D], [i32::MIN; D]);
-        for base in bodies.iter().flat_map(|(bases, _)| bases.iter()) {
+        for base in bodies.iter().flat_map(|body| &body.binning.bases) {
             for k in 0..D {
                 low[k] = low[k].min(base[k]);
                 high[k] = high[k].max(base[k]);
             }
         }
         // One more tile above: halos belong to it.
-        let (low, mut high) = (tile_of(&low), tile_of(&high));
-        for k in 0..D {
-            high[k] += 1;
-        }
+        let (low, high) = (tile_of(&low), tile_of(&high).map(|tile| tile + 1));
         self.directory.span(low, high)?;
-        for base in bodies.iter().flat_map(|(bases, _)| bases.iter()) {
-            let tile = tile_of(base);
-            if self.directory.slot(&tile).is_some_and(|slot| slot == 0) {
-                continue;
-            }
-            if let Some(index) = self.directory.index(&tile) {
-                self.directory.slots[index] = 0;
+        self.occupied.clear();
+        for body in &*bodies {
+            let mut last = None;
+            for base in &body.binning.bases {
+                let tile = tile_of(base);
+                if last == Some(tile) {
+                    continue;
+                }
+                last = Some(tile);
+                if let Some(index) = self.directory.index(&tile)
+                    && self.directory.slots[index] == NONE
+                {
+                    self.directory.slots[index] = OCCUPIED;
+                    self.occupied.push(index);
+                }
             }
         }
         self.number_tiles(low);
-        for (bases, binning) in &mut bodies {
-            binning.slot.clear();
-            binning.slot.extend(bases.iter().map(|base| self.directory.number(&tile_of(base))));
-            binning.sort(self.tiles.len());
+        for body in bodies {
+            let Self { directory, tiles, .. } = &*self;
+            let mut last = (tile_of(&body.binning.bases[0]), NONE);
+            last.1 = directory.number(&last.0);
+            body.binning.bin(tiles.len(), |base| {
+                let tile = tile_of(base);
+                if tile != last.0 {
+                    last = (tile, directory.number(&tile));
+                }
+                last.1
+            });
         }
         self.blocks.resize(self.tiles.len() * block_len(D), Node::zero());
         self.nodes.resize(self.tiles.len() * tile_len(D), Node::zero());
@@ -227,85 +260,115 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// Numbers the tiles that were marked and those that hold their halos, in the order of the directory.
     fn number_tiles(&mut self, low: [i32; D]) {
-        let directory = &mut self.directory;
-        let marked: Vec<usize> =
-            (0..directory.slots.len()).filter(|&index| directory.slots[index] != NONE).collect();
-        for index in marked {
+        let Self { directory, tiles, occupied, planes, .. } = self;
+        for &index in &*occupied {
             for bits in 1..1_usize << D {
                 let (mut neighbour, mut stride) = (index, 1);
                 for k in 0..D {
                     neighbour += stride * (bits >> k & 1);
                     stride *= directory.extent[k];
                 }
-                directory.slots[neighbour] = 0;
+                if directory.slots[neighbour] == NONE {
+                    directory.slots[neighbour] = HALO_ONLY;
+                }
             }
         }
-        self.tiles.clear();
+        tiles.clear();
         for index in 0..directory.slots.len() {
-            if directory.slots[index] == NONE {
+            let mark = directory.slots[index];
+            if mark == NONE {
                 continue;
             }
-            directory.slots[index] = u32::try_from(self.tiles.len()).unwrap_or(NONE);
+            directory.slots[index] = u32::try_from(tiles.len()).unwrap_or(NONE);
             let mut rest = index;
-            self.tiles.push(std::array::from_fn(|k| {
+            let at = std::array::from_fn(|k| {
                 let offset = rest % directory.extent[k];
                 rest /= directory.extent[k];
                 low[k] + i32::try_from(offset).unwrap_or(0)
-            }));
+            });
+            let none = [NONE; NEIGHBOURS];
+            let mut tile =
+                Tile { at, occupied: mark == OCCUPIED, plain: false, below: none, above: none };
+            tile.plain = tile.is_plain(planes);
+            tiles.push(tile);
+        }
+        for slot in 0..tiles.len() {
+            for bits in 0..1_usize << D {
+                let along = |step: i32| {
+                    let at = tiles[slot].at;
+                    directory.number(&std::array::from_fn(|k| {
+                        at[k] + if bits >> k & 1 == 1 { step } else { 0 }
+                    }))
+                };
+                let (below, above) = (along(-1), along(1));
+                if below != NONE && tiles[below as usize].occupied {
+                    tiles[slot].below[bits] = below;
+                }
+                tiles[slot].above[bits] = above;
+            }
         }
     }
 
     /// The lowest node of a tile's block.
+    #[inline(always)]
     pub(crate) fn corner(&self, slot: usize) -> [i32; D] {
-        let edge = i32::try_from(tile_edge(D)).unwrap_or(i32::MAX);
-        self.tiles[slot].map(|tile| tile * edge)
+        self.tiles[slot].corner()
     }
 
-    /// Lets every tile's particles write into its cleared block: `give(slot, block)`.
+    /// The block of a tile.
+    #[inline(always)]
+    pub(crate) fn block(&self, slot: usize) -> &[Node<S, D>] {
+        &self.blocks[slot * block_len(D)..][..block_len(D)]
+    }
+
+    /// Lets every tile's particles write into its cleared block: `give(slot, corner, block)`.
     pub(crate) fn collect(&mut self, give: impl Fn(usize, [i32; D], &mut [Node<S, D>]) + Sync) {
-        let corners: Vec<_> = (0..self.tiles.len()).map(|slot| self.corner(slot)).collect();
-        let mut blocks: Vec<_> = self.blocks.chunks_mut(block_len(D)).collect();
-        for_each_large(&mut blocks, |slot, block| {
-            block.fill(Node::zero());
-            give(slot, corners[slot], block);
+        let tiles = &self.tiles;
+        for_each_chunk(&mut self.blocks, block_len(D), |slot, block| {
+            if tiles[slot].occupied {
+                block.fill(Node::zero());
+                give(slot, tiles[slot].corner(), block);
+            }
         });
     }
 
     /// Nodes collect what the blocks hold of them: mass, momentum, force, with the images at planes; then the velocity, its
-    /// change over `dt` by the force, and what the planes make of them; then the blocks are filled with them again.
-    ///
-    /// Nodes lighter than `smallest_mass` stand still: their acceleration would be a quotient of roundoff.
-    pub(crate) fn solve(&mut self, dt: f64, smallest_mass: f64) {
+    /// change over the step by the force, and what the planes make of them; then the blocks are filled with them again.
+    pub(crate) fn solve(&mut self, solve: Solve) {
         let Self { cell, planes, directory, tiles, blocks, nodes, .. } = self;
         let (planes, directory, tiles, cell) = (&*planes, &*directory, &*tiles, *cell);
-        let edge = tile_edge(D);
-        let collected = &*blocks;
-        let mut owned: Vec<_> = nodes.chunks_mut(tile_len(D)).collect();
-        for_each_large(&mut owned, |slot, owned| {
-            for (index, node) in owned.iter_mut().enumerate() {
-                let place = place::<D>(&tiles[slot], index, edge);
-                *node = with_images(planes, place, |at| sum_at(directory, collected, at));
-                velocity_of(node, dt, smallest_mass);
-                // Mirrors hold before the step too: what the image takes from the momentum is no change.
-                let mut before: [S; D] = node.motion;
-                for plane in planes.iter().filter(|plane| plane.mirrors()) {
-                    plane.constrain(place[plane.axis], (dt, cell), &mut before);
-                }
-                let mut after: [S; D] = std::array::from_fn(|k| before[k] + node.change[k]);
-                for plane in planes {
-                    plane.constrain(place[plane.axis], (dt, cell), &mut after);
-                }
-                for k in 0..D {
-                    node.change[k] = after[k] - before[k];
-                }
-                node.motion = after;
-            }
+        let given = Given { directory, tiles, blocks: &*blocks };
+        for_each_chunk(nodes, tile_len(D), |slot, owned| {
+            let tile = &tiles[slot];
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    if tile.plain {
+                        given.collect(tile, owned, solve.with_mass);
+                        for node in &mut *owned {
+                            velocity_of(node, solve);
+                            for k in 0..D {
+                                node.motion[k] = node.motion[k] + node.change[k];
+                            }
+                        }
+                    } else {
+                        given.collect_at_planes(tile, owned, (planes, cell), solve);
+                    }
+                },
+            );
         });
         let owned = &*nodes;
-        let mut filled: Vec<_> = blocks.chunks_mut(block_len(D)).collect();
-        for_each_large(&mut filled, |slot, block| {
+        for_each_chunk(blocks, block_len(D), |slot, block| {
+            let tile = &tiles[slot];
+            if !tile.occupied {
+                return;
+            }
+            if tile.plain {
+                fill(tile, owned, block);
+                return;
+            }
             for (index, node) in block.iter_mut().enumerate() {
-                let place = place_in_block::<D>(&tiles[slot], index);
+                let place = place_in_block::<D>(&tile.at, index);
                 *node = seen_at(planes, directory, owned, place);
             }
         });
@@ -318,59 +381,165 @@ impl<S: Number, const D: usize> Grid<S, D> {
 }
 
 /// Momentum and force become velocity and its change.
-fn velocity_of<S: Number, const D: usize>(node: &mut Node<S, D>, dt: f64, smallest_mass: f64) {
-    if node.mass.value() <= smallest_mass {
+#[inline(always)]
+fn velocity_of<S: Number, const D: usize>(node: &mut Node<S, D>, solve: Solve) {
+    if node.mass.value() <= solve.smallest_mass {
         *node = Node::zero();
         return;
     }
     let inverse = node.mass.recip();
     for k in 0..D {
         node.motion[k] = node.motion[k] * inverse;
-        node.change[k] = node.change[k] * inverse * dt;
+    }
+    if solve.dt > 0.0 {
+        let inverse = inverse * solve.dt;
+        for k in 0..D {
+            node.change[k] = node.change[k] * inverse;
+        }
     }
 }
 
 fn place<const D: usize>(tile: &[i32; D], index: usize, edge: usize) -> [i32; D] {
-    let (mut rest, edge_i32) = (index, i32::try_from(edge).unwrap_or(i32::MAX));
+    let mut rest = index;
     std::array::from_fn(|k| {
         let local = rest % edge;
         rest /= edge;
-        tile[k] * edge_i32 + i32::try_from(local).unwrap_or(0)
+        tile[k] * signed(edge) + signed(local)
     })
 }
 
 fn place_in_block<const D: usize>(tile: &[i32; D], index: usize) -> [i32; D] {
-    let edge = i32::try_from(tile_edge(D)).unwrap_or(i32::MAX);
     let block = place::<D>(&[0; D], index, block_edge(D));
-    std::array::from_fn(|k| tile[k] * edge + block[k])
+    std::array::from_fn(|k| tile[k] * signed(tile_edge(D)) + block[k])
 }
 
-/// What all blocks hold of a node, in the order of the tiles below it.
-fn sum_at<S: Number, const D: usize>(
-    directory: &Directory<D>,
-    blocks: &[Node<S, D>],
-    place: [i32; D],
-) -> Node<S, D> {
-    let (edge, wide) = (tile_edge(D), block_edge(D));
-    let edge_i32 = i32::try_from(edge).unwrap_or(i32::MAX);
-    let tile = place.map(|node| node.div_euclid(edge_i32));
-    let local: [usize; D] =
-        std::array::from_fn(|k| usize::try_from(place[k].rem_euclid(edge_i32)).unwrap_or(0));
-    let mut sum = Node::zero();
-    for bits in 0..1_usize << D {
-        let below = |k: usize| bits >> k & 1 == 1;
-        if (0..D).any(|k| below(k) && local[k] >= HALO) {
-            continue;
+/// Where a row of nodes, the first axis along it, begins in a box of nodes: `edge` along each axis, for the row `(j, k)`.
+#[inline(always)]
+fn row_start(edge: usize, (j, k): (usize, usize)) -> usize {
+    (k * edge + j) * edge
+}
+
+/// What particles gave, by blocks.
+struct Given<'a, S, const D: usize> {
+    directory: &'a Directory<D>,
+    tiles: &'a [Tile<D>],
+    blocks: &'a [Node<S, D>],
+}
+
+impl<S: Number, const D: usize> Given<'_, S, D> {
+    /// What all blocks hold of the nodes of a tile, row by row, in the order of the tiles below.
+    #[inline(always)]
+    fn collect(&self, tile: &Tile<D>, owned: &mut [Node<S, D>], with_mass: bool) {
+        let (edge, wide) = (tile_edge(D), block_edge(D));
+        for row in 0..tile_len(D) / edge {
+            let (j, k) = (row % edge, row / edge);
+            let out = &mut owned[row * edge..][..edge];
+            for node in &mut *out {
+                let mass = if with_mass { S::constant(0.0) } else { node.mass };
+                *node = Node { mass, ..Node::zero() };
+            }
+            for bits in 0..1_usize << D {
+                let (beyond_j, beyond_k) = (bits >> 1 & 1, bits >> 2 & 1);
+                if tile.below[bits] == NONE
+                    || (beyond_j == 1 && j >= HALO)
+                    || (beyond_k == 1 && k >= HALO)
+                {
+                    continue;
+                }
+                let block = &self.blocks[tile.below[bits] as usize * block_len(D)..];
+                let start = row_start(wide, (j + beyond_j * edge, k + beyond_k * edge));
+                let from = if bits & 1 == 1 {
+                    &block[start + edge..start + wide]
+                } else {
+                    &block[start..start + edge]
+                };
+                for (node, given) in out.iter_mut().zip(from) {
+                    node.add(given);
+                }
+            }
         }
-        let from = std::array::from_fn(|k| if below(k) { tile[k] - 1 } else { tile[k] });
-        let Some(slot) = directory.slot(&from) else { continue };
-        let mut index = 0;
-        for k in (0..D).rev() {
-            index = index * wide + local[k] + if below(k) { edge } else { 0 };
-        }
-        sum.add(&blocks[slot * block_len(D) + index]);
     }
-    sum
+
+    /// The same where planes act, and the velocity that they leave.
+    fn collect_at_planes(
+        &self,
+        tile: &Tile<D>,
+        owned: &mut [Node<S, D>],
+        (planes, cell): (&[Plane], f64),
+        solve: Solve,
+    ) {
+        let Solve { dt, with_mass, .. } = solve;
+        for (index, node) in owned.iter_mut().enumerate() {
+            let place = place::<D>(&tile.at, index, tile_edge(D));
+            let mass = node.mass;
+            *node = with_images(planes, place, |at| self.sum_at(at));
+            if !with_mass {
+                node.mass = mass;
+            }
+            velocity_of(node, solve);
+            // Mirrors hold before the step too: what the image takes from the momentum is no change.
+            let mut before: [S; D] = node.motion;
+            for plane in planes.iter().filter(|plane| plane.mirrors()) {
+                plane.constrain(place[plane.axis], (dt, cell), &mut before);
+            }
+            let mut after: [S; D] = std::array::from_fn(|k| before[k] + node.change[k]);
+            for plane in planes {
+                plane.constrain(place[plane.axis], (dt, cell), &mut after);
+            }
+            for k in 0..D {
+                node.change[k] = after[k] - before[k];
+            }
+            node.motion = after;
+        }
+    }
+
+    /// What all blocks hold of a node, in the order of the tiles below it.
+    fn sum_at(&self, place: [i32; D]) -> Node<S, D> {
+        let (edge, wide) = (tile_edge(D), block_edge(D));
+        let tile = tile_of(&place);
+        let local: [usize; D] = std::array::from_fn(|k| {
+            usize::try_from(place[k] - tile[k] * signed(edge)).unwrap_or(0)
+        });
+        let mut sum = Node::zero();
+        for bits in 0..1_usize << D {
+            let below = |k: usize| bits >> k & 1 == 1;
+            if (0..D).any(|k| below(k) && local[k] >= HALO) {
+                continue;
+            }
+            let from = std::array::from_fn(|k| if below(k) { tile[k] - 1 } else { tile[k] });
+            let slot = self.directory.number(&from);
+            if slot == NONE || !self.tiles[slot as usize].occupied {
+                continue;
+            }
+            let mut index = 0;
+            for k in (0..D).rev() {
+                index = index * wide + local[k] + if below(k) { edge } else { 0 };
+            }
+            sum.add(&self.blocks[slot as usize * block_len(D) + index]);
+        }
+        sum
+    }
+}
+
+/// Fills the block of a tile from the nodes of its own and of the tiles above.
+fn fill<S: Number, const D: usize>(tile: &Tile<D>, owned: &[Node<S, D>], block: &mut [Node<S, D>]) {
+    let (edge, wide) = (tile_edge(D), block_edge(D));
+    for row in 0..block_len(D) / wide {
+        let (j, k) = (row % wide, row / wide);
+        let outer = 2 * usize::from(j >= edge) + 4 * usize::from(k >= edge);
+        let start = row_start(edge, (j % edge, k % edge));
+        let out = &mut block[row * wide..][..wide];
+        let (here, beyond) = out.split_at_mut(edge);
+        for (part, bits) in [(here, outer), (beyond, outer + 1)] {
+            match tile.above[bits] {
+                NONE => part.fill(Node::zero()),
+                slot => {
+                    let from = slot as usize * tile_len(D) + start;
+                    part.copy_from_slice(&owned[from..from + part.len()]);
+                }
+            }
+        }
+    }
 }
 
 /// What a node holds with the images of what stands beyond mirrors.
@@ -381,26 +550,23 @@ fn with_images<S: Number, const D: usize>(
 ) -> Node<S, D> {
     let mut total = sum(place);
     // Each image of a node may have images in the planes that follow: at an edge there are three, at a corner seven.
-    let mut images = vec![];
-    for (number, plane) in planes.iter().enumerate() {
+    let mut images: [Option<&Plane>; D] = [None; D];
+    for plane in planes {
         let depth = -plane.beyond(place[plane.axis]);
         if plane.mirrors() && (1..=MOST_DEPTH).contains(&depth) {
-            images.push(number);
+            images[plane.axis] = Some(plane);
         }
     }
-    for chosen in 1..1_usize << images.len() {
-        let mut at = place;
-        for (k, &number) in images.iter().enumerate() {
-            if chosen >> k & 1 == 1 {
-                at[planes[number].axis] = planes[number].image(at[planes[number].axis]);
-            }
+    for chosen in 1..1_usize << D {
+        let picked = |k: usize| images[k].filter(|_| chosen >> k & 1 == 1);
+        if (0..D).any(|k| chosen >> k & 1 == 1 && images[k].is_none()) {
+            continue;
         }
+        let at = std::array::from_fn(|k| picked(k).map_or(place[k], |plane| plane.image(place[k])));
         let mut image = sum(at);
-        for (k, &number) in images.iter().enumerate() {
-            if chosen >> k & 1 == 1 {
-                image.motion = planes[number].mirrored(image.motion);
-                image.change = planes[number].mirrored(image.change);
-            }
+        for plane in (0..D).filter_map(picked) {
+            image.motion = plane.mirrored(image.motion);
+            image.change = plane.mirrored(image.change);
         }
         total.add(&image);
     }
@@ -423,13 +589,14 @@ fn seen_at<S: Number, const D: usize>(
         node.change = plane.mirrored(node.change);
         return node;
     }
-    let edge = tile_edge(D);
-    let edge_i32 = i32::try_from(edge).unwrap_or(i32::MAX);
-    let tile = place.map(|node| node.div_euclid(edge_i32));
-    let Some(slot) = directory.slot(&tile) else { return Node::zero() };
+    let (edge, tile) = (tile_edge(D), tile_of(&place));
+    let slot = directory.number(&tile);
+    if slot == NONE {
+        return Node::zero();
+    }
     let mut index = 0;
     for k in (0..D).rev() {
-        index = index * edge + usize::try_from(place[k].rem_euclid(edge_i32)).unwrap_or(0);
+        index = index * edge + usize::try_from(place[k] - tile[k] * signed(edge)).unwrap_or(0);
     }
-    nodes[slot * tile_len(D) + index]
+    nodes[slot as usize * tile_len(D) + index]
 }

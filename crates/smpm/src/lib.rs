@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod binning;
 mod body;
 mod boundary;
 mod config;

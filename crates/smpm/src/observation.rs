@@ -137,8 +137,8 @@ impl Quantity {
             Self::Damage => body.observe(particle).damage,
             Self::Energy => body.observe(particle).energy,
             Self::Density => body.density(particle),
-            Self::Position(k) => body.positions()[particle][k],
-            Self::Velocity(k) => body.velocities()[particle][k],
+            Self::Position(k) => body.position(particle)[k],
+            Self::Velocity(k) => body.velocity(particle)[k],
         }
     }
 }
@@ -307,8 +307,7 @@ impl<const D: usize> Gauge<D> {
         if chosen.is_empty() {
             return Err(outside(f64::INFINITY, 0.0));
         }
-        let volumes: Vec<f64> =
-            chosen.iter().map(|&p| body.particles.reference_volume[p]).collect();
+        let volumes: Vec<f64> = chosen.iter().map(|&p| body.reference_volume(p)).collect();
         let total: f64 = volumes.iter().sum();
         let particles = chosen.into_iter().zip(volumes).map(|(p, v)| (p, v / total)).collect();
         Ok(Located { body: self.body, particles })

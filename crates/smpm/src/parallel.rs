@@ -1,58 +1,56 @@
-//! Loops whose every output bit is the same for any number of threads: each entry is written once, from data that nobody
-//! writes.
+//! Work whose every output bit is the same for any number of threads: each entry is written once, from data that nobody
+//! writes, and sums have a shape that lengths alone decide. Nothing here allocates.
 
 /// Entries that one thread takes at a time.
 #[cfg(feature = "rayon")]
-const GRAIN: usize = 256;
+const GRAIN: usize = 1024;
 
-/// `work(i, entry i)` for every entry.
-pub(crate) fn for_each<T: Send>(entries: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+/// Both, at once where there are threads.
+pub(crate) fn join<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
     #[cfg(feature = "rayon")]
     {
-        use rayon::prelude::*;
-        entries
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(GRAIN)
-            .for_each(|(i, entry)| work(i, entry));
+        rayon::join(a, b)
     }
     #[cfg(not(feature = "rayon"))]
-    for (i, entry) in entries.iter_mut().enumerate() {
-        work(i, entry);
-    }
-}
-
-/// As [`for_each`], for entries that are much work each.
-pub(crate) fn for_each_large<T: Send>(entries: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
-    #[cfg(feature = "rayon")]
     {
-        use rayon::prelude::*;
-        entries.par_iter_mut().enumerate().for_each(|(i, entry)| work(i, entry));
-    }
-    #[cfg(not(feature = "rayon"))]
-    for (i, entry) in entries.iter_mut().enumerate() {
-        work(i, entry);
+        (a(), b())
     }
 }
 
 /// `work(i, a_i, b_i)` for every pair of entries.
-pub(crate) fn for_each_pair<A: Send, B: Send>(
+pub(crate) fn for_each_pair<A: Send, B: Sync>(
     a: &mut [A],
-    b: &mut [B],
-    work: impl Fn(usize, &mut A, &mut B) + Sync,
+    b: &[B],
+    work: impl Fn(&mut A, &B) + Sync,
 ) {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        a.par_iter_mut()
-            .zip(b.par_iter_mut())
-            .enumerate()
-            .with_min_len(GRAIN)
-            .for_each(|(i, (a, b))| work(i, a, b));
+        a.par_iter_mut().zip(b.par_iter()).with_min_len(GRAIN).for_each(|(a, b)| work(a, b));
     }
     #[cfg(not(feature = "rayon"))]
-    for (i, (a, b)) in a.iter_mut().zip(b).enumerate() {
-        work(i, a, b);
+    for (a, b) in a.iter_mut().zip(b) {
+        work(a, b);
+    }
+}
+
+/// `work(k, chunk k)` for every run of `length` entries, which is much work.
+pub(crate) fn for_each_chunk<T: Send>(
+    entries: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) + Sync,
+) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        entries.par_chunks_mut(length).enumerate().for_each(|(k, chunk)| work(k, chunk));
+    }
+    #[cfg(not(feature = "rayon"))]
+    for (k, chunk) in entries.chunks_mut(length).enumerate() {
+        work(k, chunk);
     }
 }
 

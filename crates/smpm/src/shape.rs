@@ -1,5 +1,10 @@
 //! Shape functions: how a particle is seen by the nodes around it.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
 use perturbation_moments::Scalar;
 
 /// Which shape function carries values between particles and nodes.
@@ -34,9 +39,11 @@ pub(crate) struct Axis<S> {
 }
 
 /// A shape function as a type, so that loops over its nodes unroll.
-pub(crate) trait ShapeFunction {
+pub(crate) trait ShapeFunction: std::fmt::Debug + Send + Sync + 'static {
     /// Nodes along an axis.
     const NODES: usize;
+    /// Whether the size of the particle matters.
+    const SIZED: bool = false;
 
     /// At the place `s` (in cells) of a particle that reaches `half` cells to either side.
     fn along<S: Scalar>(s: S, half: S) -> Axis<S>;
@@ -55,7 +62,7 @@ pub(crate) struct QuadraticBSpline;
 pub(crate) struct CubicBSpline;
 
 /// The largest whole number not above `s`.
-#[inline]
+#[inline(always)]
 #[allow(
     clippy::cast_possible_truncation,
     reason = "the grid refuses places beyond the range of its node numbers"
@@ -64,7 +71,7 @@ fn floor(s: f64) -> i32 {
     s.floor() as i32
 }
 
-#[inline]
+#[inline(always)]
 fn empty<S: Scalar>(base: i32) -> Axis<S> {
     Axis { base, value: [S::constant(0.0); MOST_NODES], slope: [S::constant(0.0); MOST_NODES] }
 }
@@ -72,12 +79,12 @@ fn empty<S: Scalar>(base: i32) -> Axis<S> {
 impl ShapeFunction for Linear {
     const NODES: usize = 2;
 
-    #[inline]
+    #[inline(always)]
     fn base(s: f64, _: f64) -> i32 {
         floor(s)
     }
 
-    #[inline]
+    #[inline(always)]
     fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
         let mut axis = empty(floor(s.value()));
         let f = s - f64::from(axis.base);
@@ -90,12 +97,12 @@ impl ShapeFunction for Linear {
 impl ShapeFunction for QuadraticBSpline {
     const NODES: usize = 3;
 
-    #[inline]
+    #[inline(always)]
     fn base(s: f64, _: f64) -> i32 {
         floor(s - 0.5)
     }
 
-    #[inline]
+    #[inline(always)]
     fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
         let mut axis = empty(floor(s.value() - 0.5));
         // From 1/2 to 3/2.
@@ -112,12 +119,12 @@ impl ShapeFunction for QuadraticBSpline {
 impl ShapeFunction for CubicBSpline {
     const NODES: usize = 4;
 
-    #[inline]
+    #[inline(always)]
     fn base(s: f64, _: f64) -> i32 {
         floor(s) - 1
     }
 
-    #[inline]
+    #[inline(always)]
     fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
         let cell = floor(s.value());
         let mut axis = empty(cell - 1);
@@ -139,15 +146,16 @@ impl ShapeFunction for CubicBSpline {
 
 impl ShapeFunction for Gimp {
     const NODES: usize = 4;
+    const SIZED: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn base(s: f64, half: f64) -> i32 {
         floor(s - half)
     }
 
     /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
     /// length of the particle in cells.
-    #[inline]
+    #[inline(always)]
     fn along<S: Scalar>(s: S, half: S) -> Axis<S> {
         let mut axis = empty(floor(s.value() - half.value()));
         let inverse = half.recip() * 0.5;
@@ -161,7 +169,7 @@ impl ShapeFunction for Gimp {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn hat<S: Scalar>(u: S) -> S {
     let value = u.value();
     if value.abs() >= 1.0 {
@@ -173,7 +181,7 @@ fn hat<S: Scalar>(u: S) -> S {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn hat_integral<S: Scalar>(u: S) -> S {
     let value = u.value();
     if value <= -1.0 {
@@ -187,37 +195,30 @@ fn hat_integral<S: Scalar>(u: S) -> S {
     }
 }
 
-/// Calls with offset, value and gradient (per cell) at every node of a particle; the first axis is fastest, rows are
-/// `edge` nodes long.
-#[inline]
-pub(crate) fn for_each_node<S: Scalar, F: ShapeFunction, const D: usize>(
+/// The part of the axes beyond the first in the shape function of a row of nodes, and its slopes (per cell) along these axes.
+#[inline(always)]
+pub(crate) fn outer<S: Scalar, const D: usize>(
     axes: &[Axis<S>; D],
-    edge: usize,
-    mut visit: impl FnMut(usize, S, [S; D]),
-) {
-    let count = |axis: usize| if axis < D { F::NODES } else { 1 };
-    for k in 0..count(2) {
-        for j in 0..count(1) {
-            for i in 0..count(0) {
-                let index = [i, j, k];
-                let mut value = axes[0].value[i];
-                let mut gradient = [axes[0].slope[i]; D];
-                for a in 1..D {
-                    value = value * axes[a].value[index[a]];
-                }
-                for g in 0..D {
-                    let mut product = axes[g].slope[index[g]];
-                    for a in 0..D {
-                        if a != g {
-                            product = product * axes[a].value[index[a]];
-                        }
-                    }
-                    gradient[g] = product;
-                }
-                visit((k * edge + j) * edge + i, value, gradient);
-            }
-        }
+    (j, k): (usize, usize),
+) -> (S, [S; D]) {
+    let mut slope = [S::constant(0.0); D];
+    if D == 1 {
+        return (S::constant(1.0), slope);
     }
+    let (value_y, slope_y) = (axes[1].value[j], axes[1].slope[j]);
+    if D == 2 {
+        slope[1] = slope_y;
+        return (value_y, slope);
+    }
+    let (value_z, slope_z) = (axes[2].value[k], axes[2].slope[k]);
+    slope[1] = slope_y * value_z;
+    slope[2] = value_y * slope_z;
+    (value_y * value_z, slope)
+}
+
+/// Nodes that a particle sees along an axis of `D`; one along an axis that there is not.
+pub(crate) const fn nodes_along<F: ShapeFunction, const D: usize>(axis: usize) -> usize {
+    if axis < D { F::NODES } else { 1 }
 }
 
 #[cfg(test)]

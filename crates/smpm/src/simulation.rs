@@ -1,13 +1,13 @@
 //! A simulation as a value: checked once, stepped, observed.
 
-use crate::body::{Body, Motion, Particles};
+use crate::body::{Body, Particles, Summary, signal_speed};
 use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
-use crate::error::{Error, Fault};
-use crate::grid::Grid;
+use crate::error::Error;
+use crate::grid::{Grid, Solve};
 use crate::number::Number;
-use crate::shape::{MOST_NODES, Shape};
-use crate::transfer::{Given, Places, give, take_gradient, take_motion, with_shape};
+use crate::shape::MOST_NODES;
+use crate::transfer::{Given, Pass, Places, Sweep, carrier};
 
 /// A node lighter than this part of the lightest particle stands still.
 const SMALLEST_MASS: f64 = 1e-12;
@@ -25,6 +25,10 @@ pub struct Simulation<S, const D: usize> {
     time: f64,
     n_steps: u64,
     smallest_mass: f64,
+    /// Of the present state.
+    limit: Limit,
+    /// A buffer of the sort.
+    done: Vec<bool>,
     /// Energy at the start, and what gravity has put in since.
     supplied: f64,
     failed: Option<Error>,
@@ -93,14 +97,18 @@ impl<S: Number, const D: usize> Simulation<S, D> {
                     *volume *= x[0].value();
                 }
             }
+            body.prepare(&config);
         }
         let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
         let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);
         let grid = Grid::new(config.cell, config.origin, planes);
+        let limit = Limit::of(&config, &bodies);
         let mut simulation = Self {
             config,
             bodies,
             grid,
+            limit,
+            done: vec![],
             time: 0.0,
             n_steps: 0,
             smallest_mass,
@@ -139,7 +147,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// The longest step that the Courant number allows in the present state (time).
     #[must_use]
     pub fn longest_step(&self) -> f64 {
-        self.limit().dt
+        self.limit.dt
     }
 
     /// One step of the length that the Courant number allows.
@@ -147,7 +155,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// # Errors
     /// See [`Self::step_of`].
     pub fn step(&mut self) -> Result<StepReport, Error> {
-        self.step_of(self.limit().dt)
+        self.step_of(self.limit.dt)
     }
 
     /// Steps until `time`; the last one is cut so that it lands there.
@@ -167,7 +175,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
 
     /// The next step on the way to a later time, and whether it lands there. No sliver: the last two steps are equal.
     pub(crate) fn step_towards(&self, time: f64) -> (f64, bool) {
-        let (limit, rest) = (self.limit().dt, time - self.time);
+        let (limit, rest) = (self.limit.dt, time - self.time);
         if rest <= limit {
             (rest, true)
         } else if rest < 2.0 * limit {
@@ -200,7 +208,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });
         }
-        let Limit { dt: allowed, body, particle } = self.limit();
+        let Limit { dt: allowed, body, particle } = self.limit;
         // The limit at the Courant number 1.
         let limit = allowed / self.config.courant_number;
         if !(dt > 0.0 && dt <= limit) {
@@ -209,153 +217,84 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         self.allocate()?;
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {
-            self.give(Given::Motion);
-            self.grid.solve(0.0, self.smallest_mass);
-            self.take_gradient();
-            self.update_materials(dt)?;
+            self.give(Given::Motion, 0.0);
+            self.sweep(dt, Pass::Stress)?;
         }
-        self.give(Given::MotionAndForce);
-        self.grid.solve(dt, self.smallest_mass);
-        self.take_motion(dt);
-        match order {
-            UpdateOrder::StressFirst => {}
-            UpdateOrder::StressLast => {
-                self.take_gradient();
-                self.update_materials(dt)?;
-            }
+        self.give(Given::MotionAndForce, dt);
+        let summary = match order {
+            UpdateOrder::StressFirst => self.sweep(dt, Pass::MotionAndMove)?,
+            UpdateOrder::StressLast => self.sweep(dt, Pass::Whole)?,
             UpdateOrder::ModifiedStressLast => {
-                self.give(Given::Motion);
-                self.grid.solve(0.0, self.smallest_mass);
-                self.take_gradient();
-                self.update_materials(dt)?;
+                self.sweep(dt, Pass::Motion)?;
+                self.give(Given::MotionAgain, 0.0);
+                self.sweep(dt, Pass::StressAndMove)?
             }
-        }
-        self.move_particles(dt)?;
+        };
         self.n_steps = step;
         self.time += dt;
-        self.check_energy(dt)?;
+        self.check_energy(dt, &summary)?;
         Ok(StepReport { step, time: self.time, dt, n_tiles: self.grid.n_tiles() })
     }
 
+    /// Tiles where particles are, and who stands where; particles that have left their neighbours in memory go back to them.
     fn allocate(&mut self) -> Result<(), Error> {
-        let places = Places { origin: self.grid.origin, cell: self.grid.cell };
+        self.bin()?;
+        let mut is_sorted = false;
         for body in &mut self.bodies {
-            match self.config.shape {
-                Shape::Linear => places.bases::<crate::shape::Linear, S>(body),
-                Shape::Gimp => places.bases::<crate::shape::Gimp, S>(body),
-                Shape::QuadraticBSpline => places.bases::<crate::shape::QuadraticBSpline, S>(body),
-                Shape::CubicBSpline => places.bases::<crate::shape::CubicBSpline, S>(body),
+            if self.n_steps == 0 || body.binning.is_disordered() {
+                body.sort(&mut self.done);
+                is_sorted = true;
             }
         }
-        self.grid.allocate(
-            self.bodies.iter_mut().map(|Body { bases, binning, .. }| (bases.as_slice(), binning)),
-        )
+        if is_sorted { self.bin() } else { Ok(()) }
     }
 
-    fn give(&mut self, given: Given) {
+    fn bin(&mut self) -> Result<(), Error> {
+        let places = Places { origin: self.grid.origin, cell: self.grid.cell };
+        let carrier = carrier::<S, D>(self.config.shape);
+        for body in &mut self.bodies {
+            carrier.find_bases(&places, body);
+        }
+        self.grid.allocate(&mut self.bodies)
+    }
+
+    fn give(&mut self, given: Given, dt: f64) {
+        carrier(self.config.shape).give(&mut self.grid, &self.bodies, &self.config, given);
+        let with_mass = given != Given::MotionAgain;
+        self.grid.solve(Solve { dt, smallest_mass: self.smallest_mass, with_mass });
+    }
+
+    /// A pass over all particles.
+    fn sweep(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
         let Self { config, bodies, grid, .. } = self;
-        with_shape!(config.shape, give::<S, D>(grid, bodies, config, given));
-    }
-
-    fn take_motion(&mut self, dt: f64) {
-        let Self { config, bodies, grid, .. } = self;
-        with_shape!(config.shape, take_motion::<S, D>(grid, bodies, config, dt));
-    }
-
-    fn take_gradient(&mut self) {
-        let Self { config, bodies, grid, .. } = self;
-        with_shape!(config.shape, take_gradient::<S, D>(grid, bodies, config));
-    }
-
-    fn update_materials(&mut self, dt: f64) -> Result<(), Error> {
+        let carrier = carrier(config.shape);
         let (step, time) = (self.n_steps + 1, self.time + dt);
-        for (number, body) in self.bodies.iter_mut().enumerate() {
-            let motion = Motion {
-                velocity_gradient: &body.particles.velocity_gradient,
-                dt,
-                time,
-                cell: self.config.cell,
-                viscosity: self.config.viscosity,
-            };
-            body.constitution.advance(&motion).map_err(|(particle, fault)| Error::Material {
-                step,
-                time,
-                body: number,
-                particle,
-                fault,
-            })?;
-        }
-        Ok(())
-    }
-
-    /// `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain (Chen et al. 2019, eq 8).
-    fn move_particles(&mut self, dt: f64) -> Result<(), Error> {
-        let (step, time) = (self.n_steps + 1, self.time + dt);
-        let sized = self.config.shape == Shape::Gimp;
-        for (number, body) in self.bodies.iter_mut().enumerate() {
-            let Particles { position, displacement, half_length, velocity_gradient, .. } =
-                &mut body.particles;
-            for (particle, (x, by)) in position.iter_mut().zip(displacement).enumerate() {
-                let fault = |quantity, value, must| {
-                    let fault = Fault { quantity, value, must };
-                    Error::Material { step, time, body: number, particle, fault }
-                };
-                for k in 0..D {
-                    x[k] = x[k] + by[k];
-                    if !x[k].value().is_finite() {
-                        return Err(fault("position", x[k].value(), "finite"));
-                    }
-                }
-                if self.config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
-                    return Err(fault("radius", x[0].value(), "above 0"));
-                }
-                if sized {
-                    for k in 0..D {
-                        let length = &mut half_length[particle][k];
-                        *length = *length + *length * velocity_gradient[particle][k][k] * dt;
-                        let cells = length.value() / self.config.cell;
-                        if !(cells > 0.0 && cells <= 1.0) {
-                            let must =
-                                "above 0 and at most 1: the grid is too fine for the stretch";
-                            return Err(fault("half length in cells", cells, must));
-                        }
-                    }
-                }
+        let sweep = Sweep { grid, config, carrier, dt, time, pass };
+        let (mut all, mut fastest) = (Summary::none(), 0.0);
+        for (number, body) in bodies.iter_mut().enumerate() {
+            let summary = body.sweep(&sweep);
+            if let Some((particle, fault)) = summary.fault {
+                let particle = particle as usize;
+                return Err(Error::Material { step, time, body: number, particle, fault });
             }
-        }
-        Ok(())
-    }
-
-    /// The longest step by the Courant number, and the lowest particle that asks for it.
-    fn limit(&self) -> Limit {
-        let (cell, viscosity) = (self.config.cell, self.config.viscosity);
-        let mut limit = Limit { dt: f64::INFINITY, body: 0, particle: 0 };
-        for (number, body) in self.bodies.iter().enumerate() {
-            let Particles { velocity, velocity_gradient, .. } = &body.particles;
-            for (particle, condition) in body.constitution.conditions().iter().enumerate() {
-                let speed: f64 =
-                    velocity[particle].iter().map(|v| v.value().powi(2)).sum::<f64>().sqrt();
-                let l = &velocity_gradient[particle];
-                let trace = l[0][0].value() + l[1][1].value() + l[2][2].value();
-                let c = condition.wave_speed.value();
-                let q = if trace < 0.0 {
-                    viscosity.linear * c - viscosity.quadratic * cell * trace
-                } else {
-                    0.0
-                };
-                let dt = self.config.courant_number * cell / (speed + q + q.hypot(c));
-                if dt < limit.dt {
-                    limit = Limit { dt, body: number, particle };
-                }
+            if summary.fastest.0 > fastest {
+                fastest = summary.fastest.0;
+                self.limit = Limit::at(config, summary.fastest, number);
             }
+            for k in 0..D {
+                all.momentum[k] += summary.momentum[k];
+            }
+            all.kinetic += summary.kinetic;
+            all.internal += summary.internal;
         }
-        limit
+        Ok(all)
     }
 
     /// Mass, momentum and energy of one body.
     fn ledger_of(body: &Body<S, D>) -> Ledger<D> {
         let mut ledger = Ledger { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 };
         let Particles { velocity, mass, reference_volume, .. } = &body.particles;
+        // In the order of memory.
         for p in 0..body.n_particles() {
             let m = mass[p].value();
             ledger.mass += m;
@@ -364,7 +303,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
                 ledger.momentum[k] += m * v;
                 ledger.kinetic += 0.5 * m * v * v;
             }
-            ledger.internal += body.observe(p).energy.value() * reference_volume[p];
+            ledger.internal += body.constitution.observe(p).energy.value() * reference_volume[p];
         }
         ledger
     }
@@ -386,8 +325,8 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         })
     }
 
-    fn check_energy(&mut self, dt: f64) -> Result<(), Error> {
-        let Ledger { momentum, kinetic, internal, .. } = self.ledger();
+    fn check_energy(&mut self, dt: f64, summary: &Summary<D>) -> Result<(), Error> {
+        let Summary { momentum, kinetic, internal, .. } = summary;
         let power: f64 = (0..D).map(|k| momentum[k] * self.config.gravity[k]).sum();
         self.supplied += (power * dt).max(0.0);
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
@@ -397,6 +336,31 @@ impl<S: Number, const D: usize> Simulation<S, D> {
             return Err(Error::EnergyGrew { step, time, value, limit, factor });
         }
         Ok(())
+    }
+}
+
+impl Limit {
+    /// Of a speed at which a signal crosses the grid, and the particle that has it.
+    fn at<const D: usize>(config: &Config<D>, (speed, particle): (f64, u32), body: usize) -> Self {
+        let dt = config.courant_number * config.cell / speed;
+        Self { dt, body, particle: particle as usize }
+    }
+
+    /// Of a state before the first step.
+    fn of<S: Number, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
+        let mut limit = Self { dt: f64::INFINITY, body: 0, particle: 0 };
+        for (number, body) in bodies.iter().enumerate() {
+            let conditions = body.constitution.conditions();
+            for ((v, condition), &particle) in
+                body.particles.velocity.iter().zip(conditions).zip(&body.particles.number)
+            {
+                let one = Self::at(config, (signal_speed(v, condition, config), particle), number);
+                if one.dt < limit.dt {
+                    limit = one;
+                }
+            }
+        }
+        limit
     }
 }
 

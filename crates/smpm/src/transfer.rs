@@ -1,11 +1,23 @@
 //! From particles to nodes and back.
 
-use crate::body::{Body, Condition, Particles};
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use perturbation_moments::in_widest_registers;
+
+use crate::binning::Binning;
+use crate::body::{Body, Chunk, Condition, Particles};
 use crate::config::{Config, Geometry, Transfer};
-use crate::grid::{Grid, Node, block_edge, block_len};
+use crate::grid::{Grid, Node, block_edge};
 use crate::number::Number;
-use crate::parallel::{for_each, for_each_pair};
-use crate::shape::{Axis, Shape, ShapeFunction, for_each_node};
+use crate::parallel::for_each_pair;
+use crate::shape::{
+    Axis, CubicBSpline, Gimp, Linear, QuadraticBSpline, Shape, ShapeFunction, nodes_along, outer,
+};
+
+// Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
 /// Entry `kl` of a symmetric tensor.
 const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
@@ -15,24 +27,83 @@ const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 pub(crate) enum Given {
     /// Mass and momentum.
     Motion,
+    /// Momentum alone: the nodes know their masses.
+    MotionAgain,
     /// Mass, momentum and force.
     MotionAndForce,
 }
 
-/// Calls with the type of the shape function.
-macro_rules! with_shape {
-    ($shape:expr, $function:ident :: <$($other:ty),*> ($($argument:expr),*)) => {
-        match $shape {
-            Shape::Linear => $function::<crate::shape::Linear, $($other),*>($($argument),*),
-            Shape::Gimp => $function::<crate::shape::Gimp, $($other),*>($($argument),*),
-            Shape::QuadraticBSpline => {
-                $function::<crate::shape::QuadraticBSpline, $($other),*>($($argument),*)
-            }
-            Shape::CubicBSpline => $function::<crate::shape::CubicBSpline, $($other),*>($($argument),*),
-        }
-    };
+/// What a pass over the particles does with each of them.
+#[derive(Debug)]
+pub(crate) struct Sweep<'a, S, const D: usize> {
+    pub(crate) grid: &'a Grid<S, D>,
+    pub(crate) config: &'a Config<D>,
+    pub(crate) carrier: &'a dyn Carrier<S, D>,
+    pub(crate) dt: f64,
+    /// At the end of the step.
+    pub(crate) time: f64,
+    pub(crate) pass: Pass,
 }
-pub(crate) use with_shape;
+
+/// What a pass over the particles does. The last one of a step moves them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Takes the velocity from the nodes.
+    Motion,
+    /// The same, and moves.
+    MotionAndMove,
+    /// Takes the velocity gradient and brings the stress up to date.
+    Stress,
+    /// The same, and moves.
+    StressAndMove,
+    /// All.
+    Whole,
+}
+
+impl Pass {
+    pub(crate) fn takes_motion(self) -> bool {
+        matches!(self, Self::Motion | Self::MotionAndMove | Self::Whole)
+    }
+
+    pub(crate) fn updates_stress(self) -> bool {
+        matches!(self, Self::Stress | Self::StressAndMove | Self::Whole)
+    }
+
+    pub(crate) fn moves(self) -> bool {
+        matches!(self, Self::MotionAndMove | Self::StressAndMove | Self::Whole)
+    }
+}
+
+/// The ways between particles and nodes by a shape function.
+pub(crate) trait Carrier<S: Number, const D: usize>: std::fmt::Debug + Send + Sync {
+    /// Notes the lowest node that each particle of a body sees.
+    fn find_bases(&self, places: &Places<D>, body: &mut Body<S, D>);
+
+    /// Particles give mass, momentum `m (v + C (x_i - x_p))` and the force
+    ///
+    /// $$ f_i = \sum_p m_p N_i b - V_p \sigma_p \nabla N_i $$
+    ///
+    /// to the nodes (Chen et al. 2019, eq 3-6 with their errata).
+    fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given);
+
+    /// Particles take what the sweep asks for from the nodes; velocity gradients go into `gradients`.
+    fn take(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+        sweep: &Sweep<'_, S, D>,
+    );
+}
+
+/// The carrier of a shape function.
+pub(crate) fn carrier<S: Number, const D: usize>(shape: Shape) -> &'static dyn Carrier<S, D> {
+    match shape {
+        Shape::Linear => &Linear,
+        Shape::Gimp => &Gimp,
+        Shape::QuadraticBSpline => &QuadraticBSpline,
+        Shape::CubicBSpline => &CubicBSpline,
+    }
+}
 
 /// What places and nodes have to do with each other.
 #[derive(Debug, Clone, Copy)]
@@ -43,276 +114,438 @@ pub(crate) struct Places<const D: usize> {
 
 impl<const D: usize> Places<D> {
     /// The shape function of a particle along all axes.
-    #[inline]
-    fn axes<F: ShapeFunction, S: Number>(&self, x: &[S; D], half_length: &[S; D]) -> [Axis<S>; D] {
-        let inverse = 1.0 / self.cell;
-        std::array::from_fn(|k| {
-            F::along((x[k] - self.origin[k]) * inverse, half_length[k] * inverse)
-        })
+    #[inline(always)]
+    fn axes<F: ShapeFunction, S: Number>(
+        &self,
+        x: &[S; D],
+        half_lengths: &[[S; D]],
+        p: usize,
+    ) -> [Axis<S>; D] {
+        let (inverse, zero) = (1.0 / self.cell, S::constant(0.0));
+        let empty = Axis { base: 0, value: [zero; 4], slope: [zero; 4] };
+        let mut axes = [empty; D];
+        for k in 0..D {
+            let half = if F::SIZED { half_lengths[p][k] * inverse } else { zero };
+            axes[k] = F::along((x[k] - self.origin[k]) * inverse, half);
+        }
+        axes
     }
+}
 
-    /// The lowest node that each particle of a body sees.
-    pub(crate) fn bases<F: ShapeFunction, S: Number>(&self, body: &mut Body<S, D>) {
+/// The lowest node along all axes.
+#[inline(always)]
+fn base_of<S, const D: usize>(axes: &[Axis<S>; D]) -> [i32; D] {
+    let mut base = [0; D];
+    for k in 0..D {
+        base[k] = axes[k].base;
+    }
+    base
+}
+
+impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
+    fn find_bases(&self, places: &Places<D>, body: &mut Body<S, D>) {
         let Particles { position, half_length, .. } = &body.particles;
-        let inverse = 1.0 / self.cell;
-        for_each(&mut body.bases, |i, base| {
-            *base = std::array::from_fn(|k| {
-                let place = (position[i][k].value() - self.origin[k]) * inverse;
-                F::base(place, half_length[i][k].value() * inverse)
+        let inverse = 1.0 / places.cell;
+        if F::SIZED {
+            let both = |base: &mut [i32; D], (x, half): (&[S; D], &[S; D])| {
+                for k in 0..D {
+                    let place = (x[k].value() - places.origin[k]) * inverse;
+                    base[k] = F::base(place, half[k].value() * inverse);
+                }
+            };
+            // Sizes are rare: one thread.
+            for (base, at) in body.binning.bases.iter_mut().zip(position.iter().zip(half_length)) {
+                both(base, at);
+            }
+        } else {
+            for_each_pair(&mut body.binning.bases, position, |base, x| {
+                for k in 0..D {
+                    base[k] = F::base((x[k].value() - places.origin[k]) * inverse, 0.0);
+                }
             });
-        });
+        }
     }
-}
 
-/// Where in its block a particle's lowest node is.
-#[inline]
-fn offset<S, const D: usize>(axes: &[Axis<S>; D], corner: &[i32; D]) -> usize {
-    let mut index = 0;
-    for k in (0..D).rev() {
-        index = index * block_edge(D) + axes[k].base.abs_diff(corner[k]) as usize;
-    }
-    index
-}
-
-/// Particles give mass, momentum `m (v + C (x_i - x_p))` and the force
-///
-/// $$ f_i = \sum_p m_p N_i b - V_p \sigma_p \nabla N_i $$
-///
-/// to the nodes (Chen et al. 2019, eq 3-6 with their errata).
-pub(crate) fn give<F: ShapeFunction, S: Number, const D: usize>(
-    grid: &mut Grid<S, D>,
-    bodies: &[Body<S, D>],
-    config: &Config<D>,
-    given: Given,
-) {
-    let places = Places { origin: grid.origin, cell: grid.cell };
-    grid.collect(|slot, corner, block| {
-        for body in bodies {
-            let (particles, conditions) = (&body.particles, body.constitution.conditions());
-            for &p in body.binning.of(slot) {
-                let p = p as usize;
-                let axes = places.axes::<F, S>(&particles.position[p], &particles.half_length[p]);
-                let force = match given {
-                    Given::Motion => None,
-                    Given::MotionAndForce => Some(Force::of(particles, &conditions[p], p, config)),
-                };
-                let nodes = &mut block[offset(&axes, &corner)..];
-                give_one::<F, S, D>(
-                    &axes,
-                    places.cell,
-                    particles,
-                    p,
-                    force.as_ref(),
-                    config,
-                    nodes,
+    fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given) {
+        let places = Places { origin: grid.origin, cell: grid.cell };
+        grid.collect(|slot, corner, block| {
+            for body in bodies {
+                let members = body.binning.members(slot);
+                let (particles, conditions) = (&body.particles, body.constitution.conditions());
+                in_widest_registers(
+                    #[inline(always)]
+                    || {
+                        for &p in members {
+                            let of = Giver { places, particles, p: p as usize, config };
+                            of.give::<F>(&conditions[p as usize], given, &corner, block);
+                        }
+                    },
                 );
             }
-        }
-    });
+        });
+    }
+
+    fn take(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+        sweep: &Sweep<'_, S, D>,
+    ) {
+        let taker = Taker::of(sweep);
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for p in 0..gradients.len() {
+                    taker.take::<F, S>(chunk, p, &mut gradients[p], sweep.grid);
+                }
+            },
+        );
+    }
 }
 
-/// The force of a particle: `- V sigma` over the cell, what acts on its nodes alike, and the hoop.
+/// A particle that gives.
+#[derive(Debug, Clone, Copy)]
+struct Giver<'a, S, const D: usize> {
+    places: Places<D>,
+    particles: &'a Particles<S, D>,
+    p: usize,
+    config: &'a Config<D>,
+}
+
+impl<S: Number, const D: usize> Giver<'_, S, D> {
+    #[inline(always)]
+    fn give<F: ShapeFunction>(
+        &self,
+        condition: &Condition<S>,
+        given: Given,
+        corner: &[i32; D],
+        block: &mut [Node<S, D>],
+    ) {
+        let Self { places, particles, p, config } = *self;
+        let axes = places.axes::<F, S>(&particles.position[p], &particles.half_length, p);
+        let nodes = &mut block[Binning::offset(&base_of(&axes), corner)..];
+        let edge = block_edge(D);
+        let zero = S::constant(0.0);
+        // Momentum at the lowest node, and by how much it grows from node to node along each axis.
+        let mass = particles.mass[p];
+        let mut momentum = particles.velocity[p];
+        let mut growth = [[zero; D]; D];
+        let affine = config.transfer == Transfer::Apic;
+        if affine {
+            let (matrix, x) = (&particles.affine[p], &particles.position[p]);
+            for l in 0..D {
+                let arm = -(x[l] - places.origin[l]) + f64::from(axes[l].base) * places.cell;
+                for k in 0..D {
+                    momentum[k] = momentum[k] + matrix[k][l] * arm;
+                    growth[l][k] = matrix[k][l] * mass * places.cell;
+                }
+            }
+        }
+        for k in 0..D {
+            momentum[k] = momentum[k] * mass;
+        }
+        let (with_mass, with_force) = (given != Given::MotionAgain, given == Given::MotionAndForce);
+        let force = if with_force { self.force(condition) } else { Force::none() };
+        let body_force = with_force && force.everywhere;
+        for k in 0..nodes_along::<F, D>(2) {
+            for j in 0..nodes_along::<F, D>(1) {
+                let (weight, slope) = outer(&axes, (j, k));
+                let start = (k * edge + j) * edge;
+                let row = &mut nodes[start..start + F::NODES];
+                let (value, along) = (&axes[0].value, &axes[0].slope);
+                let mut carried = momentum;
+                if affine {
+                    for c in 0..D {
+                        if D > 1 {
+                            carried[c] = carried[c] + growth[D.min(2) - 1][c] * j as f64;
+                        }
+                        if D > 2 {
+                            carried[c] = carried[c] + growth[D - 1][c] * k as f64;
+                        }
+                    }
+                }
+                for c in 0..D {
+                    let part = carried[c] * weight;
+                    if affine {
+                        let steps = growth[0][c] * weight;
+                        for i in 0..F::NODES {
+                            let here = part + steps * i as f64;
+                            row[i].motion[c] = row[i].motion[c] + here * value[i];
+                        }
+                    } else {
+                        for i in 0..F::NODES {
+                            row[i].motion[c] = row[i].motion[c] + part * value[i];
+                        }
+                    }
+                }
+                if with_mass {
+                    let part = mass * weight;
+                    for i in 0..F::NODES {
+                        row[i].mass = row[i].mass + part * value[i];
+                    }
+                }
+                if with_force {
+                    for c in 0..D {
+                        let by_slope = force.by_gradient[c][0] * weight;
+                        let mut by_value = zero;
+                        for l in 1..D {
+                            let part = force.by_gradient[c][l] * slope[l];
+                            by_value = if l == 1 { part } else { by_value + part };
+                        }
+                        if body_force {
+                            by_value = by_value + force.by_value[c] * weight;
+                        }
+                        for i in 0..F::NODES {
+                            let mut sum = by_slope * along[i];
+                            if D > 1 || body_force {
+                                sum = sum + by_value * value[i];
+                            }
+                            row[i].change[c] = row[i].change[c] + sum;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn force(&self, condition: &Condition<S>) -> Force<S, D> {
+        let Self { particles, p, config, .. } = *self;
+        let volume = condition.volume * particles.reference_volume[p];
+        let factor = volume * (-1.0 / config.cell);
+        let mut stress = condition.stress.0;
+        for k in 0..3 {
+            stress[k] = stress[k] - condition.viscosity;
+        }
+        let mut force = Force::none();
+        for k in 0..D {
+            for l in 0..D {
+                force.by_gradient[k][l] = stress[ENTRY[k][l]] * factor;
+            }
+            if config.gravity[k] != 0.0 {
+                force.by_value[k] = particles.mass[p] * config.gravity[k];
+                force.everywhere = true;
+            }
+        }
+        if config.geometry == Geometry::Axisymmetric {
+            force.by_value[0] = force.by_value[0] - volume * stress[2] / particles.position[p][0];
+            force.everywhere = true;
+        }
+        force
+    }
+}
+
+/// The force of a particle: `- V sigma` over the cell, and what acts on its nodes alike: gravity, the hoop.
+#[derive(Debug, Clone, Copy)]
 struct Force<S, const D: usize> {
     by_gradient: [[S; D]; D],
     by_value: [S; D],
+    /// Whether there is such.
+    everywhere: bool,
 }
 
 impl<S: Number, const D: usize> Force<S, D> {
-    #[inline]
-    fn of(
-        particles: &Particles<S, D>,
-        condition: &Condition<S>,
-        p: usize,
-        config: &Config<D>,
-    ) -> Self {
-        let volume = condition.volume * particles.reference_volume[p];
-        let factor = volume * (-1.0 / config.cell);
-        let stress = &condition.stress.0;
-        let by_gradient =
-            std::array::from_fn(|k| std::array::from_fn(|l| stress[ENTRY[k][l]] * factor));
-        let mut by_value: [S; D] = std::array::from_fn(|k| particles.mass[p] * config.gravity[k]);
-        if config.geometry == Geometry::Axisymmetric {
-            by_value[0] = by_value[0] - volume * stress[2] / particles.position[p][0];
-        }
-        Self { by_gradient, by_value }
+    #[inline(always)]
+    fn none() -> Self {
+        let zero = S::constant(0.0);
+        Self { by_gradient: [[zero; D]; D], by_value: [zero; D], everywhere: false }
     }
 }
 
-#[inline]
-fn give_one<F: ShapeFunction, S: Number, const D: usize>(
-    axes: &[Axis<S>; D],
-    cell: f64,
-    particles: &Particles<S, D>,
-    p: usize,
-    force: Option<&Force<S, D>>,
-    config: &Config<D>,
-    nodes: &mut [Node<S, D>],
-) {
-    let mass = particles.mass[p];
-    let momentum: [S; D] = std::array::from_fn(|k| mass * particles.velocity[p][k]);
-    for_each_node::<S, F, D>(axes, block_edge(D), |at, value, gradient| {
-        let node = &mut nodes[at];
-        node.mass = node.mass + mass * value;
-        for k in 0..D {
-            node.motion[k] = node.motion[k] + momentum[k] * value;
-        }
-        if let Some(Force { by_gradient, by_value }) = force {
-            for k in 0..D {
-                let mut sum = by_value[k] * value;
-                for l in 0..D {
-                    sum = sum + by_gradient[k][l] * gradient[l];
-                }
-                node.change[k] = node.change[k] + sum;
-            }
-        }
-    });
-    if config.transfer == Transfer::Apic {
-        let affine = &particles.affine[p];
-        let x = &particles.position[p];
-        let base: [S; D] =
-            std::array::from_fn(|k| -(x[k] - config.origin[k]) + f64::from(axes[k].base) * cell);
-        for_each_node::<S, F, D>(axes, block_edge(D), |at, value, _| {
-            let (mut rest, mut arm) = (at, base);
-            for component in &mut arm {
-                *component = *component + (rest % block_edge(D)) as f64 * cell;
-                rest /= block_edge(D);
-            }
-            for k in 0..D {
-                let mut sum = affine[k][0] * arm[0];
-                for l in 1..D {
-                    sum = sum + affine[k][l] * arm[l];
-                }
-                nodes[at].motion[k] = nodes[at].motion[k] + mass * value * sum;
-            }
-        });
-    }
-}
-
-/// Particles take velocity and displacement from the nodes; with APIC its matrix too.
-pub(crate) fn take_motion<F: ShapeFunction, S: Number, const D: usize>(
-    grid: &Grid<S, D>,
-    bodies: &mut [Body<S, D>],
-    config: &Config<D>,
+/// What is taken, and how.
+#[derive(Debug, Clone, Copy)]
+struct Taker<const D: usize> {
+    places: Places<D>,
     dt: f64,
-) {
-    let places = Places { origin: grid.origin, cell: grid.cell };
-    let (flip, picked) = match config.transfer {
-        Transfer::Flip { damping_time } => {
-            let share = (-dt / damping_time).exp();
-            (share, 1.0 - share)
-        }
-        Transfer::Apic => (0.0, 1.0),
-    };
-    for body in bodies {
-        let Particles { position, velocity, displacement, half_length, affine, .. } =
-            &mut body.particles;
-        let (position, half_length, slots) = (&*position, &*half_length, &body.binning.slot);
-        for_each_pair(velocity, displacement, |p, velocity, displacement| {
-            let axes = places.axes::<F, S>(&position[p], &half_length[p]);
-            let slot = slots[p] as usize;
-            let nodes = &grid.blocks[slot * block_len(D)..][offset(&axes, &grid.corner(slot))..];
-            let zero = [S::constant(0.0); D];
-            let (mut new, mut change) = (zero, zero);
-            for_each_node::<S, F, D>(&axes, block_edge(D), |at, value, _| {
-                for k in 0..D {
-                    new[k] = new[k] + nodes[at].motion[k] * value;
-                    change[k] = change[k] + nodes[at].change[k] * value;
-                }
-            });
-            for k in 0..D {
-                displacement[k] = new[k] * dt;
-                velocity[k] = (velocity[k] + change[k]) * flip + new[k] * picked;
-            }
-        });
-        if config.transfer == Transfer::Apic {
-            let inertia = inverse_inertia(config);
-            for_each(affine, |p, affine| {
-                let axes = places.axes::<F, S>(&position[p], &half_length[p]);
-                let slot = slots[p] as usize;
-                let corner = grid.corner(slot);
-                let nodes = &grid.blocks[slot * block_len(D)..][offset(&axes, &corner)..];
-                *affine = affine_of::<F, S, D>(&axes, nodes, (&position[p], &places), inertia);
-            });
-        }
-    }
+    pass: Pass,
+    sized: bool,
+    axisymmetric: bool,
+    affine: bool,
+    /// The share of FLIP, and that of PIC.
+    shares: (f64, f64),
+    /// `1/d` of `D_p = d I` where the shape function has such (B-splines); none where the gradient serves.
+    inverse_inertia: Option<f64>,
 }
 
-/// `1/d` of `D_p = d I` where the shape function has such (B-splines); none where the gradient serves.
-fn inverse_inertia<const D: usize>(config: &Config<D>) -> Option<f64> {
-    let square = config.cell * config.cell;
-    match config.shape {
-        Shape::QuadraticBSpline => Some(4.0 / square),
-        Shape::CubicBSpline => Some(3.0 / square),
-        Shape::Linear | Shape::Gimp => None,
-    }
+/// Sums over nodes.
+#[derive(Debug, Clone, Copy)]
+struct Sums<S, const D: usize> {
+    velocity: [S; D],
+    change: [S; D],
+    /// `sum_i v_k dN_i/dx_l`, per cell.
+    gradient: [[S; D]; D],
+    /// `sum_i v_k n_il N_i`, `n_il` the number of the node along axis `l` from the lowest.
+    moment: [[S; D]; D],
 }
 
-/// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8); for shape functions of the hat
-/// `sum_i v_i grad N_i^T`, to which it comes down there.
-fn affine_of<F: ShapeFunction, S: Number, const D: usize>(
-    axes: &[Axis<S>; D],
-    nodes: &[Node<S, D>],
-    (x, places): (&[S; D], &Places<D>),
-    inertia: Option<f64>,
-) -> [[S; D]; D] {
-    let mut affine = [[S::constant(0.0); D]; D];
-    let base: [S; D] =
-        std::array::from_fn(|k| -(x[k] - places.origin[k]) + f64::from(axes[k].base) * places.cell);
-    for_each_node::<S, F, D>(axes, block_edge(D), |at, value, gradient| {
-        let arm: [S; D] = match inertia {
-            None => gradient.map(|slope| slope * (1.0 / places.cell)),
-            Some(inverse) => {
-                let mut rest = at;
-                base.map(|from| {
-                    let steps = rest % block_edge(D);
-                    rest /= block_edge(D);
-                    (from + steps as f64 * places.cell) * value * inverse
-                })
+impl<const D: usize> Taker<D> {
+    fn of<S>(sweep: &Sweep<'_, S, D>) -> Self {
+        let (grid, config) = (sweep.grid, sweep.config);
+        let shares = match config.transfer {
+            Transfer::Flip { damping_time } => {
+                let share = (-sweep.dt / damping_time).exp();
+                (share, 1.0 - share)
             }
+            Transfer::Apic => (0.0, 1.0),
         };
-        for k in 0..D {
-            for l in 0..D {
-                affine[k][l] = affine[k][l] + nodes[at].motion[k] * arm[l];
-            }
+        let square = config.cell * config.cell;
+        Self {
+            places: Places { origin: grid.origin, cell: grid.cell },
+            dt: sweep.dt,
+            pass: sweep.pass,
+            sized: config.shape == Shape::Gimp,
+            axisymmetric: config.geometry == Geometry::Axisymmetric,
+            affine: config.transfer == Transfer::Apic,
+            shares,
+            inverse_inertia: match config.shape {
+                Shape::QuadraticBSpline => Some(4.0 / square),
+                Shape::CubicBSpline => Some(3.0 / square),
+                Shape::Linear | Shape::Gimp => None,
+            },
         }
-    });
-    affine
-}
+    }
 
-/// Particles take the velocity gradient `L = sum_i v_i grad N_i^T` from the nodes.
-pub(crate) fn take_gradient<F: ShapeFunction, S: Number, const D: usize>(
-    grid: &Grid<S, D>,
-    bodies: &mut [Body<S, D>],
-    config: &Config<D>,
-) {
-    let places = Places { origin: grid.origin, cell: grid.cell };
-    for body in bodies {
-        let Particles { position, half_length, velocity_gradient, .. } = &mut body.particles;
-        let (position, half_length, slots) = (&*position, &*half_length, &body.binning.slot);
-        for_each(velocity_gradient, |p, l| {
-            let axes = places.axes::<F, S>(&position[p], &half_length[p]);
-            let slot = slots[p] as usize;
-            let nodes = &grid.blocks[slot * block_len(D)..][offset(&axes, &grid.corner(slot))..];
-            let zero = S::constant(0.0);
-            let mut gradient = [[zero; D]; D];
-            let mut radial = zero;
-            for_each_node::<S, F, D>(&axes, block_edge(D), |at, value, slope| {
-                let velocity = &nodes[at].motion;
-                for k in 0..D {
-                    for m in 0..D {
-                        gradient[k][m] = gradient[k][m] + velocity[k] * slope[m];
-                    }
-                }
-                radial = radial + velocity[0] * value;
-            });
+    #[inline(always)]
+    fn take<F: ShapeFunction, S: Number>(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        p: usize,
+        l: &mut [[S; 3]; 3],
+        grid: &Grid<S, D>,
+    ) {
+        let axes = self.places.axes::<F, S>(&chunk.position[p], chunk.half_length, p);
+        let slot = chunk.slot[p] as usize;
+        let offset = Binning::offset(&base_of(&axes), &grid.corner(slot));
+        let sums = self.sums::<F, S>(&axes, &grid.block(slot)[offset..]);
+        let per_length = 1.0 / self.places.cell;
+        if self.pass.updates_stress() {
             for k in 0..D {
                 for m in 0..D {
-                    l[k][m] = gradient[k][m] * (1.0 / places.cell);
+                    l[k][m] = sums.gradient[k][m] * per_length;
                 }
             }
-            if config.geometry == Geometry::Axisymmetric {
-                l[2][2] = radial / position[p][0];
+            if self.axisymmetric {
+                l[2][2] = sums.velocity[0] / chunk.position[p][0];
             }
-        });
+            if self.sized {
+                for k in 0..D {
+                    let length = chunk.half_length[p][k];
+                    chunk.stretched[p][k] = length + length * l[k][k] * self.dt;
+                }
+            }
+        }
+        if !self.pass.takes_motion() {
+            return;
+        }
+        let (flip, picked) = self.shares;
+        let velocity = &mut chunk.velocity[p];
+        for k in 0..D {
+            let new = sums.velocity[k];
+            if flip == 0.0 {
+                velocity[k] = new;
+            } else if picked == 0.0 {
+                velocity[k] = velocity[k] + sums.change[k];
+            } else {
+                velocity[k] = (velocity[k] + sums.change[k]) * flip + new * picked;
+            }
+        }
+        if self.affine {
+            chunk.affine[p] = self.matrix(&sums, &axes, &chunk.position[p]);
+        }
+        // Where the stress is still to come from the same place, the particle stays until then.
+        for k in 0..D {
+            let by = sums.velocity[k] * self.dt;
+            if self.pass.moves() {
+                chunk.position[p][k] = chunk.position[p][k] + by;
+            } else {
+                chunk.displacement[p][k] = by;
+            }
+        }
+    }
+
+    /// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8); for shape functions of the hat
+    /// `sum_i v_i grad N_i^T`, to which it comes down there.
+    #[inline(always)]
+    fn matrix<S: Number>(&self, sums: &Sums<S, D>, axes: &[Axis<S>; D], x: &[S; D]) -> [[S; D]; D] {
+        let cell = self.places.cell;
+        let mut matrix = sums.gradient;
+        for l in 0..D {
+            let base = -(x[l] - self.places.origin[l]) + f64::from(axes[l].base) * cell;
+            for k in 0..D {
+                matrix[k][l] = match self.inverse_inertia {
+                    None => sums.gradient[k][l] * (1.0 / cell),
+                    Some(inverse) => (sums.velocity[k] * base + sums.moment[k][l] * cell) * inverse,
+                };
+            }
+        }
+        matrix
+    }
+
+    #[inline(always)]
+    fn sums<F: ShapeFunction, S: Number>(
+        &self,
+        axes: &[Axis<S>; D],
+        nodes: &[Node<S, D>],
+    ) -> Sums<S, D> {
+        let (zero, edge) = (S::constant(0.0), block_edge(D));
+        let mut sums = Sums {
+            velocity: [zero; D],
+            change: [zero; D],
+            gradient: [[zero; D]; D],
+            moment: [[zero; D]; D],
+        };
+        let with_change = self.pass.takes_motion() && self.shares.0 != 0.0;
+        let with_matrix = self.pass.takes_motion() && self.affine;
+        let with_gradient =
+            self.pass.updates_stress() || (with_matrix && self.inverse_inertia.is_none());
+        let with_moment = with_matrix && self.inverse_inertia.is_some();
+        let (value, along) = (&axes[0].value, &axes[0].slope);
+        for k in 0..nodes_along::<F, D>(2) {
+            for j in 0..nodes_along::<F, D>(1) {
+                let (weight, slope) = outer(axes, (j, k));
+                let start = (k * edge + j) * edge;
+                let row = &nodes[start..start + F::NODES];
+                for c in 0..D {
+                    let mut sum = row[0].motion[c] * value[0];
+                    for i in 1..F::NODES {
+                        sum = sum + row[i].motion[c] * value[i];
+                    }
+                    let here = sum * weight;
+                    sums.velocity[c] = sums.velocity[c] + here;
+                    if with_change {
+                        let mut sum = row[0].change[c] * value[0];
+                        for i in 1..F::NODES {
+                            sum = sum + row[i].change[c] * value[i];
+                        }
+                        sums.change[c] = sums.change[c] + sum * weight;
+                    }
+                    if with_gradient {
+                        let mut steep = row[0].motion[c] * along[0];
+                        for i in 1..F::NODES {
+                            steep = steep + row[i].motion[c] * along[i];
+                        }
+                        sums.gradient[c][0] = sums.gradient[c][0] + steep * weight;
+                        for l in 1..D {
+                            sums.gradient[c][l] = sums.gradient[c][l] + sum * slope[l];
+                        }
+                    }
+                    if with_moment {
+                        let mut moment = row[1].motion[c] * value[1];
+                        for i in 2..F::NODES {
+                            moment = moment + row[i].motion[c] * value[i] * i as f64;
+                        }
+                        sums.moment[c][0] = sums.moment[c][0] + moment * weight;
+                        if D > 1 {
+                            let l = D.min(2) - 1;
+                            sums.moment[c][l] = sums.moment[c][l] + here * j as f64;
+                        }
+                        if D > 2 {
+                            sums.moment[c][D - 1] = sums.moment[c][D - 1] + here * k as f64;
+                        }
+                    }
+                }
+            }
+        }
+        sums
     }
 }

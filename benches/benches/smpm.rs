@@ -1,0 +1,138 @@
+//! Steps of the material point method: particle updates a second of each scheme beside the memory roof, and what derivatives
+//! cost over `f64`.
+//!
+//! A square of 160 000 elastic particles, four to a cell, plane strain, that stretches, shears and turns: every particle
+//! moves and some change cells in every step. One thread. The roof is a pass that reads and writes as many bytes as the
+//! particles hold that a step must read and write: what memory alone would allow.
+//!
+//! What derivatives cost is measured with Johnson-Cook steel, its five constants random, 40 000 particles, quadratic
+//! B-splines, modified update stress last; contenders take turns in one process.
+
+#![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
+
+use std::hint::black_box;
+
+use benches::ratios::{Ratios, Work};
+use perturbation_moments::Jet;
+use rayon::ThreadPoolBuilder;
+use smpm::material::{
+    JohnsonCook, LinearElasticParameters, LinearElasticSolid, Material, MieGruneisen, Solid, Units,
+    library,
+};
+use smpm::{Body, BulkViscosity, Config, Fill, Number, Shape, Simulation, Transfer, UpdateOrder};
+
+/// Particles along an edge: 160 000 in all.
+const EDGE: u32 = 400;
+/// The same where jets are measured, whose particles hold twenty times the bytes.
+const EDGE_OF_JETS: u32 = 200;
+
+const FLIP: Transfer = Transfer::Flip { damping_time: f64::INFINITY };
+
+/// Shape function, update order, transfer; M updates/s that the prototype reached on a quiet core.
+const SCHEMES: [(&str, Shape, UpdateOrder, Transfer); 4] = [
+    ("linear USL", Shape::Linear, UpdateOrder::StressLast, FLIP),
+    ("quadratic USL", Shape::QuadraticBSpline, UpdateOrder::StressLast, FLIP),
+    ("quadratic MUSL", Shape::QuadraticBSpline, UpdateOrder::ModifiedStressLast, FLIP),
+    ("quadratic APIC", Shape::QuadraticBSpline, UpdateOrder::StressLast, Transfer::Apic),
+];
+
+fn square<S: Number, M: Material<S> + 'static>(
+    edge: u32,
+    material: M,
+    speed: f64,
+    scheme: (Shape, UpdateOrder, Transfer),
+) -> Simulation<S, 2>
+where
+    M::State: 'static,
+{
+    let cell = 2.0 / f64::from(edge);
+    let fill = Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true);
+    let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
+    body.set_velocities(|[x, y]| {
+        let (x, y) = (3.0 * (x - 0.5), 3.0 * (y - 0.5));
+        [speed * (1.0 + x.sin() - y), speed * (x - 0.5 * y.sin())]
+    })
+    .unwrap();
+    let (shape, update_order, transfer) = scheme;
+    let viscosity = BulkViscosity { quadratic: 1.5, linear: 0.06 };
+    let config = Config { shape, update_order, transfer, viscosity, ..Config::with_cell(cell) };
+    Simulation::new(config, vec![body]).unwrap()
+}
+
+/// Reads and writes `bytes`.
+fn roof(bytes: usize) -> impl FnMut() {
+    let mut column = vec![1.0_f64; bytes / size_of::<f64>()];
+    move || {
+        for value in &mut column {
+            *value = *value * 0.999 + 0.001;
+        }
+        black_box(&column);
+    }
+}
+
+fn schemes(ratios: &mut Ratios) {
+    let elastic =
+        LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
+    for (name, shape, order, transfer) in SCHEMES {
+        if !ratios.wants(name) {
+            continue;
+        }
+        let material = LinearElasticSolid::<f64>::linear_elastic(elastic).unwrap();
+        let mut simulation = square(EDGE, material, 0.1, (shape, order, transfer));
+        let n = simulation.bodies()[0].n_particles();
+        // Position, velocity, volume, stress in the plane and its normal, pressure, energy: 2 + 2 + 1 + 4 + 2 numbers.
+        let bytes = n * 11 * size_of::<f64>();
+        let _ = simulation.step().unwrap();
+        ratios.measure(
+            Work::new(name, n, "ours", || {
+                let _ = black_box(simulation.step().unwrap());
+            })
+            .rival("memory roof", roof(bytes)),
+        );
+    }
+}
+
+/// Johnson-Cook steel, `of` applied to its five constants with their number.
+fn steel<S: Number>(of: impl Fn(f64, usize) -> S) -> Simulation<S, 2> {
+    let strength = library::steel_strength(Units::CM_G_US).map(|name, value| {
+        match ["a", "b", "n", "c", "m"].iter().position(|&random| random == name) {
+            Some(lane) => of(value, lane),
+            None => S::constant(value),
+        }
+    });
+    let equation = library::steel_equation(Units::CM_G_US).map(|_, value| S::constant(value));
+    let steel = Solid {
+        equation: MieGruneisen::new(equation).unwrap(),
+        strength: JohnsonCook::new(strength).unwrap(),
+    };
+    let scheme = (Shape::QuadraticBSpline, UpdateOrder::ModifiedStressLast, FLIP);
+    square(EDGE_OF_JETS, steel, 0.01, scheme)
+}
+
+fn overheads(ratios: &mut Ratios) {
+    const FIRST_AND_SECOND: &str = "5 first and 5 second derivatives";
+    if ratios.wants(FIRST_AND_SECOND) {
+        let (mut plain, mut jets) = (steel(|value, _| value), steel(Jet::variable));
+        let n = plain.bodies()[0].n_particles();
+        ratios.measure(
+            Work::new(FIRST_AND_SECOND, n, "f64", || {
+                let _ = black_box(plain.step().unwrap());
+            })
+            .rival("Jet", || {
+                let _ = black_box(jets.step().unwrap());
+            }),
+        );
+    }
+}
+
+fn main() {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        let mut ratios = Ratios::from_args("smpm");
+        schemes(&mut ratios);
+        overheads(&mut ratios);
+        ratios.note("for the memory roof the ratio is the part of it that is reached");
+        ratios.note("for derivatives the ratio is their overhead over the same run with f64");
+        ratios.print();
+    });
+}

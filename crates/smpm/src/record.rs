@@ -39,7 +39,7 @@ pub(crate) trait Witness<S, const D: usize> {
     /// After every step.
     fn step(&mut self, _simulation: &Simulation<S, D>, _located: &[Located]) {}
     /// At an instant at which windows begin or end.
-    fn stop(&mut self, _time: f64) {}
+    fn stop(&mut self, _time: f64, _simulation: &Simulation<S, D>) {}
 }
 
 /// Nobody.
@@ -185,7 +185,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
                 }
             }
             windows.instant(self, stop);
-            witness.stop(stop);
+            witness.stop(stop, self);
             steps.push(taken);
             before = stop;
         }

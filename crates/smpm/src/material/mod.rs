@@ -22,6 +22,16 @@ macro_rules! parameters {
             /// The names of the parameters.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
 
+            /// Every parameter by a function of its name, in the order of [`NAMES`](Self::NAMES).
+            ///
+            /// # Errors
+            /// The first that the function returns.
+            pub fn try_from_names<F>(
+                mut of: impl FnMut(&'static str) -> Result<S, F>,
+            ) -> Result<Self, F> {
+                Ok($name { $($field: of(stringify!($field))?),+ })
+            }
+
             /// Every parameter by a function of its name and value, in the order of [`NAMES`](Self::NAMES): how numbers become
             /// jets.
             #[must_use]

@@ -96,6 +96,18 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment and of the run; of [`Moments::along`] where a derivative has overflowed.
     pub fn propagated(&self) -> Result<Propagated<N>, Error> {
+        self.propagated_seen(|_, _| ())
+    }
+
+    /// As [`propagated`](Self::propagated), and shows the run of every pass at the begins and ends of windows: what to draw
+    /// fields from. Lane `k` of a jet is the derivative by the normal `8 pass + k`.
+    ///
+    /// # Errors
+    /// As [`propagated`](Self::propagated).
+    pub fn propagated_seen(
+        &self,
+        mut look: impl FnMut(f64, &Simulation<Jet, D>),
+    ) -> Result<Propagated<N>, Error> {
         let n_passes = N.div_ceil(LANES).max(1);
         let probes = signs::<N>(LANES * n_passes - N);
         let (windows, n_gauges) = (&self.plan.windows, self.plan.gauges.len());
@@ -104,7 +116,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         for pass in 0..n_passes {
             let jets = self.inputs.jets_of_pass(pass, &probes);
             let mut simulation = self.experiment.simulation(&jets)?;
-            let mut witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass);
+            let mut witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass, &mut look);
             passes.push(simulation.replay_before(&self.plan, self.schedule(), &mut witness)?);
             switches_so_far = Some(match switches_so_far {
                 None => witness.at_windows,

@@ -37,9 +37,10 @@ impl Switch {
 }
 
 /// Follows the overshoots of every gauge through a run with jets.
-#[derive(Debug)]
-pub(super) struct SwitchWitness<'a> {
+pub(super) struct SwitchWitness<'a, const D: usize> {
     windows: &'a [Window],
+    /// Is shown the run at every begin and end of a window.
+    look: &'a mut dyn FnMut(f64, &Simulation<Jet, D>),
     /// Lanes that are directions, not probes.
     n_directions: usize,
     now: Vec<Switch>,
@@ -47,10 +48,16 @@ pub(super) struct SwitchWitness<'a> {
     pub(super) at_windows: Vec<Vec<Switch>>,
 }
 
-impl<'a> SwitchWitness<'a> {
-    pub(super) fn new(n_gauges: usize, windows: &'a [Window], n_directions: usize) -> Self {
+impl<'a, const D: usize> SwitchWitness<'a, D> {
+    pub(super) fn new(
+        n_gauges: usize,
+        windows: &'a [Window],
+        n_directions: usize,
+        look: &'a mut dyn FnMut(f64, &Simulation<Jet, D>),
+    ) -> Self {
         Self {
             windows,
+            look,
             n_directions: n_directions.min(LANES),
             now: vec![Switch::NONE; n_gauges],
             at_windows: vec![vec![Switch::NONE; windows.len()]; n_gauges],
@@ -58,7 +65,7 @@ impl<'a> SwitchWitness<'a> {
     }
 }
 
-impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_> {
+impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_, D> {
     fn step(&mut self, simulation: &Simulation<Jet, D>, located: &[Located]) {
         for (gauge, now) in located.iter().zip(&mut self.now) {
             let body = &simulation.bodies()[gauge.body];
@@ -74,7 +81,8 @@ impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_> {
         }
     }
 
-    fn stop(&mut self, time: f64) {
+    fn stop(&mut self, time: f64, simulation: &Simulation<Jet, D>) {
+        (self.look)(time, simulation);
         for (w, _) in self.windows.iter().enumerate().filter(|(_, window)| window.to <= time) {
             for (at_windows, now) in self.at_windows.iter_mut().zip(&self.now) {
                 if at_windows[w] == Switch::NONE {

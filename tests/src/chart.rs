@@ -97,8 +97,19 @@ pub struct TimeSeries {
     pub scale: Scale,
     /// Computed values, joined by lines.
     pub lines: Vec<Line>,
+    /// Ranges around the lines, shaded in their colours: band `i` belongs to line `i`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<Band>,
     /// Values to compare with, as points.
     pub references: Vec<ReferencePoints>,
+}
+
+/// A range around a line, such as one standard deviation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// (time, lower end, upper end), by time.
+    pub points: Vec<(f64, f64, f64)>,
 }
 
 /// A density over a plane.

@@ -26,6 +26,7 @@ pub mod report;
 pub mod scene;
 pub mod scenes;
 pub mod sde;
+pub mod smpm;
 pub mod stability;
 pub mod verify;
 

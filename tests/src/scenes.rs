@@ -4,6 +4,7 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod fpk;
+mod smpm;
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -17,7 +18,7 @@ use crate::scene::{Objection, SceneError, SceneFile};
 pub const KIND_KEY: &str = "solver";
 
 /// Every kind of scene.
-pub const ALL: &[SceneKind] = &[fpk::KIND];
+pub const ALL: &[SceneKind] = &[fpk::KIND, smpm::KIND];
 
 /// One entry of the table [`ALL`].
 #[derive(Debug, Clone, Copy)]

@@ -189,6 +189,7 @@ impl Panel<'_> {
                 .iter()
                 .map(|&(name, _)| Line { name: name.into(), points: map.boundary.clone() })
                 .collect(),
+            bands: Vec::new(),
             references: sets(&map.points),
         };
         let svg = time_series(&picture)?;

@@ -209,6 +209,12 @@ impl Canvas<'_> {
         dashes(points, look.dashes).iter().try_for_each(|dash| self.line(dash, look.colour, width))
     }
 
+    /// A filled outline.
+    pub(super) fn polygon(&self, points: &[(f64, f64)], fill: RGBColor) -> Drawn {
+        let points: Vec<(i32, i32)> = points.iter().copied().map(fine_point).collect();
+        self.area.draw(&Polygon::new(points, fill.filled())).map_err(picture)
+    }
+
     pub(super) fn rectangle(&self, from: (f64, f64), to: (f64, f64), fill: RGBColor) -> Drawn {
         let corners = [fine_point(from), fine_point(to)];
         self.area.draw(&Rectangle::new(corners, fill.filled())).map_err(picture)

@@ -108,6 +108,7 @@ pub(crate) fn time_series(scale: Scale) -> TimeSeries {
             line("E[v²], log-density fit", 1.1),
             line("E[qv]", 0.5),
         ],
+        bands: Vec::new(),
         references: vec![ReferencePoints {
             name: "closed form, one sigma".into(),
             points: (1..=6).map(reference).collect(),

@@ -1,5 +1,7 @@
 //! Values over time, with points to compare with.
 
+use plotters::style::RGBColor;
+
 use super::axis::Axis;
 use super::canvas::{Canvas, Drawn, INK, Look, draw_svg};
 use super::legend::{
@@ -28,6 +30,13 @@ pub fn time_series(chart: &TimeSeries) -> Result<String, ChartError> {
     draw_svg(SHEET, &words.title, |canvas| {
         draw_words(canvas, &words, bottom)?;
         draw_grid(canvas, &x, &y)?;
+        for (i, band) in chart.bands.iter().enumerate() {
+            let shown = band.points.iter().filter(|&&(_, low, _)| shown(chart.scale, low));
+            let above = shown.clone().map(|&(at, _, high)| (x.place(at), y.place(high)));
+            let below = shown.rev().map(|&(at, low, _)| (x.place(at), y.place(low)));
+            let outline: Vec<(f64, f64)> = above.chain(below).collect();
+            canvas.polygon(&outline, pale(Look::of_series(i).colour))?;
+        }
         for (i, line) in chart.lines.iter().enumerate() {
             // A value without a place ends one piece and begins the next.
             let drawn = |value: Option<f64>| value.filter(|&value| shown(chart.scale, value));
@@ -74,6 +83,12 @@ fn draw_reference(
     canvas.open_marker(at, look, 4.8)
 }
 
+/// Four parts of white to one of a colour.
+fn pale(colour: RGBColor) -> RGBColor {
+    let mix = |part: u8| 204 + part / 5;
+    RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
+}
+
 fn shown(scale: Scale, value: f64) -> bool {
     scale == Scale::Linear || value > 0.0
 }
@@ -81,7 +96,9 @@ fn shown(scale: Scale, value: f64) -> bool {
 fn values(chart: &TimeSeries) -> impl Iterator<Item = (f64, f64)> {
     let computed =
         chart.lines.iter().flat_map(|line| line.points.iter().filter_map(|&(x, y)| Some((x, y?))));
+    let ends = |&(x, low, high): &(f64, f64, f64)| [(x, low), (x, high)];
     computed
+        .chain(chart.bands.iter().flat_map(|band| &band.points).flat_map(ends))
         .chain(chart.references.iter().flat_map(|set| &set.points).map(|point| (point.x, point.y)))
 }
 
@@ -103,6 +120,11 @@ fn check(chart: &TimeSeries) -> Result<(), ChartError> {
             finite(&line.name, "time", x)?;
             finite(&line.name, "value", y.unwrap_or(0.0))?;
         }
+    }
+    for &(x, low, high) in chart.bands.iter().flat_map(|band| &band.points) {
+        finite("a band", "time", x)?;
+        finite("a band", "lower end", low)?;
+        finite("a band", "upper end", high)?;
     }
     for set in &chart.references {
         for point in &set.points {

@@ -386,6 +386,7 @@ pub(crate) fn exceedance(
         },
         scale: Scale::Log,
         lines,
+        bands: Vec::new(),
         references: vec![ReferencePoints {
             name: "reference".into(),
             points: thresholds.iter().flat_map(|&threshold| reference(threshold)).collect(),

@@ -69,7 +69,13 @@ fn at_equal_support(
         y_label: y_label.into(),
         caption: Vec::new(),
     };
-    let data = TimeSeries { words, scale: Scale::Linear, lines, references: Vec::new() };
+    let data = TimeSeries {
+        words,
+        scale: Scale::Linear,
+        lines,
+        bands: Vec::new(),
+        references: Vec::new(),
+    };
     Ok(Drawing::time_series(name, &data)?)
 }
 
@@ -99,7 +105,8 @@ fn transforms() -> Result<Drawing, CaseError> {
                 .into(),
         ],
     };
-    let data = TimeSeries { words, scale: Scale::Log, lines, references: Vec::new() };
+    let data =
+        TimeSeries { words, scale: Scale::Log, lines, bands: Vec::new(), references: Vec::new() };
     Ok(Drawing::time_series("kernels-transform", &data)?)
 }
 

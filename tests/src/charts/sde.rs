@@ -462,7 +462,7 @@ fn mean_square_map() -> Result<Drawing, CaseError> {
         .map(|ray| Ok((ray, boundary(ray, &of(&Sriw1))?)))
         .collect::<Result<_, CaseError>>()?;
     lines.push(Line { name: "SRIW1, by quadrature".into(), points: of_sriw1 });
-    let chart = TimeSeries { words, scale: Scale::Log, lines, references };
+    let chart = TimeSeries { words, scale: Scale::Log, lines, bands: Vec::new(), references };
     Ok(Drawing::time_series("sde-stability-mean-square", &chart)?)
 }
 
@@ -495,6 +495,6 @@ fn oscillator_map() -> Result<Drawing, CaseError> {
     };
     let references =
         vec![ReferencePoints { name: "measured, one step of the code".into(), points }];
-    let chart = TimeSeries { words, scale: Scale::Log, lines, references };
+    let chart = TimeSeries { words, scale: Scale::Log, lines, bands: Vec::new(), references };
     Ok(Drawing::time_series("sde-stability-oscillator", &chart)?)
 }

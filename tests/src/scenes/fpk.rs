@@ -442,7 +442,7 @@ fn drawings(
                 .chain([Machine::read().caption()])
                 .collect(),
         };
-        let chart = TimeSeries { words, scale, lines, references: Vec::new() };
+        let chart = TimeSeries { words, scale, lines, bands: Vec::new(), references: Vec::new() };
         drawings.push(Drawing::time_series(name, &chart).map_err(RunError::solver)?);
     }
     Ok(drawings)

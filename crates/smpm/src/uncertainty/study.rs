@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::number::Number;
 use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Record, Schedule};
+use crate::record::{Record, Schedule, Witness};
 use crate::simulation::Simulation;
 
 /// A run as a function of `N` random parameters, written once over every number type.
@@ -87,6 +87,22 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// Those of the experiment and of the run.
     pub fn run(&self, t: &[f64; N]) -> Result<Vec<f64>, Error> {
         self.experiment.simulation(&self.inputs.point(t))?.replay(&self.plan, self.schedule())
+    }
+
+    /// The mean run once more, shown at the begins and ends of windows: what to draw fields from.
+    ///
+    /// # Errors
+    /// Those of the experiment and of the run.
+    pub fn mean_run_seen(&self, look: impl FnMut(f64, &Simulation<f64, D>)) -> Result<(), Error> {
+        struct Seen<F>(F);
+        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, D> for Seen<F> {
+            fn stop(&mut self, time: f64, simulation: &Simulation<f64, D>) {
+                (self.0)(time, simulation);
+            }
+        }
+        let mut simulation = self.experiment.simulation(&self.inputs.centre())?;
+        simulation.replay_before(&self.plan, self.schedule(), &mut Seen(look))?;
+        Ok(())
     }
 
     /// Moments by the derivatives that every particle and node carries: one run with jets for up to eight parameters, one

@@ -1,0 +1,241 @@
+//! The methods of a scene, one by one.
+
+use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
+use serde::Serialize;
+use smpm::uncertainty::{Exceedance, FrozenForm, Study, Switch};
+use smpm::{Error, Plan, Simulation, Window};
+
+use super::fields::Fields;
+use crate::case::Context;
+use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::scene::{MethodScene, SmpmScene};
+
+/// What came of a scene.
+#[derive(Debug)]
+pub(super) struct Answer {
+    /// In the order of the plan.
+    pub(super) responses: Vec<Response>,
+    pub(super) n_steps: usize,
+    pub(super) n_runs: u64,
+    pub(super) cpu_seconds: f64,
+    pub(super) failures: Vec<(u64, String)>,
+}
+
+/// A response with its moments.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Response {
+    /// Begin and end of the window; an instant where they are equal.
+    pub(super) window: [f64; 2],
+    /// At the centre of the parameters.
+    pub(super) centre: f64,
+    pub(super) mean: f64,
+    /// Of the mean, where it was sampled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation: Option<f64>,
+    /// Whether to believe a Taylor series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) trust: Option<Indicators>,
+    /// Levels and the chance that they are exceeded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) exceedance: Vec<Chance>,
+}
+
+impl Response {
+    /// The end of its window.
+    pub(super) const fn time(&self) -> f64 {
+        self.window[1]
+    }
+}
+
+/// What speaks for or against a Taylor series.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Indicators {
+    /// The root of curvature's part in the variance over that of the slope; below 0.03 the variance is mostly right within a
+    /// per cent. Unknown without mixed derivatives or where nothing varies.
+    curvature_ratio: Option<f64>,
+    /// Standard deviations between the gauge and a switch between elastic and plastic, at the end of the window; none where
+    /// nothing yields.
+    switch_distance: Option<f64>,
+    /// The distance is below two.
+    switch_within_two_deviations: bool,
+}
+
+/// A level and the chance that it is exceeded.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chance {
+    level: f64,
+    probability: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    standard_error: Option<f64>,
+    /// `normal_law` of the moments, or `count` of samples.
+    by: &'static str,
+}
+
+/// Runs the method of a scene with the law of `N` parameters, of which those beyond the scene's are certain.
+pub(super) fn solve<const D: usize, const N: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields,
+    context: &Context<'_>,
+) -> Result<Answer, Error> {
+    let clock = cpu_time::ProcessTime::now();
+    // The check of the scene has built these inputs with more certain parameters.
+    let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
+    context.progress("mean run");
+    let study = Study::<_, D, N>::new(experiment, inputs, plan.clone())?;
+    let table = Table { scene, plan, centre: study.centre() };
+    let (mut failures, mut n_runs) = (Vec::new(), 1);
+    let responses = match scene.method {
+        MethodScene::Deterministic => {
+            fields.of_numbers(&study)?;
+            table.each(|_, response| Ok(response))?
+        }
+        MethodScene::Frozen { as_printed } => {
+            context.progress("local formulas");
+            n_runs += 1;
+            let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
+            let moments = study.frozen(form)?;
+            table.each(|i, response| match &moments[i] {
+                Some(moments) => table.taylor(i, response, moments, None),
+                None => Ok(response),
+            })?
+        }
+        MethodScene::Propagated => {
+            context.progress("run with derivatives");
+            n_runs += 1;
+            let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
+                fields.of_jets(time, run, scene.random.len());
+            })?;
+            table.each(|i, response| {
+                let switch = Some(&propagated.switches[i]);
+                table.taylor(i, response, &propagated.moments[i], switch)
+            })?
+        }
+        MethodScene::FiniteDifference { step } => {
+            context.progress("differences of whole runs");
+            n_runs += 2 * N as u64;
+            let moments = study.finite_difference(step)?;
+            table.each(|i, response| table.taylor(i, response, &moments[i], None))?
+        }
+        MethodScene::SigmaPoints => {
+            context.progress("sigma points");
+            n_runs += 2 * N as u64;
+            let points = study.sigma_points()?;
+            table.each(|i, response| {
+                Ok(response.with_moments(points[i].mean(), points[i].variance()))
+            })?
+        }
+        MethodScene::MonteCarlo { samples, seed, control } => {
+            n_runs += samples + u64::from(control);
+            let surrogate = if control {
+                context.progress("run with derivatives, for the control variate");
+                Some(study.propagated()?)
+            } else {
+                None
+            };
+            context.progress("samples");
+            let sampled = study.monte_carlo(MonteCarlo { seed, n_samples: samples });
+            failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
+            table.each(|i, response| {
+                let found = match &surrogate {
+                    Some(surrogate) => sampled.controlled(i, &surrogate.moments[i])?,
+                    None => sampled.raw(i)?,
+                };
+                let mut response = response.with_moments(found.mean.value, found.variance.value);
+                response.mean_standard_error = error_of(&found.mean);
+                response.variance_standard_error = error_of(&found.variance);
+                for &level in table.levels(i) {
+                    let chance = sampled.exceedance(i, level)?;
+                    let standard_error = error_of(&chance);
+                    let probability = chance.value;
+                    let by = "count";
+                    response.exceedance.push(Chance { level, probability, standard_error, by });
+                }
+                Ok(response)
+            })?
+        }
+    };
+    let cpu_seconds = clock.elapsed().as_secs_f64();
+    Ok(Answer { responses, n_steps: study.schedule().n_steps(), n_runs, cpu_seconds, failures })
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
+}
+
+/// The responses of a plan at the centre.
+struct Table<'a, const D: usize> {
+    scene: &'a SmpmScene,
+    plan: &'a Plan<D>,
+    centre: &'a [f64],
+}
+
+impl<const D: usize> Table<'_, D> {
+    fn each(
+        &self,
+        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
+    ) -> Result<Vec<Response>, Error> {
+        let start = |(i, &centre): (usize, &f64)| {
+            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
+            let response = Response {
+                window: [from, to],
+                centre,
+                mean: centre,
+                mean_standard_error: None,
+                variance: None,
+                variance_standard_error: None,
+                standard_deviation: None,
+                trust: None,
+                exceedance: Vec::new(),
+            };
+            fill(i, response)
+        };
+        self.centre.iter().enumerate().map(start).collect()
+    }
+
+    fn levels(&self, response: usize) -> &[f64] {
+        let (_, quantity, _) = self.plan.parts(response);
+        let name = self.plan.quantities[quantity].to_string();
+        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    fn taylor<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        moments: &Moments<N>,
+        switch: Option<&Switch>,
+    ) -> Result<Response, Error> {
+        let variance = moments.variance_first_order();
+        let mut response = response.with_moments(moments.mean_second_order()?, variance);
+        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        response.trust = Some(Indicators {
+            curvature_ratio: curvature.map(f64::sqrt),
+            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
+            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
+        });
+        for &level in self.levels(i) {
+            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
+            let (standard_error, by) = (None, "normal_law");
+            response.exceedance.push(Chance { level, probability, standard_error, by });
+        }
+        Ok(response)
+    }
+}
+
+impl Response {
+    fn with_moments(self, mean: f64, variance: f64) -> Self {
+        let standard_deviation = Some(variance.max(0.0).sqrt());
+        Self { mean, variance: Some(variance), standard_deviation, ..self }
+    }
+}

@@ -1,0 +1,392 @@
+//! Materials as they stand in a scene: parameters from a library, some set anew, some random.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use smpm::material::{
+    Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters,
+    EquationOfState, Fluid, JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters,
+    JohnsonCookParameters, Jwl, JwlParameters, MieGruneisen, MieGruneisenParameters, NeoHookean,
+    NeoHookeanParameters, Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units,
+    VonMises, VonMisesParameters, library,
+};
+use smpm::{Body, Error, Fill, Number};
+
+use crate::nearest::nearest;
+use crate::scene::Objection;
+
+/// A material: an equation of state, and what bears shear.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialScene {
+    /// Pressure.
+    pub equation: EquationScene,
+    /// Deviator; a fluid without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength: Option<StrengthScene>,
+    /// Damage by Johnson and Cook, for their flow stress only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damage: Option<ParameterScene>,
+    /// The largest tension that it bears (stress); any where it is not given. For fluids.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tension_limit: Option<f64>,
+    /// Where and over how many cells an explosive burns; needed with `jwl`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detonation: Option<DetonationScene>,
+}
+
+/// An equation of state with its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum EquationScene {
+    /// Mie and Grueneisen.
+    MieGruneisen(ParameterScene),
+    /// A stiffened gas; an ideal one with `stiffness` 0.
+    StiffenedGas(ParameterScene),
+    /// Jones, Wilkins and Lee, with programmed burn.
+    Jwl(ParameterScene),
+    /// A constant bulk modulus.
+    ElasticBulk(ParameterScene),
+    /// A compressible neo-Hookean solid: pressure and deviator at once.
+    NeoHookean(ParameterScene),
+}
+
+/// A strength with its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum StrengthScene {
+    /// Elastic.
+    Elastic(ParameterScene),
+    /// Linear hardening.
+    VonMises(ParameterScene),
+    /// Johnson and Cook.
+    JohnsonCook(ParameterScene),
+}
+
+/// Parameters by name: those of a library in the units of the scene, and what is set anew.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterScene {
+    /// `steel`, `steel_as_published`, `copper`, `aluminium`, `water` or `tnt`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub library: Option<String>,
+    /// Parameters that the library does not have, or has otherwise, in the units of the scene.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub set: BTreeMap<String, f64>,
+}
+
+/// A programmed burn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DetonationScene {
+    /// Where it begins (length).
+    pub point: Vec<f64>,
+    /// Over how many cells the front is spread.
+    pub cells: f64,
+}
+
+/// Which part of a material a parameter belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The equation of state.
+    Equation,
+    /// The strength.
+    Strength,
+    /// The damage.
+    Damage,
+}
+
+impl Part {
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::Equation, "equation"), (Self::Strength, "strength"), (Self::Damage, "damage")];
+}
+
+/// The numbers of a material.
+pub type Numbers = BTreeMap<(Part, &'static str), f64>;
+
+type Names = &'static [&'static str];
+type Library = Vec<(&'static str, f64)>;
+
+macro_rules! entries {
+    ($parameters:expr) => {{
+        let mut entries = Vec::new();
+        let _ = $parameters.map(|name, value: f64| entries.push((name, value)));
+        Some(entries)
+    }};
+}
+
+impl EquationScene {
+    /// The key, the names of the parameters and what is given.
+    fn parts(&self) -> (&'static str, Names, &ParameterScene) {
+        match self {
+            Self::MieGruneisen(given) => {
+                ("mie_gruneisen", MieGruneisenParameters::<f64>::NAMES, given)
+            }
+            Self::StiffenedGas(given) => {
+                ("stiffened_gas", StiffenedGasParameters::<f64>::NAMES, given)
+            }
+            Self::Jwl(given) => ("jwl", JwlParameters::<f64>::NAMES, given),
+            Self::ElasticBulk(given) => {
+                ("elastic_bulk", ElasticBulkParameters::<f64>::NAMES, given)
+            }
+            Self::NeoHookean(given) => ("neo_hookean", NeoHookeanParameters::<f64>::NAMES, given),
+        }
+    }
+
+    fn library(&self, name: &str, units: Units) -> Option<Library> {
+        match (self, name) {
+            (Self::MieGruneisen(_), "steel") => entries!(library::steel_equation(units)),
+            (Self::MieGruneisen(_), "copper") => entries!(library::copper_equation(units)),
+            (Self::MieGruneisen(_), "aluminium") => entries!(library::aluminium_equation(units)),
+            (Self::MieGruneisen(_), "water") => entries!(library::water(units)),
+            (Self::Jwl(_), "tnt") => entries!(library::tnt(units)),
+            _ => None,
+        }
+    }
+}
+
+impl StrengthScene {
+    fn parts(&self) -> (&'static str, Names, &ParameterScene) {
+        match self {
+            Self::Elastic(given) => ("elastic", ElasticShearParameters::<f64>::NAMES, given),
+            Self::VonMises(given) => ("von_mises", VonMisesParameters::<f64>::NAMES, given),
+            Self::JohnsonCook(given) => {
+                ("johnson_cook", JohnsonCookParameters::<f64>::NAMES, given)
+            }
+        }
+    }
+
+    fn library(&self, name: &str, units: Units) -> Option<Library> {
+        match (self, name) {
+            (Self::JohnsonCook(_), "steel") => entries!(library::steel_strength(units)),
+            (Self::JohnsonCook(_), "steel_as_published") => {
+                entries!(library::steel_strength_as_published(units))
+            }
+            (Self::JohnsonCook(_), "copper") => entries!(library::copper_strength(units)),
+            _ => None,
+        }
+    }
+}
+
+impl ParameterScene {
+    /// Every parameter of a part, by name.
+    fn read(
+        &self,
+        part: Part,
+        names: Names,
+        library: impl Fn(&str) -> Option<Library>,
+        path: &str,
+        numbers: &mut Numbers,
+    ) -> Result<(), Objection> {
+        let base = match &self.library {
+            None => Vec::new(),
+            Some(name) => library(name).ok_or_else(|| {
+                let message = format!("the library has no `{name}` for this model");
+                Objection::new(format!("{path}.library"), message).with_help(
+                    "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; johnson_cook has steel, steel_as_published, copper; damage has steel",
+                )
+            })?,
+        };
+        if let Some(name) = self.set.keys().find(|name| !names.contains(&name.as_str())) {
+            let message = format!("there is no parameter `{name}`");
+            let hint = match nearest(name, names.iter().copied()) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("there are: {}", names.join(", ")),
+            };
+            return Err(Objection::new(format!("{path}.set.{name}"), message).with_help(hint));
+        }
+        for &name in names {
+            let of_library = || base.iter().find(|(known, _)| *known == name).map(|(_, v)| *v);
+            let value = self.set.get(name).copied().or_else(of_library).ok_or_else(|| {
+                let message = format!("the parameter `{name}` is missing");
+                Objection::new(path, message).with_help(format!(
+                    "give it under `set`, or a `library`; the model needs {}",
+                    names.join(", ")
+                ))
+            })?;
+            numbers.insert((part, name), value);
+        }
+        Ok(())
+    }
+}
+
+impl MaterialScene {
+    /// All its numbers.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a parameter that is missing or unknown, and to parts that do not go together.
+    pub fn numbers(&self, units: Units, path: &str) -> Result<Numbers, Objection> {
+        let mut numbers = Numbers::new();
+        let (key, names, given) = self.equation.parts();
+        let from = |name: &str| self.equation.library(name, units);
+        let at = format!("{path}.equation.{key}");
+        given.read(Part::Equation, names, from, &at, &mut numbers)?;
+        if let Some(strength) = &self.strength {
+            let (key, names, given) = strength.parts();
+            let from = |name: &str| strength.library(name, units);
+            let at = format!("{path}.strength.{key}");
+            given.read(Part::Strength, names, from, &at, &mut numbers)?;
+        }
+        if let Some(given) = &self.damage {
+            let names = JohnsonCookDamageParameters::<f64>::NAMES;
+            let from = |name: &str| match name {
+                "steel" => entries!(library::steel_damage(units)),
+                _ => None,
+            };
+            let at = format!("{path}.damage");
+            given.read(Part::Damage, names, from, &at, &mut numbers)?;
+        }
+        self.check_parts(path)?;
+        Ok(numbers)
+    }
+
+    fn check_parts(&self, path: &str) -> Result<(), Objection> {
+        use EquationScene as E;
+        use StrengthScene as Y;
+        let known = matches!(
+            (&self.equation, &self.strength),
+            (E::MieGruneisen(_), _)
+                | (E::StiffenedGas(_) | E::Jwl(_) | E::NeoHookean(_), None)
+                | (E::ElasticBulk(_), Some(Y::Elastic(_)))
+        );
+        if !known {
+            let message = "this equation of state does not go with this strength";
+            return Err(Objection::new(path, message).with_help(
+                "mie_gruneisen goes with any; elastic_bulk with elastic; stiffened_gas, jwl and neo_hookean with none",
+            ));
+        }
+        if self.damage.is_some() && !matches!(self.strength, Some(Y::JohnsonCook(_))) {
+            let message = "damage goes with the strength `johnson_cook` only";
+            return Err(Objection::new(format!("{path}.damage"), message));
+        }
+        let fluid = matches!((&self.equation, &self.strength), (E::MieGruneisen(_), None));
+        if self.tension_limit.is_some() && !fluid {
+            let message = "a tension limit goes with `mie_gruneisen` without strength only";
+            return Err(Objection::new(format!("{path}.tension_limit"), message)
+                .with_help("a solid spalls by `damage`"));
+        }
+        if matches!(self.equation, E::Jwl(_)) != self.detonation.is_some() {
+            let message = "`detonation` goes with `jwl`, and `jwl` with it";
+            return Err(Objection::new(path, message));
+        }
+        Ok(())
+    }
+
+    /// The place of a parameter, `equation.s1`, among its numbers.
+    ///
+    /// # Errors
+    /// An [`Objection`] at `path` with the nearest name.
+    pub fn parameter(
+        numbers: &Numbers,
+        name: &str,
+        path: &str,
+    ) -> Result<(Part, &'static str), Objection> {
+        let words: Vec<(String, (Part, &'static str))> = numbers
+            .keys()
+            .map(|&(part, name)| {
+                let word = Part::ALL.iter().find(|(p, _)| *p == part).map_or("", |(_, word)| word);
+                (format!("{word}.{name}"), (part, name))
+            })
+            .collect();
+        words.iter().find(|(word, _)| word == name).map(|(_, key)| *key).ok_or_else(|| {
+            let message = format!("the material has no parameter `{name}`");
+            let hint = match nearest(name, words.iter().map(|(word, _)| word.as_str())) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => "e.g. `equation.s1` or `strength.a`".to_owned(),
+            };
+            Objection::new(path, message).with_help(hint)
+        })
+    }
+
+    /// A body of it, with numbers that may be random.
+    ///
+    /// # Errors
+    /// What the model refuses.
+    pub fn body<S: Number, const D: usize>(
+        &self,
+        of: &impl Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error> {
+        let given =
+            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
+        let equation = given(Part::Equation);
+        match &self.equation {
+            EquationScene::MieGruneisen(_) => {
+                let equation =
+                    MieGruneisen::new(MieGruneisenParameters::try_from_names(equation)?)?;
+                match self.tension_limit {
+                    Some(limit) => {
+                        let equation = TensionCutOff::new(equation, S::constant(limit))?;
+                        Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+                    }
+                    None => self.with_strength(equation, of, fill, velocity),
+                }
+            }
+            EquationScene::StiffenedGas(_) => {
+                let equation =
+                    StiffenedGas::new(StiffenedGasParameters::try_from_names(equation)?)?;
+                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+            }
+            EquationScene::Jwl(_) => {
+                let burn = self.detonation.as_ref();
+                let coordinate =
+                    |k: usize| burn.and_then(|burn| burn.point.get(k)).copied().unwrap_or(0.0);
+                let detonation = Detonation {
+                    point: std::array::from_fn(coordinate),
+                    cells: burn.map_or(0.0, |burn| burn.cells),
+                };
+                let equation = Jwl::new(JwlParameters::try_from_names(equation)?, detonation)?;
+                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+            }
+            EquationScene::ElasticBulk(_) => {
+                let equation = ElasticBulk::new(ElasticBulkParameters::try_from_names(equation)?)?;
+                let parameters = ElasticShearParameters::try_from_names(given(Part::Strength))?;
+                let strength = ElasticShear::new(parameters)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            EquationScene::NeoHookean(_) => {
+                let material = NeoHookean::new(NeoHookeanParameters::try_from_names(equation)?)?;
+                Body::new(material, fill, velocity)
+            }
+        }
+    }
+
+    fn with_strength<S: Number, E: EquationOfState<S> + 'static, const D: usize>(
+        &self,
+        equation: E,
+        of: &impl Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error>
+    where
+        E::State: 'static,
+    {
+        let given =
+            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
+        let strength = given(Part::Strength);
+        match &self.strength {
+            None => Body::new(Solid { equation, strength: Fluid }, fill, velocity),
+            Some(StrengthScene::Elastic(_)) => {
+                let strength =
+                    ElasticShear::new(ElasticShearParameters::try_from_names(strength)?)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            Some(StrengthScene::VonMises(_)) => {
+                let strength = VonMises::new(VonMisesParameters::try_from_names(strength)?)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            Some(StrengthScene::JohnsonCook(_)) => {
+                let flow = JohnsonCookParameters::try_from_names(strength)?;
+                if self.damage.is_some() {
+                    let damage = JohnsonCookDamageParameters::try_from_names(given(Part::Damage))?;
+                    let strength = JohnsonCookDamage::new(flow, damage)?;
+                    Body::new(Solid { equation, strength }, fill, velocity)
+                } else {
+                    let strength = JohnsonCook::new(flow)?;
+                    Body::new(Solid { equation, strength }, fill, velocity)
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! What a scene means: its law, configuration, plan and bodies, and what it may not say.
+
+use std::collections::BTreeMap;
+
+use perturbation_moments::{Marginal, RandomVector};
+use smpm::{
+    Boundary, BoundaryKind, BulkViscosity, Config, Fill, Gauge, Geometry, Place, Plan, Quantity,
+    Shape, Side, Transfer, UpdateOrder,
+};
+
+use super::material_scene::{MaterialScene, Numbers, Part};
+use super::region::Region;
+use super::scene::{
+    BoundaryKindScene, BoundaryScene, GaugeScene, LawScene, OrderScene, ShapeScene, SideScene,
+    SmpmScene, TransferScene,
+};
+use crate::nearest::nearest;
+use crate::scene::{Objection, Scene};
+
+/// A random parameter, found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RandomParameter {
+    /// The name of its material.
+    pub material: String,
+    /// Which of its parameters.
+    pub key: (Part, &'static str),
+    /// Its mean.
+    pub mean: f64,
+}
+
+/// Most random parameters of a scene: the lanes of a jet.
+pub const MOST_RANDOM: usize = 8;
+
+impl SmpmScene {
+    /// The numbers of every material.
+    ///
+    /// # Errors
+    /// An [`Objection`] to what is missing or unknown.
+    pub fn numbers(&self) -> Result<BTreeMap<&str, Numbers>, Objection> {
+        let units = self.units.units();
+        let read = |(name, material): (&'_ String, &MaterialScene)| {
+            material.numbers(units, &format!("materials.{name}"))
+        };
+        self.materials.iter().map(|entry| Ok((entry.0.as_str(), read(entry)?))).collect()
+    }
+
+    /// The random parameters, in their order.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a name that there is not or that is given twice, and to too many of them.
+    pub fn random_parameters(&self) -> Result<Vec<RandomParameter>, Objection> {
+        if self.random.len() > MOST_RANDOM {
+            let n = self.random.len();
+            let message = format!("{n} random parameters; a scene may have {MOST_RANDOM}");
+            return Err(Objection::new("random", message));
+        }
+        let numbers = self.numbers()?;
+        let mut found: Vec<RandomParameter> = Vec::new();
+        for (i, random) in self.random.iter().enumerate() {
+            let path = format!("random[{i}].parameter");
+            let (material, name) =
+                random.parameter.split_once('.').unwrap_or((&random.parameter, ""));
+            let Some(of_material) = numbers.get(material) else {
+                return Err(unknown(&path, "material", material, self.materials.keys()));
+            };
+            let key = MaterialScene::parameter(of_material, name, &path)?;
+            if found.iter().any(|earlier| earlier.material == material && earlier.key == key) {
+                let message = format!("`{}` is given twice", random.parameter);
+                return Err(Objection::new(path, message));
+            }
+            let mean = of_material[&key];
+            found.push(RandomParameter { material: material.to_owned(), key, mean });
+        }
+        Ok(found)
+    }
+
+    /// The law of `N` parameters: those of the scene, then certain ones.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a correlation, or to what no random vector has.
+    pub fn inputs<const N: usize>(&self) -> Result<RandomVector<N>, Objection> {
+        let parameters = self.random_parameters()?;
+        let (mut mean, mut deviations) = ([1.0; N], [0.0; N]);
+        let mut marginals = [Marginal::Normal; N];
+        for (i, (parameter, random)) in parameters.iter().zip(&self.random).enumerate() {
+            mean[i] = parameter.mean;
+            deviations[i] = random.coefficient_of_variation * parameter.mean.abs();
+            if random.law == LawScene::Lognormal {
+                marginals[i] = Marginal::Lognormal;
+            }
+        }
+        let mut correlation = [[0.0; N]; N];
+        for (i, row) in correlation.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        for (c, given) in self.correlations.iter().enumerate() {
+            let path = format!("correlations[{c}]");
+            let place = |name: &String| {
+                self.random.iter().position(|random| random.parameter == *name).ok_or_else(|| {
+                    let names = self.random.iter().map(|random| &random.parameter);
+                    unknown(&format!("{path}.between"), "random parameter", name, names)
+                })
+            };
+            let [i, j] = [place(&given.between[0])?, place(&given.between[1])?];
+            if i == j {
+                let message = "a parameter is correlated with itself";
+                return Err(Objection::new(format!("{path}.between"), message));
+            }
+            (correlation[i][j], correlation[j][i]) = (given.value, given.value);
+        }
+        let refused = |error: perturbation_moments::Error| {
+            let path = if self.correlations.is_empty() { "random" } else { "correlations" };
+            Objection::new(path, error.to_string())
+        };
+        RandomVector::new(mean, deviations, correlation)
+            .and_then(|inputs| inputs.with_marginals(marginals))
+            .map_err(refused)
+    }
+
+    /// The configuration of the solver.
+    #[must_use]
+    pub fn config<const D: usize>(&self) -> Config<D> {
+        let usual = Config::with_cell(self.grid.cell);
+        let scheme = &self.scheme;
+        let viscosity = scheme.viscosity.map_or(usual.viscosity, |given| BulkViscosity {
+            quadratic: given.quadratic,
+            linear: given.linear,
+        });
+        Config {
+            shape: scheme.shape.map_or(usual.shape, |shape| match shape {
+                ShapeScene::Linear => Shape::Linear,
+                ShapeScene::Gimp => Shape::Gimp,
+                ShapeScene::QuadraticBSpline => Shape::QuadraticBSpline,
+                ShapeScene::CubicBSpline => Shape::CubicBSpline,
+            }),
+            update_order: scheme.update_order.map_or(usual.update_order, |order| match order {
+                OrderScene::StressFirst => UpdateOrder::StressFirst,
+                OrderScene::StressLast => UpdateOrder::StressLast,
+                OrderScene::ModifiedStressLast => UpdateOrder::ModifiedStressLast,
+            }),
+            transfer: scheme.transfer.map_or(usual.transfer, |transfer| match transfer {
+                TransferScene::Apic => Transfer::Apic,
+                TransferScene::Flip { damping_time } => {
+                    Transfer::Flip { damping_time: damping_time.unwrap_or(f64::INFINITY) }
+                }
+            }),
+            viscosity,
+            courant_number: scheme.courant_number.unwrap_or(usual.courant_number),
+            geometry: if self.axisymmetric { Geometry::Axisymmetric } else { Geometry::Cartesian },
+            boundaries: self.boundaries.iter().map(BoundaryScene::boundary).collect(),
+            ..usual
+        }
+    }
+
+    /// What is looked at. The scene has been checked.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a name or a point.
+    pub fn plan<const D: usize>(&self) -> Result<Plan<D>, Objection> {
+        let gauge = |(i, gauge): (usize, &GaugeScene)| {
+            let path = format!("gauges[{i}]");
+            let names = || self.bodies.iter().map(|body| &body.name);
+            let body = names()
+                .position(|name| *name == gauge.body)
+                .ok_or_else(|| unknown(&format!("{path}.body"), "body", &gauge.body, names()))?;
+            let place = match (&gauge.at, &gauge.within) {
+                (Some(at), None) => Place::Nearest(point(at, &format!("{path}.at"))?),
+                (None, Some([from, to])) => Place::Region {
+                    from: point(from, &format!("{path}.within[0]"))?,
+                    to: point(to, &format!("{path}.within[1]"))?,
+                },
+                _ => {
+                    let message = "a gauge needs one of `at` and `within`";
+                    return Err(Objection::new(path, message));
+                }
+            };
+            Ok(Gauge { name: gauge.name.clone(), body, place })
+        };
+        Ok(Plan {
+            gauges: self.gauges.iter().enumerate().map(gauge).collect::<Result<_, _>>()?,
+            quantities: self.quantities()?,
+            windows: self.times.iter().map(|time| time.window()).collect(),
+        })
+    }
+
+    fn quantities(&self) -> Result<Vec<Quantity>, Objection> {
+        let quantity = |(i, name): (usize, &String)| {
+            name.parse::<Quantity>().map_err(|error| {
+                let message = format!("there is no quantity `{name}`");
+                let names: Vec<String> = Quantity::all().map(|q| q.to_string()).collect();
+                let hint = nearest(name, names.iter().map(String::as_str)).map_or_else(
+                    || error.to_string(),
+                    |nearest| format!("did you mean `{nearest}`?"),
+                );
+                Objection::new(format!("quantities[{i}]"), message).with_help(hint)
+            })
+        };
+        self.quantities.iter().enumerate().map(quantity).collect()
+    }
+
+    /// Where the particles of a body start.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a point of another dimension.
+    pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
+        let (scene, path) = (&self.bodies[body], format!("bodies[{body}]"));
+        let whole = Region::<D>::of(&scene.shape, &format!("{path}.shape"))?;
+        let cut = |(i, shape)| Region::<D>::of(shape, &format!("{path}.except[{i}]"));
+        let cuts: Vec<Region<D>> =
+            scene.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
+        let spacing = [self.grid.cell / f64::from(self.grid.particles_per_cell); D];
+        Ok(Fill::of(spacing, whole.bounds(), |x| {
+            whole.holds(x) && !cuts.iter().any(|cut| cut.holds(x))
+        }))
+    }
+}
+
+impl BoundaryScene {
+    fn boundary(&self) -> Boundary {
+        Boundary {
+            axis: self.axis.wrapping_sub(1),
+            position: self.position,
+            side: match self.side {
+                SideScene::Above => Side::Above,
+                SideScene::Below => Side::Below,
+            },
+            kind: match self.kind {
+                BoundaryKindScene::Symmetry => BoundaryKind::Symmetry,
+                BoundaryKindScene::Clamped => BoundaryKind::Clamped,
+                BoundaryKindScene::Rigid => BoundaryKind::Rigid,
+                BoundaryKindScene::Absorbing { longitudinal, shear } => {
+                    BoundaryKind::Absorbing { longitudinal, shear }
+                }
+            },
+        }
+    }
+}
+
+/// A point of the right dimension.
+pub(super) fn point<const D: usize>(given: &[f64], path: &str) -> Result<[f64; D], Objection> {
+    given.try_into().map_err(|_| {
+        let message = format!("{} coordinates; the scene has {D} dimensions", given.len());
+        Objection::new(path, message)
+    })
+}
+
+fn unknown<'a>(
+    path: &str,
+    what: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a String>,
+) -> Objection {
+    let known: Vec<&str> = known.map(String::as_str).collect();
+    let hint = match nearest(name, known.iter().copied()) {
+        Some(nearest) => format!("did you mean `{nearest}`?"),
+        None => format!("there are: {}", known.join(", ")),
+    };
+    Objection::new(path, format!("there is no {what} `{name}`")).with_help(hint)
+}
+
+impl Scene for SmpmScene {
+    fn check(&self) -> Result<(), Objection> {
+        if self.gauges.is_empty() || self.quantities.is_empty() || self.times.is_empty() {
+            let message = "gauges, quantities and times need one entry each at least";
+            return Err(Objection::new("", message));
+        }
+        if self.grid.particles_per_cell == 0 {
+            let message = "no particle fits into a cell; at least 1 along its edge is needed";
+            return Err(Objection::new("grid.particles_per_cell", message));
+        }
+        if self.grid.cell.is_nan() || self.grid.cell <= 0.0 {
+            let message = format!("the cell is {} and must be greater than 0", self.grid.cell);
+            return Err(Objection::new("grid.cell", message));
+        }
+        for (i, boundary) in self.boundaries.iter().enumerate() {
+            if !(1..=self.dimension).contains(&boundary.axis) {
+                let message = format!("axis {}; axes are 1 to {}", boundary.axis, self.dimension);
+                return Err(Objection::new(format!("boundaries[{i}].axis"), message));
+            }
+        }
+        for name in self.levels.keys() {
+            if !self.quantities.contains(name) {
+                return Err(unknown("levels", "quantity", name, self.quantities.iter()));
+            }
+        }
+        for (i, random) in self.random.iter().enumerate() {
+            let value = random.coefficient_of_variation;
+            if !(value >= 0.0 && value.is_finite()) {
+                let message =
+                    format!("the coefficient of variation is {value} and must not be negative");
+                return Err(Objection::new(
+                    format!("random[{i}].coefficient_of_variation"),
+                    message,
+                ));
+            }
+        }
+        match self.dimension {
+            1 => self.check_in::<1>(),
+            2 => self.check_in::<2>(),
+            3 => self.check_in::<3>(),
+            other => {
+                let message = format!("{other} dimensions; there must be 1 to 3");
+                Err(Objection::new("dimension", message))
+            }
+        }
+    }
+}
+
+impl SmpmScene {
+    /// What needs the dimension: points, gauges, and every material by itself.
+    fn check_in<const D: usize>(&self) -> Result<(), Objection> {
+        self.inputs::<MOST_RANDOM>()?;
+        self.plan::<D>()?;
+        let numbers = self.numbers()?;
+        for (name, material) in &self.materials {
+            let path = format!("materials.{name}");
+            if let Some(burn) = &material.detonation {
+                point::<D>(&burn.point, &format!("{path}.detonation.point"))?;
+            }
+            let one = Fill { positions: vec![[0.0; D]], spacing: [1.0; D] };
+            let of = |part, key| numbers[name.as_str()][&(part, key)];
+            material
+                .body::<f64, D>(&of, &one, [0.0; D])
+                .map_err(|error| Objection::new(&path, error.to_string()))?;
+        }
+        for (i, body) in self.bodies.iter().enumerate() {
+            if !self.materials.contains_key(&body.material) {
+                let path = format!("bodies[{i}].material");
+                return Err(unknown(&path, "material", &body.material, self.materials.keys()));
+            }
+            if !body.velocity.is_empty() {
+                point::<D>(&body.velocity, &format!("bodies[{i}].velocity"))?;
+            }
+            if self.fill::<D>(i)?.positions.is_empty() {
+                let message = format!("body `{}` holds no particle", body.name);
+                return Err(Objection::new(format!("bodies[{i}].shape"), message));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! Regions of space that bodies fill.
+
+use super::reading::point;
+use super::scene::SolidScene;
+use crate::scene::Objection;
+
+/// A region with points of the right dimension.
+pub(super) enum Region<const D: usize> {
+    Box { from: [f64; D], to: [f64; D] },
+    Ball { centre: [f64; D], radius: f64 },
+    Cylinder { base: [f64; D], radius: f64, height: f64 },
+}
+
+impl<const D: usize> Region<D> {
+    pub(super) fn of(scene: &SolidScene, path: &str) -> Result<Self, Objection> {
+        let positive = |key: &str, value: f64| {
+            if value > 0.0 {
+                Ok(value)
+            } else {
+                let message = format!("the {key} is {value} and must be greater than 0");
+                Err(Objection::new(format!("{path}.{key}"), message))
+            }
+        };
+        match scene {
+            SolidScene::Box { from, to } => Ok(Self::Box {
+                from: point(from, &format!("{path}.box.from"))?,
+                to: point(to, &format!("{path}.box.to"))?,
+            }),
+            SolidScene::Ball { centre, radius } => Ok(Self::Ball {
+                centre: point(centre, &format!("{path}.ball.centre"))?,
+                radius: positive("radius", *radius)?,
+            }),
+            SolidScene::Cylinder { base, radius, height } if D == 3 => Ok(Self::Cylinder {
+                base: point(base, &format!("{path}.cylinder.base"))?,
+                radius: positive("radius", *radius)?,
+                height: positive("height", *height)?,
+            }),
+            SolidScene::Cylinder { .. } => {
+                Err(Objection::new(path, "a cylinder is a shape in three dimensions only"))
+            }
+        }
+    }
+
+    pub(super) fn bounds(&self) -> ([f64; D], [f64; D]) {
+        match *self {
+            Self::Box { from, to } => (from, to),
+            Self::Ball { centre, radius } => {
+                (centre.map(|x| x - radius), centre.map(|x| x + radius))
+            }
+            Self::Cylinder { base, radius, height } => {
+                let end = |k: usize, along: f64, across: f64| {
+                    base[k] + if k == 2 { along } else { across }
+                };
+                (
+                    std::array::from_fn(|k| end(k, 0.0, -radius)),
+                    std::array::from_fn(|k| end(k, height, radius)),
+                )
+            }
+        }
+    }
+
+    pub(super) fn holds(&self, x: &[f64; D]) -> bool {
+        let square =
+            |from: &[f64; D], n: usize| (0..n).map(|k| (x[k] - from[k]).powi(2)).sum::<f64>();
+        match self {
+            Self::Box { from, to } => (0..D).all(|k| (from[k]..to[k]).contains(&x[k])),
+            Self::Ball { centre, radius } => square(centre, D) < radius * radius,
+            Self::Cylinder { base, radius, height } => {
+                square(base, 2) < radius * radius && (0.0..*height).contains(&(x[2] - base[2]))
+            }
+        }
+    }
+}

@@ -3,7 +3,7 @@
 //!
 //! The predicted step is the diffusion limit of Runge-Kutta 4,
 //!
-//! $$ \Delta t = \frac{0.25\, \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
+//! $$ \Delta t = \frac{0.25 \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
 //!
 //! with the deformed cells `F_i` in spacings. The length is `l = R`, the reach in spacings, for the log-density fit; for the
 //! flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit gives to a wave of the lattice.

@@ -11,7 +11,9 @@ mod sde_ensembles;
 mod smoothing_kernels;
 
 use crate::case::Case;
+pub(crate) use fpk::bouc_wen::{LATTICE as BOUC_WEN_LATTICE, of_tail as bouc_wen_tail};
 pub(crate) use fpk::canor_denoel::config as papers_config;
+pub(crate) use fpk::linear_systems::LATTICE as KANAI_TAJIMI_LATTICE;
 pub(crate) use fpk::rivals::{OF_HYSTERESIS, OF_OSCILLATOR};
 pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
 pub(crate) use sde::oscillator_limits;

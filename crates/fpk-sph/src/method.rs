@@ -252,7 +252,8 @@ impl Combination {
 
 impl Estimator {
     /// The estimator as an object.
-    pub(crate) fn build<const D: usize>(self) -> Box<dyn ScoreEstimator<D> + Sync> {
+    #[must_use]
+    pub fn build<const D: usize>(self) -> Box<dyn ScoreEstimator<D> + Sync> {
         match self {
             Self::SummationDensity => Box::new(SummationDensity { kernel: Lucy }),
             Self::LogDensityFit { volume, degree } => {

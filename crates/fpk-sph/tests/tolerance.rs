@@ -21,7 +21,7 @@ fn the_damper_to_a_tolerance_has_the_error_that_it_states() {
     let parameters = ViscousDamperParameters { structure, damper_coefficient, damper_exponent };
     let building = ViscousDamper::new(parameters).unwrap();
     let law = GaussianMixture::independent([0.0, 0.0], [0.15, 0.10]).unwrap();
-    let refinement = Refinement { tolerance: 5e-3, most_particles: 20_000 };
+    let refinement = Refinement { tolerance: 5e-3, order: 2.0, most_particles: 20_000 };
     let refined = refine(InitialLattice::box_of(31), &refinement, |lattice| {
         let config = Config {
             method: Method::LogDensityFit,

@@ -46,6 +46,10 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
+/// The methods of this project.
+const OURS: [(FpkMethod, &str); 2] =
+    [(FpkMethod::LogDensityFit, "log-density fit"), (FpkMethod::FlowMapFit, "flow-map fit")];
+
 /// One run of a method: its cost, and the two quantities.
 struct Point {
     label: String,
@@ -159,19 +163,16 @@ fn ladders(
     let mut ladders = Vec::new();
 
     let counts = [21_usize, 27, 35, 45, 61, 81];
-    ladders.push(density(
-        context,
-        problem,
-        &format!("{name}: log-density fit"),
-        "log-density fit (particles)",
-        true,
-        |k| {
+    for (method, words) in OURS {
+        let progress = format!("{name}: {words}");
+        let heading = format!("{words} (particles)");
+        ladders.push(density(context, problem, &progress, &heading, true, |k| {
             let n = *counts.get(k).filter(|_| k < first(4, 6))?;
-            let config = problem.scene.density_config(period, 1.0)?;
-            let lattice = InitialLattice::Box { reach: fpk_sph::DEFAULT_REACH, count: [n, n] };
-            Some((group_thousands(n * n), Config { lattice, ..config }))
-        },
-    )?);
+            let lattice = InitialLattice::box_of(n);
+            let label = group_thousands(n * n);
+            Some((label, Config { method, lattice, ..paper }))
+        })?);
+    }
     let grids = [[25_usize, 17], [36, 24], [50, 33], [71, 47]];
     let particles = "Canor & Denoël 2013, C = 0.8 (particles)";
     ladders.push(density(

@@ -8,11 +8,13 @@ use sde_integrators::{Shark, StrangOscillator};
 
 use self::records::{Record, charts};
 use self::runs::{
-    Setting, Target, box_lattices, sample, solve_linearised, solve_on_grid, solve_with_particles,
+    Ladder, Setting, Target, sample, solve_linearised, solve_on_grid, solve_with_particles, usual,
 };
 use self::table::page;
 use crate::case::{CaseError, Context, Profile};
-use crate::cases::{OF_HYSTERESIS, OF_OSCILLATOR};
+use crate::cases::{
+    BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR, bouc_wen_tail,
+};
 use crate::charts::{ChartKind, Drawing};
 use crate::claim::Reference;
 use crate::fpk::linear_moments::{NormalLaw, linear_moments};
@@ -122,8 +124,8 @@ fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 150,
     };
     let mut scene = setting.scene();
-    let lattices = box_lattices(&rungs(context, &SIDES));
-    scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
+    let ladders = usual(&SIDES.map(InitialLattice::box_of));
+    scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_on_grid(context, &setting)?);
     scene.records.extend(solve_linearised(&setting, &OF_OSCILLATOR)?);
     scene.records.extend(sample(context, &setting)?);
@@ -149,21 +151,17 @@ fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 150,
     };
     let mut scene = setting.scene();
-    let lattices = box_lattices(&rungs(context, &SIDES));
-    scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
+    let ladders = usual(&SIDES.map(InitialLattice::box_of));
+    scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_on_grid(context, &setting)?);
     scene.records.extend(solve_linearised(&setting, &OF_OSCILLATOR)?);
     scene.records.extend(sample(context, &setting)?);
     Ok(scene)
 }
 
-fn balls<const D: usize>(
-    context: &Context<'_>,
-    reach: f64,
-    spacings: &[f64],
-) -> Vec<InitialLattice<D>> {
-    let ball = |spacing| InitialLattice::Ball { reach, spacing };
-    rungs(context, spacings).into_iter().map(ball).collect()
+/// A lattice with `coarser` times its spacing.
+fn coarsened<const D: usize>(lattice: InitialLattice<D>, coarser: f64) -> InitialLattice<D> {
+    lattice.refined(coarser.recip())
 }
 
 fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
@@ -184,8 +182,15 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 180,
     };
     let mut scene = setting.scene();
-    let lattices = balls(context, 5.0, &[0.7, 0.6, 0.5, 0.42, 0.36]);
-    scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
+    // Up to the lattices of the claims.
+    let mut ladders = usual(&[1.8, 1.5, 1.25, 1.0].map(|c| coarsened(BOUC_WEN_LATTICE, c)));
+    let (method, finest) = bouc_wen_tail();
+    ladders.push(Ladder {
+        name: "particles, log-density fit for tails",
+        method,
+        lattices: [2.0, 1.4, 1.2, 1.0].map(|c| coarsened(finest, c)).to_vec(),
+    });
+    scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_HYSTERESIS)?);
     scene.records.extend(sample(context, &setting)?);
     Ok(scene)
@@ -224,9 +229,9 @@ fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 200,
     };
     let mut scene = setting.scene();
-    // Half a minute and more each: a ladder of two.
-    let lattices = balls(context, 4.5, &[1.1, 0.95]);
-    scene.records.extend(solve_with_particles(context, &setting, &lattices)?);
+    // Around the lattice of the claims.
+    let ladders = usual(&[1.2, 1.0, 0.9].map(|c| coarsened(KANAI_TAJIMI_LATTICE, c)));
+    scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_SHAKEN)?);
     scene.records.extend(sample(context, &setting)?);
     Ok(scene)

@@ -1,8 +1,20 @@
 //! What `fpk-sph` can bear on the damper of Canor & Denoël 2013, section 4.1: reach of the neighbourhood, step, reach and
 //! count of the lattice, time, exponent of the damper.
+//!
+//! The predicted step is the diffusion limit of Runge-Kutta 4,
+//!
+//! $$ \Delta t = \frac{0.25 \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
+//!
+//! with the deformed cells `F_i` in spacings. The length is `l = R`, the reach in spacings, for the log-density fit; for the
+//! flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit gives to a wave of the lattice.
+//! `l(R)` is had from the estimator on a lattice at rest, the trace from a run with 81 x 81 particles, whose steps are at
+//! most 0.01: it is 4 times the trace of 41 x 41, since `F` is in spacings.
 
+use fpk_sph::score::LatticePlaces;
 use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
+use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
+use particle_store::Lattice;
 
 use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
@@ -24,8 +36,10 @@ const MOST_STEPS: u64 = 10_000;
 const TOLERANCE: f64 = 0.01;
 /// The time of the sweeps that do not sweep it: noise at its plateau.
 const TIME: f64 = 4.0;
-/// `trace(D) / E[v^2]` at its largest, at t = 1 (reference): what the diffusion limit holds against the step.
-const SPREAD: f64 = 0.05 / 0.02122;
+/// Particles along an axis of the run that is compared with or gives the diffusion limit.
+const FINE: usize = 81;
+/// The same of the runs that are swept.
+const COARSE: usize = 41;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let n = if context.profile == Profile::Quick { 4 } else { 9 };
@@ -50,10 +64,47 @@ fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)
 }
 
+/// What the map of reach and step says of its line.
+const REACH_AND_STEP: &str = "Boundary: the diffusion limit 0.25 l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings; \
+     the trace from a run with 81 x 81 particles; l = R, the reach, for the log-density fit, and \
+     l² = min(R², 10.4 / k²) for the flow-map fit, k the steepest gradient that it gives to a wave. \
+     No line where the reach holds too few neighbours: such a run does not start.";
+
+/// The diffusion limit of [`COARSE`] particles a side from that of [`FINE`]: it goes with the square of the spacing.
+fn of_coarse(limit_of_fine: f64) -> f64 {
+    limit_of_fine * ((FINE - 1) as f64 / (COARSE - 1) as f64).powi(2)
+}
+
 /// An odd count of particles along an axis.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens of particles")]
 fn odd(count: f64) -> usize {
     2 * (0.5 * count).round() as usize + 1
+}
+
+/// Square of the length, in spacings, that the diffusion limit of a method holds against on an even lattice; none where the
+/// reach holds too few neighbours.
+fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
+    let mut estimator = method.combination().estimator.build::<2>();
+    if estimator.check_resolution(reach).is_err() {
+        return Ok(None);
+    }
+    let lattice = Lattice::<2>::ball_lattice(2.0 * reach, 1.0)?;
+    let places: Vec<[f64; 2]> = lattice.indices.iter().map(|index| index.map(f64::from)).collect();
+    let mut neighbours = NeighbourList::new();
+    CellGrid::new().full_list(&places, Radii::Uniform(reach), &mut neighbours)?;
+    neighbours.sort_rows();
+    let at_rest = LatticePlaces { places: &places, neighbours: &neighbours, reach, spacing: 1.0 };
+    estimator.start(&at_rest)?;
+    let identity = [[1.0, 0.0], [0.0, 1.0]];
+    Ok(Some(2.0 / estimator.spread(&identity, reach, &identity)))
+}
+
+/// A run to a time.
+struct Run {
+    /// `E[q^2]` there.
+    second_moment: f64,
+    /// The least diffusion limit that its steps reported.
+    least_limit: f64,
 }
 
 struct Damper {
@@ -71,15 +122,14 @@ impl Damper {
         Ok(Self { problem, system })
     }
 
-    /// `E[q^2]` at a time, by a run of its own.
-    fn second_moment(
+    fn run(
         &self,
         system: ViscousDamper,
         combination: Combination,
         lattice: InitialLattice<2>,
         time: f64,
         work: &mut Work,
-    ) -> Result<f64, CaseError> {
+    ) -> Result<Run, CaseError> {
         let config = Config {
             method: Method::Custom(combination),
             lattice,
@@ -87,10 +137,25 @@ impl Damper {
             most_steps: MOST_STEPS,
         };
         let mut simulation = Simulation::new(system, &self.problem.law, &config)?;
-        let outcome = simulation.advance_to(time);
+        let mut least_limit = f64::INFINITY;
+        let mut to_the_end = || -> Result<(), fpk_sph::Error> {
+            while simulation.time() < time {
+                least_limit = least_limit.min(simulation.step_towards(time)?.diffusion_limit);
+            }
+            Ok(())
+        };
+        let outcome = to_the_end();
         work.spend(simulation.work().steps)?;
         outcome?;
-        Ok(simulation.raw_moment([2, 0]))
+        Ok(Run { second_moment: simulation.raw_moment([2, 0]), least_limit })
+    }
+
+    /// The run with [`FINE`] particles a side, in steps of at most 0.01.
+    fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
+        let step = StepRule::DiffusionLimited { longest: 0.01 };
+        let combination = Combination { step, ..method.combination() };
+        let lattice = InitialLattice::box_of(FINE);
+        self.run(system, combination, lattice, TIME, &mut Work::new(MOST_STEPS))
     }
 
     /// The relative error of `E[q^2]` against the reference.
@@ -103,8 +168,8 @@ impl Damper {
     ) -> Result<f64, CaseError> {
         let reference =
             self.problem.reference.moment([2, 0], time).ok_or("no reference at this time")?;
-        let found = self.second_moment(self.system.clone(), combination, lattice, time, work)?;
-        Ok((found / reference.value - 1.0).abs())
+        let found = self.run(self.system.clone(), combination, lattice, time, work)?;
+        Ok((found.second_moment / reference.value - 1.0).abs())
     }
 
     fn reach_and_step(
@@ -120,11 +185,15 @@ impl Damper {
                 step: StepRule::Fixed { dt },
                 ..method.combination()
             };
-            self.error(combination, InitialLattice::box_of(41), TIME, work)
+            self.error(combination, InitialLattice::box_of(COARSE), TIME, work)
         };
-        // 12 standard deviations over 40 spacings.
-        let limit = |ratio: f64| {
-            Some(Scheme::RungeKutta4.diffusion_limit() * (0.3 * ratio).powi(2) / SPREAD)
+        let own = resolved(method, method.combination().support_over_spacing)?
+            .ok_or("the method's own reach is refused")?;
+        let limit = of_coarse(self.fine_run(self.system.clone(), method)?.least_limit);
+        // Where the reach is refused there is no stable step.
+        let limit = |ratio: f64| match resolved(method, ratio) {
+            Ok(length) => Some(length.map_or(0.0, |length| limit * length / own)),
+            Err(_) => None,
         };
         drawn(&Panel {
             name: format!("fpk-reach-step-{id}"),
@@ -132,7 +201,7 @@ impl Damper {
                 format!("{name}: reach of the neighbourhood and step"),
                 "E[q²] of the damper at t = 4, 41 x 41 particles, Runge-Kutta 4 at a fixed step",
                 ["reach / spacing", "step (s)"],
-                "Boundary: the diffusion limit, 0.25 R² / D at its smallest. Too few neighbours end a run before it starts.",
+                REACH_AND_STEP,
             ),
             scale: Scale::Log,
             across: linear(n, 1.2, 3.6),
@@ -230,42 +299,41 @@ impl Damper {
             })
         };
         let across = linear(n, 0.1, 1.0);
-        let mut finest = Vec::new();
+        let mut fine_runs = Vec::new();
         for &exponent in &across {
-            let combination = Combination {
-                step: StepRule::DiffusionLimited { longest: 0.01 },
-                ..Method::FlowMapFit.combination()
-            };
-            let lattice = InitialLattice::box_of(81);
-            let mut work = Work::new(MOST_STEPS);
-            finest.push(self.second_moment(
-                system(exponent)?,
-                combination,
-                lattice,
-                TIME,
-                &mut work,
-            ));
+            fine_runs.push(self.fine_run(system(exponent)?, Method::FlowMapFit));
         }
-        let run = |exponent: f64, dt: f64, work: &mut Work| {
+        let fine_at = |exponent: f64| {
             let k = across.iter().position(|e| (e - exponent).abs() < 1e-12);
-            let Some(Ok(finest)) = k.and_then(|k| finest.get(k)) else {
-                return Err("the run to compare with has failed".into());
-            };
+            k.and_then(|k| fine_runs.get(k)?.as_ref().ok())
+        };
+        let run = |exponent: f64, dt: f64, work: &mut Work| {
+            let fine = fine_at(exponent).ok_or("the run to compare with has failed")?;
             let combination =
                 Combination { step: StepRule::Fixed { dt }, ..Method::FlowMapFit.combination() };
-            let lattice = InitialLattice::box_of(41);
-            let found = self.second_moment(system(exponent)?, combination, lattice, TIME, work)?;
-            Ok((found / finest - 1.0).abs())
+            let lattice = InitialLattice::box_of(COARSE);
+            let found = self.run(system(exponent)?, combination, lattice, TIME, work)?;
+            Ok((found.second_moment / fine.second_moment - 1.0).abs())
         };
-        let limit =
-            |_: f64| Some(Scheme::RungeKutta4.diffusion_limit() * (0.3_f64 * 2.8).powi(2) / SPREAD);
+        // Between the exponents that were run the limit is taken as linear.
+        let limit = |exponent: f64| {
+            let after = across.partition_point(|&e| e < exponent - 1e-12);
+            let limit_at = |k: usize| Some(of_coarse(fine_runs.get(k)?.as_ref().ok()?.least_limit));
+            let to = across.get(after)?;
+            if after == 0 || (to - exponent).abs() < 1e-12 {
+                return limit_at(after);
+            }
+            let from = across[after - 1];
+            let part = (exponent - from) / (to - from);
+            Some((1.0 - part) * limit_at(after - 1)? + part * limit_at(after)?)
+        };
         drawn(&Panel {
             name: "fpk-exponent".into(),
             words: words(
                 "flow-map fit: exponent of the damper and step".into(),
                 "E[q²] at t = 4, 41 x 41 particles, against 81 x 81 with steps of at most 0.01",
                 ["exponent of the damper", "step (s)"],
-                "Boundary: the diffusion limit of the exponent 0.35, not swept.",
+                "Boundary: the diffusion limit of the run with 81 x 81 particles, four times it for spacings twice as wide.",
             ),
             scale: Scale::Log,
             across: across.clone(),

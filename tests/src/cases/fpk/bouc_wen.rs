@@ -59,6 +59,9 @@ pub(crate) const REMAPPED: Case = Case {
     run: remapped,
 };
 
+/// The lattice of the claims on moments.
+pub(crate) const LATTICE: InitialLattice<3> = InitialLattice::Ball { reach: 5.0, spacing: 0.4 };
+
 /// What was seen at one time.
 struct Seen {
     t: f64,
@@ -250,8 +253,7 @@ const MISSED: [(f64, f64, f64, f64); 13] = [
 
 fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let times = [1.0, 2.0, 3.0, 3.6, 4.0, 5.0, 6.0];
-    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.4 };
-    let run = run(Method::FlowMapFit, lattice, &times, DEFAULT_MOST_STEPS)?;
+    let run = run(Method::FlowMapFit, LATTICE, &times, DEFAULT_MOST_STEPS)?;
     run.to_its_end()?;
     let lines = run.lines(context, "flow-map-fit", "flow-map fit, ball, 5 sigma, spacing 0.4");
     let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud; seen within 0.72 %";
@@ -271,15 +273,19 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// A run for the tail alone. The flow-map fit folds its rim (see [`MISSED`]); the log-density fit finds its neighbours anew
-/// where the rim has gone, and kernel sums need no lattice cell.
-fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+/// The method and the lattice for the tail alone. The flow-map fit folds its rim (see [`MISSED`]); the log-density fit finds
+/// its neighbours anew where the rim has gone, and kernel sums need no lattice cell.
+pub(crate) fn of_tail() -> (Method, InitialLattice<3>) {
     let (volume, degree) = (VolumeEstimate::KernelSum, Degree::Quadratic);
     let method = Method::Custom(Combination {
         estimator: Estimator::LogDensityFit { volume, degree },
         ..Method::LogDensityFit.combination()
     });
-    let lattice = InitialLattice::Ball { reach: 6.0, spacing: 0.35 };
+    (method, InitialLattice::Ball { reach: 6.0, spacing: 0.35 })
+}
+
+fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let (method, lattice) = of_tail();
     let run = run(method, lattice, &[3.6], DEFAULT_MOST_STEPS)?;
     let words = "log-density fit, kernel sums, 6 sigma, spacing 0.35";
     let lines = run.lines(context, "log-density-fit", words);

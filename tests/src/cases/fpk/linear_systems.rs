@@ -37,6 +37,9 @@ fn processes(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ])
 }
 
+/// The lattice of the building behind the filter.
+pub(crate) const LATTICE: InitialLattice<4> = InitialLattice::Ball { reach: 5.0, spacing: 1.2 };
+
 /// States whose product is taken.
 const PAIRS: [(usize, usize); 5] = [(0, 0), (0, 1), (1, 1), (2, 2), (3, 3)];
 
@@ -52,7 +55,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let laws = linear_moments(system, &law, &times, 2e-3)?;
     let config = Config {
         method: Method::FlowMapFit,
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.2 },
+        lattice: LATTICE,
         reference_period: built.reference_period(),
         most_steps: DEFAULT_MOST_STEPS,
     };

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, DEFAULT_REACH, InitialLattice, Method};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
 
 use super::records::{Outcome, Record};
@@ -18,15 +18,24 @@ use crate::fpk::paths::Paths;
 use crate::fpk::scene::IntegratorScene;
 use crate::fpk::tail::TailPaths;
 
-/// The methods of the density solver: a new one is one line.
+/// The methods of the density solver that every scene is given: a new one is one line.
 const METHODS: &[(&str, Method)] = &[
     ("particles, log-density fit", Method::LogDensityFit),
     ("particles, flow-map fit", Method::FlowMapFit),
 ];
 
-/// Most states for which tails are integrated over cells; beyond, that would cost as much as the run, and the
-/// log-interpolated distribution serves.
-const MOST_STATES_OF_CELLS: usize = 3;
+/// A method of the density solver on lattices ever finer.
+pub(super) struct Ladder<const D: usize> {
+    pub(super) name: &'static str,
+    pub(super) method: Method,
+    pub(super) lattices: Vec<InitialLattice<D>>,
+}
+
+/// All [`METHODS`] on the same lattices.
+pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladder<D>> {
+    let ladder = |&(name, method)| Ladder { name, method, lattices: lattices.to_vec() };
+    METHODS.iter().map(ladder).collect()
+}
 
 /// Beyond this time a run is not repeated.
 const LONG: Duration = Duration::from_secs(1);
@@ -137,27 +146,21 @@ fn deterministic(error: f64) -> Outcome {
     }
 }
 
-/// Boxes of the usual reach.
-pub(super) fn box_lattices(sides: &[usize]) -> Vec<InitialLattice<2>> {
-    let lattice = |&n: &usize| InitialLattice::Box { reach: DEFAULT_REACH, count: [n; 2] };
-    sides.iter().map(lattice).collect()
-}
-
-/// The density solver by each of its methods.
+/// The density solver, its tails integrated over cells.
 pub(super) fn solve_with_particles<S, I, const D: usize>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, D>,
-    lattices: &[InitialLattice<D>],
+    ladders: &[Ladder<D>],
 ) -> Result<Vec<Record>, CaseError>
 where
     S: Sde<D, 1, Noise = Additive>,
 {
-    let asked = setting.asked(D <= MOST_STATES_OF_CELLS);
+    let asked = setting.asked(true);
     let mut records = Vec::new();
-    for (name, method) in METHODS {
-        for &lattice in lattices {
+    for &Ladder { name, method, ref lattices } in ladders {
+        for lattice in rungs(context, lattices) {
             let config = Config {
-                method: *method,
+                method,
                 lattice,
                 reference_period: setting.period,
                 most_steps: DEFAULT_MOST_STEPS,

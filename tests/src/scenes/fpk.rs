@@ -13,9 +13,10 @@ use crate::case::Context;
 use crate::chart::{Line, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
 use crate::fpk::density::{self, Asked, DensityRun, Erased, Exceedances, Row};
+use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::{self, Sampling};
 use crate::fpk::paths::Paths;
-use crate::fpk::scene::{FpkScene, MethodScene};
+use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
@@ -201,7 +202,7 @@ impl Visitor for Solved<'_> {
             matches!(scene.method, MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_));
         let asked = asked::<D>(scene, named, fits && D <= MOST_STATES_OF_CELLS)?;
         let period = named.reference_period();
-        let Some(config) = scene.density_config::<D>(period, 1.0) else {
+        let Some(config) = scene.method.density_config::<D>(period, 1.0) else {
             return Err(RunError::solver(OtherDimension { states: D }));
         };
         context.progress("density");
@@ -212,7 +213,7 @@ impl Visitor for Solved<'_> {
         .map_err(RunError::solver)?;
         context.progress("density at the coarser resolution, for its error");
         // A coarse run that cannot be done leaves the error unknown; it says nothing against the fine one.
-        let coarse = scene.density_config::<D>(period, COARSE).and_then(|config| {
+        let coarse = scene.method.density_config::<D>(period, COARSE).and_then(|config| {
             density::run_on(Erased(system), &law, &config, &asked, |_, _| ()).ok()
         });
         let quantities =

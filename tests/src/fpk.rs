@@ -18,6 +18,7 @@ pub mod reference;
 mod remap;
 pub mod scene;
 pub mod scene_system;
+pub mod scheme_scene;
 pub mod structure_scene;
 pub mod system_scene;
 pub mod tail;

@@ -4,18 +4,20 @@ use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, S
 use serde::{Deserialize, Serialize};
 
 use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
+use super::law_scene::LawScene;
 use super::paths::Paths;
 use super::scene::{check_length, must};
 use super::scene_system::{SceneSystem, Visitor};
+use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
 /// The method, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MethodScene {
-    /// Whitened log-density fit, Runge-Kutta 4.
+    /// Whitened log-density fit.
     LogDensityFit(LatticeScene),
-    /// Flow-map fit over the lattice of the start, Runge-Kutta 4.
+    /// Flow-map fit over the lattice of the start.
     FlowMapFit(LatticeScene),
     /// The paper's method.
     #[serde(rename = "canor_denoel_2013")]
@@ -28,6 +30,9 @@ pub enum MethodScene {
         courant: f64,
         /// `support_radius / spacing` at the start.
         support_over_spacing: f64,
+        /// The scheme in time; the paper's forward Euler without the key.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scheme: Option<SchemeScene>,
     },
     /// The rival: sampled paths.
     MonteCarlo {
@@ -70,11 +75,13 @@ impl MethodScene {
             Self::FlowMapFit(lattice) => {
                 (lattice.method::<D>(Method::FlowMapFit), lattice.build(scale)?)
             }
-            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, scheme } => {
+                let paper = Method::CanorDenoel2013.combination();
                 let combination = Combination {
                     step: StepRule::Courant { number: *courant },
                     support_over_spacing: *support_over_spacing,
-                    ..Method::CanorDenoel2013.combination()
+                    scheme: scheme.map_or(paper.scheme, SchemeScene::scheme),
+                    ..paper
                 };
                 let half_width = half_width.as_slice().try_into().ok()?;
                 let lattice =
@@ -86,13 +93,31 @@ impl MethodScene {
         Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
     }
 
-    /// Refuses numbers outside their range, lists of another length and integrators of another system.
-    pub(super) fn check(&self, system: &SceneSystem) -> Result<(), Objection> {
+    /// The scheme that the scene names, and the name of the method.
+    fn scheme(&self) -> Option<(&'static str, SchemeScene)> {
+        match self {
+            Self::LogDensityFit(lattice) => Some(("log_density_fit", lattice.scheme?)),
+            Self::FlowMapFit(lattice) => Some(("flow_map_fit", lattice.scheme?)),
+            Self::CanorDenoel2013 { scheme, .. } => Some(("canor_denoel_2013", (*scheme)?)),
+            Self::MonteCarlo { .. } => None,
+        }
+    }
+
+    /// Refuses numbers outside their range, lists of another length, and integrators and schemes of another system.
+    pub(super) fn check(
+        &self,
+        system: &SceneSystem,
+        initial: &LawScene,
+        times: &[f64],
+    ) -> Result<(), Objection> {
+        if let Some((method, scheme)) = self.scheme() {
+            scheme.check(&format!("method.{method}.scheme"), system, initial, times)?;
+        }
         let states = system.states();
         match self {
             Self::LogDensityFit(lattice) => lattice.check("method.log_density_fit", states),
             Self::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
-            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, .. } => {
                 let path = "method.canor_denoel_2013";
                 check_counts(path, count, states)?;
                 check_length(&format!("{path}.half_width"), half_width.len(), states)?;

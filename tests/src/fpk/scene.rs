@@ -195,7 +195,7 @@ impl Scene for FpkScene {
         let states = system.states();
         self.initial.check(&system)?;
         self.times.check()?;
-        self.method.check(&system)?;
+        self.method.check(&system, &self.initial, &self.times.list())?;
         self.demand(states)?;
         self.check_planes(states)?;
         if let Some(CloudScene { every_observations }) = self.cloud {

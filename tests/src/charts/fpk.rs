@@ -14,9 +14,9 @@ use crate::chart::{
 use crate::charts::{ChartKind, Drawing};
 use crate::claim::Reference;
 use crate::fpk::density::{Asked, Demand, run as run_density};
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::monte_carlo::{Sampling, run as run_sampled};
 use crate::fpk::problem::Problem;
-use crate::fpk::scene::IntegratorScene;
 use crate::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
@@ -337,8 +337,11 @@ pub(crate) fn exceedance(
     name: &str,
 ) -> Result<Drawing, CaseError> {
     context.progress(&format!("{name}: exceedance over time"));
-    let config =
-        problem.scene.density_config(problem.system.period(), 1.0).ok_or("no density method")?;
+    let config = problem
+        .scene
+        .method
+        .density_config(problem.system.period(), 1.0)
+        .ok_or("no density method")?;
     let times = problem.scene.times.list();
     let thresholds = problem.scene.thresholds.clone();
     let asked = Asked {

@@ -19,8 +19,9 @@ use crate::charts::{ChartKind, Drawing};
 use crate::claim::Reference;
 use crate::fpk::linear_moments::{NormalLaw, linear_moments};
 use crate::fpk::linearisation::{Linearisation, Quadrature};
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
-use crate::fpk::scene::{IntegratorScene, System};
+use crate::fpk::scene::System;
 use fpk_sph::InitialLattice;
 use fpk_sph::systems::StrangBoucWen;
 

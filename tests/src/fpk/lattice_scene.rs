@@ -4,6 +4,7 @@ use fpk_sph::{Combination, InitialLattice, Method, Remapping, StepRule};
 use serde::{Deserialize, Serialize};
 
 use super::scene::{check_length, must};
+use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
 /// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
@@ -24,6 +25,9 @@ pub struct LatticeScene {
     /// Steps per natural period at the least; 40 without the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steps_per_period: Option<f64>,
+    /// The scheme in time; Runge-Kutta 4 without the key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scheme: Option<SchemeScene>,
 }
 
 /// When a fresh lattice is laid and what it may change; a key that is left out has the measured value.
@@ -46,20 +50,22 @@ impl Default for FreshLatticesScene {
 }
 
 impl LatticeScene {
-    /// The method with the fresh lattices and the steps that are asked for.
+    /// The method with the fresh lattices, the steps and the scheme that are asked for.
     pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
-        if self.fresh_lattices.is_none() && self.steps_per_period.is_none() {
+        let Self { fresh_lattices, steps_per_period, scheme, .. } = self;
+        if fresh_lattices.is_none() && steps_per_period.is_none() && scheme.is_none() {
             return method;
         }
         let combination = method.combination_in(D);
-        let remapping = self.fresh_lattices.map(|asked| {
+        let remapping = fresh_lattices.map(|asked| {
             let FreshLatticesScene { most_uneven, outermost_mass, most_change } = asked;
             Remapping { most_uneven, outermost_mass, most_change, ..Remapping::MEASURED }
         });
-        let step = self.steps_per_period.map_or(combination.step, |steps_per_period| {
+        let step = steps_per_period.map_or(combination.step, |steps_per_period| {
             StepRule::PeriodFraction { steps_per_period }
         });
-        Method::Custom(Combination { remapping, step, ..combination })
+        let scheme = scheme.map_or(combination.scheme, SchemeScene::scheme);
+        Method::Custom(Combination { remapping, step, scheme, ..combination })
     }
 
     /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.

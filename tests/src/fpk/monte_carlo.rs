@@ -4,8 +4,9 @@ use cpu_time::ProcessTime;
 use sde_integrators::{EnsembleConfig, Estimate, GaussianMixture, Observable};
 
 use super::density::Asked;
+use super::method_scene::IntegratorScene;
 use super::paths::{Paths, PathsError};
-use super::scene::{IntegratorScene, System};
+use super::scene::System;
 
 /// What is sampled, and how.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,15 +1,12 @@
 //! A density scene as it stands in its JSON file.
 
 use fpk_sph::systems::{LinearOscillator, ViscousDamper};
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
-use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::density::Demand;
-use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
-use super::paths::Paths;
-use super::scene_system::{SceneSystem, Visitor};
-use super::system_scene::{SystemError, SystemScene, list, square};
+use super::law_scene::LawScene;
+use super::method_scene::MethodScene;
+use super::system_scene::SystemScene;
 use crate::scene::{Objection, Scene};
 
 /// What is modelled, what is asked, and with which method.
@@ -76,89 +73,6 @@ pub struct CloudScene {
     pub every_observations: usize,
 }
 
-/// The initial law.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum LawScene {
-    /// Independent Gaussian states.
-    Gaussian {
-        /// Means of the states.
-        mean: Vec<f64>,
-        /// Standard deviations of the states.
-        standard_deviation: Vec<f64>,
-    },
-    /// A structure of independent Gaussian states behind a filter in its stationary law.
-    StationaryFilter {
-        /// Means of the structure's states.
-        mean: Vec<f64>,
-        /// Standard deviations of the structure's states.
-        standard_deviation: Vec<f64>,
-    },
-    /// A mixture of Gaussians.
-    Mixture(Vec<ComponentScene>),
-}
-
-/// One Gaussian of a mixture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ComponentScene {
-    /// Its weight; the weights sum to 1.
-    pub weight: f64,
-    /// Its mean.
-    pub mean: Vec<f64>,
-    /// Its covariance, row by row.
-    pub covariance: Vec<Vec<f64>>,
-}
-
-/// The method, by its name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum MethodScene {
-    /// Whitened log-density fit, Runge-Kutta 4.
-    LogDensityFit(LatticeScene),
-    /// Flow-map fit over the lattice of the start, Runge-Kutta 4.
-    FlowMapFit(LatticeScene),
-    /// The paper's method.
-    #[serde(rename = "canor_denoel_2013")]
-    CanorDenoel2013 {
-        /// Particles along each axis.
-        count: Vec<usize>,
-        /// Half the edges of the lattice, in the units of the state.
-        half_width: Vec<f64>,
-        /// Courant number.
-        courant: f64,
-        /// `support_radius / spacing` at the start.
-        support_over_spacing: f64,
-    },
-    /// The rival: sampled paths.
-    MonteCarlo {
-        /// Number of paths.
-        paths: u64,
-        /// Longest step (s).
-        step: f64,
-        /// How a path is stepped.
-        integrator: IntegratorScene,
-        /// Seed.
-        seed: u64,
-    },
-}
-
-/// How a path is stepped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum IntegratorScene {
-    /// Forward Euler, the paper's.
-    EulerMaruyama,
-    /// Semi-implicit Euler.
-    SemiImplicitEuler,
-    /// Strang splitting with exact rotation and damper flow.
-    StrangOscillator,
-    /// The same for the hysteretic oscillator.
-    StrangBoucWen,
-    /// Two drifts, strong order 1.5, for any system with additive noise.
-    Shark,
-}
-
 /// Equal intervals of observation, from `every` to `until`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -217,103 +131,6 @@ impl System {
     }
 }
 
-impl LawScene {
-    /// The law, checked; `filter` is the stationary covariance of a filter's states, which come last.
-    ///
-    /// # Errors
-    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for what the law refuses.
-    pub fn build<const D: usize>(
-        &self,
-        filter: Option<&[Vec<f64>]>,
-    ) -> Result<GaussianMixture<D>, SystemError> {
-        let law = match self {
-            Self::Gaussian { mean, standard_deviation } => GaussianMixture::independent(
-                list("mean", mean)?,
-                list("standard_deviation", standard_deviation)?,
-            ),
-            Self::StationaryFilter { mean, standard_deviation } => {
-                let filter = filter.unwrap_or_default();
-                let structure = D.saturating_sub(filter.len());
-                let wanted = || format!("the structure has {structure} states");
-                for (key, values) in [("mean", mean), ("standard_deviation", standard_deviation)] {
-                    if values.len() != structure {
-                        let count = values.len();
-                        return Err(SystemError::Shape { key, count, wanted: wanted() });
-                    }
-                }
-                let (mut means, mut covariance) = ([0.0; D], [[0.0; D]; D]);
-                means[..structure].copy_from_slice(mean);
-                for (k, deviation) in standard_deviation.iter().enumerate() {
-                    covariance[k][k] = deviation * deviation;
-                }
-                for (row, values) in covariance[structure..].iter_mut().zip(filter) {
-                    row[structure..].copy_from_slice(values);
-                }
-                GaussianMixture::gaussian(means, covariance)
-            }
-            Self::Mixture(components) => {
-                let component = |component: &ComponentScene| -> Result<_, SystemError> {
-                    let ComponentScene { weight, mean, covariance } = component;
-                    Ok(GaussianComponent {
-                        weight: *weight,
-                        mean: list("mean", mean)?,
-                        covariance: square("covariance", covariance)?,
-                    })
-                };
-                let components: Vec<_> =
-                    components.iter().map(component).collect::<Result<_, _>>()?;
-                GaussianMixture::mixture(&components)
-            }
-        };
-        Ok(law.map_err(fpk_sph::Error::from)?)
-    }
-
-    fn check(&self, system: &SceneSystem) -> Result<(), Objection> {
-        let name = match self {
-            Self::Gaussian { .. } => "gaussian",
-            Self::StationaryFilter { .. } => "stationary_filter",
-            Self::Mixture(_) => "mixture",
-        };
-        let filter = system.filter_covariance();
-        if filter.is_none() && matches!(self, Self::StationaryFilter { .. }) {
-            let message = "the system has no filter";
-            return Err(Objection::new("initial.stationary_filter", message)
-                .with_help("use `gaussian` with a mean and a standard deviation for each state"));
-        }
-        if let Self::Gaussian { standard_deviation, .. }
-        | Self::StationaryFilter { standard_deviation, .. } = self
-        {
-            for (k, &deviation) in standard_deviation.iter().enumerate() {
-                let path = format!("initial.{name}.standard_deviation[{k}]");
-                must(&path, deviation, deviation > 0.0, "greater than 0")?;
-            }
-        }
-        system.visit(Build(self, filter.as_deref())).map_err(|error| {
-            let states = format!("the states are {}", system.states().join(", "));
-            match &error {
-                SystemError::Shape { key, .. } if name != "mixture" => {
-                    Objection::new(format!("initial.{name}.{key}"), error.to_string())
-                        .with_help(states)
-                }
-                SystemError::Shape { .. } => {
-                    Objection::new("initial.mixture", error.to_string()).with_help(states)
-                }
-                _ => Objection::new("initial", error.to_string()),
-            }
-        })
-    }
-}
-
-/// Builds a law in the dimension of the system.
-struct Build<'a>(&'a LawScene, Option<&'a [Vec<f64>]>);
-
-impl Visitor for Build<'_> {
-    type Output = Result<(), SystemError>;
-    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
-        self.0.build::<D>(self.1).map(|_| ())
-    }
-}
-
 impl DemandScene {
     /// The demand on a system with these states.
     fn build(&self, states: &[&str]) -> Result<Demand, Objection> {
@@ -347,33 +164,6 @@ fn state(name: &str, states: &[&str], path: &str) -> Result<usize, Objection> {
 }
 
 impl FpkScene {
-    /// The configuration of the density solver, where the method is one; `scale` multiplies the particles per axis.
-    /// `None` too where the lattice is of another dimension, which [`Scene::check`] refuses.
-    #[must_use]
-    pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
-        let (method, lattice) = match &self.method {
-            MethodScene::LogDensityFit(lattice) => {
-                (lattice.method::<D>(Method::LogDensityFit), lattice.build(scale)?)
-            }
-            MethodScene::FlowMapFit(lattice) => {
-                (lattice.method::<D>(Method::FlowMapFit), lattice.build(scale)?)
-            }
-            MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
-                let combination = Combination {
-                    step: StepRule::Courant { number: *courant },
-                    support_over_spacing: *support_over_spacing,
-                    ..Method::CanorDenoel2013.combination()
-                };
-                let half_width = half_width.as_slice().try_into().ok()?;
-                let lattice =
-                    InitialLattice::Rectangle { half_width, count: scaled_counts(count, scale)? };
-                (Method::Custom(combination), lattice)
-            }
-            MethodScene::MonteCarlo { .. } => return None,
-        };
-        Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
-    }
-
     /// What exceeds the thresholds, on a system with these states.
     ///
     /// # Errors
@@ -405,7 +195,7 @@ impl Scene for FpkScene {
         let states = system.states();
         self.initial.check(&system)?;
         self.times.check()?;
-        self.check_method(&system)?;
+        self.method.check(&system, &self.initial, &self.times.list())?;
         self.demand(states)?;
         self.check_planes(states)?;
         if let Some(CloudScene { every_observations }) = self.cloud {
@@ -440,48 +230,6 @@ impl FpkScene {
             must(&format!("planes.times[{k}]"), t, observed, "a time of observation")?;
         }
         Ok(())
-    }
-
-    fn check_method(&self, system: &SceneSystem) -> Result<(), Objection> {
-        let states = system.states();
-        match &self.method {
-            MethodScene::LogDensityFit(lattice) => lattice.check("method.log_density_fit", states),
-            MethodScene::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
-            MethodScene::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
-                let path = "method.canor_denoel_2013";
-                check_counts(path, count, states)?;
-                check_length(&format!("{path}.half_width"), half_width.len(), states)?;
-                for (k, &width) in half_width.iter().enumerate() {
-                    must(&format!("{path}.half_width[{k}]"), width, width > 0.0, "greater than 0")?;
-                }
-                must(&format!("{path}.courant"), *courant, *courant > 0.0, "greater than 0")?;
-                let ratio = *support_over_spacing;
-                must(&format!("{path}.support_over_spacing"), ratio, ratio > 0.0, "greater than 0")
-            }
-            MethodScene::MonteCarlo { paths, step, integrator, .. } => {
-                must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
-                must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
-                let offered = system.visit(Offered);
-                if offered.contains(integrator) {
-                    return Ok(());
-                }
-                let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
-                let message =
-                    format!("the integrator {} does not step this system", integrator.name());
-                Err(Objection::new("method.monte_carlo.integrator", message)
-                    .with_help(format!("there are: {}", names.join(", "))))
-            }
-        }
-    }
-}
-
-/// The integrators of a system.
-struct Offered;
-
-impl Visitor for Offered {
-    type Output = &'static [IntegratorScene];
-    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
-        S::INTEGRATORS
     }
 }
 

@@ -3,6 +3,7 @@
 mod pictures;
 #[cfg(test)]
 mod tests;
+mod two_resolutions;
 
 use std::path::{Path, PathBuf};
 
@@ -12,16 +13,18 @@ use serde::Serialize;
 use crate::case::Context;
 use crate::chart::{Line, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
-use crate::fpk::density::{self, Asked, DensityRun, Erased, Exceedances, Row};
+use crate::fpk::density::{self, Asked, Erased, Exceedances, Row};
+use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::{self, Sampling};
 use crate::fpk::paths::Paths;
-use crate::fpk::scene::{FpkScene, MethodScene};
+use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::SceneFile;
 use crate::scenes::{RunError, SceneKind};
 use pictures::Pictures;
+use two_resolutions::{TwoResolutions, Unknown};
 
 pub(crate) const KIND: SceneKind = SceneKind { solver: "fpk-sph", run };
 
@@ -38,6 +41,8 @@ struct RunResult<'a> {
     work: WorkRecord,
     /// Why the run ended before its last time.
     stopped: Option<String>,
+    /// What is not known, and why; nothing else is missing.
+    unknown: Vec<Unknown>,
     quantities: Vec<Series>,
 }
 
@@ -84,7 +89,7 @@ impl Observed {
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ErrorOrigin {
-    /// A second run with the intervals per axis over the square root of two, and the fitted order 2.
+    /// A second run with fewer intervals per axis, and the fitted order 2.
     TwoResolutions,
     StandardError,
     Bound,
@@ -98,6 +103,7 @@ enum ErrorOrigin {
 struct Outcome {
     work: WorkRecord,
     stopped: Option<fpk_sph::Error>,
+    unknown: Vec<Unknown>,
     quantities: Vec<Series>,
     seed: Option<u64>,
     /// Pictures of the density itself.
@@ -106,13 +112,10 @@ struct Outcome {
     files: Vec<PathBuf>,
 }
 
-/// The coarse run has this times the intervals per axis.
-const COARSE: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
 fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: FpkScene = file.parse()?;
     let system = scene.system.build().map_err(RunError::solver)?;
-    let Outcome { work, stopped, quantities, seed, drawings: planes, files } =
+    let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files } =
         if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
             context.progress("Monte Carlo");
             let sampling = Sampling { paths, step, integrator, seed };
@@ -120,6 +123,9 @@ fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBu
         } else {
             system.visit(Solved { scene: &scene, system: &system, out, context })?
         };
+    for Unknown { what, reason } in &unknown {
+        context.progress(&format!("unknown: {what}: {reason}"));
+    }
     let drawings = drawings(&scene, &system, &quantities)?;
     let result = RunResult {
         schema: "run-result/1",
@@ -130,6 +136,7 @@ fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBu
         seed,
         work,
         stopped: stopped.as_ref().map(ToString::to_string),
+        unknown,
         quantities,
     };
     let path = out.join("result.json");
@@ -182,6 +189,25 @@ fn law<const D: usize>(
 /// Most states for which exceedances are integrated over cells: beyond, each cell has thousands of parts.
 const MOST_STATES_OF_CELLS: usize = 4;
 
+/// Why nothing is integrated over cells, where that is so.
+fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
+    let reason = match method {
+        MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_) => {
+            (states > MOST_STATES_OF_CELLS).then(|| {
+                format!(
+                    "cells are integrated in {MOST_STATES_OF_CELLS} dimensions at most, and there are {states} states: \
+                     read exceedance-log-interpolated"
+                )
+            })
+        }
+        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => Some(
+            "the method has no local fits, which integrals over cells need: read exceedance-log-interpolated"
+                .to_owned(),
+        ),
+    }?;
+    Some(Unknown { what: "exceedance-cell, cell-mass and distrusted-cells".to_owned(), reason })
+}
+
 /// The density solver at two resolutions.
 struct Solved<'a> {
     scene: &'a FpkScene,
@@ -196,27 +222,26 @@ impl Visitor for Solved<'_> {
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
         let Self { scene, system: named, out, context } = self;
         let law = law::<D>(scene, named)?;
-        // The paper's clouds leave too few neighbours for local fits.
-        let fits =
-            matches!(scene.method, MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_));
-        let asked = asked::<D>(scene, named, fits && D <= MOST_STATES_OF_CELLS)?;
+        let no_cells = no_cells(&scene.method, D);
+        let asked = asked::<D>(scene, named, no_cells.is_none())?;
         let period = named.reference_period();
-        let Some(config) = scene.density_config::<D>(period, 1.0) else {
+        let config = |part: f64| scene.method.density_config::<D>(period, part);
+        let Some(whole) = config(1.0) else {
             return Err(RunError::solver(OtherDimension { states: D }));
         };
         context.progress("density");
-        let mut pictures = Pictures::new(scene, named.states(), &config, out);
-        let fine = density::run_on(Erased(system), &law, &config, &asked, |simulation, row| {
+        let mut pictures = Pictures::new(scene, named.states(), &whole, out);
+        let fine = density::run_on(Erased(system), &law, &whole, &asked, |simulation, row| {
             pictures.look(simulation, row);
         })
         .map_err(RunError::solver)?;
         context.progress("density at the coarser resolution, for its error");
-        // A coarse run that cannot be done leaves the error unknown; it says nothing against the fine one.
-        let coarse = scene.density_config::<D>(period, COARSE).and_then(|config| {
-            density::run_on(Erased(system), &law, &config, &asked, |_, _| ()).ok()
+        let both = TwoResolutions::new(fine, config, |config| {
+            density::run_on(Erased(system), &law, config, &asked, |_, _| ())
         });
-        let quantities =
-            Pairs { fine: &fine, coarse: coarse.as_ref(), states: D }.series(scene, named);
+        let quantities = series(&both, scene, named);
+        let unknown = no_cells.into_iter().chain(both.unknown()).collect();
+        let fine = both.fine;
         let (drawings, files) = pictures.finish()?;
         let work = WorkRecord {
             particles: Some(fine.n_particles),
@@ -226,7 +251,8 @@ impl Visitor for Solved<'_> {
             path_steps: None,
             cpu_seconds: fine.rows.last().map_or(0.0, |row| row.cpu_seconds),
         };
-        Ok(Outcome { work, stopped: fine.stopped, quantities, seed: None, drawings, files })
+        let stopped = fine.stopped;
+        Ok(Outcome { work, stopped, unknown, quantities, seed: None, drawings, files })
     }
 }
 
@@ -240,89 +266,56 @@ const ESTIMATORS: [Estimator; 3] = [
     ("indicator", |e| Some(e.indicator)),
 ];
 
-/// A fine run and a coarse one.
-struct Pairs<'a> {
-    fine: &'a DensityRun,
-    coarse: Option<&'a DensityRun>,
-    /// States of the system.
-    states: usize,
-}
-
-impl Pairs<'_> {
-    /// All quantities of the scene; those that the method does not give are left out.
-    fn series(&self, scene: &FpkScene, system: &SceneSystem) -> Vec<Series> {
-        let series =
-            |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
-        let mut all = Vec::new();
-        for (k, powers) in scene.moments.iter().enumerate() {
-            let values = self.values(|row| Some(row.moments[k]));
-            let quantity = moment_words(powers, system.states());
-            all.push(series(moment_id(powers), quantity, values));
-        }
-        let demand = demand_name(scene, system);
-        for (name, pick) in ESTIMATORS {
-            for (k, threshold) in scene.thresholds.iter().enumerate() {
-                let mut values = self.values(|row| pick(&row.exceedances[k]));
-                if name == CELL {
-                    for observed in &mut values {
-                        let row = self.fine.at(observed.t);
-                        observed.note = row.and_then(|row| row.exceedances[k].note());
-                    }
+/// All quantities of the scene; those that the method does not give are left out.
+fn series(both: &TwoResolutions, scene: &FpkScene, system: &SceneSystem) -> Vec<Series> {
+    let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
+    let mut all = Vec::new();
+    for (k, powers) in scene.moments.iter().enumerate() {
+        let values = both.values(|row| Some(row.moments[k]));
+        let quantity = moment_words(powers, system.states());
+        all.push(series(moment_id(powers), quantity, values));
+    }
+    let demand = demand_name(scene, system);
+    for (name, pick) in ESTIMATORS {
+        for (k, threshold) in scene.thresholds.iter().enumerate() {
+            let mut values = both.values(|row| pick(&row.exceedances[k]));
+            if name == CELL {
+                for observed in &mut values {
+                    let row = both.fine.at(observed.t);
+                    observed.note = row.and_then(|row| row.exceedances[k].note());
                 }
-                let quantity = format!("P(|{demand}| > {threshold})");
-                all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
             }
+            let quantity = format!("P(|{demand}| > {threshold})");
+            all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
         }
-        all.push(series(
-            "total-mass".into(),
-            "sum of the masses".into(),
-            self.values(|row| Some(row.total_mass)),
-        ));
-        all.push(series(
-            "cell-mass".into(),
-            "mass over the cells".into(),
-            self.values(|row| row.cell_mass),
-        ));
-        all.push(series(
-            "entropy".into(),
-            "entropy (nats)".into(),
-            self.values(|row| Some(row.entropy)),
-        ));
-        let counted = |row: &Row| {
-            let value = row.distrusted_cells? as f64;
-            let error_kind = ErrorOrigin::Exact;
-            Some(Observed { t: row.t, value, error: None, error_kind, note: None })
-        };
-        all.push(series(
-            "distrusted-cells".into(),
-            "cells in which the fit was not trusted".into(),
-            self.fine.rows.iter().filter_map(counted).collect(),
-        ));
-        all.retain(|series| !series.values.is_empty());
-        all
     }
-
-    /// The fine value with `|fine - coarse| / (r^2 - 1)`, `r` the ratio of the spacings: Richardson's estimate at the
-    /// order 2 that the verification measures.
-    fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
-        let ratio = self.coarse.map_or(f64::NAN, |coarse| {
-            let per_axis =
-                |run: &DensityRun| (run.n_particles as f64).powf(1.0 / self.states as f64) - 1.0;
-            per_axis(self.fine) / per_axis(coarse)
-        });
-        let mut values = Vec::new();
-        for row in &self.fine.rows {
-            let Some(value) = pick(row) else { continue };
-            let coarse = self.coarse.and_then(|run| run.at(row.t)).and_then(&pick);
-            let error = coarse
-                .map(|coarse| (value - coarse).abs() / (ratio * ratio - 1.0))
-                .filter(|e| e.is_finite());
-            let error_kind =
-                if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
-            values.push(Observed { t: row.t, value, error, error_kind, note: None });
-        }
-        values
-    }
+    all.push(series(
+        "total-mass".into(),
+        "sum of the masses".into(),
+        both.values(|row| Some(row.total_mass)),
+    ));
+    all.push(series(
+        "cell-mass".into(),
+        "mass over the cells".into(),
+        both.values(|row| row.cell_mass),
+    ));
+    all.push(series(
+        "entropy".into(),
+        "entropy (nats)".into(),
+        both.values(|row| Some(row.entropy)),
+    ));
+    let counted = |row: &Row| {
+        let value = row.distrusted_cells? as f64;
+        let error_kind = ErrorOrigin::Exact;
+        Some(Observed { t: row.t, value, error: None, error_kind, note: None })
+    };
+    all.push(series(
+        "distrusted-cells".into(),
+        "cells in which the fit was not trusted".into(),
+        both.fine.rows.iter().filter_map(counted).collect(),
+    ));
+    all.retain(|series| !series.values.is_empty());
+    all
 }
 
 /// Sampled paths.

@@ -7,9 +7,10 @@ use super::lines::{Lines, row, scene};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::claim::{Criterion, Reference};
 use crate::fpk::density::{Asked, Demand, DensityRun, run_on};
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use crate::fpk::paths::Paths;
-use crate::fpk::scene::{FpkScene, IntegratorScene};
+use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::SceneSystem;
 use crate::report::{Claim, ErrorKind};
 

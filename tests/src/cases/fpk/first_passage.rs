@@ -163,6 +163,7 @@ const INTERVAL: f64 = 0.1;
 fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> {
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), refinement)
         .ok_or("the scene has no density method")?;
     Ok(Config { method: Method::FlowMapFit, ..config })

@@ -4,9 +4,10 @@ use fpk_sph::{Config, Simulation};
 use sde_integrators::Sde;
 
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::monte_carlo::{Sampling, run as run_sampled};
 use crate::fpk::problem::Problem;
-use crate::fpk::scene::{IntegratorScene, System};
+use crate::fpk::scene::System;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -27,6 +28,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ] {
         let config = problem
             .scene
+            .method
             .density_config(problem.system.period(), 1.0)
             .ok_or("the scene has no density method")?;
         match problem.system.clone() {

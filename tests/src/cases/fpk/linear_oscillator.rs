@@ -44,6 +44,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::linear_oscillator()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let (run, exactness) = density_run(context, &problem, &config)?;
@@ -60,6 +61,7 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::linear_oscillator()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let config = Config { method: Method::FlowMapFit, ..config };

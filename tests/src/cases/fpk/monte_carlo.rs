@@ -4,9 +4,9 @@ use super::{POWERS, asked, moment_words};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::charts;
 use crate::claim::{Criterion, Measured};
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::monte_carlo::{SampledRun, Sampling, run as run_sampled};
 use crate::fpk::problem::Problem;
-use crate::fpk::scene::IntegratorScene;
 use crate::report::{Claim, ErrorKind};
 
 pub(crate) const CASE: Case = Case {

@@ -113,6 +113,7 @@ fn config(problem: &Problem, n: usize, estimator: Estimator) -> Config<2> {
         lattice: InitialLattice::Box { reach: reach(estimator), count: [n, n] },
         ..problem
             .scene
+            .method
             .density_config(problem.system.period(), 1.0)
             .unwrap_or_else(|| super::canor_denoel::config(problem.system.period()))
     }

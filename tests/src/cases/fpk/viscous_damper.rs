@@ -55,6 +55,7 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
@@ -78,6 +79,7 @@ fn refined(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 2.0)
         .ok_or("the scene has no density method")?;
     let run = run(&problem.system, &problem.law, &config, &asked(&SHAKING, &problem, false))?;
@@ -144,6 +146,7 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let config = Config { method: Method::FlowMapFit, ..config };
@@ -175,6 +178,7 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem
         .scene
+        .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let remapping = Remapping { most_uneven: 1.0, ..Remapping::MEASURED };

@@ -13,9 +13,9 @@ use crate::claim::Reference;
 use crate::fpk::density::{self, Asked, Demand, DensityRun, Erased};
 use crate::fpk::grid::{GridConfig, GridDensity};
 use crate::fpk::linearisation::Linearisation;
+use crate::fpk::method_scene::IntegratorScene;
 use crate::fpk::monte_carlo::{self, Sampling};
 use crate::fpk::paths::Paths;
-use crate::fpk::scene::IntegratorScene;
 use crate::fpk::tail::TailPaths;
 
 /// The methods of the density solver that every scene is given: a new one is one line.

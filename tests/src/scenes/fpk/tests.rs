@@ -1,5 +1,7 @@
 //! What a density scene may not say, and what a run writes.
 
+use fpk_sph::Scheme;
+
 use super::*;
 
 const SCENE: &str = include_str!("../../../scenes/fpk/viscous_damper.json");
@@ -100,6 +102,64 @@ fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
     assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));
 }
 
+const LATTICE: &str = "\"count\": [41, 41], \"reach\": 6";
+
+fn with_scheme(name: &str) -> String {
+    format!("{LATTICE}, \"scheme\": \"{name}\"")
+}
+
+#[test]
+fn a_scheme_that_is_none_is_refused_with_those_that_are() {
+    let (message, line, _, help) = mistake(LATTICE, &with_scheme("heunn"));
+    for name in ["forward_euler", "leap_frog", "heun", "runge_kutta_4"] {
+        assert!(message.contains(&format!("`{name}`")), "{message}");
+    }
+    assert_eq!((line, help.as_deref()), (19, Some("did you mean `heun`?")));
+}
+
+#[test]
+fn leap_frog_is_refused_where_there_is_noise_or_damping_and_serves_where_there_is_neither() {
+    let (message, line, _, help) = mistake(LATTICE, &with_scheme("leap_frog"));
+    assert_eq!(message, "leap_frog does not serve this system, which has noise");
+    assert_eq!(line, 19);
+    assert!(help.unwrap().contains("there are: forward_euler, heun, runge_kutta_4"));
+    let linear = include_str!("../../../scenes/fpk/linear_oscillator.json");
+    let lattice = "\"count\": [47, 47], \"reach\": 7";
+    let quiet = linear.replacen("\"noise_intensity\": 0.2", "\"noise_intensity\": 0", 1).replacen(
+        lattice,
+        &format!("{lattice}, \"scheme\": \"leap_frog\""),
+        1,
+    );
+    let file = SceneFile::from_text("scene.json", quiet.clone()).unwrap();
+    let error = file.parse::<FpkScene>().unwrap_err();
+    let mistake = error.mistake().unwrap();
+    assert_eq!(mistake.message, "leap_frog does not serve this system, which has damping");
+    let undamped = quiet.replacen("\"damping_ratio\": 0.01", "\"damping_ratio\": 0", 1);
+    let scene: FpkScene = SceneFile::from_text("scene.json", undamped).unwrap().parse().unwrap();
+    let config = scene.method.density_config::<2>(2.0, 1.0).unwrap();
+    assert_eq!(config.method.combination().scheme, Scheme::LeapFrog);
+}
+
+#[test]
+fn each_method_takes_its_own_scheme_unless_another_is_asked_for() {
+    let scheme = |method: &str| {
+        let scene = SCENE.replacen(&format!("\"log_density_fit\": {{ {LATTICE} }}"), method, 1);
+        let scene: FpkScene = SceneFile::from_text("scene.json", scene).unwrap().parse().unwrap();
+        scene.method.density_config::<2>(2.0, 1.0).unwrap().method.combination().scheme
+    };
+    let paper = |scheme: &str| {
+        format!(
+            "\"canor_denoel_2013\": {{ \"count\": [50, 33], \"half_width\": [0.6, 0.4], \"courant\": 0.8, \
+             \"support_over_spacing\": 2.5{scheme} }}"
+        )
+    };
+    assert_eq!(scheme(&paper("")), Scheme::ForwardEuler);
+    assert_eq!(scheme(&paper(", \"scheme\": \"runge_kutta_4\"")), Scheme::RungeKutta4);
+    let fit = |lattice: &str| format!("\"flow_map_fit\": {{ {lattice} }}");
+    assert_eq!(scheme(&fit(LATTICE)), Scheme::RungeKutta4);
+    assert_eq!(scheme(&fit(&with_scheme("forward_euler"))), Scheme::ForwardEuler);
+}
+
 #[test]
 fn a_filter_needs_a_system_that_has_one_and_at_most_six_states() {
     let (message, line, ..) = mistake("\"gaussian\"", "\"stationary_filter\"");
@@ -127,6 +187,15 @@ fn a_window_that_does_not_increase_is_refused_where_it_stands() {
     );
     assert!(message.contains("row 2 is at 2; it must be greater"), "{message}");
     assert_eq!(line, 14);
+}
+
+#[test]
+fn five_states_say_that_nothing_is_integrated_over_their_cells_and_four_do_not() {
+    let file = SceneFile::from_text("scene.json", SCENE.to_owned()).unwrap();
+    let method = file.parse::<FpkScene>().unwrap().method;
+    let Unknown { what, reason } = no_cells(&method, 5).unwrap();
+    assert!(what.contains("exceedance-cell") && reason.contains("5 states"), "{what} {reason}");
+    assert_eq!(no_cells(&method, 4), None);
 }
 
 /// A scene of a few particles and steps.

@@ -1,0 +1,141 @@
+//! The initial law of a scene.
+
+use sde_integrators::{GaussianComponent, GaussianMixture};
+use serde::{Deserialize, Serialize};
+
+use super::paths::Paths;
+use super::scene::must;
+use super::scene_system::{SceneSystem, Visitor};
+use super::system_scene::{SystemError, list, square};
+use crate::scene::Objection;
+
+/// The initial law.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LawScene {
+    /// Independent Gaussian states.
+    Gaussian {
+        /// Means of the states.
+        mean: Vec<f64>,
+        /// Standard deviations of the states.
+        standard_deviation: Vec<f64>,
+    },
+    /// A structure of independent Gaussian states behind a filter in its stationary law.
+    StationaryFilter {
+        /// Means of the structure's states.
+        mean: Vec<f64>,
+        /// Standard deviations of the structure's states.
+        standard_deviation: Vec<f64>,
+    },
+    /// A mixture of Gaussians.
+    Mixture(Vec<ComponentScene>),
+}
+
+/// One Gaussian of a mixture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComponentScene {
+    /// Its weight; the weights sum to 1.
+    pub weight: f64,
+    /// Its mean.
+    pub mean: Vec<f64>,
+    /// Its covariance, row by row.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl LawScene {
+    /// The law, checked; `filter` is the stationary covariance of a filter's states, which come last.
+    ///
+    /// # Errors
+    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for what the law refuses.
+    pub fn build<const D: usize>(
+        &self,
+        filter: Option<&[Vec<f64>]>,
+    ) -> Result<GaussianMixture<D>, SystemError> {
+        let law = match self {
+            Self::Gaussian { mean, standard_deviation } => GaussianMixture::independent(
+                list("mean", mean)?,
+                list("standard_deviation", standard_deviation)?,
+            ),
+            Self::StationaryFilter { mean, standard_deviation } => {
+                let filter = filter.unwrap_or_default();
+                let structure = D.saturating_sub(filter.len());
+                let wanted = || format!("the structure has {structure} states");
+                for (key, values) in [("mean", mean), ("standard_deviation", standard_deviation)] {
+                    if values.len() != structure {
+                        let count = values.len();
+                        return Err(SystemError::Shape { key, count, wanted: wanted() });
+                    }
+                }
+                let (mut means, mut covariance) = ([0.0; D], [[0.0; D]; D]);
+                means[..structure].copy_from_slice(mean);
+                for (k, deviation) in standard_deviation.iter().enumerate() {
+                    covariance[k][k] = deviation * deviation;
+                }
+                for (row, values) in covariance[structure..].iter_mut().zip(filter) {
+                    row[structure..].copy_from_slice(values);
+                }
+                GaussianMixture::gaussian(means, covariance)
+            }
+            Self::Mixture(components) => {
+                let component = |component: &ComponentScene| -> Result<_, SystemError> {
+                    let ComponentScene { weight, mean, covariance } = component;
+                    Ok(GaussianComponent {
+                        weight: *weight,
+                        mean: list("mean", mean)?,
+                        covariance: square("covariance", covariance)?,
+                    })
+                };
+                let components: Vec<_> =
+                    components.iter().map(component).collect::<Result<_, _>>()?;
+                GaussianMixture::mixture(&components)
+            }
+        };
+        Ok(law.map_err(fpk_sph::Error::from)?)
+    }
+
+    pub(super) fn check(&self, system: &SceneSystem) -> Result<(), Objection> {
+        let name = match self {
+            Self::Gaussian { .. } => "gaussian",
+            Self::StationaryFilter { .. } => "stationary_filter",
+            Self::Mixture(_) => "mixture",
+        };
+        let filter = system.filter_covariance();
+        if filter.is_none() && matches!(self, Self::StationaryFilter { .. }) {
+            let message = "the system has no filter";
+            return Err(Objection::new("initial.stationary_filter", message)
+                .with_help("use `gaussian` with a mean and a standard deviation for each state"));
+        }
+        if let Self::Gaussian { standard_deviation, .. }
+        | Self::StationaryFilter { standard_deviation, .. } = self
+        {
+            for (k, &deviation) in standard_deviation.iter().enumerate() {
+                let path = format!("initial.{name}.standard_deviation[{k}]");
+                must(&path, deviation, deviation > 0.0, "greater than 0")?;
+            }
+        }
+        system.visit(Build(self, filter.as_deref())).map_err(|error| {
+            let states = format!("the states are {}", system.states().join(", "));
+            match &error {
+                SystemError::Shape { key, .. } if name != "mixture" => {
+                    Objection::new(format!("initial.{name}.{key}"), error.to_string())
+                        .with_help(states)
+                }
+                SystemError::Shape { .. } => {
+                    Objection::new("initial.mixture", error.to_string()).with_help(states)
+                }
+                _ => Objection::new("initial", error.to_string()),
+            }
+        })
+    }
+}
+
+/// Builds a law in the dimension of the system.
+struct Build<'a>(&'a LawScene, Option<&'a [Vec<f64>]>);
+
+impl Visitor for Build<'_> {
+    type Output = Result<(), SystemError>;
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
+        self.0.build::<D>(self.1).map(|_| ())
+    }
+}

@@ -1,0 +1,156 @@
+//! The method of a scene.
+
+use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
+use serde::{Deserialize, Serialize};
+
+use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
+use super::law_scene::LawScene;
+use super::paths::Paths;
+use super::scene::{check_length, must};
+use super::scene_system::{SceneSystem, Visitor};
+use super::scheme_scene::SchemeScene;
+use crate::scene::Objection;
+
+/// The method, by its name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MethodScene {
+    /// Whitened log-density fit.
+    LogDensityFit(LatticeScene),
+    /// Flow-map fit over the lattice of the start.
+    FlowMapFit(LatticeScene),
+    /// The paper's method.
+    #[serde(rename = "canor_denoel_2013")]
+    CanorDenoel2013 {
+        /// Particles along each axis.
+        count: Vec<usize>,
+        /// Half the edges of the lattice, in the units of the state.
+        half_width: Vec<f64>,
+        /// Courant number.
+        courant: f64,
+        /// `support_radius / spacing` at the start.
+        support_over_spacing: f64,
+        /// The scheme in time; the paper's forward Euler without the key.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scheme: Option<SchemeScene>,
+    },
+    /// The rival: sampled paths.
+    MonteCarlo {
+        /// Number of paths.
+        paths: u64,
+        /// Longest step (s).
+        step: f64,
+        /// How a path is stepped.
+        integrator: IntegratorScene,
+        /// Seed.
+        seed: u64,
+    },
+}
+
+/// How a path is stepped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IntegratorScene {
+    /// Forward Euler, the paper's.
+    EulerMaruyama,
+    /// Semi-implicit Euler.
+    SemiImplicitEuler,
+    /// Strang splitting with exact rotation and damper flow.
+    StrangOscillator,
+    /// The same for the hysteretic oscillator.
+    StrangBoucWen,
+    /// Two drifts, strong order 1.5, for any system with additive noise.
+    Shark,
+}
+
+impl MethodScene {
+    /// The configuration of the density solver, where the method is one; `scale` multiplies the particles per axis.
+    /// `None` too where the lattice is of another dimension, which [`Self::check`] refuses.
+    #[must_use]
+    pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
+        let (method, lattice) = match self {
+            Self::LogDensityFit(lattice) => {
+                (lattice.method::<D>(Method::LogDensityFit), lattice.build(scale)?)
+            }
+            Self::FlowMapFit(lattice) => {
+                (lattice.method::<D>(Method::FlowMapFit), lattice.build(scale)?)
+            }
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, scheme } => {
+                let paper = Method::CanorDenoel2013.combination();
+                let combination = Combination {
+                    step: StepRule::Courant { number: *courant },
+                    support_over_spacing: *support_over_spacing,
+                    scheme: scheme.map_or(paper.scheme, SchemeScene::scheme),
+                    ..paper
+                };
+                let half_width = half_width.as_slice().try_into().ok()?;
+                let lattice =
+                    InitialLattice::Rectangle { half_width, count: scaled_counts(count, scale)? };
+                (Method::Custom(combination), lattice)
+            }
+            Self::MonteCarlo { .. } => return None,
+        };
+        Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
+    }
+
+    /// The scheme that the scene names, and the name of the method.
+    fn scheme(&self) -> Option<(&'static str, SchemeScene)> {
+        match self {
+            Self::LogDensityFit(lattice) => Some(("log_density_fit", lattice.scheme?)),
+            Self::FlowMapFit(lattice) => Some(("flow_map_fit", lattice.scheme?)),
+            Self::CanorDenoel2013 { scheme, .. } => Some(("canor_denoel_2013", (*scheme)?)),
+            Self::MonteCarlo { .. } => None,
+        }
+    }
+
+    /// Refuses numbers outside their range, lists of another length, and integrators and schemes of another system.
+    pub(super) fn check(
+        &self,
+        system: &SceneSystem,
+        initial: &LawScene,
+        times: &[f64],
+    ) -> Result<(), Objection> {
+        if let Some((method, scheme)) = self.scheme() {
+            scheme.check(&format!("method.{method}.scheme"), system, initial, times)?;
+        }
+        let states = system.states();
+        match self {
+            Self::LogDensityFit(lattice) => lattice.check("method.log_density_fit", states),
+            Self::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, .. } => {
+                let path = "method.canor_denoel_2013";
+                check_counts(path, count, states)?;
+                check_length(&format!("{path}.half_width"), half_width.len(), states)?;
+                for (k, &width) in half_width.iter().enumerate() {
+                    must(&format!("{path}.half_width[{k}]"), width, width > 0.0, "greater than 0")?;
+                }
+                must(&format!("{path}.courant"), *courant, *courant > 0.0, "greater than 0")?;
+                let ratio = *support_over_spacing;
+                must(&format!("{path}.support_over_spacing"), ratio, ratio > 0.0, "greater than 0")
+            }
+            Self::MonteCarlo { paths, step, integrator, .. } => {
+                must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
+                must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
+                let offered = system.visit(Offered);
+                if offered.contains(integrator) {
+                    return Ok(());
+                }
+                let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
+                let message =
+                    format!("the integrator {} does not step this system", integrator.name());
+                Err(Objection::new("method.monte_carlo.integrator", message)
+                    .with_help(format!("there are: {}", names.join(", "))))
+            }
+        }
+    }
+}
+
+/// The integrators of a system.
+struct Offered;
+
+impl Visitor for Offered {
+    type Output = &'static [IntegratorScene];
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
+        S::INTEGRATORS
+    }
+}

@@ -1,0 +1,184 @@
+//! The error of a density run from coarser runs, and what stays unknown.
+
+use fpk_sph::{Config, Error, InitialLattice};
+use serde::Serialize;
+
+use crate::fpk::density::{DensityRun, Row};
+
+use super::{ErrorOrigin, Observed};
+
+/// What a run does not know, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Unknown {
+    /// The quantities, and from when on.
+    pub(super) what: String,
+    /// Why.
+    pub(super) reason: String,
+}
+
+/// The coarser runs have these times the particles along a length. The first shows the order best. The others are for
+/// systems of many states, where a lattice that much coarser no longer carries the density.
+const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
+
+/// A fine run, and the coarser ones that show its error.
+pub(super) struct TwoResolutions {
+    pub(super) fine: DensityRun,
+    coarser: Vec<Coarser>,
+    /// Why there are not more of them.
+    failed: Vec<String>,
+}
+
+/// A coarser run.
+struct Coarser {
+    run: DensityRun,
+    /// Its spacing over that of the fine run.
+    ratio: f64,
+}
+
+impl TwoResolutions {
+    /// Runs coarser ones by `solve` until they have seen every time that the fine one has. `config` is that of a part of
+    /// the particles along a length. What a coarser run cannot do says nothing against the fine one.
+    pub(super) fn new<const D: usize>(
+        fine: DensityRun,
+        config: impl Fn(f64) -> Option<Config<D>>,
+        solve: impl Fn(&Config<D>) -> Result<DensityRun, Error>,
+    ) -> Self {
+        let (mut coarser, mut failed) = (Vec::new(), Vec::new());
+        let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
+        for part in COARSER {
+            let Some(config) = config(part) else { continue };
+            let ratio = resolution / per_length(&config.lattice);
+            if ratio.is_nan() || ratio <= 1.0 {
+                failed.push(format!("at {part:.2} of the resolution the lattice is the same"));
+                continue;
+            }
+            match solve(&config) {
+                Ok(run) => {
+                    let complete = run.rows.len() >= fine.rows.len();
+                    if let Some(error) = &run.stopped {
+                        failed.push(format!("at {part:.2} of the resolution: {error}"));
+                    }
+                    coarser.push(Coarser { run, ratio });
+                    if complete {
+                        break;
+                    }
+                }
+                Err(error) => failed.push(format!("at {part:.2} of the resolution: {error}")),
+            }
+        }
+        Self { fine, coarser, failed }
+    }
+
+    /// The errors that no coarser run shows.
+    pub(super) fn unknown(&self) -> Option<Unknown> {
+        let seen = |row: &&Row| self.coarser.iter().all(|coarser| coarser.run.at(row.t).is_none());
+        let first = self.fine.rows.iter().find(seen)?;
+        Some(Unknown {
+            what: format!("errors of all quantities from t = {} on", first.t),
+            reason: format!(
+                "they are estimated from a coarser run, and none came so far: {}",
+                self.failed.join("; ")
+            ),
+        })
+    }
+
+    /// The fine value with `|fine - coarse| / (r^2 - 1)`, `r` the ratio of the spacings: Richardson's estimate at the
+    /// order 2 that the verification measures.
+    pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
+        let observed = |row: &Row| {
+            let value = pick(row)?;
+            let estimate = |coarser: &Coarser| {
+                let coarse = pick(coarser.run.at(row.t)?)?;
+                let error = (value - coarse).abs() / (coarser.ratio * coarser.ratio - 1.0);
+                error.is_finite().then_some(error)
+            };
+            let error = self.coarser.iter().find_map(estimate);
+            let error_kind =
+                if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
+            Some(Observed { t: row.t, value, error, error_kind, note: None })
+        };
+        self.fine.rows.iter().filter_map(observed).collect()
+    }
+}
+
+/// Intervals of the lattice along a length: the geometric mean over the axes.
+fn per_length<const D: usize>(lattice: &InitialLattice<D>) -> f64 {
+    match lattice {
+        InitialLattice::Ball { spacing, .. } => 1.0 / spacing,
+        InitialLattice::Box { count, .. } | InitialLattice::Rectangle { count, .. } => {
+            let intervals: f64 = count.iter().map(|&n| n as f64 - 1.0).product();
+            intervals.powf(1.0 / D as f64)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fpk_sph::{DEFAULT_MOST_STEPS, Method};
+
+    /// A run that has seen one moment at these times.
+    fn run(moment: f64, times: &[f64]) -> DensityRun {
+        let row = |&t: &f64| Row {
+            t,
+            moments: vec![moment],
+            exceedances: Vec::new(),
+            total_mass: 1.0,
+            entropy: 0.0,
+            cell_mass: None,
+            distrusted_cells: None,
+            cpu_seconds: 0.0,
+        };
+        DensityRun {
+            rows: times.iter().map(row).collect(),
+            n_particles: 1,
+            work: fpk_sph::Work::default(),
+            stopped: None,
+        }
+    }
+
+    #[allow(clippy::unnecessary_wraps, reason = "the shape that is asked for")]
+    fn config(part: f64) -> Option<Config<2>> {
+        Some(Config {
+            method: Method::FlowMapFit,
+            lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
+            reference_period: 1.0,
+            most_steps: DEFAULT_MOST_STEPS,
+        })
+    }
+
+    fn spacing(config: &Config<2>) -> f64 {
+        1.0 / per_length(&config.lattice)
+    }
+
+    #[test]
+    fn an_error_of_second_order_is_found_as_it_is_by_whichever_coarser_run_has_come_so_far() {
+        // The value at spacing h is 1 + 0.1 h^2; lattices coarser than 1.3 end at t = 1.
+        let both = TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, |config| {
+            let h = spacing(config);
+            let times = if h > 1.3 { &[1.0][..] } else { &[1.0, 2.0] };
+            Ok(run(1.0 + 0.1 * h * h, times))
+        });
+        let values = both.values(|row| Some(row.moments[0]));
+        assert_eq!(values.len(), 2);
+        for observed in values {
+            assert!((observed.error.unwrap() - 0.1).abs() < 1e-12, "{observed:?}");
+        }
+        assert_eq!(both.unknown(), None);
+    }
+
+    #[test]
+    fn what_no_coarser_run_shows_is_unknown_and_says_since_when_and_why() {
+        let both = TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, |config| {
+            if spacing(config) > 1.3 {
+                return Err(Error::NotPositive { name: "a name", value: 0.0 });
+            }
+            Ok(run(1.2, &[1.0]))
+        });
+        let values = both.values(|row| Some(row.moments[0]));
+        assert!(values[0].error.is_some() && values[1].error.is_none());
+        let unknown = both.unknown().unwrap();
+        assert_eq!(unknown.what, "errors of all quantities from t = 2 on");
+        assert!(unknown.reason.contains("at 0.71 of the resolution: a name"), "{}", unknown.reason);
+    }
+}

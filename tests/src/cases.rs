@@ -9,6 +9,7 @@ mod perturbation_moments;
 mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;
+mod smpm;
 
 use crate::case::Case;
 pub(crate) use fpk::bouc_wen::{LATTICE as BOUC_WEN_LATTICE, of_tail as bouc_wen_tail};
@@ -50,6 +51,13 @@ pub const ALL: &[Case] = &[
     fpk::spatial_order::CASE,
     fpk::invariance::CASE,
     fpk::failures::CASE,
+    smpm::elastic_bar::CASE,
+    smpm::shock_tubes::CASE,
+    smpm::plate_impact::CASE,
+    smpm::detonation::CASE,
+    smpm::johnson_cook_point::CASE,
+    smpm::contact_explosion::DIFFERENCES,
+    smpm::contact_explosion::SAMPLES,
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,

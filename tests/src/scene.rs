@@ -26,7 +26,8 @@ pub trait Scene: DeserializeOwned {
 }
 
 /// What is wrong with a value, and where it stands.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message} (at `{path}`)")]
 pub struct Objection {
     /// The key, e.g. `system.viscous_damper.intensity` or `times[3]`.
     pub path: String,

@@ -2,6 +2,8 @@
 
 pub mod experiment;
 pub mod material_scene;
+pub mod problems;
 pub mod reading;
 mod region;
+pub mod riemann;
 pub mod scene;

@@ -148,6 +148,12 @@ impl<const N: usize> Moments<N> {
         Ok(self.value + 0.5 * diagonal.iter().sum::<f64>())
     }
 
+    /// The derivatives by the independent standard normals of the inputs, $L^T D g$.
+    #[must_use]
+    pub const fn slopes(&self) -> &[f64; N] {
+        &self.first
+    }
+
     /// $g^T \Sigma g$.
     #[must_use]
     pub fn variance_first_order(&self) -> f64 {

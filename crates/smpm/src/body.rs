@@ -534,7 +534,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         let conditions = states
             .iter()
             .map(|state| Condition {
-                stress: Symmetric::zero(),
+                stress: material.start_stress(state),
                 viscosity: zero,
                 volume: one,
                 wave_speed: material.wave_speed(one, state),

@@ -103,6 +103,11 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// The state of a particle at `t = 0`; `position` has zeros beyond the dimension.
     fn start(&self, position: [f64; 3]) -> Self::State;
 
+    /// The stress at `t = 0`; none unless the material says otherwise.
+    fn start_stress(&self, _state: &Self::State) -> Symmetric<S> {
+        Symmetric::zero()
+    }
+
     /// Advances the state over a step; the stress at its end, without the bulk viscosity.
     ///
     /// # Errors

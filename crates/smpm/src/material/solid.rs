@@ -61,6 +61,11 @@ where
         }
     }
 
+    /// A gas starts under its pressure.
+    fn start_stress(&self, state: &Self::State) -> Symmetric<S> {
+        Symmetric::isotropic(state.pressure * -1.0)
+    }
+
     #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault> {
         let half_change = (now.volume - now.volume_before) * 0.5;

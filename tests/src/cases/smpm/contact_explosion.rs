@@ -1,0 +1,328 @@
+//! The two examples of Chen et al. 2019: jets against whole runs, differenced and sampled, and the frozen formulas beside them.
+
+use std::sync::Arc;
+
+use perturbation_moments::{Moments, MonteCarlo};
+use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
+use smpm::{Plan, Quantity};
+
+use super::quantile;
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::{Criterion, Measured, Reference};
+use crate::report::{Claim, ErrorKind};
+use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::problems::{Problem, experiment};
+
+const SOURCE: &str =
+    "own whole runs; Chen et al. 2019, section 5, with the geometry of docs/methods/smpm.md";
+
+pub(crate) const DIFFERENCES: Case = Case {
+    id: "smpm/contact-explosion/differences",
+    title: "Derivatives carried through an explosion against central differences of whole runs",
+    source: SOURCE,
+    cost: Profile::Quick,
+    run: differences,
+};
+
+pub(crate) const SAMPLES: Case = Case {
+    id: "smpm/contact-explosion/samples",
+    title: "Mean and variance behind an explosion, from one run, against sampled runs",
+    source: SOURCE,
+    cost: Profile::Default,
+    run: samples,
+};
+
+/// Microseconds.
+const TIMES: [f64; 9] = [6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0];
+/// Up to this time derivatives of whole runs settle.
+const LAST_SMOOTH: f64 = 12.0;
+
+/// A problem with its law, solved by jets, by the frozen formulas and by sampling.
+pub(crate) struct Solved {
+    pub(crate) plan: Plan<2>,
+    pub(crate) propagated: Propagated<5>,
+    pub(crate) frozen: Vec<FrozenMoments<5>>,
+    pub(crate) sampled: Sampled<5>,
+}
+
+/// The study of a problem; with three parameters two more are certain.
+fn study(
+    experiment: &SceneExperiment<2>,
+    problem: Problem,
+    coefficient_of_variation: f64,
+) -> Result<Study<'_, SceneExperiment<2>, 2, 5>, CaseError> {
+    let scene = problem.scene_with(coefficient_of_variation, &TIMES)?;
+    let (inputs, plan) = (scene.inputs::<5>()?, scene.plan::<2>()?);
+    Ok(Study::new(experiment, inputs, plan)?)
+}
+
+/// Solves once per run of the verification.
+pub(crate) fn solved(
+    context: &Context<'_>,
+    problem: Problem,
+    coefficient_of_variation: f64,
+) -> Result<Arc<Solved>, CaseError> {
+    let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };
+    let key = format!("smpm {problem:?} {coefficient_of_variation} {n_samples}");
+    context.shared(&key, || {
+        let scene = problem.scene_with(coefficient_of_variation, &TIMES)?;
+        let experiment = experiment::<2>(&scene)?;
+        let study = study(&experiment, problem, coefficient_of_variation)?;
+        context.progress(&format!("{problem:?} at {coefficient_of_variation}: derivatives"));
+        let propagated = study.propagated()?;
+        let frozen = study.frozen(FrozenForm::Corrected)?;
+        context.progress(&format!("{problem:?} at {coefficient_of_variation}: samples"));
+        let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples });
+        Ok(Solved { plan: study.plan().clone(), propagated, frozen, sampled })
+    })
+}
+
+fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    for (problem, name) in
+        [(Problem::ContactExplosion, "thin-plate"), (Problem::ThickPlate, "thick-plate")]
+    {
+        context.progress(name);
+        let experiment = experiment::<2>(&problem.scene()?)?;
+        let study = study(&experiment, problem, 0.05)?;
+        let jets = study.propagated()?.moments;
+        // 2 % of a deviation: 1e-3 of a parameter.
+        let differenced = study.finite_difference(0.02)?;
+        let plan = study.plan();
+        for (q, quantity) in plan.quantities.iter().enumerate() {
+            let scale = largest(plan, q, &differenced);
+            let mut worst = 0.0_f64;
+            for (response, (a, b)) in jets.iter().zip(&differenced).enumerate() {
+                let (_, of, window) = plan.parts(response);
+                if of == q && plan.windows[window].to <= LAST_SMOOTH {
+                    let apart: f64 =
+                        a.slopes().iter().zip(b.slopes()).map(|(a, b)| (a - b).powi(2)).sum();
+                    worst = worst.max(apart.sqrt() / scale);
+                }
+            }
+            let id = format!("{name}/{quantity}");
+            claims.push(Claim::judge(
+                context.subject(
+                    &id,
+                    "largest distance of the two gradients, over the largest gradient",
+                    "",
+                    "jets against central differences, all gauges, t <= 12 us",
+                ),
+                ErrorKind::Absolute,
+                Measured::exact(worst),
+                Reference::exact(0.0),
+                Criterion::Within {
+                    tolerance: 1e-3,
+                    reason: "truncation of the differences, and switches within their step",
+                },
+            ));
+        }
+    }
+    Ok(claims)
+}
+
+/// The largest gradient of a quantity at any gauge and time.
+fn largest<const N: usize>(plan: &Plan<2>, quantity: usize, moments: &[Moments<N>]) -> f64 {
+    let of = moments.iter().enumerate().filter(|(i, _)| plan.parts(*i).1 == quantity);
+    of.map(|(_, moments)| moments.variance_first_order().sqrt()).fold(0.0, f64::max)
+}
+
+/// Relative errors of mean and variance against the samples, of responses that are asked for.
+struct Errors {
+    mean: Vec<f64>,
+    variance: Vec<f64>,
+    frozen_variance: Vec<f64>,
+    /// Of the sampled variance.
+    standard_error: Vec<f64>,
+}
+
+fn errors(solved: &Solved, wanted: impl Fn(Quantity, f64) -> bool) -> Result<Errors, CaseError> {
+    let mut errors =
+        Errors { mean: vec![], variance: vec![], frozen_variance: vec![], standard_error: vec![] };
+    let Solved { plan, propagated, frozen, sampled } = solved;
+    for (response, moments) in propagated.moments.iter().enumerate() {
+        let (_, quantity, window) = plan.parts(response);
+        if !wanted(plan.quantities[quantity], plan.windows[window].to) {
+            continue;
+        }
+        let truth = sampled.controlled(response, moments)?;
+        let (mean, variance) = (truth.mean.value, truth.variance.value);
+        errors.mean.push((moments.mean_second_order()? / mean - 1.0).abs());
+        errors.variance.push((moments.variance_first_order() / variance - 1.0).abs());
+        let error = truth.variance.standard_error().unwrap_or(f64::NAN);
+        errors.standard_error.push(error / variance);
+        if let Some(frozen) = &frozen[response] {
+            errors.frozen_variance.push((frozen.variance_first_order() / variance - 1.0).abs());
+        }
+    }
+    Ok(errors)
+}
+
+fn samples(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    for (cv, of_mean, of_variance) in [(0.05, 1e-4, 3e-3), (0.15, 5e-4, 1e-2)] {
+        let solved = solved(context, Problem::ContactExplosion, cv)?;
+        let flow = errors(&solved, |quantity, t| quantity == Quantity::FlowStress && t >= 8.0)?;
+        let worst = |values: &[f64]| quantile(values, 1.0);
+        let noise = quantile(&flow.standard_error, 0.5);
+        let reason = format!("fourth order in cv; the samples' own error is {noise:.1e}");
+        claims.push(bounded(
+            context,
+            &format!("flow-stress/mean/cv{cv}"),
+            "largest relative error of E sigma_y, t >= 8 us",
+            worst(&flow.mean),
+            of_mean,
+            &reason,
+        ));
+        claims.push(bounded(
+            context,
+            &format!("flow-stress/variance/cv{cv}"),
+            "largest relative error of Var sigma_y, t >= 8 us",
+            worst(&flow.variance),
+            of_variance,
+            &reason,
+        ));
+        claims.push(frozen_claim(
+            context,
+            &format!("flow-stress/frozen-variance/cv{cv}"),
+            quantile(&flow.frozen_variance, 0.5),
+            0.02,
+            0.10,
+        ));
+        let deviator =
+            errors(&solved, |quantity, t| quantity == Quantity::Deviator(0, 0) && t >= 8.0)?;
+        let reason =
+            "unloading and reverse yield are smooth in the parameters but where they begin";
+        claims.push(bounded(
+            context,
+            &format!("deviator-11/variance-median/cv{cv}"),
+            "median relative error of Var S_11, t >= 8 us",
+            quantile(&deviator.variance, 0.5),
+            0.01,
+            reason,
+        ));
+        claims.push(bounded(
+            context,
+            &format!("deviator-11/variance-p90/cv{cv}"),
+            "ninth decile of the relative error of Var S_11, t >= 8 us",
+            quantile(&deviator.variance, 0.9),
+            0.05,
+            reason,
+        ));
+        claims.push(frozen_claim(
+            context,
+            &format!("deviator-11/frozen-variance/cv{cv}"),
+            quantile(&deviator.frozen_variance, 0.5),
+            0.02,
+            1.0,
+        ));
+    }
+    for cv in [0.01, 0.05] {
+        let solved = solved(context, Problem::ThickPlate, cv)?;
+        let pressure = errors(&solved, |quantity, _| quantity == Quantity::Pressure)?;
+        let reason = "third derivatives; largest where the gradient passes through zero";
+        claims.push(bounded(
+            context,
+            &format!("pressure/variance-median/cv{cv}"),
+            "median relative error of Var p",
+            quantile(&pressure.variance, 0.5),
+            3e-3,
+            reason,
+        ));
+        claims.push(bounded(
+            context,
+            &format!("pressure/variance-p90/cv{cv}"),
+            "ninth decile of the relative error of Var p",
+            quantile(&pressure.variance, 0.9),
+            0.02,
+            reason,
+        ));
+        claims.push(frozen_claim(
+            context,
+            &format!("pressure/frozen-variance/cv{cv}"),
+            quantile(&pressure.frozen_variance, 0.5),
+            0.3,
+            3.0,
+        ));
+    }
+    claims.extend(agreement(context)?);
+    Ok(claims)
+}
+
+fn bounded(
+    context: &Context<'_>,
+    id: &str,
+    quantity: &str,
+    measured: f64,
+    tolerance: f64,
+    reason: &str,
+) -> Claim {
+    Claim::judge(
+        context.subject(id, quantity, "", "jets, against sampled runs with control variate"),
+        ErrorKind::Absolute,
+        Measured::exact(measured),
+        Reference::exact(0.0),
+        Criterion::Within { tolerance, reason },
+    )
+}
+
+fn frozen_claim(context: &Context<'_>, id: &str, measured: f64, from: f64, to: f64) -> Claim {
+    Claim::as_measured(
+        context.subject(
+            id,
+            "median relative error of the frozen variance",
+            "",
+            "formulas at the local state, corrected: a baseline",
+        ),
+        Measured::exact(measured),
+        from,
+        to,
+        "the state is taken for certain",
+    )
+}
+
+/// Raw and controlled samples see the same.
+fn agreement(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let solved = solved(context, Problem::ContactExplosion, 0.15)?;
+    let (mut worst, mut gains) = (0.0_f64, Vec::new());
+    for (response, moments) in solved.propagated.moments.iter().enumerate() {
+        let raw = solved.sampled.raw(response)?;
+        let controlled = solved.sampled.controlled(response, moments)?;
+        for (a, b) in [(raw.mean, controlled.mean), (raw.variance, controlled.variance)] {
+            let error = a.standard_error().unwrap_or(f64::NAN);
+            worst = worst.max((a.value - b.value).abs() / error);
+        }
+        let errors =
+            [raw.variance, controlled.variance].map(|e| e.standard_error().unwrap_or(f64::NAN));
+        gains.push(errors[0] / errors[1]);
+    }
+    Ok(vec![
+        Claim::judge(
+            context.subject(
+                "raw-against-controlled",
+                "largest distance, in standard errors of the raw one",
+                "",
+                "one set of samples",
+            ),
+            ErrorKind::Absolute,
+            Measured::exact(worst),
+            Reference::exact(0.0),
+            Criterion::Within {
+                tolerance: 4.0,
+                reason: "both are without bias, and one is much the surer",
+            },
+        ),
+        Claim::as_measured(
+            context.subject(
+                "gain-of-control",
+                "raw over controlled standard error of the variance, median",
+                "",
+                "the surrogate of one run with jets",
+            ),
+            Measured::exact(quantile(&gains, 0.5)),
+            3.0,
+            1000.0,
+            "the square of it is the number of samples saved",
+        ),
+    ])
+}

@@ -220,6 +220,10 @@ pub(crate) trait Constitution<S, const D: usize>: std::fmt::Debug + Send + Sync 
     fn conditions(&self) -> &[Condition<S>];
     fn observe(&self, place: usize) -> Observed<S>;
     fn permute(&mut self, order: &[u32], done: &mut Vec<bool>);
+    /// Calls with a copy of every number of a particle's state and condition; whether that is all of it.
+    fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
+    /// The same with the numbers themselves, to be written.
+    fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
 }
 
 /// What a sweep has seen, of values.
@@ -489,6 +493,72 @@ where
         permute(&mut self.states, order, done);
         permute(&mut self.conditions, order, done);
     }
+
+    fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let (mut condition, mut state) = (self.conditions[place], self.states[place]);
+        condition.visit_numbers(visit);
+        self.material.visit_numbers(&mut state, visit)
+    }
+
+    fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        self.conditions[place].visit_numbers(visit);
+        self.material.visit_numbers(&mut self.states[place], visit)
+    }
+}
+
+impl<S: Number> Condition<S> {
+    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { stress, viscosity, volume, wave_speed, rate } = self;
+        let mut number = S::constant(*rate);
+        let others = [viscosity, volume, wave_speed, &mut number];
+        stress.0.iter_mut().chain(others).for_each(visit);
+        *rate = number.value();
+    }
+}
+
+/// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
+struct Row<S, const D: usize> {
+    position: [S; D],
+    velocity: [S; D],
+    affine: Option<[[S; D]; D]>,
+    half_length: Option<[S; D]>,
+    mass: S,
+    reference_volume: f64,
+}
+
+impl<S: Number, const D: usize> Row<S, D> {
+    fn of(particles: &Particles<S, D>, place: usize) -> Self {
+        Self {
+            position: particles.position[place],
+            velocity: particles.velocity[place],
+            affine: particles.affine.get(place).copied(),
+            half_length: particles.half_length.get(place).copied(),
+            mass: particles.mass[place],
+            reference_volume: particles.reference_volume[place],
+        }
+    }
+
+    fn put(self, particles: &mut Particles<S, D>, place: usize) {
+        particles.position[place] = self.position;
+        particles.velocity[place] = self.velocity;
+        if let Some(matrix) = self.affine {
+            particles.affine[place] = matrix;
+        }
+        if let Some(lengths) = self.half_length {
+            particles.half_length[place] = lengths;
+        }
+        particles.mass[place] = self.mass;
+        particles.reference_volume[place] = self.reference_volume;
+    }
+
+    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let mut volume = S::constant(self.reference_volume);
+        let affine = self.affine.iter_mut().flat_map(|matrix| matrix.as_flattened_mut());
+        let points = self.position.iter_mut().chain(&mut self.velocity).chain(affine);
+        let lengths = self.half_length.iter_mut().flatten();
+        points.chain(lengths).chain([&mut self.mass, &mut volume]).for_each(visit);
+        self.reference_volume = volume.value();
+    }
 }
 
 impl<S: Number, const D: usize> Body<S, D> {
@@ -625,6 +695,25 @@ impl<S: Number, const D: usize> Body<S, D> {
         permute(reference_volume, order, done);
         permute(number, order, done);
         self.constitution.permute(order, done);
+        self.renumbered();
+    }
+
+    /// Calls with a copy of every number of a particle, by its place in memory; whether that is all of it.
+    pub(crate) fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        Row::of(&self.particles, place).visit_numbers(visit);
+        self.constitution.show_numbers(place, visit)
+    }
+
+    /// The same with the numbers themselves, to be written.
+    pub(crate) fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let mut row = Row::of(&self.particles, place);
+        row.visit_numbers(visit);
+        row.put(&mut self.particles, place);
+        self.constitution.visit_numbers(place, visit)
+    }
+
+    /// To be called when the numbers of the particles have changed places.
+    pub(crate) fn renumbered(&mut self) {
         self.find_places();
         self.views.forget();
     }

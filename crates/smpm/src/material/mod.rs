@@ -103,6 +103,12 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
 
     /// What can be observed of a state besides the stress.
     fn observe(&self, state: &Self::State) -> Observed<S>;
+
+    /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
+    /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+        size_of::<Self::State>() == 0
+    }
 }
 
 /// What a material shows of itself. A quantity that it does not have is zero.

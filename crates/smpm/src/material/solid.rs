@@ -104,8 +104,16 @@ where
         }
     }
 
+    #[inline(always)]
     fn observe(&self, state: &Self::State) -> Observed<S> {
         Observed { energy: state.energy, ..self.strength.observe(&state.strength) }
+    }
+
+    fn visit_numbers(&self, state: &mut Self::State, visit: &mut dyn FnMut(&mut S)) -> bool {
+        visit(&mut state.energy);
+        visit(&mut state.pressure);
+        self.equation.visit_numbers(&mut state.equation, visit)
+            && self.strength.visit_numbers(&mut state.strength, visit)
     }
 }
 

@@ -160,7 +160,7 @@ def main():
         rate, wall, own = (statistics.median(column) for column in zip(*rows))
         ratios = sorted(own / rate for rate, _, own in rows)
         print(f"| {precision}, {threads} thread{'s' * (threads > 1)} | {rate:.1f} | {wall:.1f} | {own:.1f} | "
-              f"{ratios[1]:.2f} ({ratios[0]:.2f} to {ratios[-1]:.2f}) |", flush=True)
+              f"{statistics.median(ratios):.2f} ({ratios[0]:.2f} to {ratios[-1]:.2f}) |", flush=True)
     print(f"load {os.getloadavg()[0]:.1f} at the end")
 
 

@@ -223,6 +223,10 @@ pub(crate) trait Constitution<S, const D: usize>: std::fmt::Debug + Send + Sync 
     fn observe(&self, place: usize) -> Observed<S>;
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>>;
     fn permute(&mut self, order: &[u32], done: &mut Vec<bool>);
+    /// Calls with a copy of every number of a particle's state and condition; whether that is all of it.
+    fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
+    /// The same with the numbers themselves, to be written.
+    fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
 }
 
 /// What a sweep has seen, of values.
@@ -298,16 +302,51 @@ struct Particular<M: Material<S>, S: Number> {
     conditions: Vec<Condition<S>>,
 }
 
+/// What a step does to the material of every particle.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    dt: f64,
+    time: f64,
+    cell: f64,
+    viscosity: BulkViscosity,
+}
+
+/// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
+/// dimension: this is most of the code of a material, and there is one of it for each kind of number.
+#[inline(never)]
+fn update_batch<M: Material<S>, S: Number>(
+    of: (&M, S),
+    motion: Motion,
+    gradients: &[[[S; 3]; 3]],
+    (states, conditions): (&mut [M::State], &mut [Condition<S>]),
+    numbers: &[u32],
+) -> Option<(u32, Fault)> {
+    in_widest_registers(
+        #[inline(always)]
+        || {
+            let mut first: Option<(u32, Fault)> = None;
+            for i in 0..gradients.len() {
+                let (state, condition) = (&mut states[i], &mut conditions[i]);
+                if let Err(fault) = next(of, motion, &gradients[i], state, condition)
+                    && first.is_none_or(|(lowest, _)| numbers[i] < lowest)
+                {
+                    first = Some((numbers[i], fault));
+                }
+            }
+            first
+        },
+    )
+}
+
 /// One particle over a step.
 #[inline(always)]
-fn next<M: Material<S>, S: Number, const D: usize>(
+fn next<M: Material<S>, S: Number>(
     (material, density): (&M, S),
-    sweep: &Sweep<'_, S, D>,
+    Motion { dt, time, cell, viscosity }: Motion,
     l: &[[S; 3]; 3],
     state: &mut M::State,
     condition: &mut Condition<S>,
 ) -> Result<(), Fault> {
-    let (dt, cell, viscosity) = (sweep.dt, sweep.config.cell, sweep.config.viscosity);
     let volume = condition.volume * volume_change(l, dt);
     if !(volume.value() > 0.0 && volume.value().is_finite()) {
         let must = "above 0 and finite";
@@ -323,7 +362,7 @@ fn next<M: Material<S>, S: Number, const D: usize>(
     let now = Now {
         velocity_gradient: *l,
         dt,
-        time: sweep.time,
+        time,
         volume_before: condition.volume,
         volume,
         viscosity: q,
@@ -398,18 +437,19 @@ impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
         let n = self.chunk.len();
         sweep.carrier.take(&mut self.chunk, &mut gradients[..n], sweep);
         let Self { material, density, chunk, states, conditions } = self;
+        if sweep.pass.updates_stress() {
+            let Config { cell, viscosity, .. } = *sweep.config;
+            let motion = Motion { dt: sweep.dt, time: sweep.time, cell, viscosity };
+            let kept = (&mut **states, &mut **conditions);
+            let of = (*material, *density);
+            let fault = update_batch(of, motion, &gradients[..n], kept, chunk.number);
+            if let Some((number, fault)) = fault {
+                summary.fail(number, fault);
+            }
+        }
         in_widest_registers(
             #[inline(always)]
             || {
-                if sweep.pass.updates_stress() {
-                    for i in 0..n {
-                        let of = (*material, *density);
-                        let l = &gradients[i];
-                        if let Err(fault) = next(of, sweep, l, &mut states[i], &mut conditions[i]) {
-                            summary.fail(chunk.number[i], fault);
-                        }
-                    }
-                }
                 if sweep.pass.moves() {
                     for i in 0..n {
                         if let Err(fault) = chunk.move_one(i, sweep) {
@@ -429,7 +469,7 @@ impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
                             summary.momentum[k] += mass * v;
                             summary.kinetic += 0.5 * mass * v * v;
                         }
-                        let energy = material.observe(&states[i]).energy.value();
+                        let energy = material.energy(&states[i]).value();
                         summary.internal += energy * chunk.reference_volume[i];
                     }
                 }
@@ -495,6 +535,72 @@ where
 
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
         self.material.at_local_state(state)
+    }
+
+    fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let (mut condition, mut state) = (self.conditions[place], self.states[place]);
+        condition.visit_numbers(visit);
+        self.material.visit_numbers(&mut state, visit)
+    }
+
+    fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        self.conditions[place].visit_numbers(visit);
+        self.material.visit_numbers(&mut self.states[place], visit)
+    }
+}
+
+impl<S: Number> Condition<S> {
+    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let Self { stress, viscosity, volume, wave_speed, rate } = self;
+        let mut number = S::constant(*rate);
+        let others = [viscosity, volume, wave_speed, &mut number];
+        stress.0.iter_mut().chain(others).for_each(visit);
+        *rate = number.value();
+    }
+}
+
+/// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
+struct Row<S, const D: usize> {
+    position: [S; D],
+    velocity: [S; D],
+    affine: Option<[[S; D]; D]>,
+    half_length: Option<[S; D]>,
+    mass: S,
+    reference_volume: f64,
+}
+
+impl<S: Number, const D: usize> Row<S, D> {
+    fn of(particles: &Particles<S, D>, place: usize) -> Self {
+        Self {
+            position: particles.position[place],
+            velocity: particles.velocity[place],
+            affine: particles.affine.get(place).copied(),
+            half_length: particles.half_length.get(place).copied(),
+            mass: particles.mass[place],
+            reference_volume: particles.reference_volume[place],
+        }
+    }
+
+    fn put(self, particles: &mut Particles<S, D>, place: usize) {
+        particles.position[place] = self.position;
+        particles.velocity[place] = self.velocity;
+        if let Some(matrix) = self.affine {
+            particles.affine[place] = matrix;
+        }
+        if let Some(lengths) = self.half_length {
+            particles.half_length[place] = lengths;
+        }
+        particles.mass[place] = self.mass;
+        particles.reference_volume[place] = self.reference_volume;
+    }
+
+    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let mut volume = S::constant(self.reference_volume);
+        let affine = self.affine.iter_mut().flat_map(|matrix| matrix.as_flattened_mut());
+        let points = self.position.iter_mut().chain(&mut self.velocity).chain(affine);
+        let lengths = self.half_length.iter_mut().flatten();
+        points.chain(lengths).chain([&mut self.mass, &mut volume]).for_each(visit);
+        self.reference_volume = volume.value();
     }
 }
 
@@ -633,6 +739,25 @@ impl<S: Number, const D: usize> Body<S, D> {
         permute(reference_volume, order, done);
         permute(number, order, done);
         self.constitution.permute(order, done);
+        self.renumbered();
+    }
+
+    /// Calls with a copy of every number of a particle, by its place in memory; whether that is all of it.
+    pub(crate) fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        Row::of(&self.particles, place).visit_numbers(visit);
+        self.constitution.show_numbers(place, visit)
+    }
+
+    /// The same with the numbers themselves, to be written.
+    pub(crate) fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let mut row = Row::of(&self.particles, place);
+        row.visit_numbers(visit);
+        row.put(&mut self.particles, place);
+        self.constitution.visit_numbers(place, visit)
+    }
+
+    /// To be called when the numbers of the particles have changed places.
+    pub(crate) fn renumbered(&mut self) {
         self.find_places();
         self.views.forget();
     }

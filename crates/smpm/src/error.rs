@@ -282,6 +282,28 @@ pub enum Error {
         /// The factor.
         factor: f64,
     },
+    /// A material does not say what its states are made of.
+    #[error("body {body}: its material does not say what its states are made of")]
+    MaterialNotStored {
+        /// Which body, from 0.
+        body: usize,
+    },
+    /// A snapshot of another simulation.
+    #[error("a snapshot of another simulation: {quantity}: {found}; expected {expected}")]
+    ForeignSnapshot {
+        /// What does not fit.
+        quantity: &'static str,
+        /// What was found.
+        found: usize,
+        /// What the simulation has.
+        expected: usize,
+    },
+    /// A snapshot could not be written or read.
+    #[error("snapshot: {what}")]
+    Snapshot {
+        /// What the store said.
+        what: String,
+    },
     /// A run took more steps than it may.
     #[error("t = {time} after {limit} steps, the most allowed; {target} was asked for")]
     WorkLimit {
@@ -292,6 +314,13 @@ pub enum Error {
         /// Most steps.
         limit: u64,
     },
+}
+
+impl Error {
+    /// What the store of a snapshot said, as text: it holds errors of the operating system, which cannot be compared.
+    pub(crate) fn store(error: &particle_store::Error) -> Self {
+        Self::Snapshot { what: error.to_string() }
+    }
 }
 
 /// What a material cannot do.

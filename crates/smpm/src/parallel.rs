@@ -1,10 +1,6 @@
 //! Work whose every output bit is the same for any number of threads: each entry is written once, from data that nobody
 //! writes, and sums have a shape that lengths alone decide. Nothing here allocates.
 
-/// Entries that one thread takes at a time.
-#[cfg(feature = "rayon")]
-const GRAIN: usize = 1024;
-
 /// Both, at once where there are threads.
 pub(crate) fn join<A: Send, B: Send>(
     a: impl FnOnce() -> A + Send,
@@ -17,23 +13,6 @@ pub(crate) fn join<A: Send, B: Send>(
     #[cfg(not(feature = "rayon"))]
     {
         (a(), b())
-    }
-}
-
-/// `work(i, a_i, b_i)` for every pair of entries.
-pub(crate) fn for_each_pair<A: Send, B: Sync>(
-    a: &mut [A],
-    b: &[B],
-    work: impl Fn(&mut A, &B) + Sync,
-) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        a.par_iter_mut().zip(b.par_iter()).with_min_len(GRAIN).for_each(|(a, b)| work(a, b));
-    }
-    #[cfg(not(feature = "rayon"))]
-    for (a, b) in a.iter_mut().zip(b) {
-        work(a, b);
     }
 }
 

@@ -1,12 +1,15 @@
 //! A simulation as a value: checked once, stepped, observed.
 
+use std::io::{Read, Write};
+
 use crate::body::{Body, Particles, Summary, signal_speed};
 use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
-use crate::error::Error;
+use crate::error::{Error, within};
 use crate::grid::{Grid, Solve};
 use crate::number::Number;
 use crate::shape::MOST_NODES;
+use crate::snapshot::{Clock, Stored, read, write};
 use crate::transfer::{Given, Pass, Places, Sweep, carrier};
 
 /// A node lighter than this part of the lightest particle stands still.
@@ -101,7 +104,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
         let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);
-        let grid = Grid::new(config.cell, config.origin, planes);
+        let grid = Grid::new(&config, planes, bodies.len());
         let limit = Limit::of(&config, &bodies);
         let mut simulation = Self {
             config,
@@ -163,9 +166,15 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// # Errors
     /// See [`Self::step_of`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        self.advance_with(time, |_| ())
+    }
+
+    /// Tells the length of every step that it takes.
+    fn advance_with(&mut self, time: f64, mut tell: impl FnMut(f64)) -> Result<(), Error> {
         while self.time < time {
             let (dt, last) = self.step_towards(time);
             let _ = self.step_of(dt)?;
+            tell(dt);
             if last {
                 self.time = time;
             }
@@ -185,6 +194,31 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
     }
 
+    /// As [`Self::advance_to`]; the lengths of the steps taken. With them [`Self::follow`] makes other runs take the same.
+    ///
+    /// # Errors
+    /// See [`Self::step_of`].
+    pub fn record_to(&mut self, time: f64) -> Result<Vec<f64>, Error> {
+        let mut steps = vec![];
+        self.advance_with(time, |dt| steps.push(dt))?;
+        Ok(steps)
+    }
+
+    /// Steps of given lengths, such as those of the mean run: samples and differences that follow them are runs of the same
+    /// map. A step may exceed what the Courant number of the configuration allows in the present state by the factor
+    /// `most_excess`, one or above.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a factor below one; [`Error::Courant`] for a step that exceeds its limit; else see
+    /// [`Self::step_of`].
+    pub fn follow(&mut self, steps: &[f64], most_excess: f64) -> Result<(), Error> {
+        within("most_excess", most_excess, 1.0, f64::MAX)?;
+        for &dt in steps {
+            let _ = self.step_within(dt, most_excess * self.limit.dt)?;
+        }
+        Ok(())
+    }
+
     /// One step of a given length.
     ///
     /// # Errors
@@ -192,29 +226,35 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// range or a volume turns over, [`Error::EnergyGrew`], [`Error::GridTooLarge`], [`Error::WorkLimit`]. After an error
     /// the state is not that of any time: every further step returns the same error.
     pub fn step_of(&mut self, dt: f64) -> Result<StepReport, Error> {
+        // The limit at the Courant number 1.
+        self.step_within(dt, self.limit.dt / self.config.courant_number)
+    }
+
+    fn step_within(&mut self, dt: f64, limit: f64) -> Result<StepReport, Error> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        let outcome = self.try_step(dt);
+        let outcome = self.try_step(dt, limit);
         if let Err(error) = &outcome {
             self.failed = Some(error.clone());
         }
         outcome
     }
 
-    fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
+    fn try_step(&mut self, dt: f64, limit: f64) -> Result<StepReport, Error> {
         let step = self.n_steps + 1;
         if self.n_steps >= self.config.most_steps {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });
         }
-        let Limit { dt: allowed, body, particle } = self.limit;
-        // The limit at the Courant number 1.
-        let limit = allowed / self.config.courant_number;
+        let Limit { body, particle, .. } = self.limit;
         if !(dt > 0.0 && dt <= limit) {
             return Err(Error::Courant { step, time: self.time, dt, limit, body, particle });
         }
         self.allocate()?;
+        if self.grid.has_contact() {
+            carrier(self.config.shape).give_outward(&mut self.grid, &self.bodies);
+        }
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {
             self.give(Given::Motion, 0.0);
@@ -269,9 +309,10 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         let Self { config, bodies, grid, .. } = self;
         let carrier = carrier(config.shape);
         let (step, time) = (self.n_steps + 1, self.time + dt);
-        let sweep = Sweep { grid, config, carrier, dt, time, pass };
         let (mut all, mut fastest) = (Summary::none(), 0.0);
         for (number, body) in bodies.iter_mut().enumerate() {
+            let field = grid.field(number);
+            let sweep = Sweep { grid, config, carrier, dt, time, pass, field };
             let summary = body.sweep(&sweep);
             if let Some((particle, fault)) = summary.fault {
                 let particle = particle as usize;
@@ -361,6 +402,35 @@ impl Limit {
             }
         }
         limit
+    }
+}
+
+impl<S: Stored, const D: usize> Simulation<S, D> {
+    /// Writes the state, bit for bit: the columns of every body in the order of memory, with the numbers of the particles.
+    ///
+    /// # Errors
+    /// [`Error::MaterialNotStored`], [`Error::Snapshot`]; the error that has ended the run, if one has.
+    pub fn snapshot(&self, writer: impl Write) -> Result<(), Error> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        let Limit { dt, body, particle } = self.limit;
+        let Self { time, n_steps, supplied, .. } = *self;
+        let clock = Clock { time, n_steps, supplied, limit: (dt, body, particle) };
+        write(&self.bodies, clock, writer)
+    }
+
+    /// Takes the state from a snapshot of a simulation with the same configuration and bodies; the run goes on bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::ForeignSnapshot`], [`Error::MaterialNotStored`], [`Error::Snapshot`]; the state is then as it was.
+    pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
+        let Clock { time, n_steps, supplied, limit: (dt, body, particle) } =
+            read(&mut self.bodies, reader)?;
+        self.limit = Limit { dt, body, particle };
+        (self.time, self.n_steps, self.supplied) = (time, n_steps, supplied);
+        self.failed = None;
+        Ok(())
     }
 }
 

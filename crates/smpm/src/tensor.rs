@@ -118,7 +118,7 @@ impl<S: Scalar> Symmetric<S> {
     #[inline(always)]
     pub fn turned(&self, velocity_gradient: &[[S; 3]; 3], dt: f64) -> Self {
         let l = velocity_gradient;
-        if [l[0][2], l[1][2], l[2][0], l[2][1]].iter().all(|entry| entry.value() == 0.0) {
+        if leaves_no_plane(l) {
             return self.turned_in_plane((l[1][0] - l[0][1]) * (0.25 * dt));
         }
         // P = [[0, -c, b], [c, 0, -a], [-b, a, 0]].
@@ -221,15 +221,32 @@ pub fn von_mises<S: Scalar>(deviator: &Symmetric<S>) -> S {
 }
 
 /// The determinant of `I + dt L`: by how much a step changes a volume.
+///
+/// Where the four entries that leave the plane are zero it is that of the plane, as in [`Symmetric::turned`].
 #[must_use]
 #[inline(always)]
 pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
-    let mut m = velocity_gradient.map(|row| row.map(|entry| entry * dt));
-    for k in 0..3 {
-        m[k][k] = m[k][k] + 1.0;
+    let mut m = *velocity_gradient;
+    for i in 0..3 {
+        for j in 0..3 {
+            m[i][j] = m[i][j] * dt;
+        }
+        m[i][i] = m[i][i] + 1.0;
     }
-    let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
-    m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
+    if leaves_no_plane(velocity_gradient) {
+        return (m[0][0] * m[1][1] - m[0][1] * m[1][0]) * m[2][2];
+    }
+    let first = m[1][1] * m[2][2] - m[1][2] * m[2][1];
+    let second = m[1][0] * m[2][2] - m[1][2] * m[2][0];
+    let third = m[1][0] * m[2][1] - m[1][1] * m[2][0];
+    m[0][0] * first - m[0][1] * second + m[0][2] * third
+}
+
+/// Whether the motion stays in the plane of the first two axes, by the values.
+#[inline(always)]
+fn leaves_no_plane<S: Scalar>(l: &[[S; 3]; 3]) -> bool {
+    let entry = |i: usize, j: usize| l[i][j].value() == 0.0;
+    entry(0, 2) && entry(1, 2) && entry(2, 0) && entry(2, 1)
 }
 
 #[cfg(test)]
@@ -277,5 +294,8 @@ mod tests {
         let l = [[1.0, 2.0, 0.0], [0.0, 3.0, 4.0], [5.0, 0.0, 6.0]];
         // det [[2, 2, 0], [0, 4, 4], [5, 0, 7]] = 2 * 28 - 2 * (0 - 20) = 96
         assert!((volume_change(&l, 1.0) - 96.0_f64).abs() < 1e-12);
+        // In the plane: (2 * 4 - 2 * 5) * 7 = -14.
+        let flat = [[1.0, 2.0, 0.0], [5.0, 3.0, 0.0], [0.0, 0.0, 6.0]];
+        assert!((volume_change(&flat, 1.0) + 14.0_f64).abs() < 1e-12);
     }
 }

@@ -10,9 +10,9 @@ use perturbation_moments::in_widest_registers;
 use crate::binning::Binning;
 use crate::body::{Body, Chunk, Condition, Particles};
 use crate::config::{Config, Geometry, Transfer};
-use crate::grid::{Grid, Node, block_edge};
+use crate::grid::{Grid, Node, block_edge, block_len};
 use crate::number::Number;
-use crate::parallel::for_each_pair;
+use crate::parallel::for_each_chunk;
 use crate::shape::{
     Axis, CubicBSpline, Gimp, Linear, QuadraticBSpline, Shape, ShapeFunction, nodes_along, outer,
 };
@@ -21,6 +21,9 @@ use crate::shape::{
 
 /// Entry `kl` of a symmetric tensor.
 const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// Particles whose lowest nodes are found together.
+const SHARE: usize = 1024;
 
 /// What particles give to the nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +46,8 @@ pub(crate) struct Sweep<'a, S, const D: usize> {
     /// At the end of the step.
     pub(crate) time: f64,
     pub(crate) pass: Pass,
+    /// The field of nodes of the body.
+    pub(crate) field: usize,
 }
 
 /// What a pass over the particles does. The last one of a step moves them.
@@ -85,6 +90,9 @@ pub(crate) trait Carrier<S: Number, const D: usize>: std::fmt::Debug + Send + Sy
     ///
     /// to the nodes (Chen et al. 2019, eq 3-6 with their errata).
     fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given);
+
+    /// Particles give the gradient of their mass, `sum_p m_p grad N_i` per cell: at a node it points out of the body.
+    fn give_outward(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>]);
 
     /// Particles take what the sweep asks for from the nodes; velocity gradients go into `gradients`.
     fn take(
@@ -146,30 +154,31 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     fn find_bases(&self, places: &Places<D>, body: &mut Body<S, D>) {
         let Particles { position, half_length, .. } = &body.particles;
         let inverse = 1.0 / places.cell;
-        if F::SIZED {
-            let both = |base: &mut [i32; D], (x, half): (&[S; D], &[S; D])| {
-                for k in 0..D {
-                    let place = (x[k].value() - places.origin[k]) * inverse;
-                    base[k] = F::base(place, half[k].value() * inverse);
-                }
-            };
-            // Sizes are rare: one thread.
-            for (base, at) in body.binning.bases.iter_mut().zip(position.iter().zip(half_length)) {
-                both(base, at);
-            }
-        } else {
-            for_each_pair(&mut body.binning.bases, position, |base, x| {
-                for k in 0..D {
-                    base[k] = F::base((x[k].value() - places.origin[k]) * inverse, 0.0);
-                }
-            });
-        }
+        for_each_chunk(&mut body.binning.bases, SHARE, |chunk, bases| {
+            let start = chunk * SHARE;
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    for p in 0..bases.len() {
+                        let x = &position[start + p];
+                        for k in 0..D {
+                            let half =
+                                if F::SIZED { half_length[start + p][k].value() } else { 0.0 };
+                            let place = (x[k].value() - places.origin[k]) * inverse;
+                            bases[p][k] = F::base(place, half * inverse);
+                        }
+                    }
+                },
+            );
+        });
     }
 
     fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given) {
         let places = Places { origin: grid.origin, cell: grid.cell };
-        grid.collect(|slot, corner, block| {
-            for body in bodies {
+        let last_field = grid.field(bodies.len() - 1);
+        grid.collect(|slot, corner, blocks| {
+            for (field, body) in bodies.iter().enumerate() {
+                let block = &mut blocks[field.min(last_field) * block_len(D)..][..block_len(D)];
                 let members = body.binning.members(slot);
                 let (particles, conditions) = (&body.particles, body.constitution.conditions());
                 in_widest_registers(
@@ -181,6 +190,22 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
                         }
                     },
                 );
+            }
+        });
+    }
+
+    fn give_outward(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>]) {
+        let places = Places { origin: grid.origin, cell: grid.cell };
+        grid.collect_outward(|slot, corner, blocks| {
+            for (field, body) in bodies.iter().enumerate() {
+                let Particles { position, half_length, mass, .. } = &body.particles;
+                let block = &mut blocks[field * block_len(D)..][..block_len(D)];
+                for &p in body.binning.members(slot) {
+                    let p = p as usize;
+                    let axes = places.axes::<F, S>(&position[p], half_length, p);
+                    let nodes = &mut block[Binning::offset(&base_of(&axes), &corner)..];
+                    give_outward::<F, S, D>(&axes, mass[p], nodes);
+                }
             }
         });
     }
@@ -200,6 +225,26 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
                 }
             },
         );
+    }
+}
+
+/// The gradient of a particle's mass.
+fn give_outward<F: ShapeFunction, S: Number, const D: usize>(
+    axes: &[Axis<S>; D],
+    mass: S,
+    nodes: &mut [[S; D]],
+) {
+    let edge = block_edge(D);
+    for k in 0..nodes_along::<F, D>(2) {
+        for j in 0..nodes_along::<F, D>(1) {
+            let (weight, slope) = outer(axes, (j, k));
+            for (i, node) in nodes[(k * edge + j) * edge..][..F::NODES].iter_mut().enumerate() {
+                node[0] = node[0] + mass * weight * axes[0].slope[i];
+                for c in 1..D {
+                    node[c] = node[c] + mass * slope[c] * axes[0].value[i];
+                }
+            }
+        }
     }
 }
 
@@ -246,7 +291,6 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
         }
         let (with_mass, with_force) = (given != Given::MotionAgain, given == Given::MotionAndForce);
         let force = if with_force { self.force(condition) } else { Force::none() };
-        let body_force = with_force && force.everywhere;
         for k in 0..nodes_along::<F, D>(2) {
             for j in 0..nodes_along::<F, D>(1) {
                 let (weight, slope) = outer(&axes, (j, k));
@@ -264,43 +308,42 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
                         }
                     }
                 }
+                // What the row's nodes get times the value, and times the slope along the row; in the order of a node's
+                // components, so that a register takes several.
+                let mut by_value: Node<S, D> = Node { mass: mass * weight, ..Node::zero() };
+                let (mut by_slope, mut steps) = ([zero; D], [zero; D]);
                 for c in 0..D {
-                    let part = carried[c] * weight;
+                    by_value.motion[c] = carried[c] * weight;
                     if affine {
-                        let steps = growth[0][c] * weight;
-                        for i in 0..F::NODES {
-                            let here = part + steps * i as f64;
-                            row[i].motion[c] = row[i].motion[c] + here * value[i];
-                        }
-                    } else {
-                        for i in 0..F::NODES {
-                            row[i].motion[c] = row[i].motion[c] + part * value[i];
-                        }
+                        steps[c] = growth[0][c] * weight;
                     }
-                }
-                if with_mass {
-                    let part = mass * weight;
-                    for i in 0..F::NODES {
-                        row[i].mass = row[i].mass + part * value[i];
-                    }
-                }
-                if with_force {
-                    for c in 0..D {
-                        let by_slope = force.by_gradient[c][0] * weight;
-                        let mut by_value = zero;
+                    if with_force {
+                        by_slope[c] = force.by_gradient[c][0] * weight;
                         for l in 1..D {
                             let part = force.by_gradient[c][l] * slope[l];
-                            by_value = if l == 1 { part } else { by_value + part };
+                            by_value.change[c] = by_value.change[c] + part;
                         }
-                        if body_force {
-                            by_value = by_value + force.by_value[c] * weight;
+                        if force.everywhere {
+                            by_value.change[c] = by_value.change[c] + force.by_value[c] * weight;
                         }
-                        for i in 0..F::NODES {
-                            let mut sum = by_slope * along[i];
-                            if D > 1 || body_force {
-                                sum = sum + by_value * value[i];
-                            }
-                            row[i].change[c] = row[i].change[c] + sum;
+                    }
+                }
+                for i in 0..F::NODES {
+                    let node = &mut row[i];
+                    if with_mass {
+                        node.mass = node.mass + by_value.mass * value[i];
+                    }
+                    for c in 0..D {
+                        let mut motion = by_value.motion[c];
+                        if affine {
+                            motion = motion + steps[c] * i as f64;
+                        }
+                        node.motion[c] = node.motion[c] + motion * value[i];
+                    }
+                    if with_force {
+                        for c in 0..D {
+                            let part = by_value.change[c] * value[i] + by_slope[c] * along[i];
+                            node.change[c] = node.change[c] + part;
                         }
                     }
                 }
@@ -358,6 +401,7 @@ struct Taker<const D: usize> {
     places: Places<D>,
     dt: f64,
     pass: Pass,
+    field: usize,
     sized: bool,
     axisymmetric: bool,
     affine: bool,
@@ -393,6 +437,7 @@ impl<const D: usize> Taker<D> {
             places: Places { origin: grid.origin, cell: grid.cell },
             dt: sweep.dt,
             pass: sweep.pass,
+            field: sweep.field,
             sized: config.shape == Shape::Gimp,
             axisymmetric: config.geometry == Geometry::Axisymmetric,
             affine: config.transfer == Transfer::Apic,
@@ -416,7 +461,7 @@ impl<const D: usize> Taker<D> {
         let axes = self.places.axes::<F, S>(&chunk.position[p], chunk.half_length, p);
         let slot = chunk.slot[p] as usize;
         let offset = Binning::offset(&base_of(&axes), &grid.corner(slot));
-        let sums = self.sums::<F, S>(&axes, &grid.block(slot)[offset..]);
+        let sums = self.sums::<F, S>(&axes, &grid.block(slot, self.field)[offset..]);
         let per_length = 1.0 / self.places.cell;
         if self.pass.updates_stress() {
             for k in 0..D {
@@ -505,36 +550,24 @@ impl<const D: usize> Taker<D> {
                 let (weight, slope) = outer(axes, (j, k));
                 let start = (k * edge + j) * edge;
                 let row = &nodes[start..start + F::NODES];
-                for c in 0..D {
-                    let mut sum = row[0].motion[c] * value[0];
-                    for i in 1..F::NODES {
-                        sum = sum + row[i].motion[c] * value[i];
+                let (mut velocity, mut change) = ([zero; D], [zero; D]);
+                for i in 0..F::NODES {
+                    for c in 0..D {
+                        velocity[c] = velocity[c] + row[i].motion[c] * value[i];
                     }
-                    let here = sum * weight;
+                    if with_change {
+                        for c in 0..D {
+                            change[c] = change[c] + row[i].change[c] * value[i];
+                        }
+                    }
+                }
+                for c in 0..D {
+                    let here = velocity[c] * weight;
                     sums.velocity[c] = sums.velocity[c] + here;
                     if with_change {
-                        let mut sum = row[0].change[c] * value[0];
-                        for i in 1..F::NODES {
-                            sum = sum + row[i].change[c] * value[i];
-                        }
-                        sums.change[c] = sums.change[c] + sum * weight;
-                    }
-                    if with_gradient {
-                        let mut steep = row[0].motion[c] * along[0];
-                        for i in 1..F::NODES {
-                            steep = steep + row[i].motion[c] * along[i];
-                        }
-                        sums.gradient[c][0] = sums.gradient[c][0] + steep * weight;
-                        for l in 1..D {
-                            sums.gradient[c][l] = sums.gradient[c][l] + sum * slope[l];
-                        }
+                        sums.change[c] = sums.change[c] + change[c] * weight;
                     }
                     if with_moment {
-                        let mut moment = row[1].motion[c] * value[1];
-                        for i in 2..F::NODES {
-                            moment = moment + row[i].motion[c] * value[i] * i as f64;
-                        }
-                        sums.moment[c][0] = sums.moment[c][0] + moment * weight;
                         if D > 1 {
                             let l = D.min(2) - 1;
                             sums.moment[c][l] = sums.moment[c][l] + here * j as f64;
@@ -542,6 +575,31 @@ impl<const D: usize> Taker<D> {
                         if D > 2 {
                             sums.moment[c][D - 1] = sums.moment[c][D - 1] + here * k as f64;
                         }
+                    }
+                }
+                if with_gradient {
+                    let mut steep = [zero; D];
+                    for i in 0..F::NODES {
+                        for c in 0..D {
+                            steep[c] = steep[c] + row[i].motion[c] * along[i];
+                        }
+                    }
+                    for c in 0..D {
+                        sums.gradient[c][0] = sums.gradient[c][0] + steep[c] * weight;
+                        for l in 1..D {
+                            sums.gradient[c][l] = sums.gradient[c][l] + velocity[c] * slope[l];
+                        }
+                    }
+                }
+                if with_moment {
+                    let mut moment = [zero; D];
+                    for i in 1..F::NODES {
+                        for c in 0..D {
+                            moment[c] = moment[c] + row[i].motion[c] * (value[i] * i as f64);
+                        }
+                    }
+                    for c in 0..D {
+                        sums.moment[c][0] = sums.moment[c][0] + moment[c] * weight;
                     }
                 }
             }

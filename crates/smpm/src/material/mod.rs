@@ -121,11 +121,23 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// What can be observed of a state besides the stress.
     fn observe(&self, state: &Self::State) -> Observed<S>;
 
+    /// `e`, internal energy per reference volume (stress): that of [`observe`](Self::observe), which every step asks for.
+    #[inline(always)]
+    fn energy(&self, state: &Self::State) -> S {
+        self.observe(state).energy
+    }
+
     /// Pressure and flow stress by the formulas of the model at a state that is taken for certain: the derivatives of Chen et
     /// al. (2019, eq 31-35), which leave out that the state depends on the parameters too. `None` where the model has no such
     /// formulas.
     fn at_local_state(&self, _state: &LocalState) -> Option<LocalResponse<S>> {
         None
+    }
+
+    /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
+    /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+        size_of::<Self::State>() == 0
     }
 }
 

@@ -124,11 +124,18 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
         }
     }
 
+    #[inline(always)]
     fn observe(&self, state: &NeoHookeanState<S>) -> Observed<S> {
         let stretch = left_cauchy_green(&state.deformation_gradient);
         let logarithm = state.volume.ln();
         let shear = self.parameters.shear_modulus * ((stretch.trace() - 3.0) * 0.5 - logarithm);
         Observed::of_energy(shear + self.lambda * logarithm.squared() * 0.5 + state.heat)
+    }
+
+    fn visit_numbers(&self, state: &mut NeoHookeanState<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let NeoHookeanState { deformation_gradient, volume, heat } = state;
+        deformation_gradient.as_flattened_mut().iter_mut().chain([volume, heat]).for_each(visit);
+        true
     }
 }
 

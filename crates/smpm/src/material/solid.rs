@@ -109,8 +109,14 @@ where
         }
     }
 
+    #[inline(always)]
     fn observe(&self, state: &Self::State) -> Observed<S> {
         Observed { energy: state.energy, ..self.strength.observe(&state.strength) }
+    }
+
+    #[inline(always)]
+    fn energy(&self, state: &Self::State) -> S {
+        state.energy
     }
 
     /// The line at a certain volume and energy, times what burn or a cut-off has left of it.
@@ -121,6 +127,13 @@ where
         let share = if full.value() == 0.0 { 0.0 } else { state.pressure / full.value() };
         let flow = self.strength.flow_at(&state.observed);
         Some(LocalResponse { pressure: full * share, flow })
+    }
+
+    fn visit_numbers(&self, state: &mut Self::State, visit: &mut dyn FnMut(&mut S)) -> bool {
+        visit(&mut state.energy);
+        visit(&mut state.pressure);
+        self.equation.visit_numbers(&mut state.equation, visit)
+            && self.strength.visit_numbers(&mut state.strength, visit)
     }
 }
 

@@ -58,6 +58,11 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBu
     fn slope(&self, volume: S) -> Line<S> {
         Line { a: self.parameters.bulk_modulus / volume * -1.0, b: S::constant(0.0) }
     }
+
+    #[inline(always)]
+    fn bulk_modulus(&self, _volume: S, _energy: S) -> S {
+        self.parameters.bulk_modulus
+    }
 }
 
 #[cfg(test)]

@@ -134,6 +134,13 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
             Some(burnt)
         }
     }
+
+    fn visit_numbers(&self, state: &mut f64, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let mut distance = S::constant(*state);
+        visit(&mut distance);
+        *state = distance.value();
+        true
+    }
 }
 
 #[cfg(test)]

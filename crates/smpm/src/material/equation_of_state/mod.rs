@@ -65,6 +65,12 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
+    /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+        size_of::<Self::State>() == 0
+    }
+
     /// The least pressure that the material bears, `None` for any.
     #[inline(always)]
     fn least_pressure(&self) -> Option<S> {

@@ -64,4 +64,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
     fn admit(&self, volume: f64) -> Result<(), Fault> {
         self.equation.admit(volume)
     }
+
+    fn visit_numbers(&self, state: &mut Self::State, visit: &mut dyn FnMut(&mut S)) -> bool {
+        self.equation.visit_numbers(state, visit)
+    }
 }

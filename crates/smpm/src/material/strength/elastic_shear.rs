@@ -62,8 +62,14 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> 
         self.parameters.shear_modulus
     }
 
+    #[inline(always)]
     fn observe(&self, _state: &Symmetric<S>) -> Observed<S> {
         Observed::of_energy(S::constant(0.0))
+    }
+
+    fn visit_numbers(&self, state: &mut Symmetric<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
+        state.0.iter_mut().for_each(visit);
+        true
     }
 }
 

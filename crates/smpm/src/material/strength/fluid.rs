@@ -31,6 +31,7 @@ impl<S: Scalar> Strength<S> for Fluid {
         S::constant(0.0)
     }
 
+    #[inline(always)]
     fn observe(&self, _state: &()) -> Observed<S> {
         Observed::of_energy(S::constant(0.0))
     }

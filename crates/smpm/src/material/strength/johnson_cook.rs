@@ -303,6 +303,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
         self.parameters.shear_modulus
     }
 
+    #[inline(always)]
     fn observe(&self, state: &JohnsonCookState<S>) -> Observed<S> {
         let p = &self.parameters;
         Observed {
@@ -340,6 +341,30 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
             },
             shear_modulus: p.shear_modulus.value(),
         })
+    }
+
+    fn visit_numbers(
+        &self,
+        state: &mut JohnsonCookState<S>,
+        visit: &mut dyn FnMut(&mut S),
+    ) -> bool {
+        let JohnsonCookState {
+            deviator,
+            plastic_strain,
+            homologous_temperature,
+            flow_stress,
+            overshoot,
+            hardening,
+            softening,
+        } = state;
+        let thermal = [homologous_temperature, hardening, softening];
+        deviator
+            .0
+            .iter_mut()
+            .chain([plastic_strain, flow_stress, overshoot])
+            .chain(thermal)
+            .for_each(visit);
+        true
     }
 }
 

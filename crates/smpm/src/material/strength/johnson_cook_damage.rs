@@ -162,12 +162,26 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamag
         if state.failed { S::constant(0.0) } else { self.flow.shear_modulus(&state.flow) }
     }
 
+    #[inline(always)]
     fn observe(&self, state: &JohnsonCookDamageState<S>) -> Observed<S> {
         Observed { damage: state.damage, ..self.flow.observe(&state.flow) }
     }
 
     fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
         self.flow.flow_at(observed).filter(|_| observed.damage < 1.0)
+    }
+
+    fn visit_numbers(
+        &self,
+        state: &mut JohnsonCookDamageState<S>,
+        visit: &mut dyn FnMut(&mut S),
+    ) -> bool {
+        let mut failed = S::constant(f64::from(u8::from(state.failed)));
+        visit(&mut state.damage);
+        visit(&mut state.pending);
+        visit(&mut failed);
+        state.failed = failed.value() != 0.0;
+        self.flow.visit_numbers(&mut state.flow, visit)
     }
 }
 

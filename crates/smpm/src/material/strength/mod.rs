@@ -48,6 +48,12 @@ pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
+    /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+        size_of::<Self::State>() == 0
+    }
+
     /// The pressure that the material bears at the end of the step, given the one that its equation of state asks for: what
     /// has failed bears no tension.
     ///

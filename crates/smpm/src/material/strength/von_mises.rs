@@ -99,6 +99,7 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         self.parameters.shear_modulus
     }
 
+    #[inline(always)]
     fn observe(&self, state: &VonMisesState<S>) -> Observed<S> {
         Observed {
             plastic_strain: state.plastic_strain,
@@ -114,6 +115,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
             hardening_modulus: self.parameters.hardening_modulus.value(),
             shear_modulus: self.parameters.shear_modulus.value(),
         })
+    }
+
+    fn visit_numbers(&self, state: &mut VonMisesState<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
+        let VonMisesState { deviator, plastic_strain, overshoot } = state;
+        deviator.0.iter_mut().chain([plastic_strain, overshoot]).for_each(visit);
+        true
     }
 }
 

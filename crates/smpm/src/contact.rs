@@ -1,0 +1,91 @@
+//! What bodies with velocities of their own do to each other at a node.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::grid::Node;
+use crate::number::Number;
+
+/// Contact of two bodies (Bardenhagen et al. 2001): where they approach, an impulse makes their normal velocities equal, and a
+/// part of it, at most `coefficient` times as large, acts against their slip. `change` becomes the change with the impulse.
+///
+/// With velocities `v`, reduced mass `m` and the normal `n` along the gradient of the mass of the first, which points outward,
+///
+/// $$ J_n = m (v_a - v_b) \cdot n > 0, \qquad J_t = \min(m |v_t|, \mu J_n) $$
+#[inline(always)]
+pub(crate) fn meet<S: Number, const D: usize>(
+    (a, outward): (&mut Node<S, D>, [S; D]),
+    b: &mut Node<S, D>,
+    coefficient: f64,
+) {
+    let zero = S::constant(0.0);
+    let (mut normal, mut square) = (outward, zero);
+    for k in 0..D {
+        square = square + normal[k].squared();
+    }
+    if square.value() <= 0.0 {
+        return;
+    }
+    let inverse = square.sqrt().recip();
+    let (mut relative, mut approach) = ([zero; D], zero);
+    for k in 0..D {
+        normal[k] = normal[k] * inverse;
+        relative[k] = (a.motion[k] + a.change[k]) - (b.motion[k] + b.change[k]);
+        approach = approach + relative[k] * normal[k];
+    }
+    if approach.value() <= 0.0 {
+        return;
+    }
+    let (mut slip, mut square) = ([zero; D], zero);
+    for k in 0..D {
+        slip[k] = relative[k] - approach * normal[k];
+        square = square + slip[k].squared();
+    }
+    let most = coefficient * approach.value();
+    // Sticking takes the whole of the relative velocity.
+    if square.value() > most * most {
+        let share = approach * coefficient / square.sqrt();
+        for k in 0..D {
+            relative[k] = approach * normal[k] + slip[k] * share;
+        }
+    }
+    let both = (a.mass + b.mass).recip();
+    for k in 0..D {
+        a.change[k] = a.change[k] - relative[k] * (b.mass * both);
+        b.change[k] = b.change[k] + relative[k] * (a.mass * both);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(mass: f64, motion: [f64; 2]) -> Node<f64, 2> {
+        Node { mass, motion, change: [0.0; 2] }
+    }
+
+    /// Change of the first body and of the momentum of both.
+    fn met(velocity: [f64; 2], coefficient: f64) -> ([f64; 2], [f64; 2]) {
+        let (mut a, mut b) = (node(2.0, velocity), node(3.0, [0.0; 2]));
+        // The normal is (0.6, 0.8).
+        meet((&mut a, [0.3, 0.4]), &mut b, coefficient);
+        (a.change, std::array::from_fn(|k| 2.0 * a.change[k] + 3.0 * b.change[k]))
+    }
+
+    #[test]
+    fn approach_is_stopped_slip_is_limited_and_parting_is_free() {
+        // Approach at 1 and slip at 0.5 along (0.8, -0.6); reduced mass over the first: 0.6.
+        let v = [0.6 + 0.4, 0.8 - 0.3];
+        for (coefficient, kept) in [(0.0, 0.0), (0.2, 0.2), (0.5, 0.5), (10.0, 0.5)] {
+            let (change, momentum) = met(v, coefficient);
+            let expected = [-0.6 * (0.6 + 0.8 * kept), -0.6 * (0.8 - 0.6 * kept)];
+            for k in 0..2 {
+                assert!((change[k] - expected[k]).abs() < 1e-15, "{coefficient}: {change:?}");
+                assert!(momentum[k].abs() < 1e-15);
+            }
+        }
+        assert!(met(v.map(|c| -c), 0.3) == ([0.0; 2], [0.0; 2]));
+    }
+}

@@ -1,0 +1,254 @@
+//! Runs that go on from a snapshot, on any number of threads, and runs that take the steps of another.
+
+#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
+
+use perturbation_moments::Jet;
+use smpm::material::{
+    Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, LinearElasticParameters,
+    LinearElasticSolid, Material, MieGruneisen, NeoHookean, NeoHookeanParameters, Now, Observed,
+    Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
+};
+use smpm::tensor::Symmetric;
+use smpm::{
+    Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Shape, Simulation, Stored, Transfer,
+    UpdateOrder,
+};
+
+const UNITS: Units = Units::CM_G_US;
+
+/// Explosive between steel and water; `scale` is that of the yield stress.
+fn explosion<S: Stored>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
+    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true);
+    let of = |_: &'static str, value| S::constant(value);
+    let burn = Detonation { point: [0.5, 0.5, 0.0], cells: 2.0 };
+    let tnt =
+        Solid { equation: Jwl::new(library::tnt(UNITS).map(of), burn).unwrap(), strength: Fluid };
+    let strength = library::steel_strength(UNITS)
+        .map(|name, value| if name == "a" { scale * value } else { S::constant(value) });
+    let damage = library::steel_damage(UNITS).map(of);
+    let steel = Solid {
+        equation: MieGruneisen::new(library::steel_equation(UNITS).map(of)).unwrap(),
+        strength: JohnsonCookDamage::new(strength, damage).unwrap(),
+    };
+    let water = MieGruneisen::new(library::water(UNITS).map(of)).unwrap();
+    let water =
+        Solid { equation: TensionCutOff::new(water, S::constant(0.0)).unwrap(), strength: Fluid };
+    let still = [0.0; 2];
+    let bodies = vec![
+        Body::new(tnt, &fill([0.0, 0.0], [1.0, 1.0]), still).unwrap(),
+        Body::new(steel, &fill([1.0, 0.0], [1.4, 1.0]), still).unwrap(),
+        Body::new(water, &fill([0.0, 1.0], [1.0, 1.5]), still).unwrap(),
+    ];
+    let viscosity = BulkViscosity { quadratic: 1.5, linear: 0.3 };
+    let mut config = Config { viscosity, ..Config::with_cell(0.1) };
+    change(&mut config);
+    Simulation::new(config, bodies).unwrap()
+}
+
+/// All numbers of all particles, in bits.
+fn bits<S: Stored>(simulation: &Simulation<S, 2>) -> Vec<u64> {
+    let mut bits = vec![simulation.time().to_bits(), simulation.longest_step().to_bits()];
+    for body in simulation.bodies() {
+        for p in 0..body.n_particles() {
+            let observed = body.observe(p);
+            let (x, v, stress) = (body.position(p), body.velocity(p), body.stress(p).0);
+            let numbers = x.into_iter().chain(v).chain(stress).chain([
+                body.volume_ratio(p),
+                observed.energy,
+                observed.plastic_strain,
+                observed.temperature,
+                observed.damage,
+                observed.overshoot,
+            ]);
+            for number in numbers {
+                bits.extend((0..S::PARTS).map(|part| number.part(part).to_bits()));
+            }
+        }
+    }
+    bits
+}
+
+fn steps<S: Stored>(simulation: &mut Simulation<S, 2>, n: usize) {
+    for _ in 0..n {
+        let _ = simulation.step().unwrap();
+    }
+}
+
+/// A run of 40 steps in one go, and one that stops after 25 and goes on elsewhere, on each number of threads.
+fn goes_on_to_the_bit<S: Stored>(scale: S, change: impl Fn(&mut Config<2>) + Sync) {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut whole = explosion(scale, &change);
+            steps(&mut whole, 25);
+            let mut snapshot = vec![];
+            whole.snapshot(&mut snapshot).unwrap();
+            steps(&mut whole, 15);
+            let mut other = explosion(scale, &change);
+            other.restore(snapshot.as_slice()).unwrap();
+            assert_eq!(other.n_steps(), 25);
+            steps(&mut other, 15);
+            let bits = bits(&whole);
+            assert!(bits == crate::bits(&other), "{threads} threads");
+            bits
+        })
+    };
+    let one = run(1);
+    assert!(run(2) == one && run(8) == one);
+}
+
+#[test]
+fn a_run_goes_on_from_a_snapshot_to_the_bit_on_any_number_of_threads() {
+    goes_on_to_the_bit(1.0, |_| ());
+    goes_on_to_the_bit(1.0, |config| {
+        (config.transfer, config.update_order) = (Transfer::Apic, UpdateOrder::StressLast);
+    });
+    goes_on_to_the_bit(1.0, |config| {
+        (config.shape, config.update_order) = (Shape::Gimp, UpdateOrder::StressFirst);
+        config.contact = Contact::Friction { coefficient: 0.2 };
+    });
+}
+
+#[test]
+fn so_does_a_run_with_jets() {
+    goes_on_to_the_bit(Jet::variable(1.0, 2), |_| ());
+}
+
+#[test]
+fn particles_keep_their_numbers_when_they_change_places() {
+    let mut simulation = explosion(1.0, |_| ());
+    let start = simulation.bodies()[0].positions().to_vec();
+    steps(&mut simulation, 40);
+    let body = &simulation.bodies()[0];
+    for (p, (x, from)) in body.positions().iter().zip(&start).enumerate() {
+        assert_eq!(x.map(f64::to_bits), body.position(p).map(f64::to_bits));
+        // Nobody has gone further than half the block.
+        assert!((0..2).all(|k| (x[k] - from[k]).abs() < 0.5), "{p}: {from:?} {x:?}");
+        let v = body.velocity(p).map(f64::to_bits);
+        assert_eq!(body.velocities()[p].map(f64::to_bits), v);
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_simulation_is_refused_and_changes_nothing() {
+    let mut simulation = explosion(1.0, |_| ());
+    steps(&mut simulation, 3);
+    let before = bits(&simulation);
+    let of_jets = {
+        let mut bytes = vec![];
+        explosion(Jet::variable(1.0, 0), |_| ()).snapshot(&mut bytes).unwrap();
+        bytes
+    };
+    let error = simulation.restore(of_jets.as_slice()).unwrap_err();
+    let expected = Error::ForeignSnapshot { quantity: "parts of a number", found: 17, expected: 1 };
+    assert_eq!(error, expected);
+    let mut bytes = vec![];
+    simulation.snapshot(&mut bytes).unwrap();
+    let half = &bytes[..bytes.len() / 2];
+    assert!(matches!(simulation.restore(half), Err(Error::Snapshot { .. })));
+    assert!(bits(&simulation) == before);
+}
+
+/// A strip that stretches and shears, of any material.
+fn strip<M: Material<f64> + 'static>(material: M) -> Simulation<f64, 2>
+where
+    M::State: 'static,
+{
+    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.3]), |_| true);
+    let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
+    body.set_velocities(|x| [0.02 * x[0], 0.01 * x[0] * x[0]]).unwrap();
+    Simulation::new(Config::with_cell(0.1), vec![body]).unwrap()
+}
+
+#[test]
+fn the_other_materials_have_snapshots_too() {
+    let equation = || MieGruneisen::new(library::steel_equation(UNITS)).unwrap();
+    let rubber = NeoHookeanParameters { density: 1.0, bulk_modulus: 0.02, shear_modulus: 0.01 };
+    let metal =
+        VonMisesParameters { shear_modulus: 0.8, yield_stress: 0.005, hardening_modulus: 0.01 };
+    let elastic = LinearElasticParameters { density: 8.0, young_modulus: 2.0, poisson_ratio: 0.3 };
+    let johnson_cook = || JohnsonCook::new(library::steel_strength(UNITS)).unwrap();
+    let makes: [&dyn Fn() -> Simulation<f64, 2>; 4] = [
+        &|| strip(NeoHookean::new(rubber).unwrap()),
+        &|| strip(Solid { equation: equation(), strength: VonMises::new(metal).unwrap() }),
+        &|| strip(LinearElasticSolid::linear_elastic(elastic).unwrap()),
+        &|| strip(Solid { equation: equation(), strength: johnson_cook() }),
+    ];
+    for make in makes {
+        let (mut whole, mut other) = (make(), make());
+        steps(&mut whole, 20);
+        let mut snapshot = vec![];
+        whole.snapshot(&mut snapshot).unwrap();
+        other.restore(snapshot.as_slice()).unwrap();
+        steps(&mut whole, 10);
+        steps(&mut other, 10);
+        assert!(bits(&whole) == bits(&other));
+    }
+}
+
+/// A material that remembers, and does not say what.
+#[derive(Debug)]
+struct Silent;
+
+impl Material<f64> for Silent {
+    type State = f64;
+
+    fn density(&self) -> f64 {
+        1.0
+    }
+
+    fn start(&self, _position: [f64; 3]) -> f64 {
+        0.0
+    }
+
+    fn update(&self, _now: &Now<f64>, _state: &mut f64) -> Result<Symmetric<f64>, Fault> {
+        Ok(Symmetric::zero())
+    }
+
+    fn wave_speed(&self, _volume: f64, _state: &f64) -> f64 {
+        1.0
+    }
+
+    fn observe(&self, _state: &f64) -> Observed<f64> {
+        Observed::of_energy(0.0)
+    }
+}
+
+#[test]
+fn a_material_that_does_not_say_what_it_remembers_has_no_snapshot() {
+    let fill = Fill::of([0.1], ([0.0], [1.0]), |_| true);
+    let body = Body::new(Silent, &fill, [0.0]).unwrap();
+    let simulation = Simulation::new(Config::with_cell(0.2), vec![body]).unwrap();
+    assert_eq!(simulation.snapshot(vec![]).unwrap_err(), Error::MaterialNotStored { body: 0 });
+}
+
+#[test]
+fn a_run_follows_the_steps_of_another() {
+    let mut mean = explosion(1.0, |_| ());
+    let taken = mean.record_to(0.5).unwrap();
+    assert_eq!(taken.len() as u64, mean.n_steps());
+    assert!((taken.iter().sum::<f64>() - 0.5).abs() < 1e-13);
+    let mut same = explosion(1.0, |_| ());
+    same.follow(&taken, 1.0).unwrap();
+    // But for the clock, which the last step of the recorded run sets to the time asked for.
+    assert!(bits(&same)[1..] == bits(&mean)[1..]);
+    let mut sample = explosion(0.7, |_| ());
+    sample.follow(&taken, 1.5).unwrap();
+    assert_eq!(sample.n_steps(), mean.n_steps());
+    assert!(bits(&sample)[1..] != bits(&mean)[1..]);
+}
+
+#[test]
+fn a_step_that_exceeds_its_limit_by_more_than_the_factor_is_refused() {
+    let mut simulation = explosion(1.0, |_| ());
+    let allowed = simulation.longest_step();
+    simulation.follow(&[1.19 * allowed], 1.2).unwrap();
+    let allowed = simulation.longest_step();
+    let error = simulation.follow(&[1.21 * allowed], 1.2).unwrap_err();
+    let Error::Courant { step: 2, dt, limit, .. } = error else {
+        unreachable!("{error}");
+    };
+    assert_eq!((dt, limit), (1.21 * allowed, 1.2 * allowed));
+    let refused = explosion(1.0, |_| ()).follow(&[], 0.5).unwrap_err();
+    assert!(matches!(refused, Error::OutOfRange { name: "most_excess", .. }), "{refused}");
+}

@@ -100,7 +100,7 @@ fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                     worst = worst.max(apart.sqrt() / scale);
                 }
             }
-            let id = format!("{name}/{quantity}");
+            let id = format!("{name}/{}", quantity.to_string().replace('_', "-"));
             claims.push(Claim::judge(
                 context.subject(
                     &id,

@@ -71,9 +71,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-const BEST: &str = "cubic B-splines, APIC, MUSL, viscosity 1.5 and 1, h = 1 mm, 2 particles a cell";
+const BEST: &str =
+    "cubic B-splines, APIC, MUSL, viscosity 1.5 and 1, h = 0.5 mm, 2 particles a cell";
 const DEFAULT: &str =
-    "quadratic B-splines, FLIP, MUSL, viscosity 1.5 and 0.06, h = 1 mm, 2 particles a cell";
+    "quadratic B-splines, FLIP, MUSL, viscosity 1.5 and 0.06, h = 0.5 mm, 2 particles a cell";
 
 fn best(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, CaseError> {
     let scene = scene(Scheme::Best, particle_velocity)?;
@@ -100,7 +101,7 @@ fn best(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, Cas
             study.centre()[0],
             pressure,
             5e-3,
-            "mean over 25 cells and the time in which the front runs ten: what the ripple leaves of it",
+            "mean over 50 cells and the time in which the front runs ten: what the ripple leaves of it",
         ),
         judge("density", "rho", "g/cm^3", study.centre()[2], density, 5e-3, "as the pressure"),
     ];
@@ -135,7 +136,7 @@ fn best(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, Cas
         slope,
         exact,
         0.03,
-        "mean over the window; at 1 mm the smeared front is still felt in it",
+        "mean over the window; at 0.5 mm the smeared front is still felt in it",
     ));
     let frozen = study.frozen(FrozenForm::Corrected)?[0].ok_or("no frozen moments")?;
     claims.push(judge(

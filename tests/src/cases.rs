@@ -58,6 +58,8 @@ pub const ALL: &[Case] = &[
     smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,
+    smpm::trust::CASE,
+    smpm::invariance::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,

@@ -3,9 +3,11 @@
 pub(crate) mod contact_explosion;
 pub(crate) mod detonation;
 pub(crate) mod elastic_bar;
+pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
 pub(crate) mod plate_impact;
 pub(crate) mod shock_tubes;
+pub(crate) mod trust;
 
 /// The `share` quantile of some numbers, the upper of two neighbours; NaN of none.
 fn quantile(values: &[f64], share: f64) -> f64 {

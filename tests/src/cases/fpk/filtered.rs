@@ -168,10 +168,10 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         thresholds: vec![0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75],
         cells: true,
     };
-    let lattice = InitialLattice::Ball { reach: 6.0, spacing: 0.8 };
+    let lattice = InitialLattice::Ball { reach: 6.5, spacing: 0.8 };
     let sampling = sampling(2_000_000);
     let compared = compare(context, (&scene, &built, system), lattice, &sampling, asked)?;
-    let reason = "truncation of the cubic fit at a spacing of 0.8 sigma; seen within 1 %, of which the paths know 0.1 %. With \
+    let reason = "truncation of the cubic fit at a spacing of 0.8 sigma; seen within 2.1 %, of which the paths know 0.1 %. With \
                   half their step the moments of as many paths differ by 0.3 % at most";
     let mut claims =
         compared.moments(&NAMES[..2], |_, _| Criterion::Within { tolerance: 0.03, reason })?;
@@ -181,8 +181,8 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         least: 1e-4,
         known: 0.1,
     };
-    let reason = "the fit within a cell of 0.8 sigma, lowest at the outermost thresholds: -0.11 at P = 5e-4, t = 4; the paths \
-                  know P = 1e-4 to 7 %, 0.03. Half their step moves P by less than two standard errors";
+    let reason = "the fit within a cell of 0.8 sigma, and what starts beyond the ball: with one of 6 sigma -0.16 at P = 2e-4, \
+                  t = 4. The paths know P = 1e-4 to 7 %, 0.03. Half their step moves P by less than two standard errors";
     claims.extend(compared.tail(&cells, |_, _| Criterion::Within { tolerance: 0.15, reason })?);
     Ok(claims)
 }

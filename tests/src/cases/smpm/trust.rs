@@ -1,0 +1,119 @@
+//! Whether the indicators of a Taylor series say when to believe it: all responses of the two explosions.
+
+use smpm::uncertainty::Switch;
+
+use super::contact_explosion::solved;
+use super::quantile;
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::claim::{Criterion, Measured, Reference};
+use crate::report::{Claim, ErrorKind};
+use crate::smpm::problems::Problem;
+
+pub(crate) const CASE: Case = Case {
+    id: "smpm/trust",
+    title: "Curvature ratio and distance to a switch against the true error of the variance, over all responses of the explosions",
+    source: "own sampled runs with control variate",
+    cost: Profile::Default,
+    run,
+};
+
+/// Below this ratio of curvature to slope a variance is to be believed.
+const TRUSTED: f64 = 0.03;
+/// A variance off by more is wrong.
+const WRONG: f64 = 0.05;
+
+/// A response: its indicators and the error of its variance.
+struct Judged {
+    ratio: f64,
+    switch: f64,
+    error: f64,
+}
+
+fn judged(context: &Context<'_>) -> Result<Vec<Judged>, CaseError> {
+    let runs = [
+        (Problem::ContactExplosion, 0.05),
+        (Problem::ContactExplosion, 0.15),
+        (Problem::ThickPlate, 0.01),
+        (Problem::ThickPlate, 0.05),
+    ];
+    let mut all = Vec::new();
+    for (problem, cv) in runs {
+        let solved = solved(context, problem, cv)?;
+        for (response, moments) in solved.propagated.moments.iter().enumerate() {
+            let Ok(trust) = moments.trust() else { continue };
+            let Some(curvature) = trust.curvature_ratio else { continue };
+            let truth = solved.sampled.controlled(response, moments)?.variance.value;
+            all.push(Judged {
+                ratio: curvature.sqrt(),
+                switch: solved.propagated.switches[response].at_end,
+                error: (moments.variance_first_order() / truth - 1.0).abs(),
+            });
+        }
+    }
+    Ok(all)
+}
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let all = judged(context)?;
+    let trusted: Vec<f64> =
+        all.iter().filter(|one| one.ratio < TRUSTED).map(|one| one.error).collect();
+    let method = format!("{} responses, {} of them trusted", all.len(), trusted.len());
+    let bounded = |name: &str, quantity: &str, measured: f64, tolerance: f64| {
+        Claim::judge(
+            context.subject(name, quantity, "", &method),
+            ErrorKind::Absolute,
+            Measured::exact(measured),
+            Reference::exact(0.0),
+            Criterion::Within {
+                tolerance,
+                reason: "the curvature's part of the variance is the square of the ratio, 1e-3; what is beyond are switches",
+            },
+        )
+    };
+    let count = |warned: &dyn Fn(&Judged) -> bool, wrong: bool| {
+        let hits = all.iter().filter(|one| warned(one) != wrong && (one.error > WRONG) == wrong);
+        hits.count() as f64
+    };
+    let by_ratio = |one: &Judged| one.ratio >= TRUSTED;
+    let by_both = |one: &Judged| one.ratio >= TRUSTED || one.switch <= Switch::LIMIT;
+    let counted = |name: &str, quantity: &str, measured: f64, most: f64| {
+        Claim::as_measured(
+            context.subject(name, quantity, "", &method),
+            Measured::exact(measured),
+            0.0,
+            most,
+            "counted, out of all responses; wrong is a variance that is off by more than 5 %",
+        )
+    };
+    let n = all.len() as f64;
+    Ok(vec![
+        Claim::as_measured(
+            context.subject("responses", "responses with a curvature ratio", "", &method),
+            Measured::exact(n),
+            300.0,
+            1000.0,
+            "two gauges or four, one quantity or four, nine times, two coefficients of variation of each problem",
+        ),
+        bounded(
+            "median",
+            "median relative error of the variance where the ratio is below 0.03",
+            quantile(&trusted, 0.5),
+            2e-3,
+        ),
+        bounded("p90", "ninth decile of the same", quantile(&trusted, 0.9), 0.01),
+        counted("false-alarms", "warned by the ratio and right", count(&by_ratio, false), 0.2 * n),
+        counted("misses", "not warned by the ratio and wrong", count(&by_ratio, true), 0.05 * n),
+        counted(
+            "false-alarms-with-switch",
+            "warned by ratio or switch and right",
+            count(&by_both, false),
+            n,
+        ),
+        counted(
+            "misses-with-switch",
+            "not warned by ratio or switch and wrong",
+            count(&by_both, true),
+            0.05 * n,
+        ),
+    ])
+}

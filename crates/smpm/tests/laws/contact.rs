@@ -1,7 +1,5 @@
 //! Bodies that meet with velocities of their own: they part, slide and stick.
 
-#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
-
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, Side, Simulation,

@@ -1,7 +1,5 @@
 //! A plate that runs into a rigid wall, in uniaxial strain: the shock states of the material's Hugoniot, and their derivative.
 
-#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
-
 use perturbation_moments::Jet;
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, Solid, Units};

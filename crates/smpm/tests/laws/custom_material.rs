@@ -1,7 +1,5 @@
 //! An equation of state, a strength and a whole material as a user would write them.
 
-#![allow(clippy::unwrap_used, reason = "a test ends by it")]
-
 use perturbation_moments::{Jet, Scalar};
 use smpm::Fault;
 use smpm::material::{EquationOfState, Line, Material, Now, Observed, Solid, Start, Strength};

@@ -1,7 +1,5 @@
 //! Random parameters: jets against differences and samples of whole runs, and the frozen formulas beside them.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "what is given lies within its range")]
-
 use perturbation_moments::{Marginal, MonteCarlo, RandomVector};
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};

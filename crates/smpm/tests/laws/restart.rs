@@ -1,7 +1,5 @@
 //! Runs that go on from a snapshot, on any number of threads, and runs that take the steps of another.
 
-#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
-
 use perturbation_moments::Jet;
 use smpm::material::{
     Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, LinearElasticParameters,
@@ -89,7 +87,7 @@ fn goes_on_to_the_bit<S: Stored>(scale: S, change: impl Fn(&mut Config<2>) + Syn
             assert_eq!(other.n_steps(), 25);
             steps(&mut other, 15);
             let bits = bits(&whole);
-            assert!(bits == crate::bits(&other), "{threads} threads");
+            assert!(bits == crate::restart::bits(&other), "{threads} threads");
             bits
         })
     };

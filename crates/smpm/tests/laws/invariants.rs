@@ -1,7 +1,5 @@
 //! What every run must keep, whatever the material: mass, momentum, symmetry, bits, derivatives; and what is refused.
 
-#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
-
 use perturbation_moments::Jet;
 use smpm::material::{Material, Now, Observed};
 use smpm::tensor::Symmetric;

@@ -1,7 +1,5 @@
 //! A rigid wall compresses by the Hugoniot and lets go; waves leave through an absorbing plane.
 
-#![allow(clippy::unwrap_used, reason = "what is given lies within its range")]
-
 use smpm::material::library::steel_equation;
 use smpm::material::{
     Fluid, LinearElasticParameters, LinearElasticSolid, MieGruneisen, Solid, Units,

@@ -1,0 +1,13 @@
+//! What runs must keep, what materials and boundaries must do, and the seams where users plug in: in one program, since the
+//! step is compiled anew for every one.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
+
+mod boundaries;
+mod contact;
+mod custom_material;
+mod invariants;
+mod materials;
+mod plate_impact;
+mod restart;
+mod uncertainty;

@@ -180,10 +180,20 @@ pub enum Error {
         name: String,
         /// The body.
         body: usize,
-        /// The distance; infinite for a region that holds no particle.
+        /// The distance.
         distance: f64,
         /// Half the diagonal of a particle's box.
         limit: f64,
+    },
+    /// A gauge whose region holds no particle.
+    #[error(
+        "gauge {name:?} holds no particle of body {body} at the start; its region must lie inside the body"
+    )]
+    EmptyGauge {
+        /// The gauge.
+        name: String,
+        /// The body.
+        body: usize,
     },
     /// A random parameter that leaves the range of its model too often.
     #[error(

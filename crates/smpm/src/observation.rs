@@ -226,7 +226,7 @@ impl<const D: usize> Plan<D> {
     /// # Errors
     /// [`Error::EmptyPlan`]; [`Error::NoSuchBody`], [`Error::NoSuchAxis`]; [`Error::NotFinite`] for a place or a time,
     /// [`Error::WindowOrder`]; [`Error::GaugeOutsideBody`] for a point farther from the nearest particle than half the
-    /// diagonal of its box, or a region without particles.
+    /// diagonal of its box, [`Error::EmptyGauge`] for a region without particles.
     pub(crate) fn resolve<S: Number>(
         &self,
         simulation: &Simulation<S, D>,
@@ -305,7 +305,7 @@ impl<const D: usize> Gauge<D> {
             }
         };
         if chosen.is_empty() {
-            return Err(outside(f64::INFINITY, 0.0));
+            return Err(Error::EmptyGauge { name: self.name.clone(), body: self.body });
         }
         let volumes: Vec<f64> = chosen.iter().map(|&p| body.reference_volume(p)).collect();
         let total: f64 = volumes.iter().sum();

@@ -134,12 +134,12 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
         smpm::Error::LikelyOutOfRange { parameter, .. } => {
             at(format!("random[{parameter}].coefficient_of_variation"))
         }
-        smpm::Error::GaugeOutsideBody { name, .. } | smpm::Error::NoLocalFormulas { name } => {
-            match gauge(name) {
-                Some(i) => at(format!("gauges[{i}]")),
-                None => RunError::solver(error),
-            }
-        }
+        smpm::Error::GaugeOutsideBody { name, .. }
+        | smpm::Error::EmptyGauge { name, .. }
+        | smpm::Error::NoLocalFormulas { name } => match gauge(name) {
+            Some(i) => at(format!("gauges[{i}]")),
+            None => RunError::solver(error),
+        },
         smpm::Error::WindowOrder { .. } => at("times".to_owned()),
         smpm::Error::NotOnGrid { .. } | smpm::Error::BoundariesTooClose { .. } => {
             at("boundaries".to_owned())

@@ -278,6 +278,7 @@ impl Scene for SmpmScene {
                 return Err(Objection::new(format!("boundaries[{i}].axis"), message));
             }
         }
+        self.quantities()?;
         for name in self.levels.keys() {
             if !self.quantities.contains(name) {
                 return Err(unknown("levels", "quantity", name, self.quantities.iter()));

@@ -77,8 +77,8 @@ fn mistakes_are_shown_where_they_stand() {
             "density",
         ),
         (
-            "\"coefficient_of_variation\": 0.05",
-            "\"coefficient_of_variation\": 0.4",
+            "steel.equation.s1\", \"law\": \"normal\", \"coefficient_of_variation\": 0.05",
+            "steel.equation.sound_speed\", \"law\": \"normal\", \"coefficient_of_variation\": 0.4",
             "random[0].coefficient_of_variation",
             "chance",
         ),

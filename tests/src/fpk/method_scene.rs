@@ -65,7 +65,7 @@ pub enum IntegratorScene {
 
 impl MethodScene {
     /// The configuration of the density solver, where the method is one; `scale` multiplies the particles per axis.
-    /// `None` too where the lattice is of another dimension, which [`Self::check`] refuses.
+    /// `None` too where the lattice is of another dimension, which the check of the scene refuses.
     #[must_use]
     pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
         let (method, lattice) = match self {

@@ -209,10 +209,10 @@ impl Canvas<'_> {
         dashes(points, look.dashes).iter().try_for_each(|dash| self.line(dash, look.colour, width))
     }
 
-    /// A filled outline.
-    pub(super) fn polygon(&self, points: &[(f64, f64)], fill: RGBColor) -> Drawn {
+    /// An outline filled so that what is below shows through.
+    pub(super) fn veil(&self, points: &[(f64, f64)], colour: RGBColor) -> Drawn {
         let points: Vec<(i32, i32)> = points.iter().copied().map(fine_point).collect();
-        self.area.draw(&Polygon::new(points, fill.filled())).map_err(picture)
+        self.area.draw(&Polygon::new(points, colour.mix(0.2).filled())).map_err(picture)
     }
 
     pub(super) fn rectangle(&self, from: (f64, f64), to: (f64, f64), fill: RGBColor) -> Drawn {

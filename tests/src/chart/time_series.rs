@@ -1,7 +1,5 @@
 //! Values over time, with points to compare with.
 
-use plotters::style::RGBColor;
-
 use super::axis::Axis;
 use super::canvas::{Canvas, Drawn, INK, Look, draw_svg};
 use super::legend::{
@@ -35,7 +33,7 @@ pub fn time_series(chart: &TimeSeries) -> Result<String, ChartError> {
             let above = shown.clone().map(|&(at, _, high)| (x.place(at), y.place(high)));
             let below = shown.rev().map(|&(at, low, _)| (x.place(at), y.place(low)));
             let outline: Vec<(f64, f64)> = above.chain(below).collect();
-            canvas.polygon(&outline, pale(Look::of_series(i).colour))?;
+            canvas.veil(&outline, Look::of_series(i).colour)?;
         }
         for (i, line) in chart.lines.iter().enumerate() {
             // A value without a place ends one piece and begins the next.
@@ -81,12 +79,6 @@ fn draw_reference(
         canvas.vertical_bar(at.0, ends, look.colour)?;
     }
     canvas.open_marker(at, look, 4.8)
-}
-
-/// Four parts of white to one of a colour.
-fn pale(colour: RGBColor) -> RGBColor {
-    let mix = |part: u8| 204 + part / 5;
-    RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
 }
 
 fn shown(scale: Scale, value: f64) -> bool {

@@ -116,7 +116,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     {
         let [coarse, middle, fine] = [runs[0].peak[k], runs[1].peak[k], runs[2].peak[k]];
         let ratio = (middle - coarse) / (fine - middle);
-        let extrapolated = fine + (fine - middle) / (ratio - 1.0);
+        // The burn is three cells wide, so what is missing is of first order; the ringing of FLIP is on top of it.
+        let extrapolated = 2.0 * fine - middle;
         claims.push(Claim::as_measured(
             context.subject(
                 &format!("front/{name}/order"),
@@ -127,10 +128,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             Measured::exact(ratio.log2()),
             0.4,
             1.6,
-            "one: what is missing of the peak is a width of the front of the Taylor wave",
+            "one of the width of the burn; with the ringing of FLIP on the peak half of that",
         ));
         claims.push(Claim::judge(
-            context.subject(&format!("front/{name}"), quantity, unit, "cubic B-splines, FLIP, MUSL; cells of 0.25, 0.125 and 0.0625 mm, extrapolated at the order they show"),
+            context.subject(&format!("front/{name}"), quantity, unit, "cubic B-splines, FLIP, MUSL; cells of 0.25, 0.125 and 0.0625 mm, the last two extrapolated at first order"),
             ErrorKind::Relative,
             Measured::exact(extrapolated),
             Reference::exact(CHAPMAN_JOUGUET[k]),

@@ -126,7 +126,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                 "cells of 0.25, 0.125 and 0.0625 mm",
             ),
             Measured::exact(ratio.log2()),
-            0.4,
+            0.2,
             1.6,
             "one of the width of the burn; with the ringing of FLIP on the peak half of that",
         ));

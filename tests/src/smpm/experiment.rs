@@ -49,7 +49,7 @@ impl<const D: usize> SceneExperiment<D> {
             })
         };
         Ok(Self {
-            config: scene.config(),
+            config: scene.config()?,
             bodies: scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?,
             random: scene.random_parameters()?,
         })

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 
 use perturbation_moments::{Marginal, RandomVector};
 use smpm::{
-    Boundary, BoundaryKind, BulkViscosity, Config, Fill, Gauge, Geometry, Place, Plan, Quantity,
-    Shape, Side, Transfer, UpdateOrder,
+    Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
+    Quantity, Shape, Side, Transfer, UpdateOrder,
 };
 
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::region::Region;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, GaugeScene, LawScene, OrderScene, ShapeScene, SideScene,
-    SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, OrderScene, ShapeScene,
+    SideScene, SmpmScene, TransferScene,
 };
 use crate::nearest::nearest;
 use crate::scene::{Objection, Scene};
@@ -118,15 +118,17 @@ impl SmpmScene {
     }
 
     /// The configuration of the solver.
-    #[must_use]
-    pub fn config<const D: usize>(&self) -> Config<D> {
+    ///
+    /// # Errors
+    /// An [`Objection`] to a vector that has another number of components than the scene has dimensions.
+    pub fn config<const D: usize>(&self) -> Result<Config<D>, Objection> {
         let usual = Config::with_cell(self.grid.cell);
         let scheme = &self.scheme;
         let viscosity = scheme.viscosity.map_or(usual.viscosity, |given| BulkViscosity {
             quadratic: given.quadratic,
             linear: given.linear,
         });
-        Config {
+        Ok(Config {
             shape: scheme.shape.map_or(usual.shape, |shape| match shape {
                 ShapeScene::Linear => Shape::Linear,
                 ShapeScene::Gimp => Shape::Gimp,
@@ -148,8 +150,16 @@ impl SmpmScene {
             courant_number: scheme.courant_number.unwrap_or(usual.courant_number),
             geometry: if self.axisymmetric { Geometry::Axisymmetric } else { Geometry::Cartesian },
             boundaries: self.boundaries.iter().map(BoundaryScene::boundary).collect(),
+            contact: match self.contact {
+                ContactScene::Bonded => Contact::Bonded,
+                ContactScene::Friction { coefficient } => Contact::Friction { coefficient },
+            },
+            gravity: match self.gravity.as_slice() {
+                [] => [0.0; D],
+                given => point(given, "gravity")?,
+            },
             ..usual
-        }
+        })
     }
 
     /// What is looked at. The scene has been checked.

@@ -31,6 +31,12 @@ pub struct SmpmScene {
     /// Planes at which the motion is prescribed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boundaries: Vec<BoundaryScene>,
+    /// What bodies that meet do to each other.
+    #[serde(default, skip_serializing_if = "ContactScene::is_bonded")]
+    pub contact: ContactScene,
+    /// Acceleration of all particles along each axis (length per time squared); none where it is not given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gravity: Vec<f64>,
     /// Materials by name.
     pub materials: BTreeMap<String, MaterialScene>,
     /// The bodies.
@@ -184,6 +190,26 @@ pub enum TransferScene {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         damping_time: Option<f64>,
     },
+}
+
+/// What bodies that meet do to each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ContactScene {
+    /// They share one velocity and stick, as the paper's do.
+    #[default]
+    Bonded,
+    /// They slide and part. The normal is that of the body that is given first: the flatter or stiffer one.
+    Friction {
+        /// Coulomb's coefficient.
+        coefficient: f64,
+    },
+}
+
+impl ContactScene {
+    fn is_bonded(&self) -> bool {
+        *self == Self::Bonded
+    }
 }
 
 /// A plane.

@@ -87,6 +87,7 @@ fn mistakes_are_shown_where_they_stand() {
         ("\"pressure\", \"density\"", "\"presure\", \"density\"", "quantities[0]", "presure"),
         ("\"axis\": 1", "\"axis\": 2", "boundaries[0].axis", "axis 2"),
         ("[3, 4, [3, 4]]", "[3, 4, [4, 3]]", "times", "window"),
+        ("\"dimension\": 1", "\"dimension\": 1, \"gravity\": [0, 0]", "gravity", "2 coordinates"),
         ("\"from\": [0]", "\"from\": [0, 1]", "bodies[0].shape.box.from", "2 coordinates"),
     ]
     .into_iter()

@@ -7,9 +7,11 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use wide::f64x2;
+
 use crate::scalar::Scalar;
 
-/// How many directions a [`Jet`] has: one AVX-512 register of doubles, two of AVX2, four of SSE2.
+/// How many directions a [`Jet`] has.
 pub const LANES: usize = 8;
 
 /// A value with its first and its own second derivatives along up to eight directions at once.
@@ -35,7 +37,7 @@ pub const LANES: usize = 8;
 /// assert_eq!((y.value, y.first[0], y.first[1], y.second[2]), (3.0, 1.0, 3.0, 5.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(C, align(64))]
+#[repr(C, align(16))]
 pub struct Jet {
     /// `dy/dt_k`.
     pub first: [f64; LANES],
@@ -45,14 +47,22 @@ pub struct Jet {
     pub value: f64,
 }
 
-/// Every lane by the same formula.
+/// Every lane by the same formula, two at a time: `formula(k)` is of the lanes `2 k` and `2 k + 1`. As single numbers the
+/// compiler would pack them across jets, and shuffle.
 #[inline(always)]
-fn lanes(formula: impl Fn(usize) -> f64) -> [f64; LANES] {
+fn lanes(formula: impl Fn(usize) -> f64x2) -> [f64; LANES] {
     let mut out = [0.0; LANES];
-    for k in 0..LANES {
-        out[k] = formula(k);
+    for k in 0..LANES / 2 {
+        let [even, odd] = formula(k).to_array();
+        (out[2 * k], out[2 * k + 1]) = (even, odd);
     }
     out
+}
+
+/// The lanes `2 k` and `2 k + 1`.
+#[inline(always)]
+fn pair(lanes: &[f64; LANES], k: usize) -> f64x2 {
+    f64x2::new([lanes[2 * k], lanes[2 * k + 1]])
 }
 
 impl Jet {
@@ -69,7 +79,7 @@ impl Jet {
     #[must_use]
     #[inline(always)]
     pub fn variable(value: f64, lane: usize) -> Self {
-        Self::new(value, lanes(|k| if k == lane { 1.0 } else { 0.0 }))
+        Self::new(value, std::array::from_fn(|k| if k == lane { 1.0 } else { 0.0 }))
     }
 
     /// A function of this number from its value `y` and its derivatives `d` and `c` at this value:
@@ -79,9 +89,10 @@ impl Jet {
     pub fn compose(self, value: f64, derivative: f64, curvature: f64) -> Self {
         Self {
             value,
-            first: lanes(|k| derivative * self.first[k]),
+            first: lanes(|k| derivative * pair(&self.first, k)),
             second: lanes(|k| {
-                derivative * self.second[k] + curvature * (self.first[k] * self.first[k])
+                derivative * pair(&self.second, k)
+                    + curvature * (pair(&self.first, k) * pair(&self.first, k))
             }),
         }
     }
@@ -103,10 +114,10 @@ impl Scalar for Jet {
         let twice = self.value + self.value;
         Self {
             value: self.value * self.value,
-            first: lanes(|k| twice * self.first[k]),
+            first: lanes(|k| twice * pair(&self.first, k)),
             second: lanes(|k| {
-                let square = self.first[k] * self.first[k];
-                twice * self.second[k] + (square + square)
+                let square = pair(&self.first, k) * pair(&self.first, k);
+                twice * pair(&self.second, k) + (square + square)
             }),
         }
     }
@@ -186,8 +197,8 @@ impl Neg for Jet {
     fn neg(self) -> Self {
         Self {
             value: -self.value,
-            first: lanes(|k| -self.first[k]),
-            second: lanes(|k| -self.second[k]),
+            first: lanes(|k| -pair(&self.first, k)),
+            second: lanes(|k| -pair(&self.second, k)),
         }
     }
 }
@@ -198,8 +209,8 @@ impl Add for Jet {
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
-            first: lanes(|k| self.first[k] + other.first[k]),
-            second: lanes(|k| self.second[k] + other.second[k]),
+            first: lanes(|k| pair(&self.first, k) + pair(&other.first, k)),
+            second: lanes(|k| pair(&self.second, k) + pair(&other.second, k)),
         }
     }
 }
@@ -210,8 +221,8 @@ impl Sub for Jet {
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
-            first: lanes(|k| self.first[k] - other.first[k]),
-            second: lanes(|k| self.second[k] - other.second[k]),
+            first: lanes(|k| pair(&self.first, k) - pair(&other.first, k)),
+            second: lanes(|k| pair(&self.second, k) - pair(&other.second, k)),
         }
     }
 }
@@ -224,10 +235,10 @@ impl Mul for Jet {
         let (a, b) = (self.value, other.value);
         Self {
             value: a * b,
-            first: lanes(|k| a * other.first[k] + self.first[k] * b),
+            first: lanes(|k| a * pair(&other.first, k) + pair(&self.first, k) * b),
             second: lanes(|k| {
-                let cross = self.first[k] * other.first[k];
-                (a * other.second[k] + self.second[k] * b) + (cross + cross)
+                let cross = pair(&self.first, k) * pair(&other.first, k);
+                (a * pair(&other.second, k) + pair(&self.second, k) * b) + (cross + cross)
             }),
         }
     }
@@ -240,10 +251,10 @@ impl Div for Jet {
     fn div(self, other: Self) -> Self {
         // The value by its own division: the bits of the same formula over `f64`.
         let (value, inverse) = (self.value / other.value, 1.0 / other.value);
-        let first = lanes(|k| (self.first[k] - value * other.first[k]) * inverse);
+        let first = lanes(|k| (pair(&self.first, k) - value * pair(&other.first, k)) * inverse);
         let second = lanes(|k| {
-            let cross = first[k] * other.first[k];
-            ((self.second[k] - value * other.second[k]) - (cross + cross)) * inverse
+            let cross = pair(&first, k) * pair(&other.first, k);
+            ((pair(&self.second, k) - value * pair(&other.second, k)) - (cross + cross)) * inverse
         });
         Self { first, second, value }
     }
@@ -271,8 +282,8 @@ impl Mul<f64> for Jet {
     fn mul(self, factor: f64) -> Self {
         Self {
             value: self.value * factor,
-            first: lanes(|k| self.first[k] * factor),
-            second: lanes(|k| self.second[k] * factor),
+            first: lanes(|k| pair(&self.first, k) * factor),
+            second: lanes(|k| pair(&self.second, k) * factor),
         }
     }
 }
@@ -284,8 +295,8 @@ impl Div<f64> for Jet {
         let inverse = 1.0 / divisor;
         Self {
             value: self.value / divisor,
-            first: lanes(|k| self.first[k] * inverse),
-            second: lanes(|k| self.second[k] * inverse),
+            first: lanes(|k| pair(&self.first, k) * inverse),
+            second: lanes(|k| pair(&self.second, k) * inverse),
         }
     }
 }

@@ -134,6 +134,8 @@ pub(crate) struct Chunk<'a, S, const D: usize> {
     pub(crate) mass: &'a [S],
     pub(crate) reference_volume: &'a [f64],
     pub(crate) number: &'a [u32],
+    /// The lowest node that it sees.
+    pub(crate) base: &'a [[i32; D]],
     pub(crate) slot: &'a [u32],
 }
 
@@ -157,6 +159,7 @@ impl<S, const D: usize> Chunk<'_, S, D> {
         let (mass, masses) = self.mass.split_at(middle);
         let (reference_volume, reference_volumes) = self.reference_volume.split_at(middle);
         let (number, numbers) = self.number.split_at(middle);
+        let (base, bases) = self.base.split_at(middle);
         let (slot, slots) = self.slot.split_at(middle);
         (
             Chunk {
@@ -169,6 +172,7 @@ impl<S, const D: usize> Chunk<'_, S, D> {
                 mass,
                 reference_volume,
                 number,
+                base,
                 slot,
             },
             Chunk {
@@ -181,6 +185,7 @@ impl<S, const D: usize> Chunk<'_, S, D> {
                 mass: masses,
                 reference_volume: reference_volumes,
                 number: numbers,
+                base: bases,
                 slot: slots,
             },
         )
@@ -698,7 +703,7 @@ impl<S: Number, const D: usize> Body<S, D> {
             reference_volume,
             number,
         } = &mut self.particles;
-        let slot = &self.binning.slot;
+        let Binning { bases: base, slot, .. } = &self.binning;
         let chunk = Chunk {
             position,
             velocity,
@@ -709,6 +714,7 @@ impl<S: Number, const D: usize> Body<S, D> {
             mass,
             reference_volume,
             number,
+            base,
             slot,
         };
         self.views.forget();

@@ -30,10 +30,9 @@ pub enum Shape {
 /// Most nodes that a particle sees along an axis.
 pub(crate) const MOST_NODES: usize = 4;
 
-/// Values and slopes (per cell) of a shape function at the nodes `base, base + 1, ..` along one axis.
+/// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis<S> {
-    pub(crate) base: i32,
     pub(crate) value: [S; MOST_NODES],
     pub(crate) slope: [S; MOST_NODES],
 }
@@ -45,8 +44,9 @@ pub(crate) trait ShapeFunction: std::fmt::Debug + Send + Sync + 'static {
     /// Whether the size of the particle matters.
     const SIZED: bool = false;
 
-    /// At the place `s` (in cells) of a particle that reaches `half` cells to either side.
-    fn along<S: Scalar>(s: S, half: S) -> Axis<S>;
+    /// At the place `s` (in cells) of a particle that reaches `half` cells to either side and sees `base` as its lowest node.
+    /// Only what belongs to [`Self::NODES`] nodes is written.
+    fn along<S: Scalar>(s: S, half: S, base: i32, axis: &mut Axis<S>);
 
     /// The lowest node that a particle at `s` sees.
     fn base(s: f64, half: f64) -> i32;
@@ -71,9 +71,12 @@ fn floor(s: f64) -> i32 {
     s.floor() as i32
 }
 
-#[inline(always)]
-fn empty<S: Scalar>(base: i32) -> Axis<S> {
-    Axis { base, value: [S::constant(0.0); MOST_NODES], slope: [S::constant(0.0); MOST_NODES] }
+impl<S: Scalar> Axis<S> {
+    #[inline(always)]
+    pub(crate) fn empty() -> Self {
+        let zero = S::constant(0.0);
+        Self { value: [zero; MOST_NODES], slope: [zero; MOST_NODES] }
+    }
 }
 
 impl ShapeFunction for Linear {
@@ -85,12 +88,10 @@ impl ShapeFunction for Linear {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
-        let mut axis = empty(floor(s.value()));
-        let f = s - f64::from(axis.base);
+    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
+        let f = s - f64::from(base);
         (axis.value[0], axis.value[1]) = (-f + 1.0, f);
         (axis.slope[0], axis.slope[1]) = (S::constant(-1.0), S::constant(1.0));
-        axis
     }
 }
 
@@ -103,16 +104,14 @@ impl ShapeFunction for QuadraticBSpline {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
-        let mut axis = empty(floor(s.value() - 0.5));
+    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
         // From 1/2 to 3/2.
-        let f = s - f64::from(axis.base);
+        let f = s - f64::from(base);
         let (left, centre, right) = (-f + 1.5, f - 1.0, f - 0.5);
         axis.value[0] = left.squared() * 0.5;
         axis.value[1] = -centre.squared() + 0.75;
         axis.value[2] = right.squared() * 0.5;
         (axis.slope[0], axis.slope[1], axis.slope[2]) = (-left, centre * -2.0, right);
-        axis
     }
 }
 
@@ -125,10 +124,8 @@ impl ShapeFunction for CubicBSpline {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S) -> Axis<S> {
-        let cell = floor(s.value());
-        let mut axis = empty(cell - 1);
-        let f = s - f64::from(cell);
+    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
+        let f = s - f64::from(base + 1);
         let rest = -f + 1.0;
         let (f2, r2) = (f.squared(), rest.squared());
         let sixth = 1.0 / 6.0;
@@ -140,7 +137,6 @@ impl ShapeFunction for CubicBSpline {
         axis.slope[1] = f2 * 1.5 - f * 2.0;
         axis.slope[2] = -(r2 * 1.5 - rest * 2.0);
         axis.slope[3] = f2 * 0.5;
-        axis
     }
 }
 
@@ -156,16 +152,14 @@ impl ShapeFunction for Gimp {
     /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
     /// length of the particle in cells.
     #[inline(always)]
-    fn along<S: Scalar>(s: S, half: S) -> Axis<S> {
-        let mut axis = empty(floor(s.value() - half.value()));
+    fn along<S: Scalar>(s: S, half: S, base: i32, axis: &mut Axis<S>) {
         let inverse = half.recip() * 0.5;
-        for (k, node) in (axis.base..).take(Self::NODES).enumerate() {
+        for (k, node) in (base..).take(Self::NODES).enumerate() {
             let d = s - f64::from(node);
             let (low, high) = (d - half, d + half);
             axis.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
             axis.slope[k] = (hat(high) - hat(low)) * inverse;
         }
-        axis
     }
 }
 
@@ -226,18 +220,23 @@ mod tests {
     use super::*;
     use perturbation_moments::Jet;
 
+    fn axis<F: ShapeFunction, S: Scalar>(s: S, half: f64) -> (i32, Axis<S>) {
+        let (base, mut axis) = (F::base(s.value(), half), Axis::empty());
+        F::along(s, S::constant(half), base, &mut axis);
+        (base, axis)
+    }
+
     fn laws<F: ShapeFunction>(name: &str, linear_exact: bool) {
         for step in 0..400 {
             let s = 0.01 * f64::from(step) - 1.7;
             let (half, delta) = (0.3, 1e-6);
-            let axis = F::along(s, half);
-            assert_eq!(axis.base, F::base(s, half), "{name} at {s}");
+            let (base, here) = axis::<F, f64>(s, half);
             let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
-            for (k, node) in (axis.base..).take(F::NODES).enumerate() {
-                sum += axis.value[k];
-                slopes += axis.slope[k];
-                place += axis.value[k] * f64::from(node);
-                assert!(axis.value[k] > -1e-15, "{name}: negative at {s}");
+            for (k, node) in (base..).take(F::NODES).enumerate() {
+                sum += here.value[k];
+                slopes += here.slope[k];
+                place += here.value[k] * f64::from(node);
+                assert!(here.value[k] > -1e-15, "{name}: negative at {s}");
             }
             assert!(
                 (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
@@ -249,17 +248,18 @@ mod tests {
                     "{name}: a linear field does not come back at {s}"
                 );
             }
-            let (above, below) = (F::along(s + delta, half), F::along(s - delta, half));
-            if above.base == axis.base && below.base == axis.base {
+            let ((over, above), (under, below)) =
+                (axis::<F, f64>(s + delta, half), axis::<F, f64>(s - delta, half));
+            if over == base && under == base {
                 for k in 0..F::NODES {
                     let slope = (above.value[k] - below.value[k]) / (2.0 * delta);
                     // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
-                    assert!((slope - axis.slope[k]).abs() < 1e-5, "{name}: slope {k} at {s}");
+                    assert!((slope - here.slope[k]).abs() < 1e-5, "{name}: slope {k} at {s}");
                 }
             }
-            let jet = F::along(Jet::variable(s, 0), Jet::constant(half));
+            let (_, jet) = axis::<F, Jet>(Jet::variable(s, 0), half);
             for k in 0..F::NODES {
-                assert!((jet.value[k].first[0] - axis.slope[k]).abs() < 1e-12, "{name} at {s}");
+                assert!((jet.value[k].first[0] - here.slope[k]).abs() < 1e-12, "{name} at {s}");
             }
         }
     }

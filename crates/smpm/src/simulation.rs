@@ -290,7 +290,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     }
 
     fn bin(&mut self) -> Result<(), Error> {
-        let places = Places { origin: self.grid.origin, cell: self.grid.cell };
+        let places = Places::of(&self.grid);
         let carrier = carrier::<S, D>(self.config.shape);
         for body in &mut self.bodies {
             carrier.find_bases(&places, body);

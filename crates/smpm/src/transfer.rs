@@ -118,42 +118,34 @@ pub(crate) fn carrier<S: Number, const D: usize>(shape: Shape) -> &'static dyn C
 pub(crate) struct Places<const D: usize> {
     pub(crate) origin: [f64; D],
     pub(crate) cell: f64,
+    per_cell: f64,
 }
 
 impl<const D: usize> Places<D> {
-    /// The shape function of a particle along all axes.
-    #[inline(always)]
-    fn axes<F: ShapeFunction, S: Number>(
-        &self,
-        x: &[S; D],
-        half_lengths: &[[S; D]],
-        p: usize,
-    ) -> [Axis<S>; D] {
-        let (inverse, zero) = (1.0 / self.cell, S::constant(0.0));
-        let empty = Axis { base: 0, value: [zero; 4], slope: [zero; 4] };
-        let mut axes = [empty; D];
-        for k in 0..D {
-            let half = if F::SIZED { half_lengths[p][k] * inverse } else { zero };
-            axes[k] = F::along((x[k] - self.origin[k]) * inverse, half);
-        }
-        axes
+    pub(crate) fn of<S>(grid: &Grid<S, D>) -> Self {
+        Self { origin: grid.origin, cell: grid.cell, per_cell: 1.0 / grid.cell }
     }
-}
 
-/// The lowest node along all axes.
-#[inline(always)]
-fn base_of<S, const D: usize>(axes: &[Axis<S>; D]) -> [i32; D] {
-    let mut base = [0; D];
-    for k in 0..D {
-        base[k] = axes[k].base;
+    /// The shape function of particle `p` along all axes, from the lowest node that it sees.
+    #[inline(always)]
+    fn find_axes<F: ShapeFunction, S: Number>(
+        &self,
+        (x, half_lengths): (&[S; D], &[[S; D]]),
+        (p, base): (usize, &[i32; D]),
+        axes: &mut [Axis<S>; D],
+    ) {
+        let zero = S::constant(0.0);
+        for k in 0..D {
+            let half = if F::SIZED { half_lengths[p][k] * self.per_cell } else { zero };
+            let place = (x[k] - self.origin[k]) * self.per_cell;
+            F::along(place, half, base[k], &mut axes[k]);
+        }
     }
-    base
 }
 
 impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     fn find_bases(&self, places: &Places<D>, body: &mut Body<S, D>) {
         let Particles { position, half_length, .. } = &body.particles;
-        let inverse = 1.0 / places.cell;
         for_each_chunk(&mut body.binning.bases, SHARE, |chunk, bases| {
             let start = chunk * SHARE;
             in_widest_registers(
@@ -164,8 +156,8 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
                         for k in 0..D {
                             let half =
                                 if F::SIZED { half_length[start + p][k].value() } else { 0.0 };
-                            let place = (x[k].value() - places.origin[k]) * inverse;
-                            bases[p][k] = F::base(place, half * inverse);
+                            let place = (x[k].value() - places.origin[k]) * places.per_cell;
+                            bases[p][k] = F::base(place, half * places.per_cell);
                         }
                     }
                 },
@@ -174,19 +166,26 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     }
 
     fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given) {
-        let places = Places { origin: grid.origin, cell: grid.cell };
+        let places = Places::of(grid);
         let last_field = grid.field(bodies.len() - 1);
         grid.collect(|slot, corner, blocks| {
             for (field, body) in bodies.iter().enumerate() {
                 let block = &mut blocks[field.min(last_field) * block_len(D)..][..block_len(D)];
                 let members = body.binning.members(slot);
                 let (particles, conditions) = (&body.particles, body.constitution.conditions());
+                let bases = &body.binning.bases;
                 in_widest_registers(
                     #[inline(always)]
                     || {
+                        let mut axes = [Axis::empty(); D];
                         for &p in members {
-                            let of = Giver { places, particles, p: p as usize, config };
-                            of.give::<F>(&conditions[p as usize], given, &corner, block);
+                            let p = p as usize;
+                            let base = &bases[p];
+                            let sized = (&particles.position[p], &particles.half_length[..]);
+                            places.find_axes::<F, S>(sized, (p, base), &mut axes);
+                            let nodes = &mut block[Binning::offset(base, &corner)..];
+                            let of = Giver { places, particles, p, base, config };
+                            of.give::<F>(&axes, &conditions[p], given, nodes);
                         }
                     },
                 );
@@ -195,15 +194,17 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     }
 
     fn give_outward(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>]) {
-        let places = Places { origin: grid.origin, cell: grid.cell };
+        let places = Places::of(grid);
         grid.collect_outward(|slot, corner, blocks| {
             for (field, body) in bodies.iter().enumerate() {
                 let Particles { position, half_length, mass, .. } = &body.particles;
                 let block = &mut blocks[field * block_len(D)..][..block_len(D)];
+                let mut axes = [Axis::empty(); D];
                 for &p in body.binning.members(slot) {
                     let p = p as usize;
-                    let axes = places.axes::<F, S>(&position[p], half_length, p);
-                    let nodes = &mut block[Binning::offset(&base_of(&axes), &corner)..];
+                    let base = &body.binning.bases[p];
+                    places.find_axes::<F, S>((&position[p], half_length), (p, base), &mut axes);
+                    let nodes = &mut block[Binning::offset(base, &corner)..];
                     give_outward::<F, S, D>(&axes, mass[p], nodes);
                 }
             }
@@ -220,8 +221,9 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
         in_widest_registers(
             #[inline(always)]
             || {
+                let mut axes = [Axis::empty(); D];
                 for p in 0..gradients.len() {
-                    taker.take::<F, S>(chunk, p, &mut gradients[p], sweep.grid);
+                    taker.take::<F, S>(chunk, p, (&mut axes, &mut gradients[p]), sweep.grid);
                 }
             },
         );
@@ -254,6 +256,8 @@ struct Giver<'a, S, const D: usize> {
     places: Places<D>,
     particles: &'a Particles<S, D>,
     p: usize,
+    /// The lowest node that it sees.
+    base: &'a [i32; D],
     config: &'a Config<D>,
 }
 
@@ -261,14 +265,12 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
     #[inline(always)]
     fn give<F: ShapeFunction>(
         &self,
+        axes: &[Axis<S>; D],
         condition: &Condition<S>,
         given: Given,
-        corner: &[i32; D],
-        block: &mut [Node<S, D>],
+        nodes: &mut [Node<S, D>],
     ) {
-        let Self { places, particles, p, config } = *self;
-        let axes = places.axes::<F, S>(&particles.position[p], &particles.half_length, p);
-        let nodes = &mut block[Binning::offset(&base_of(&axes), corner)..];
+        let Self { places, particles, p, base, config } = *self;
         let edge = block_edge(D);
         let zero = S::constant(0.0);
         // Momentum at the lowest node, and by how much it grows from node to node along each axis.
@@ -279,7 +281,7 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
         if affine {
             let (matrix, x) = (&particles.affine[p], &particles.position[p]);
             for l in 0..D {
-                let arm = -(x[l] - places.origin[l]) + f64::from(axes[l].base) * places.cell;
+                let arm = -(x[l] - places.origin[l]) + f64::from(base[l]) * places.cell;
                 for k in 0..D {
                     momentum[k] = momentum[k] + matrix[k][l] * arm;
                     growth[l][k] = matrix[k][l] * mass * places.cell;
@@ -293,7 +295,7 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
         let force = if with_force { self.force(condition) } else { Force::none() };
         for k in 0..nodes_along::<F, D>(2) {
             for j in 0..nodes_along::<F, D>(1) {
-                let (weight, slope) = outer(&axes, (j, k));
+                let (weight, slope) = outer(axes, (j, k));
                 let start = (k * edge + j) * edge;
                 let row = &mut nodes[start..start + F::NODES];
                 let (value, along) = (&axes[0].value, &axes[0].slope);
@@ -434,7 +436,7 @@ impl<const D: usize> Taker<D> {
         };
         let square = config.cell * config.cell;
         Self {
-            places: Places { origin: grid.origin, cell: grid.cell },
+            places: Places::of(grid),
             dt: sweep.dt,
             pass: sweep.pass,
             field: sweep.field,
@@ -455,18 +457,18 @@ impl<const D: usize> Taker<D> {
         &self,
         chunk: &mut Chunk<'_, S, D>,
         p: usize,
-        l: &mut [[S; 3]; 3],
+        (axes, l): (&mut [Axis<S>; D], &mut [[S; 3]; 3]),
         grid: &Grid<S, D>,
     ) {
-        let axes = self.places.axes::<F, S>(&chunk.position[p], chunk.half_length, p);
-        let slot = chunk.slot[p] as usize;
-        let offset = Binning::offset(&base_of(&axes), &grid.corner(slot));
-        let sums = self.sums::<F, S>(&axes, &grid.block(slot, self.field)[offset..]);
-        let per_length = 1.0 / self.places.cell;
+        let (base, slot) = (&chunk.base[p], chunk.slot[p] as usize);
+        let sized = (&chunk.position[p], &*chunk.half_length);
+        self.places.find_axes::<F, S>(sized, (p, base), axes);
+        let offset = Binning::offset(base, &grid.corner(slot));
+        let sums = self.sums::<F, S>(axes, &grid.block(slot, self.field)[offset..]);
         if self.pass.updates_stress() {
             for k in 0..D {
                 for m in 0..D {
-                    l[k][m] = sums.gradient[k][m] * per_length;
+                    l[k][m] = sums.gradient[k][m] * self.places.per_cell;
                 }
             }
             if self.axisymmetric {
@@ -495,7 +497,7 @@ impl<const D: usize> Taker<D> {
             }
         }
         if self.affine {
-            chunk.affine[p] = self.matrix(&sums, &axes, &chunk.position[p]);
+            chunk.affine[p] = self.matrix(&sums, base, &chunk.position[p]);
         }
         // Where the stress is still to come from the same place, the particle stays until then.
         for k in 0..D {
@@ -511,15 +513,15 @@ impl<const D: usize> Taker<D> {
     /// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8); for shape functions of the hat
     /// `sum_i v_i grad N_i^T`, to which it comes down there.
     #[inline(always)]
-    fn matrix<S: Number>(&self, sums: &Sums<S, D>, axes: &[Axis<S>; D], x: &[S; D]) -> [[S; D]; D] {
+    fn matrix<S: Number>(&self, sums: &Sums<S, D>, base: &[i32; D], x: &[S; D]) -> [[S; D]; D] {
         let cell = self.places.cell;
         let mut matrix = sums.gradient;
         for l in 0..D {
-            let base = -(x[l] - self.places.origin[l]) + f64::from(axes[l].base) * cell;
+            let arm = -(x[l] - self.places.origin[l]) + f64::from(base[l]) * cell;
             for k in 0..D {
                 matrix[k][l] = match self.inverse_inertia {
-                    None => sums.gradient[k][l] * (1.0 / cell),
-                    Some(inverse) => (sums.velocity[k] * base + sums.moment[k][l] * cell) * inverse,
+                    None => sums.gradient[k][l] * self.places.per_cell,
+                    Some(inverse) => (sums.velocity[k] * arm + sums.moment[k][l] * cell) * inverse,
                 };
             }
         }

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use crate::body::{Body, Particles, Summary, signal_speed};
 use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
-use crate::error::{Error, within};
+use crate::error::Error;
 use crate::grid::{Grid, Solve};
 use crate::number::Number;
 use crate::shape::MOST_NODES;
@@ -166,15 +166,9 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// # Errors
     /// See [`Self::step_of`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
-        self.advance_with(time, |_| ())
-    }
-
-    /// Tells the length of every step that it takes.
-    fn advance_with(&mut self, time: f64, mut tell: impl FnMut(f64)) -> Result<(), Error> {
         while self.time < time {
             let (dt, last) = self.step_towards(time);
             let _ = self.step_of(dt)?;
-            tell(dt);
             if last {
                 self.time = time;
             }
@@ -194,31 +188,6 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
     }
 
-    /// As [`Self::advance_to`]; the lengths of the steps taken. With them [`Self::follow`] makes other runs take the same.
-    ///
-    /// # Errors
-    /// See [`Self::step_of`].
-    pub fn record_to(&mut self, time: f64) -> Result<Vec<f64>, Error> {
-        let mut steps = vec![];
-        self.advance_with(time, |dt| steps.push(dt))?;
-        Ok(steps)
-    }
-
-    /// Steps of given lengths, such as those of the mean run: samples and differences that follow them are runs of the same
-    /// map. A step may exceed what the Courant number of the configuration allows in the present state by the factor
-    /// `most_excess`, one or above.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for a factor below one; [`Error::Courant`] for a step that exceeds its limit; else see
-    /// [`Self::step_of`].
-    pub fn follow(&mut self, steps: &[f64], most_excess: f64) -> Result<(), Error> {
-        within("most_excess", most_excess, 1.0, f64::MAX)?;
-        for &dt in steps {
-            let _ = self.step_within(dt, most_excess * self.limit.dt)?;
-        }
-        Ok(())
-    }
-
     /// One step of a given length.
     ///
     /// # Errors
@@ -226,28 +195,25 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     /// range or a volume turns over, [`Error::EnergyGrew`], [`Error::GridTooLarge`], [`Error::WorkLimit`]. After an error
     /// the state is not that of any time: every further step returns the same error.
     pub fn step_of(&mut self, dt: f64) -> Result<StepReport, Error> {
-        // The limit at the Courant number 1.
-        self.step_within(dt, self.limit.dt / self.config.courant_number)
-    }
-
-    fn step_within(&mut self, dt: f64, limit: f64) -> Result<StepReport, Error> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        let outcome = self.try_step(dt, limit);
+        let outcome = self.try_step(dt);
         if let Err(error) = &outcome {
             self.failed = Some(error.clone());
         }
         outcome
     }
 
-    fn try_step(&mut self, dt: f64, limit: f64) -> Result<StepReport, Error> {
+    fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
         let step = self.n_steps + 1;
         if self.n_steps >= self.config.most_steps {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });
         }
         let Limit { body, particle, .. } = self.limit;
+        // At the Courant number 1.
+        let limit = self.limit.dt / self.config.courant_number;
         if !(dt > 0.0 && dt <= limit) {
             return Err(Error::Courant { step, time: self.time, dt, limit, body, particle });
         }

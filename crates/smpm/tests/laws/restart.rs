@@ -8,8 +8,8 @@ use smpm::material::{
 };
 use smpm::tensor::Symmetric;
 use smpm::{
-    Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Shape, Simulation, Stored, Transfer,
-    UpdateOrder,
+    Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Gauge, Place, Plan, Quantity, Shape,
+    Simulation, Stored, Transfer, UpdateOrder, Window,
 };
 
 const UNITS: Units = Units::CM_G_US;
@@ -221,32 +221,32 @@ fn a_material_that_does_not_say_what_it_remembers_has_no_snapshot() {
 }
 
 #[test]
-fn a_run_follows_the_steps_of_another() {
+fn a_run_takes_the_steps_of_another() {
+    let plan = Plan {
+        gauges: vec![Gauge { name: "steel".into(), body: 1, place: Place::Nearest([1.2, 0.5]) }],
+        quantities: vec![Quantity::FlowStress],
+        windows: vec![Window::at(0.25), Window { from: 0.25, to: 0.5 }],
+    };
     let mut mean = explosion(1.0, |_| ());
-    let taken = mean.record_to(0.5).unwrap();
-    assert_eq!(taken.len() as u64, mean.n_steps());
-    assert!((taken.iter().sum::<f64>() - 0.5).abs() < 1e-13);
+    let record = mean.record(&plan).unwrap();
+    assert_eq!(record.schedule.n_steps() as u64, mean.n_steps());
     let mut same = explosion(1.0, |_| ());
-    same.follow(&taken, 1.0).unwrap();
-    // But for the clock, which the last step of the recorded run sets to the time asked for.
-    assert!(bits(&same)[1..] == bits(&mean)[1..]);
+    assert_eq!(same.replay(&plan, &record.schedule).unwrap(), record.values);
+    assert!(bits(&same) == bits(&mean));
     let mut sample = explosion(0.7, |_| ());
-    sample.follow(&taken, 1.5).unwrap();
+    assert!(sample.replay(&plan, &record.schedule).unwrap() != record.values);
     assert_eq!(sample.n_steps(), mean.n_steps());
-    assert!(bits(&sample)[1..] != bits(&mean)[1..]);
 }
 
 #[test]
-fn a_step_that_exceeds_its_limit_by_more_than_the_factor_is_refused() {
+fn a_step_beyond_the_courant_number_one_is_refused() {
     let mut simulation = explosion(1.0, |_| ());
-    let allowed = simulation.longest_step();
-    simulation.follow(&[1.19 * allowed], 1.2).unwrap();
-    let allowed = simulation.longest_step();
-    let error = simulation.follow(&[1.21 * allowed], 1.2).unwrap_err();
+    let most = simulation.longest_step() / 0.4;
+    let _ = simulation.step_of(0.99 * most).unwrap();
+    let most = simulation.longest_step() / 0.4;
+    let error = simulation.step_of(1.01 * most).unwrap_err();
     let Error::Courant { step: 2, dt, limit, .. } = error else {
         unreachable!("{error}");
     };
-    assert_eq!((dt, limit), (1.21 * allowed, 1.2 * allowed));
-    let refused = explosion(1.0, |_| ()).follow(&[], 0.5).unwrap_err();
-    assert!(matches!(refused, Error::OutOfRange { name: "most_excess", .. }), "{refused}");
+    assert_eq!((dt, limit), (1.01 * most, most));
 }

@@ -1,6 +1,6 @@
 //! Who stands in which tile, and the order in memory that follows from it.
 
-use crate::grid::{block_edge, tile_edge, tile_len};
+use crate::tiles::{block_edge, tile_edge, tile_len};
 
 /// Particles are put in order when more than one in this many stands next to one of another tile without need.
 const DISORDER: usize = 8;

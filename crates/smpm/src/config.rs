@@ -1,6 +1,5 @@
 //! What a simulation needs to know besides its bodies.
 
-use crate::body::BulkViscosity;
 use crate::boundary::Boundary;
 use crate::error::{Error, finite, not_negative, positive, within};
 use crate::shape::Shape;
@@ -54,6 +53,19 @@ pub enum Contact {
         /// Coulomb's coefficient, zero or above.
         coefficient: f64,
     },
+}
+
+/// Coefficients of the bulk viscosity,
+///
+/// $$ q = \rho h (q_0 h (\mathrm{tr} L)^2 - q_1 c \mathrm{tr} L), \quad \mathrm{tr} L < 0, $$
+///
+/// with the cell `h` and the wave speed `c` (von Neumann & Richtmyer 1950; Landshoff 1955). Zero under expansion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BulkViscosity {
+    /// `q_0 >= 0`, quadratic: spreads strong shocks over a few cells.
+    pub quadratic: f64,
+    /// `q_1 >= 0`, linear: damps the ripple behind them.
+    pub linear: f64,
 }
 
 /// What a simulation needs to know besides its bodies.

@@ -14,54 +14,10 @@ use crate::contact::meet;
 use crate::error::Error;
 use crate::number::Number;
 use crate::parallel::for_each_chunk;
-use crate::shape::MOST_NODES;
-
-/// Nodes of a block beyond its tile along each axis: a particle of the tile sees them.
-const HALO: usize = MOST_NODES - 1;
-
-/// An image is at most this far from its plane, in cells.
-const MOST_DEPTH: i32 = 2;
-
-/// Most tiles that the directory spans, with or without particles: 64 million entries of 4 bytes.
-const MOST_TILES: usize = 1 << 26;
-
-/// No tile here.
-const NONE: u32 = u32::MAX;
-/// Marks before tiles are numbered: particles stand there; or it only holds the halo of one where they do.
-const OCCUPIED: u32 = 0;
-const HALO_ONLY: u32 = 1;
-
-/// Nodes of a tile along an axis.
-pub(crate) const fn tile_edge(dimension: usize) -> usize {
-    match dimension {
-        1 => 16,
-        2 => 8,
-        _ => 4,
-    }
-}
-
-/// Nodes of a block along an axis.
-pub(crate) const fn block_edge(dimension: usize) -> usize {
-    tile_edge(dimension) + HALO
-}
-
-const fn power(base: usize, exponent: usize) -> usize {
-    let (mut value, mut k) = (1, 0);
-    while k < exponent {
-        value *= base;
-        k += 1;
-    }
-    value
-}
-
-/// Nodes of a block.
-pub(crate) const fn block_len(dimension: usize) -> usize {
-    power(block_edge(dimension), dimension)
-}
-
-pub(crate) const fn tile_len(dimension: usize) -> usize {
-    power(tile_edge(dimension), dimension)
-}
+use crate::tiles::{
+    Directory, HALO, MOST_DEPTH, NONE, Tile, Tiles, block_edge, block_len, signed, tile_edge,
+    tile_len, tile_of,
+};
 
 /// A node. While particles give: mass, momentum, force. While they take: mass, velocity, change of velocity over the step.
 #[derive(Debug, Clone, Copy)]
@@ -88,103 +44,6 @@ impl<S: Number, const D: usize> Node<S, D> {
     }
 }
 
-/// Which tiles exist, and where each is kept.
-#[derive(Debug)]
-struct Directory<const D: usize> {
-    low: [i32; D],
-    extent: [usize; D],
-    slots: Vec<u32>,
-}
-
-impl<const D: usize> Directory<D> {
-    /// Spans the tiles from `low` to `high`, all absent.
-    fn span(&mut self, low: [i32; D], high: [i32; D]) -> Result<(), Error> {
-        let mut total = 1_usize;
-        self.low = low;
-        for k in 0..D {
-            let extent = usize::try_from(i64::from(high[k]) - i64::from(low[k]) + 1).unwrap_or(0);
-            self.extent[k] = extent;
-            total = total.saturating_mul(extent);
-        }
-        if total > MOST_TILES {
-            return Err(Error::GridTooLarge { tiles: total, limit: MOST_TILES });
-        }
-        self.slots.clear();
-        self.slots.resize(total, NONE);
-        Ok(())
-    }
-
-    fn index(&self, tile: &[i32; D]) -> Option<usize> {
-        let mut index = 0;
-        for k in (0..D).rev() {
-            let offset = usize::try_from(i64::from(tile[k]) - i64::from(self.low[k])).ok()?;
-            if offset >= self.extent[k] {
-                return None;
-            }
-            index = index * self.extent[k] + offset;
-        }
-        Some(index)
-    }
-
-    /// The slot of a tile, or [`NONE`].
-    fn number(&self, tile: &[i32; D]) -> u32 {
-        self.index(tile).map_or(NONE, |index| self.slots[index])
-    }
-}
-
-/// The tile that a node belongs to.
-#[inline(always)]
-fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
-    let mut tile = *node;
-    for place in &mut tile {
-        *place = place.div_euclid(signed(tile_edge(D)));
-    }
-    tile
-}
-
-/// A length within a block: far below the range of the type.
-#[inline(always)]
-fn signed(length: usize) -> i32 {
-    i32::try_from(length).unwrap_or(i32::MAX)
-}
-
-/// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they stand one
-/// tile further along axis `k`.
-const NEIGHBOURS: usize = 8;
-
-#[derive(Debug, Clone, Copy)]
-struct Tile<const D: usize> {
-    at: [i32; D],
-    /// Whether particles stand in it; else it only holds what those below give.
-    occupied: bool,
-    /// Whether no plane acts on its nodes or those of its halo.
-    plain: bool,
-    /// Slots of the tiles below where particles stand, or [`NONE`].
-    below: [u32; NEIGHBOURS],
-    /// Slots of the tiles above, or [`NONE`].
-    above: [u32; NEIGHBOURS],
-}
-
-impl<const D: usize> Tile<D> {
-    /// Its lowest node.
-    #[inline(always)]
-    fn corner(&self) -> [i32; D] {
-        let mut corner = self.at;
-        for place in &mut corner {
-            *place *= signed(tile_edge(D));
-        }
-        corner
-    }
-
-    fn is_plain(&self, planes: &[Plane]) -> bool {
-        let (low, reach) = (self.corner(), signed(block_edge(D)) - 1);
-        planes.iter().all(|plane| {
-            let low = low[plane.axis];
-            plane.beyond(low).max(plane.beyond(low + reach)) < -MOST_DEPTH
-        })
-    }
-}
-
 /// The nodes of all tiles.
 ///
 /// Particles of a tile write into the tile's own block, which has a halo; nodes then collect from the blocks that hold a copy
@@ -194,10 +53,7 @@ pub(crate) struct Grid<S, const D: usize> {
     pub(crate) cell: f64,
     pub(crate) origin: [f64; D],
     planes: Vec<Plane>,
-    directory: Directory<D>,
-    tiles: Vec<Tile<D>>,
-    /// Places in the directory of the tiles where particles stand.
-    occupied: Vec<usize>,
+    tiles: Tiles<D>,
     /// A block for each tile, with its halo.
     blocks: Vec<Node<S, D>>,
     /// The nodes themselves: a set for each tile, no halo.
@@ -231,9 +87,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
             cell: config.cell,
             origin: config.origin,
             planes,
-            directory: Directory { low: [0; D], extent: [0; D], slots: vec![] },
-            tiles: vec![],
-            occupied: vec![],
+            tiles: Tiles::none(),
             blocks: vec![],
             nodes: vec![],
             n_fields,
@@ -254,39 +108,13 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// Allocates the tiles that the particles see, and sorts the particles of every body by tile.
     pub(crate) fn allocate(&mut self, bodies: &mut [Body<S, D>]) -> Result<(), Error> {
-        let (mut low, mut high) = ([i32::MAX; D], [i32::MIN; D]);
-        for base in bodies.iter().flat_map(|body| &body.binning.bases) {
-            for k in 0..D {
-                low[k] = low[k].min(base[k]);
-                high[k] = high[k].max(base[k]);
-            }
-        }
-        // One more tile above: halos belong to it.
-        let (low, high) = (tile_of(&low), tile_of(&high).map(|tile| tile + 1));
-        self.directory.span(low, high)?;
-        self.occupied.clear();
-        for body in &*bodies {
-            let mut last = None;
-            for base in &body.binning.bases {
-                let tile = tile_of(base);
-                if last == Some(tile) {
-                    continue;
-                }
-                last = Some(tile);
-                if let Some(index) = self.directory.index(&tile)
-                    && self.directory.slots[index] == NONE
-                {
-                    self.directory.slots[index] = OCCUPIED;
-                    self.occupied.push(index);
-                }
-            }
-        }
-        self.number_tiles(low);
+        let bases = bodies.iter().map(|body| body.binning.bases.as_slice());
+        self.tiles.allocate(bases, &self.planes)?;
         for body in bodies {
-            let Self { directory, tiles, .. } = &*self;
+            let Tiles { directory, all, .. } = &self.tiles;
             let mut last = (tile_of(&body.binning.bases[0]), NONE);
             last.1 = directory.number(&last.0);
-            body.binning.bin(tiles.len(), |base| {
+            body.binning.bin(all.len(), |base| {
                 let tile = tile_of(base);
                 if tile != last.0 {
                     last = (tile, directory.number(&tile));
@@ -294,7 +122,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
                 last.1
             });
         }
-        let n_sets = self.tiles.len() * self.n_fields;
+        let n_sets = self.tiles.all.len() * self.n_fields;
         self.blocks.resize(n_sets * block_len(D), Node::zero());
         self.nodes.resize(n_sets * tile_len(D), Node::zero());
         if self.has_contact() {
@@ -303,61 +131,10 @@ impl<S: Number, const D: usize> Grid<S, D> {
         Ok(())
     }
 
-    /// Numbers the tiles that were marked and those that hold their halos, in the order of the directory.
-    fn number_tiles(&mut self, low: [i32; D]) {
-        let Self { directory, tiles, occupied, planes, .. } = self;
-        for &index in &*occupied {
-            for bits in 1..1_usize << D {
-                let (mut neighbour, mut stride) = (index, 1);
-                for k in 0..D {
-                    neighbour += stride * (bits >> k & 1);
-                    stride *= directory.extent[k];
-                }
-                if directory.slots[neighbour] == NONE {
-                    directory.slots[neighbour] = HALO_ONLY;
-                }
-            }
-        }
-        tiles.clear();
-        for index in 0..directory.slots.len() {
-            let mark = directory.slots[index];
-            if mark == NONE {
-                continue;
-            }
-            directory.slots[index] = u32::try_from(tiles.len()).unwrap_or(NONE);
-            let mut rest = index;
-            let at = std::array::from_fn(|k| {
-                let offset = rest % directory.extent[k];
-                rest /= directory.extent[k];
-                low[k] + i32::try_from(offset).unwrap_or(0)
-            });
-            let none = [NONE; NEIGHBOURS];
-            let mut tile =
-                Tile { at, occupied: mark == OCCUPIED, plain: false, below: none, above: none };
-            tile.plain = tile.is_plain(planes);
-            tiles.push(tile);
-        }
-        for slot in 0..tiles.len() {
-            for bits in 0..1_usize << D {
-                let along = |step: i32| {
-                    let at = tiles[slot].at;
-                    directory.number(&std::array::from_fn(|k| {
-                        at[k] + if bits >> k & 1 == 1 { step } else { 0 }
-                    }))
-                };
-                let (below, above) = (along(-1), along(1));
-                if below != NONE && tiles[below as usize].occupied {
-                    tiles[slot].below[bits] = below;
-                }
-                tiles[slot].above[bits] = above;
-            }
-        }
-    }
-
     /// The lowest node of a tile's block.
     #[inline(always)]
     pub(crate) fn corner(&self, slot: usize) -> [i32; D] {
-        self.tiles[slot].corner()
+        self.tiles.all[slot].corner()
     }
 
     /// The block of a tile in a field.
@@ -368,7 +145,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// Lets every tile's particles write into its cleared blocks, one for each field: `give(slot, corner, blocks)`.
     pub(crate) fn collect(&mut self, give: impl Fn(usize, [i32; D], &mut [Node<S, D>]) + Sync) {
-        let tiles = &self.tiles;
+        let tiles = &self.tiles.all;
         for_each_chunk(&mut self.blocks, self.n_fields * block_len(D), |slot, blocks| {
             if tiles[slot].occupied {
                 blocks.fill(Node::zero());
@@ -379,7 +156,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// The same for the gradients of masses.
     pub(crate) fn collect_outward(&mut self, give: impl Fn(usize, [i32; D], &mut [[S; D]]) + Sync) {
-        let tiles = &self.tiles;
+        let tiles = &self.tiles.all;
         for_each_chunk(&mut self.outward, self.n_fields * block_len(D), |slot, blocks| {
             if tiles[slot].occupied {
                 blocks.fill([S::constant(0.0); D]);
@@ -392,10 +169,9 @@ impl<S: Number, const D: usize> Grid<S, D> {
     /// change over the step by the force and by contact, and what the planes make of them; then the blocks are filled with
     /// them again.
     pub(crate) fn solve(&mut self, solve: Solve) {
-        let Self {
-            cell, planes, directory, tiles, blocks, nodes, n_fields, friction, outward, ..
-        } = self;
-        let (planes, directory, tiles, cell) = (&*planes, &*directory, &*tiles, *cell);
+        let Self { cell, planes, tiles, blocks, nodes, n_fields, friction, outward, .. } = self;
+        let Tiles { directory, all: tiles, .. } = &*tiles;
+        let (planes, cell) = (&*planes, *cell);
         let (n_fields, friction) = (*n_fields, *friction);
         let given = Given { directory, tiles, planes, n_fields, blocks, outward };
         for_each_chunk(nodes, n_fields * tile_len(D), |slot, owned| {
@@ -450,7 +226,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// Tiles that exist.
     pub(crate) fn n_tiles(&self) -> usize {
-        self.tiles.len()
+        self.tiles.all.len()
     }
 }
 

@@ -2,15 +2,18 @@
 
 use std::io::{Read, Write};
 
-use crate::body::{Body, Particles, Summary, signal_speed};
+use crate::body::Body;
 use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
+use crate::constitution::{Summary, signal_speed};
 use crate::error::Error;
+use crate::giving::Given;
 use crate::grid::{Grid, Solve};
 use crate::number::Number;
+use crate::particles::Particles;
 use crate::shape::MOST_NODES;
 use crate::snapshot::{Clock, Stored, read, write};
-use crate::transfer::{Given, Pass, Places, Sweep, carrier};
+use crate::transfer::{Pass, Places, Sweep, carrier};
 
 /// A node lighter than this part of the lightest particle stands still.
 const SMALLEST_MASS: f64 = 1e-12;
@@ -100,7 +103,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
                     *volume *= x[0].value();
                 }
             }
-            body.prepare(&config);
+            body.particles.prepare(&config);
         }
         let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
         let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);

@@ -1,0 +1,224 @@
+//! What every particle carries besides the state of its material.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::binning::{Binning, permute};
+use crate::body::Fill;
+use crate::config::{Config, Geometry, Transfer, UpdateOrder};
+use crate::error::Fault;
+use crate::number::Number;
+use crate::shape::Shape;
+use crate::transfer::Sweep;
+
+/// What every particle carries besides the state of its material, in the order of memory. A column that no step of the
+/// configuration needs is empty.
+#[derive(Debug)]
+pub(crate) struct Particles<S, const D: usize> {
+    pub(crate) position: Vec<[S; D]>,
+    pub(crate) velocity: Vec<[S; D]>,
+    /// By how much the step moves it, where it does not move at once.
+    pub(crate) displacement: Vec<[S; D]>,
+    /// APIC's matrix.
+    pub(crate) affine: Vec<[[S; D]; D]>,
+    /// Half its length along each axis (length), with GIMP.
+    pub(crate) half_length: Vec<[S; D]>,
+    /// The same at the end of the step.
+    pub(crate) stretched: Vec<[S; D]>,
+    pub(crate) mass: Vec<S>,
+    /// Its volume in the reference state; per radian where axisymmetric.
+    pub(crate) reference_volume: Vec<f64>,
+    /// Its number.
+    pub(crate) number: Vec<u32>,
+}
+
+/// A run of particles; columns that are empty are so in every chunk.
+#[derive(Debug)]
+pub(crate) struct Chunk<'a, S, const D: usize> {
+    pub(crate) position: &'a mut [[S; D]],
+    pub(crate) velocity: &'a mut [[S; D]],
+    pub(crate) displacement: &'a mut [[S; D]],
+    pub(crate) affine: &'a mut [[[S; D]; D]],
+    pub(crate) half_length: &'a mut [[S; D]],
+    pub(crate) stretched: &'a mut [[S; D]],
+    pub(crate) mass: &'a [S],
+    pub(crate) reference_volume: &'a [f64],
+    pub(crate) number: &'a [u32],
+    /// The lowest node that it sees.
+    pub(crate) base: &'a [[i32; D]],
+    pub(crate) slot: &'a [u32],
+}
+
+/// Both parts of a column, of one that may be empty too.
+fn halves<T>(column: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
+    column.split_at_mut(middle.min(column.len()))
+}
+
+/// Two chunks of one: columns that are written, then those that are only read.
+macro_rules! split {
+    ($chunk:ident at $middle:ident: $($written:ident),+; $($read:ident),+) => {{
+        $(let $written = halves($chunk.$written, $middle);)+
+        $(let $read = $chunk.$read.split_at($middle);)+
+        (
+            Chunk { $($written: $written.0,)+ $($read: $read.0,)+ },
+            Chunk { $($written: $written.1,)+ $($read: $read.1,)+ },
+        )
+    }};
+}
+
+impl<S, const D: usize> Chunk<'_, S, D> {
+    pub(crate) fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    pub(crate) fn split(&mut self, middle: usize) -> (Chunk<'_, S, D>, Chunk<'_, S, D>) {
+        split!(self at middle:
+            position, velocity, displacement, affine, half_length, stretched;
+            mass, reference_volume, number, base, slot)
+    }
+}
+
+impl<S: Number, const D: usize> Particles<S, D> {
+    /// Particles at rest at the places of a fill, or all with one velocity.
+    pub(crate) fn of(fill: &Fill<D>, velocity: [f64; D], density: S) -> Self {
+        let (n, volume) = (fill.positions.len(), fill.spacing.iter().product());
+        Self {
+            position: fill.positions.iter().map(|place| place.map(S::constant)).collect(),
+            velocity: vec![velocity.map(S::constant); n],
+            displacement: vec![],
+            affine: vec![],
+            half_length: vec![fill.spacing.map(|length| S::constant(0.5 * length)); n],
+            stretched: vec![],
+            mass: vec![density * volume; n],
+            reference_volume: vec![volume; n],
+            number: (0_u32..).take(n).collect(),
+        }
+    }
+
+    /// Makes the columns that steps of a configuration need, and leaves out those that they do not.
+    pub(crate) fn prepare(&mut self, config: &Config<D>) {
+        let (n, zero) = (self.position.len(), S::constant(0.0));
+        let Self { displacement, affine, half_length, stretched, .. } = self;
+        if config.update_order == UpdateOrder::ModifiedStressLast {
+            displacement.resize(n, [zero; D]);
+        }
+        if config.transfer == Transfer::Apic {
+            affine.resize(n, [[zero; D]; D]);
+        }
+        if config.shape == Shape::Gimp {
+            stretched.clone_from(half_length);
+        } else {
+            *half_length = vec![];
+        }
+    }
+
+    /// All of them.
+    pub(crate) fn chunk<'a>(&'a mut self, binning: &'a Binning<D>) -> Chunk<'a, S, D> {
+        Chunk {
+            position: &mut self.position,
+            velocity: &mut self.velocity,
+            displacement: &mut self.displacement,
+            affine: &mut self.affine,
+            half_length: &mut self.half_length,
+            stretched: &mut self.stretched,
+            mass: &self.mass,
+            reference_volume: &self.reference_volume,
+            number: &self.number,
+            base: &binning.bases,
+            slot: &binning.slot,
+        }
+    }
+
+    /// Brings particle `order[i]` to place `i`.
+    pub(crate) fn permute(&mut self, order: &[u32], done: &mut Vec<bool>) {
+        permute(&mut self.position, order, done);
+        permute(&mut self.velocity, order, done);
+        permute(&mut self.displacement, order, done);
+        permute(&mut self.affine, order, done);
+        permute(&mut self.half_length, order, done);
+        permute(&mut self.stretched, order, done);
+        permute(&mut self.mass, order, done);
+        permute(&mut self.reference_volume, order, done);
+        permute(&mut self.number, order, done);
+    }
+}
+
+impl<S: Number, const D: usize> Chunk<'_, S, D> {
+    /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
+    /// (Chen et al. 2019, eq 8).
+    #[inline(always)]
+    pub(crate) fn move_one(&mut self, i: usize, sweep: &Sweep<'_, S, D>) -> Result<(), Fault> {
+        let x = &mut self.position[i];
+        for k in 0..D {
+            if !sweep.pass.takes_motion() {
+                x[k] = x[k] + self.displacement[i][k];
+            }
+            let value = x[k].value();
+            if !value.is_finite() {
+                return Err(Fault { quantity: "position", value, must: "finite" });
+            }
+        }
+        if sweep.config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
+            return Err(Fault { quantity: "radius", value: x[0].value(), must: "above 0" });
+        }
+        if sweep.config.shape == Shape::Gimp {
+            for k in 0..D {
+                let length = self.stretched[i][k];
+                self.half_length[i][k] = length;
+                let value = length.value() / sweep.config.cell;
+                if !(value > 0.0 && value <= 1.0) {
+                    let must = "above 0 and at most 1: the grid is too fine for the stretch";
+                    return Err(Fault { quantity: "half length in cells", value, must });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
+pub(crate) struct Row<S, const D: usize> {
+    position: [S; D],
+    velocity: [S; D],
+    affine: Option<[[S; D]; D]>,
+    half_length: Option<[S; D]>,
+    mass: S,
+    reference_volume: f64,
+}
+
+impl<S: Number, const D: usize> Row<S, D> {
+    pub(crate) fn of(particles: &Particles<S, D>, place: usize) -> Self {
+        Self {
+            position: particles.position[place],
+            velocity: particles.velocity[place],
+            affine: particles.affine.get(place).copied(),
+            half_length: particles.half_length.get(place).copied(),
+            mass: particles.mass[place],
+            reference_volume: particles.reference_volume[place],
+        }
+    }
+
+    pub(crate) fn put(self, particles: &mut Particles<S, D>, place: usize) {
+        particles.position[place] = self.position;
+        particles.velocity[place] = self.velocity;
+        if let Some(matrix) = self.affine {
+            particles.affine[place] = matrix;
+        }
+        if let Some(lengths) = self.half_length {
+            particles.half_length[place] = lengths;
+        }
+        particles.mass[place] = self.mass;
+        particles.reference_volume[place] = self.reference_volume;
+    }
+
+    pub(crate) fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+        let mut volume = S::constant(self.reference_volume);
+        let affine = self.affine.iter_mut().flat_map(|matrix| matrix.as_flattened_mut());
+        let points = self.position.iter_mut().chain(&mut self.velocity).chain(affine);
+        let lengths = self.half_length.iter_mut().flatten();
+        points.chain(lengths).chain([&mut self.mass, &mut volume]).for_each(visit);
+        self.reference_volume = volume.value();
+    }
+}

@@ -1,0 +1,259 @@
+//! Which tiles of nodes there are, and who stands next to whom.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::boundary::Plane;
+use crate::error::Error;
+use crate::shape::MOST_NODES;
+
+/// Nodes of a block beyond its tile along each axis: a particle of the tile sees them.
+pub(crate) const HALO: usize = MOST_NODES - 1;
+
+/// An image is at most this far from its plane, in cells.
+pub(crate) const MOST_DEPTH: i32 = 2;
+
+/// Most tiles that the directory spans, with or without particles: 64 million entries of 4 bytes.
+const MOST_TILES: usize = 1 << 26;
+
+/// No tile here.
+pub(crate) const NONE: u32 = u32::MAX;
+/// Marks before tiles are numbered: particles stand there; or it only holds the halo of one where they do.
+const OCCUPIED: u32 = 0;
+pub(crate) const HALO_ONLY: u32 = 1;
+
+/// Nodes of a tile along an axis.
+pub(crate) const fn tile_edge(dimension: usize) -> usize {
+    match dimension {
+        1 => 16,
+        2 => 8,
+        _ => 4,
+    }
+}
+
+/// Nodes of a block along an axis.
+pub(crate) const fn block_edge(dimension: usize) -> usize {
+    tile_edge(dimension) + HALO
+}
+
+const fn power(base: usize, exponent: usize) -> usize {
+    let (mut value, mut k) = (1, 0);
+    while k < exponent {
+        value *= base;
+        k += 1;
+    }
+    value
+}
+
+/// Nodes of a block.
+pub(crate) const fn block_len(dimension: usize) -> usize {
+    power(block_edge(dimension), dimension)
+}
+
+pub(crate) const fn tile_len(dimension: usize) -> usize {
+    power(tile_edge(dimension), dimension)
+}
+
+/// Which tiles exist, and where each is kept.
+#[derive(Debug)]
+pub(crate) struct Directory<const D: usize> {
+    low: [i32; D],
+    extent: [usize; D],
+    slots: Vec<u32>,
+}
+
+impl<const D: usize> Directory<D> {
+    /// Spans the tiles from `low` to `high`, all absent.
+    fn span(&mut self, low: [i32; D], high: [i32; D]) -> Result<(), Error> {
+        let mut total = 1_usize;
+        self.low = low;
+        for k in 0..D {
+            let extent = usize::try_from(i64::from(high[k]) - i64::from(low[k]) + 1).unwrap_or(0);
+            self.extent[k] = extent;
+            total = total.saturating_mul(extent);
+        }
+        if total > MOST_TILES {
+            return Err(Error::GridTooLarge { tiles: total, limit: MOST_TILES });
+        }
+        self.slots.clear();
+        self.slots.resize(total, NONE);
+        Ok(())
+    }
+
+    fn index(&self, tile: &[i32; D]) -> Option<usize> {
+        let mut index = 0;
+        for k in (0..D).rev() {
+            let offset = usize::try_from(i64::from(tile[k]) - i64::from(self.low[k])).ok()?;
+            if offset >= self.extent[k] {
+                return None;
+            }
+            index = index * self.extent[k] + offset;
+        }
+        Some(index)
+    }
+
+    /// The slot of a tile, or [`NONE`].
+    pub(crate) fn number(&self, tile: &[i32; D]) -> u32 {
+        self.index(tile).map_or(NONE, |index| self.slots[index])
+    }
+}
+
+/// The tile that a node belongs to.
+#[inline(always)]
+pub(crate) fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
+    let mut tile = *node;
+    for place in &mut tile {
+        *place = place.div_euclid(signed(tile_edge(D)));
+    }
+    tile
+}
+
+/// A length within a block: far below the range of the type.
+#[inline(always)]
+pub(crate) fn signed(length: usize) -> i32 {
+    i32::try_from(length).unwrap_or(i32::MAX)
+}
+
+/// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they stand one
+/// tile further along axis `k`.
+const NEIGHBOURS: usize = 8;
+
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tile<const D: usize> {
+    pub(crate) at: [i32; D],
+    /// Whether particles stand in it; else it only holds what those below give.
+    pub(crate) occupied: bool,
+    /// Whether no plane acts on its nodes or those of its halo.
+    pub(crate) plain: bool,
+    /// Slots of the tiles below where particles stand, or [`NONE`].
+    pub(crate) below: [u32; NEIGHBOURS],
+    /// Slots of the tiles above, or [`NONE`].
+    pub(crate) above: [u32; NEIGHBOURS],
+}
+
+impl<const D: usize> Tile<D> {
+    /// Its lowest node.
+    #[inline(always)]
+    pub(crate) fn corner(&self) -> [i32; D] {
+        let mut corner = self.at;
+        for place in &mut corner {
+            *place *= signed(tile_edge(D));
+        }
+        corner
+    }
+
+    fn is_plain(&self, planes: &[Plane]) -> bool {
+        let (low, reach) = (self.corner(), signed(block_edge(D)) - 1);
+        planes.iter().all(|plane| {
+            let low = low[plane.axis];
+            plane.beyond(low).max(plane.beyond(low + reach)) < -MOST_DEPTH
+        })
+    }
+}
+
+/// The tiles where particles stand, and those that hold their halos.
+#[derive(Debug)]
+pub(crate) struct Tiles<const D: usize> {
+    pub(crate) directory: Directory<D>,
+    /// By slot.
+    pub(crate) all: Vec<Tile<D>>,
+    /// Places in the directory of the tiles where particles stand.
+    occupied: Vec<usize>,
+}
+
+impl<const D: usize> Tiles<D> {
+    pub(crate) fn none() -> Self {
+        let directory = Directory { low: [0; D], extent: [0; D], slots: vec![] };
+        Self { directory, all: vec![], occupied: vec![] }
+    }
+
+    /// Finds the tiles that particles see, by the lowest nodes of those of every body.
+    pub(crate) fn allocate<'a>(
+        &mut self,
+        bodies: impl Iterator<Item = &'a [[i32; D]]> + Clone,
+        planes: &[Plane],
+    ) -> Result<(), Error> {
+        let (mut low, mut high) = ([i32::MAX; D], [i32::MIN; D]);
+        for base in bodies.clone().flatten() {
+            for k in 0..D {
+                low[k] = low[k].min(base[k]);
+                high[k] = high[k].max(base[k]);
+            }
+        }
+        // One more tile above: halos belong to it.
+        let (low, high) = (tile_of(&low), tile_of(&high).map(|tile| tile + 1));
+        self.directory.span(low, high)?;
+        self.occupied.clear();
+        for bases in bodies {
+            let mut last = None;
+            for base in bases {
+                let tile = tile_of(base);
+                if last == Some(tile) {
+                    continue;
+                }
+                last = Some(tile);
+                if let Some(index) = self.directory.index(&tile)
+                    && self.directory.slots[index] == NONE
+                {
+                    self.directory.slots[index] = OCCUPIED;
+                    self.occupied.push(index);
+                }
+            }
+        }
+        self.number(low, planes);
+        Ok(())
+    }
+
+    /// Numbers the tiles that were marked and those that hold their halos, in the order of the directory.
+    fn number(&mut self, low: [i32; D], planes: &[Plane]) {
+        let Self { directory, all: tiles, occupied } = self;
+        for &index in &*occupied {
+            for bits in 1..1_usize << D {
+                let (mut neighbour, mut stride) = (index, 1);
+                for k in 0..D {
+                    neighbour += stride * (bits >> k & 1);
+                    stride *= directory.extent[k];
+                }
+                if directory.slots[neighbour] == NONE {
+                    directory.slots[neighbour] = HALO_ONLY;
+                }
+            }
+        }
+        tiles.clear();
+        for index in 0..directory.slots.len() {
+            let mark = directory.slots[index];
+            if mark == NONE {
+                continue;
+            }
+            directory.slots[index] = u32::try_from(tiles.len()).unwrap_or(NONE);
+            let mut rest = index;
+            let at = std::array::from_fn(|k| {
+                let offset = rest % directory.extent[k];
+                rest /= directory.extent[k];
+                low[k] + i32::try_from(offset).unwrap_or(0)
+            });
+            let none = [NONE; NEIGHBOURS];
+            let mut tile =
+                Tile { at, occupied: mark == OCCUPIED, plain: false, below: none, above: none };
+            tile.plain = tile.is_plain(planes);
+            tiles.push(tile);
+        }
+        for slot in 0..tiles.len() {
+            for bits in 0..1_usize << D {
+                let along = |step: i32| {
+                    let at = tiles[slot].at;
+                    directory.number(&std::array::from_fn(|k| {
+                        at[k] + if bits >> k & 1 == 1 { step } else { 0 }
+                    }))
+                };
+                let (below, above) = (along(-1), along(1));
+                if below != NONE && tiles[below as usize].occupied {
+                    tiles[slot].below[bits] = below;
+                }
+                tiles[slot].above[bits] = above;
+            }
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::binning::Binning;
-use crate::constitution::{Condition, Constitution, Particular, Summary};
+use crate::constitution::{Constitution, Particular, Summary};
 use crate::error::{Error, finite, positive};
 use crate::material::{LocalResponse, LocalState, Material, Observed};
 use crate::number::Number;
@@ -91,6 +91,21 @@ impl<const D: usize> Fill<D> {
             .collect();
         Self { positions, spacing }
     }
+
+    /// The places in three dimensions, refused where they, or the spacing, cannot be.
+    fn checked(&self) -> Result<Vec<[f64; 3]>, Error> {
+        for &spacing in &self.spacing {
+            positive("spacing of particles", spacing)?;
+        }
+        if self.positions.is_empty() {
+            return Err(Error::EmptyBody { spacing: self.spacing[0] });
+        }
+        let in_space = |place: &[f64; D]| {
+            place.iter().try_for_each(|&value| finite("position of a particle", value))?;
+            Ok(std::array::from_fn(|k| if k < D { place[k] } else { 0.0 }))
+        };
+        self.positions.iter().map(in_space).collect()
+    }
 }
 impl<S: Number, const D: usize> Body<S, D> {
     /// Particles of a material, all with one velocity.
@@ -106,38 +121,16 @@ impl<S: Number, const D: usize> Body<S, D> {
     where
         M::State: 'static,
     {
-        for (k, &spacing) in fill.spacing.iter().enumerate() {
-            positive("spacing of particles", spacing)?;
-            finite("velocity", velocity[k])?;
-        }
-        let n = fill.positions.len();
-        if n == 0 {
-            return Err(Error::EmptyBody { spacing: fill.spacing[0] });
-        }
-        for place in &fill.positions {
-            place.iter().try_for_each(|&value| finite("position of a particle", value))?;
+        let places = fill.checked()?;
+        for &component in &velocity {
+            finite("velocity", component)?;
         }
         let density = material.density();
         positive("density", density.value())?;
-        let start = |place: &[f64; D]| {
-            material.start(std::array::from_fn(|k| if k < D { place[k] } else { 0.0 }))
-        };
-        let states: Vec<_> = fill.positions.iter().map(start).collect();
-        let one = S::constant(1.0);
-        let conditions = states
-            .iter()
-            .map(|state| Condition {
-                stress: material.start_stress(state),
-                viscosity: S::constant(0.0),
-                volume: one,
-                wave_speed: material.wave_speed(one, state),
-                rate: 0.0,
-            })
-            .collect();
         Ok(Self {
             particles: Particles::of(fill, velocity, density),
-            constitution: Box::new(Particular { material, density, states, conditions }),
-            binning: Binning::of(n),
+            constitution: Box::new(Particular::at_start(material, &places)),
+            binning: Binning::of(places.len()),
             spacing: fill.spacing,
             places: vec![],
             views: Views::none(),

@@ -113,10 +113,28 @@ const SHARE: usize = 1024;
 
 #[derive(Debug)]
 pub(crate) struct Particular<M: Material<S>, S: Number> {
-    pub(crate) material: M,
-    pub(crate) density: S,
-    pub(crate) states: Vec<M::State>,
-    pub(crate) conditions: Vec<Condition<S>>,
+    material: M,
+    density: S,
+    states: Vec<M::State>,
+    conditions: Vec<Condition<S>>,
+}
+
+impl<M: Material<S>, S: Number> Particular<M, S> {
+    /// All particles as they start, at their places.
+    #[inline(never)]
+    pub(crate) fn at_start(material: M, places: &[[f64; 3]]) -> Self {
+        let states: Vec<_> = places.iter().map(|&place| material.start(place)).collect();
+        let one = S::constant(1.0);
+        let condition = |state: &M::State| Condition {
+            stress: material.start_stress(state),
+            viscosity: S::constant(0.0),
+            volume: one,
+            wave_speed: material.wave_speed(one, state),
+            rate: 0.0,
+        };
+        let conditions = states.iter().map(condition).collect();
+        Self { density: material.density(), material, states, conditions }
+    }
 }
 
 /// What a step does to the material of every particle.
@@ -264,34 +282,58 @@ impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
                 summary.fail(number, fault);
             }
         }
-        in_widest_registers(
-            #[inline(always)]
-            || {
-                if sweep.pass.moves() {
-                    for i in 0..n {
-                        if let Err(fault) = chunk.move_one(i, sweep) {
-                            summary.fail(chunk.number[i], fault);
-                        }
-                        let velocity = &chunk.velocity[i];
-                        let speed = signal_speed(velocity, &conditions[i], sweep.config);
-                        let number = chunk.number[i];
-                        if speed > summary.fastest.0
-                            || (speed >= summary.fastest.0 && number < summary.fastest.1)
-                        {
-                            summary.fastest = (speed, number);
-                        }
-                        let mass = chunk.mass[i].value();
-                        for k in 0..D {
-                            let v = velocity[k].value();
-                            summary.momentum[k] += mass * v;
-                            summary.kinetic += 0.5 * mass * v * v;
-                        }
-                        let energy = material.energy(&states[i]).value();
-                        summary.internal += energy * chunk.reference_volume[i];
-                    }
+        if sweep.pass.moves() {
+            move_batch(chunk, conditions, sweep, summary);
+            add_energies(*material, states, chunk.reference_volume, &mut summary.internal);
+        }
+    }
+}
+
+/// Particles of a batch to where they stand at the end of the step, and what is seen of them there. Without the material, of
+/// which there are more than of dimensions.
+#[inline(never)]
+fn move_batch<S: Number, const D: usize>(
+    chunk: &mut Chunk<'_, S, D>,
+    conditions: &[Condition<S>],
+    sweep: &Sweep<'_, S, D>,
+    summary: &mut Summary<D>,
+) {
+    in_widest_registers(
+        #[inline(always)]
+        || {
+            for (i, condition) in conditions.iter().enumerate() {
+                if let Err(fault) = chunk.move_one(i, sweep) {
+                    summary.fail(chunk.number[i], fault);
                 }
-            },
-        );
+                let velocity = &chunk.velocity[i];
+                let speed = signal_speed(velocity, condition, sweep.config);
+                let number = chunk.number[i];
+                if speed > summary.fastest.0
+                    || (speed >= summary.fastest.0 && number < summary.fastest.1)
+                {
+                    summary.fastest = (speed, number);
+                }
+                let mass = chunk.mass[i].value();
+                for k in 0..D {
+                    let v = velocity[k].value();
+                    summary.momentum[k] += mass * v;
+                    summary.kinetic += 0.5 * mass * v * v;
+                }
+            }
+        },
+    );
+}
+
+/// Adds the internal energies of a batch, one by one.
+#[inline(never)]
+fn add_energies<M: Material<S>, S: Number>(
+    material: &M,
+    states: &[M::State],
+    volumes: &[f64],
+    sum: &mut f64,
+) {
+    for (state, volume) in states.iter().zip(volumes) {
+        *sum += material.energy(state).value() * volume;
     }
 }
 

@@ -3,6 +3,7 @@
 //! A case is one file here and one line in [`ALL`].
 
 mod fpk;
+mod lines;
 mod neighbour_search;
 mod particle_store;
 mod perturbation_moments;

@@ -53,6 +53,7 @@ pub const ALL: &[Case] = &[
     fpk::invariance::CASE,
     fpk::failures::CASE,
     smpm::elastic_bar::CASE,
+    smpm::disks::CASE,
     smpm::shock_tubes::CASE,
     smpm::plate_impact::CASE,
     smpm::detonation::CASE,

@@ -2,9 +2,11 @@
 
 pub(crate) mod contact_explosion;
 pub(crate) mod detonation;
+pub(crate) mod disks;
 pub(crate) mod elastic_bar;
 pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
+mod methods;
 pub(crate) mod plate_impact;
 pub(crate) mod shock_tubes;
 pub(crate) mod trust;

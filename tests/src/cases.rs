@@ -57,6 +57,8 @@ pub const ALL: &[Case] = &[
     smpm::shock_tubes::CASE,
     smpm::plate_impact::CASE,
     smpm::detonation::CASE,
+    smpm::taylor_bar::AXISYMMETRIC,
+    smpm::taylor_bar::QUARTER,
     smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,

@@ -9,6 +9,7 @@ pub(crate) mod johnson_cook_point;
 mod methods;
 pub(crate) mod plate_impact;
 pub(crate) mod shock_tubes;
+pub(crate) mod taylor_bar;
 pub(crate) mod trust;
 
 /// The `share` quantile of some numbers, the upper of two neighbours; NaN of none.

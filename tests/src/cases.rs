@@ -63,6 +63,8 @@ pub const ALL: &[Case] = &[
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,
     smpm::trust::CASE,
+    smpm::refinement::CASE,
+    smpm::paper_size::CASE,
     smpm::invariance::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,

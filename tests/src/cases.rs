@@ -3,6 +3,7 @@
 //! A case is one file here and one line in [`ALL`].
 
 mod fpk;
+mod lines;
 mod neighbour_search;
 mod particle_store;
 mod perturbation_moments;
@@ -52,13 +53,18 @@ pub const ALL: &[Case] = &[
     fpk::invariance::CASE,
     fpk::failures::CASE,
     smpm::elastic_bar::CASE,
+    smpm::disks::CASE,
     smpm::shock_tubes::CASE,
     smpm::plate_impact::CASE,
     smpm::detonation::CASE,
+    smpm::taylor_bar::AXISYMMETRIC,
+    smpm::taylor_bar::QUARTER,
     smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,
     smpm::trust::CASE,
+    smpm::refinement::CASE,
+    smpm::paper_size::CASE,
     smpm::invariance::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,

@@ -10,7 +10,6 @@ pub(crate) mod invariance;
 pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;
 pub(crate) mod linear_systems;
-mod lines;
 pub(crate) mod monte_carlo;
 pub(crate) mod rivals;
 pub(crate) mod schemes;
@@ -20,12 +19,24 @@ pub(crate) mod viscous_damper;
 
 use crate::case::{CaseError, Context};
 use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances};
+use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
 use crate::fpk::problem::Problem;
+use crate::fpk::scene::FpkScene;
 use crate::report::{Claim, ErrorKind};
+use crate::scene::SceneFile;
 
 /// The moments that the references hold.
 const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];
+
+/// A scene by its file.
+fn scene(name: &str, text: &str) -> Result<FpkScene, CaseError> {
+    Ok(SceneFile::from_text(name, text.to_owned())?.parse()?)
+}
+
+/// The row of a time, or why there is none.
+fn row(run: &DensityRun, t: f64) -> Result<&Row, CaseError> {
+    run.at(t).ok_or_else(|| format!("no row at t = {t}: {:?}", run.stopped).into())
+}
 
 /// A run with what the cases look at.
 fn asked(times: &[f64], problem: &Problem, cells: bool) -> Asked {
@@ -176,7 +187,7 @@ impl Judge<'_> {
         estimator.of(exceedances).ok_or_else(|| "cells were not asked for".into())
     }
 
-    fn row(&self, t: f64) -> Result<&crate::fpk::density::Row, CaseError> {
+    fn row(&self, t: f64) -> Result<&Row, CaseError> {
         match (self.run.at(t), &self.run.stopped) {
             (Some(row), _) => Ok(row),
             (None, Some(error)) => Err(format!("the run ended before t = {t}: {error}").into()),

@@ -2,11 +2,16 @@
 
 pub(crate) mod contact_explosion;
 pub(crate) mod detonation;
+pub(crate) mod disks;
 pub(crate) mod elastic_bar;
 pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
+mod methods;
+pub(crate) mod paper_size;
 pub(crate) mod plate_impact;
+pub(crate) mod refinement;
 pub(crate) mod shock_tubes;
+pub(crate) mod taylor_bar;
 pub(crate) mod trust;
 
 /// The `share` quantile of some numbers, the upper of two neighbours; NaN of none.

@@ -146,6 +146,12 @@ impl EquationScene {
 }
 
 impl StrengthScene {
+    /// Takes all that is not set anew from another entry of the library.
+    pub fn take_from(&mut self, library: &str) {
+        let (Self::Elastic(given) | Self::VonMises(given) | Self::JohnsonCook(given)) = self;
+        given.library = Some(library.to_owned());
+    }
+
     fn parts(&self) -> (&'static str, Names, &ParameterScene) {
         match self {
             Self::Elastic(given) => ("elastic", ElasticShearParameters::<f64>::NAMES, given),

@@ -14,6 +14,10 @@ pub enum Problem {
     ContactExplosion,
     /// The first: a thick plate whose equation of state is random.
     ThickPlate,
+    /// A cylinder of copper against a wall, axisymmetric.
+    TaylorBar,
+    /// A quarter of it in three dimensions.
+    TaylorBarQuarter,
 }
 
 impl Problem {
@@ -30,6 +34,14 @@ impl Problem {
             Self::ThickPlate => (
                 "tests/scenes/smpm/contact_explosion_thick.json",
                 include_str!("../../scenes/smpm/contact_explosion_thick.json"),
+            ),
+            Self::TaylorBar => (
+                "tests/scenes/smpm/taylor_bar.json",
+                include_str!("../../scenes/smpm/taylor_bar.json"),
+            ),
+            Self::TaylorBarQuarter => (
+                "tests/scenes/smpm/taylor_bar_quarter.json",
+                include_str!("../../scenes/smpm/taylor_bar_quarter.json"),
             ),
         }
     }

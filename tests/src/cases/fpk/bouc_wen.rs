@@ -8,9 +8,10 @@ use fpk_sph::{
 };
 use sde_integrators::GaussianMixture;
 
-use super::lines::{Lines, scene};
+use super::scene;
 use super::stationary_oscillators::remapped as fresh_lattices;
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::fpk::reference::ReferenceTable;
 use crate::fpk::scene_system::SceneSystem;

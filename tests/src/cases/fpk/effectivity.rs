@@ -4,8 +4,9 @@ use fpk_sph::systems::GeometricBrownianMotion;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
 use sde_integrators::{GaussianMixture, Sde};
 
-use super::lines::{Lines, scene};
+use super::scene;
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::Reference;
 use crate::fpk::problem::Problem;
 use crate::fpk::reference::ReferenceTable;

@@ -3,8 +3,9 @@
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use sde_integrators::{Estimate, GaussianMixture};
 
-use super::lines::{Lines, row, scene};
+use super::{row, scene};
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
 use crate::fpk::method_scene::IntegratorScene;

@@ -10,8 +10,8 @@ use sde_integrators::{
     maxima, simulate,
 };
 
-use super::lines::Lines;
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::linear_moments::linear_moments;
 use crate::fpk::problem::{Problem, bouc_wen};

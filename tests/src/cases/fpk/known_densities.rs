@@ -9,8 +9,8 @@ use fpk_sph::{
 };
 use sde_integrators::{GaussianMixture, Sde};
 
-use super::lines::Lines;
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::reference::BistableReference;
 use crate::order;

@@ -4,8 +4,9 @@ use fpk_sph::systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use sde_integrators::{GaussianMixture, Sde};
 
-use super::lines::{Lines, row, scene};
+use super::{row, scene};
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::density::{Asked, Demand, DensityRun, run_on};
 use crate::fpk::linear_moments::{NormalLaw, linear_moments};

@@ -9,8 +9,8 @@ use fpk_sph::{
 };
 use sde_integrators::GaussianMixture;
 
-use super::lines::Lines;
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::problem::Problem;
 use crate::report::{Claim, ErrorKind};

@@ -8,8 +8,9 @@ use fpk_sph::{
 use sde_integrators::{GaussianMixture, Sde};
 
 use super::invariance::over_threads;
-use super::lines::{Lines, row, scene};
+use super::{row, scene};
 use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Reference};
 use crate::fpk::density::{Asked, Demand, run_on};
 use crate::fpk::scene_system::SceneSystem;

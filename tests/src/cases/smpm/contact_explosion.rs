@@ -8,8 +8,8 @@ use smpm::{Plan, Quantity};
 
 use super::quantile;
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::problems::{Problem, experiment};
 
@@ -89,6 +89,8 @@ fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         // 2 % of a deviation: 1e-3 of a parameter.
         let differenced = study.finite_difference(0.02)?;
         let plan = study.plan();
+        let method = "jets against central differences, all gauges, t <= 12 us".to_owned();
+        let lines = Lines { context, id: name, method };
         for (q, quantity) in plan.quantities.iter().enumerate() {
             let scale = largest(plan, q, &differenced);
             let mut worst = 0.0_f64;
@@ -100,21 +102,12 @@ fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                     worst = worst.max(apart.sqrt() / scale);
                 }
             }
-            let id = format!("{name}/{}", quantity.to_string().replace('_', "-"));
-            claims.push(Claim::judge(
-                context.subject(
-                    &id,
-                    "largest distance of the two gradients, over the largest gradient",
-                    "",
-                    "jets against central differences, all gauges, t <= 12 us",
-                ),
-                ErrorKind::Absolute,
-                Measured::exact(worst),
-                Reference::exact(0.0),
-                Criterion::Within {
-                    tolerance: 1e-3,
-                    reason: "truncation of the differences, and switches within their step",
-                },
+            let name = quantity.to_string().replace('_', "-");
+            claims.push(lines.bounded(
+                (&name, "largest distance of the two gradients, over the largest gradient", ""),
+                worst,
+                1e-3,
+                "truncation of the differences, and switches within their step",
             ));
         }
     }
@@ -167,142 +160,126 @@ fn errors(
     Ok(errors)
 }
 
+/// Claims of the jets, and of the frozen formulas, against samples.
+struct Against<'a> {
+    jets: Lines<'a>,
+    frozen: Lines<'a>,
+}
+
+impl<'a> Against<'a> {
+    fn new(context: &'a Context<'a>) -> Self {
+        let line = |method: &str| Lines { context, id: "", method: method.to_owned() };
+        Self {
+            jets: line("jets, against sampled runs with control variate"),
+            frozen: line("formulas at the local state, corrected: a baseline"),
+        }
+    }
+
+    /// The median error of the frozen variance, where it was seen.
+    fn frozen(&self, id: &str, errors: &Errors, band: (f64, f64)) -> Claim {
+        self.frozen.measured(
+            (id, "median relative error of the frozen variance", ""),
+            quantile(&errors.frozen_variance, 0.5),
+            band,
+            "the state is taken for certain; seen with 250 samples as with 1000",
+        )
+    }
+}
+
 fn samples(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let against = Against::new(context);
     let mut claims = Vec::new();
     for (cv, of_mean, of_variance) in [(0.05, 1e-4, 3e-3), (0.15, 5e-4, 1e-2)] {
         let solved = solved(context, Problem::ContactExplosion, cv)?;
-        let flow = errors(&solved, |gauge, quantity, t| {
-            quantity == Quantity::FlowStress && after_first_yield(gauge, t)
-        })?;
-        let worst = |values: &[f64]| quantile(values, 1.0);
-        let noise = quantile(&flow.standard_error, 0.5);
-        let reason = format!("fourth order in cv; the samples' own error is {noise:.1e}");
-        claims.push(bounded(
-            context,
-            &format!("flow-stress/mean/cv{cv}"),
-            "largest relative error of E sigma_y, 1 us after first yield and later",
-            worst(&flow.mean),
-            of_mean,
-            &reason,
-        ));
-        claims.push(bounded(
-            context,
-            &format!("flow-stress/variance/cv{cv}"),
-            "largest relative error of Var sigma_y, 1 us after first yield and later",
-            worst(&flow.variance),
-            of_variance,
-            &reason,
-        ));
-        claims.push(frozen_claim(
-            context,
-            &format!("flow-stress/frozen-variance/cv{cv}"),
-            quantile(&flow.frozen_variance, 0.5),
-            0.02,
-            0.10,
-        ));
-        let deviator = errors(&solved, |gauge, quantity, t| {
-            quantity == Quantity::Deviator(0, 0) && after_first_yield(gauge, t)
-        })?;
-        let reason =
-            "unloading and reverse yield are smooth in the parameters but where they begin";
-        claims.push(bounded(
-            context,
-            &format!("deviator-11/variance-median/cv{cv}"),
-            "median relative error of Var S_11, 1 us after first yield and later",
-            quantile(&deviator.variance, 0.5),
-            0.01,
-            reason,
-        ));
-        claims.push(unloading(context, cv, quantile(&deviator.variance, 0.9)));
-        claims.push(frozen_claim(
-            context,
-            &format!("deviator-11/frozen-variance/cv{cv}"),
-            quantile(&deviator.frozen_variance, 0.5),
-            0.02,
-            1.0,
-        ));
+        claims.extend(flow_stress(&against, &solved, cv, of_mean, of_variance)?);
+        claims.extend(deviator(&against, &solved, cv)?);
     }
     for cv in [0.01, 0.05] {
         let solved = solved(context, Problem::ThickPlate, cv)?;
-        let pressure = errors(&solved, |_, quantity, _| quantity == Quantity::Pressure)?;
-        let reason = "third derivatives; largest where the gradient passes through zero";
-        claims.push(bounded(
-            context,
-            &format!("pressure/variance-median/cv{cv}"),
-            "median relative error of Var p",
-            quantile(&pressure.variance, 0.5),
-            3e-3,
-            reason,
-        ));
-        claims.push(bounded(
-            context,
-            &format!("pressure/variance-p90/cv{cv}"),
-            "ninth decile of the relative error of Var p",
-            quantile(&pressure.variance, 0.9),
-            0.02,
-            reason,
-        ));
-        claims.push(frozen_claim(
-            context,
-            &format!("pressure/frozen-variance/cv{cv}"),
-            quantile(&pressure.frozen_variance, 0.5),
-            0.3,
-            3.0,
-        ));
+        claims.extend(pressure(&against, &solved, cv)?);
     }
     claims.extend(agreement(context)?);
     Ok(claims)
 }
 
+fn flow_stress(
+    against: &Against<'_>,
+    solved: &Solved,
+    cv: f64,
+    of_mean: f64,
+    of_variance: f64,
+) -> Result<[Claim; 3], CaseError> {
+    let flow = errors(solved, |gauge, quantity, t| {
+        quantity == Quantity::FlowStress && after_first_yield(gauge, t)
+    })?;
+    let noise = quantile(&flow.standard_error, 0.5);
+    let reason = format!("fourth order in cv; the samples' own error is {noise:.1e}");
+    let worst = |name: &str, moment: &str, errors: &[f64], tolerance: f64| {
+        let id = format!("flow-stress/{name}/cv{cv}");
+        let quantity =
+            format!("largest relative error of {moment} sigma_y, 1 us after first yield and later");
+        against.jets.bounded((&id, &quantity, ""), quantile(errors, 1.0), tolerance, &reason)
+    };
+    let id = format!("flow-stress/frozen-variance/cv{cv}");
+    Ok([
+        worst("mean", "E", &flow.mean, of_mean),
+        worst("variance", "Var", &flow.variance, of_variance),
+        against.frozen(&id, &flow, (0.04, 0.065)),
+    ])
+}
+
+fn deviator(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<[Claim; 3], CaseError> {
+    let deviator = errors(solved, |gauge, quantity, t| {
+        quantity == Quantity::Deviator(0, 0) && after_first_yield(gauge, t)
+    })?;
+    let id = format!("deviator-11/variance-median/cv{cv}");
+    let median = against.jets.bounded(
+        (&id, "median relative error of Var S_11, 1 us after first yield and later", ""),
+        quantile(&deviator.variance, 0.5),
+        0.01,
+        "unloading and reverse yield are smooth in the parameters but where they begin",
+    );
+    let id = format!("deviator-11/frozen-variance/cv{cv}");
+    Ok([
+        median,
+        unloading(against, cv, quantile(&deviator.variance, 0.9)),
+        against.frozen(&id, &deviator, (0.08, 0.12)),
+    ])
+}
+
 /// The ninth decile is made of gauges that unload: their trial stress is within two deviations of yield, as
 /// [`Switch`](smpm::uncertainty::Switch) says, or their gradient passes through zero.
-fn unloading(context: &Context<'_>, cv: f64, measured: f64) -> Claim {
+fn unloading(against: &Against<'_>, cv: f64, measured: f64) -> Claim {
     let id = format!("deviator-11/variance-p90/cv{cv}");
     let quantity =
         "ninth decile of the relative error of Var S_11, 1 us after first yield and later";
+    let of = (id.as_str(), quantity, "");
     if cv < 0.1 {
         let reason = "where unloading begins, samples differ in whether they yield";
-        return bounded(context, &id, quantity, measured, 0.05, reason);
+        return against.jets.bounded(of, measured, 0.05, reason);
     }
-    Claim::as_measured(
-        context.subject(&id, quantity, "", "jets, against sampled runs with control variate"),
-        Measured::exact(measured),
-        0.0,
-        0.12,
+    against.jets.measured(
+        of,
+        measured,
+        (0.0, 0.12),
         "5 % is not reached: at H and K unloading is within two deviations of yield, which is flagged, and at I the gradient passes through zero",
     )
 }
 
-fn bounded(
-    context: &Context<'_>,
-    id: &str,
-    quantity: &str,
-    measured: f64,
-    tolerance: f64,
-    reason: &str,
-) -> Claim {
-    Claim::judge(
-        context.subject(id, quantity, "", "jets, against sampled runs with control variate"),
-        ErrorKind::Absolute,
-        Measured::exact(measured),
-        Reference::exact(0.0),
-        Criterion::Within { tolerance, reason },
-    )
-}
-
-fn frozen_claim(context: &Context<'_>, id: &str, measured: f64, from: f64, to: f64) -> Claim {
-    Claim::as_measured(
-        context.subject(
-            id,
-            "median relative error of the frozen variance",
-            "",
-            "formulas at the local state, corrected: a baseline",
-        ),
-        Measured::exact(measured),
-        from,
-        to,
-        "the state is taken for certain",
-    )
+fn pressure(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<[Claim; 3], CaseError> {
+    let pressure = errors(solved, |_, quantity, _| quantity == Quantity::Pressure)?;
+    let at = |name: &str, quantity: &str, share: f64, tolerance: f64| {
+        let id = format!("pressure/{name}/cv{cv}");
+        let reason = "third derivatives; largest where the gradient passes through zero";
+        let measured = quantile(&pressure.variance, share);
+        against.jets.bounded((&id, quantity, ""), measured, tolerance, reason)
+    };
+    let id = format!("pressure/frozen-variance/cv{cv}");
+    Ok([
+        at("variance-median", "median relative error of Var p", 0.5, 3e-3),
+        at("variance-p90", "ninth decile of the relative error of Var p", 0.9, 0.02),
+        against.frozen(&id, &pressure, (0.8, 0.95)),
+    ])
 }
 
 /// Raw and controlled samples see the same.
@@ -320,33 +297,19 @@ fn agreement(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             [raw.variance, controlled.variance].map(|e| e.standard_error().unwrap_or(f64::NAN));
         gains.push(errors[0] / errors[1]);
     }
+    let lines = |method: &str| Lines { context, id: "", method: method.to_owned() };
     Ok(vec![
-        Claim::judge(
-            context.subject(
-                "raw-against-controlled",
-                "largest distance, in standard errors of the raw one",
-                "",
-                "one set of samples",
-            ),
-            ErrorKind::Absolute,
-            Measured::exact(worst),
-            Reference::exact(0.0),
-            Criterion::Within {
-                tolerance: 4.0,
-                reason: "both are without bias, and one is much the surer",
-            },
+        lines("one set of samples").bounded(
+            ("raw-against-controlled", "largest distance, in standard errors of the raw one", ""),
+            worst,
+            4.0,
+            "both are without bias, and one is much the surer",
         ),
-        Claim::as_measured(
-            context.subject(
-                "gain-of-control",
-                "raw over controlled standard error of the variance, median",
-                "",
-                "the surrogate of one run with jets",
-            ),
-            Measured::exact(quantile(&gains, 0.5)),
-            3.0,
-            1000.0,
-            "the square of it is the number of samples saved",
+        lines("the surrogate of one run with jets").measured(
+            ("gain-of-control", "raw over controlled standard error of the variance, median", ""),
+            quantile(&gains, 0.5),
+            (5.0, 25.0),
+            "the square of it is the number of samples saved: a hundred for one",
         ),
     ])
 }

@@ -8,8 +8,8 @@ use smpm::{
 };
 
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/detonation",
@@ -108,6 +108,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     context.progress("front");
     let cells = [0.025, 0.0125, 0.006_25];
     let runs: Vec<Front> = cells.iter().map(|&cell| front(cell)).collect::<Result<_, _>>()?;
+    let line = |method: &str| Lines { context, id: "", method: method.to_owned() };
     let mut claims = Vec::new();
     for (k, (name, quantity, unit)) in
         [("pressure", "p behind the front", "Mbar"), ("velocity", "u behind the front", "cm/us")]
@@ -118,62 +119,40 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let ratio = (middle - coarse) / (fine - middle);
         // The burn is three cells wide, so what is missing is of first order; the ringing of FLIP is on top of it.
         let extrapolated = 2.0 * fine - middle;
-        claims.push(Claim::as_measured(
-            context.subject(
-                &format!("front/{name}/order"),
-                "order of its approach",
-                "",
-                "cells of 0.25, 0.125 and 0.0625 mm",
-            ),
-            Measured::exact(ratio.log2()),
-            0.2,
-            1.6,
+        claims.push(line("cells of 0.25, 0.125 and 0.0625 mm").measured(
+            (&format!("front/{name}/order"), "order of its approach", ""),
+            ratio.log2(),
+            (0.2, 1.6),
             "one of the width of the burn; with the ringing of FLIP on the peak half of that",
         ));
-        claims.push(Claim::judge(
-            context.subject(&format!("front/{name}"), quantity, unit, "cubic B-splines, FLIP, MUSL; cells of 0.25, 0.125 and 0.0625 mm, the last two extrapolated at first order"),
-            ErrorKind::Relative,
-            Measured::exact(extrapolated),
-            Reference::exact(CHAPMAN_JOUGUET[k]),
-            Criterion::Within { tolerance: 0.03, reason: "the peak is a cusp: the Taylor wave falls off right behind it" },
+        claims.push(line("cubic B-splines, FLIP, MUSL; cells of 0.25, 0.125 and 0.0625 mm, the last two extrapolated at first order").relative(
+            (&format!("front/{name}"), quantity, unit),
+            extrapolated,
+            CHAPMAN_JOUGUET[k],
+            0.03,
+            "the peak is a cusp: the Taylor wave falls off right behind it",
         ));
     }
-    claims.push(Claim::judge(
-        context.subject(
-            "energy",
-            "energy over that of the start, burnt or not",
-            "",
-            "as above, 0.0625 mm",
-        ),
-        ErrorKind::Relative,
-        Measured::exact(runs[2].energy),
-        Reference::exact(1.0),
-        Criterion::Within {
-            tolerance: 5e-3,
-            reason: "FLIP with a step of finite length at the front",
-        },
+    claims.push(line("as above, 0.0625 mm").relative(
+        ("energy", "energy over that of the start, burnt or not", ""),
+        runs[2].energy,
+        1.0,
+        5e-3,
+        "FLIP with a step of finite length at the front",
     ));
     let off = [runs[1].off_isentrope, runs[2].off_isentrope];
-    claims.push(Claim::judge(
-        context.subject(
-            "taylor-wave",
-            "mean distance of p from the isentrope, over p at the front",
-            "",
-            "as above, 0.0625 mm, from one to eight of the nine centimetres burnt",
+    claims.push(
+        line("as above, 0.0625 mm, from one to eight of the nine centimetres burnt").bounded(
+            ("taylor-wave", "mean distance of p from the isentrope, over p at the front", ""),
+            off[1],
+            0.01,
+            "the entropy that front and viscosity leave behind",
         ),
-        ErrorKind::Absolute,
-        Measured::exact(off[1]),
-        Reference::exact(0.0),
-        Criterion::Within {
-            tolerance: 0.01,
-            reason: "the entropy that front and viscosity leave behind",
-        },
-    ));
-    claims.push(Claim::as_measured(
-        context.subject("taylor-wave/order", "order of that distance", "", "0.125 and 0.0625 mm"),
-        Measured::exact((off[0] / off[1]).log2()),
-        -0.5,
-        2.0,
+    );
+    claims.push(line("0.125 and 0.0625 mm").measured(
+        ("taylor-wave/order", "order of that distance", ""),
+        (off[0] / off[1]).log2(),
+        (-0.5, 2.0),
         "what burns near the wall and the ringing of FLIP do not vanish together with the cell",
     ));
     context.progress("contact with steel");
@@ -200,41 +179,28 @@ fn contact(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let frozen = local.ok_or("steel has local formulas")?.pressure.first[0];
     let method =
         "cubic B-splines, APIC, MUSL, viscosity 1.5 and 1, 0.25 mm, mean over 4 mm of steel";
+    let lines = Lines { context, id: "contact", method: method.to_owned() };
     Ok(vec![
-        Claim::judge(
-            context.subject("contact/pressure", "p in the steel at the contact", "Mbar", method),
-            ErrorKind::Relative,
-            Measured::exact(mean.value),
-            Reference::exact(CONTACT),
-            Criterion::Within {
-                tolerance: 0.03,
-                reason: "the reference recompresses along the isentrope, and the front is 3 cells of burn wide",
-            },
+        lines.relative(
+            ("pressure", "p in the steel at the contact", "Mbar"),
+            mean.value,
+            CONTACT,
+            0.03,
+            "the reference recompresses along the isentrope, and the front is 3 cells of burn wide",
         ),
-        Claim::judge(
-            context.subject("contact/slope", "dp/dS_1 there", "Mbar", method),
-            ErrorKind::Relative,
-            Measured::exact(mean.first[0]),
-            Reference::exact(CONTACT_SLOPE),
-            Criterion::Within {
-                tolerance: 0.05,
-                reason: "as the pressure, and what the ringing leaves in the mean",
-            },
+        lines.relative(
+            ("slope", "dp/dS_1 there", "Mbar"),
+            mean.first[0],
+            CONTACT_SLOPE,
+            0.05,
+            "as the pressure, and what the ringing leaves in the mean",
         ),
-        Claim::judge(
-            context.subject(
-                "contact/frozen-over-true",
-                "frozen dp/dS_1 over the true one",
-                "",
-                method,
-            ),
-            ErrorKind::Relative,
-            Measured::exact(frozen / CONTACT_SLOPE),
-            Reference::exact(FROZEN_OVER_TRUE),
-            Criterion::Within {
-                tolerance: 0.1,
-                reason: "at the run's volume and energy: a frozen code shows this instead of 1",
-            },
+        lines.relative(
+            ("frozen-over-true", "frozen dp/dS_1 over the true one", ""),
+            frozen / CONTACT_SLOPE,
+            FROZEN_OVER_TRUE,
+            0.1,
+            "at the run's volume and energy: a frozen code shows this instead of 1",
         ),
     ])
 }

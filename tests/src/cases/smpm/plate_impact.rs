@@ -3,8 +3,8 @@
 use smpm::uncertainty::{FrozenForm, Study};
 
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 use crate::smpm::problems::{Problem, experiment};
 use crate::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 
@@ -83,14 +83,9 @@ fn best(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, Cas
     let inputs = scene.inputs::<3>()?;
     let study = Study::new(&experiment, inputs, scene.plan::<1>()?)?;
     let at = |name: &str| format!("{name}/v{}", 2.0 * particle_velocity);
+    let lines = Lines { context, id: "", method: BEST.to_owned() };
     let judge = |name: &str, quantity: &str, unit: &str, measured, reference, tolerance, reason| {
-        Claim::judge(
-            context.subject(&at(name), quantity, unit, BEST),
-            ErrorKind::Relative,
-            Measured::exact(measured),
-            Reference::exact(reference),
-            Criterion::Within { tolerance, reason },
-        )
+        lines.relative((&at(name), quantity, unit), measured, reference, tolerance, reason)
     };
     let density = DENSITY * shock / (shock - particle_velocity);
     let mut claims = vec![
@@ -106,20 +101,11 @@ fn best(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, Cas
         judge("density", "rho", "g/cm^3", study.centre()[2], density, 5e-3, "as the pressure"),
     ];
     let ripple = ripple(&scene, pressure)?;
-    claims.push(Claim::judge(
-        context.subject(
-            &at("ripple"),
-            "standard deviation of p behind the front, over p",
-            "",
-            BEST,
-        ),
-        ErrorKind::Absolute,
-        Measured::exact(ripple),
-        Reference::exact(0.0),
-        Criterion::Within {
-            tolerance: 0.03,
-            reason: "the ringing that the linear viscosity leaves",
-        },
+    claims.push(lines.bounded(
+        (&at("ripple"), "standard deviation of p behind the front, over p", ""),
+        ripple,
+        0.03,
+        "the ringing that the linear viscosity leaves",
     ));
 
     let propagated = study.propagated()?.moments[0];
@@ -157,24 +143,23 @@ fn default(context: &Context<'_>, particle_velocity: f64) -> Result<Vec<Claim>, 
     let experiment = experiment::<1>(&scene)?;
     let inputs = scene.inputs::<3>()?;
     let study = Study::new(&experiment, inputs, scene.plan::<1>()?)?;
-    let id = format!("default/pressure/v{}", 2.0 * particle_velocity);
-    let pressure_claim = Claim::judge(
-        context.subject(&id, "p", "Mbar", DEFAULT),
-        ErrorKind::Relative,
-        Measured::exact(study.centre()[0]),
-        Reference::exact(pressure),
-        Criterion::Within { tolerance: 0.02, reason: "the mean of a ripple of up to 15 %" },
+    let lines = Lines { context, id: "default", method: DEFAULT.to_owned() };
+    let at = |name: &str| format!("{name}/v{}", 2.0 * particle_velocity);
+    let pressure_claim = lines.relative(
+        (&at("pressure"), "p", "Mbar"),
+        study.centre()[0],
+        pressure,
+        0.02,
+        "the mean of a ripple of up to 15 %",
     );
     let moments = study.propagated()?.moments[0];
     let slope = (moments.importance_factors()?[0] * moments.variance_first_order()).sqrt();
     let ratio = slope / (0.05 * SLOPE) / (DENSITY * particle_velocity * particle_velocity);
-    let id = format!("default/slope-over-true/v{}", 2.0 * particle_velocity);
-    let slope_claim = Claim::as_measured(
-        context.subject(&id, "dp/dS_1 over the true one", "", DEFAULT),
-        Measured::exact(ratio),
-        0.0,
-        3.0,
-        "the phase of the ringing moves with every parameter, and its derivative does not settle",
+    let slope_claim = lines.measured(
+        (&at("slope-over-true"), "dp/dS_1 over the true one", ""),
+        ratio,
+        (0.9, 1.15),
+        "what the ringing of FLIP leaves of the mean over 50 cells and the time in which the front runs ten; less of it is left at 0.2 to 2 km/s, 4 %, than above",
     );
     Ok(vec![pressure_claim, slope_claim])
 }

@@ -4,8 +4,8 @@ use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Side, Simulation, Transfer};
 
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 use crate::smpm::riemann::{Gas, Riemann};
 
 pub(crate) const CASE: Case = Case {
@@ -104,33 +104,20 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     for tube in &TUBES {
         context.progress(tube.name);
         let (coarse, fine) = (errors(tube, 100)?, errors(tube, 200)?);
+        let method =
+            "quadratic B-splines, APIC, MUSL, viscosity 1.5 and 0.3, 200 cells, 2 particles a cell";
+        let lines = Lines { context, id: tube.name, method: method.to_owned() };
         for (k, quantity) in ["pressure", "velocity"].into_iter().enumerate() {
-            let method = "quadratic B-splines, APIC, MUSL, viscosity 1.5 and 0.3, 200 cells, 2 particles a cell";
-            claims.push(Claim::judge(
-                context.subject(
-                    &format!("{}/{quantity}", tube.name),
-                    "mean absolute error, over the largest value",
-                    "",
-                    method,
-                ),
-                ErrorKind::Absolute,
-                Measured::exact(fine[k]),
-                Reference::exact(0.0),
-                Criterion::Within {
-                    tolerance: tube.tolerance,
-                    reason: "first order: shocks and contact are a few cells wide",
-                },
+            claims.push(lines.bounded(
+                (quantity, "mean absolute error, over the largest value", ""),
+                fine[k],
+                tube.tolerance,
+                "first order: shocks and contact are a few cells wide",
             ));
-            claims.push(Claim::as_measured(
-                context.subject(
-                    &format!("{}/{quantity}/order", tube.name),
-                    "order of that error between 100 and 200 cells",
-                    "",
-                    method,
-                ),
-                Measured::exact((coarse[k] / fine[k]).log2()),
-                0.5,
-                1.5,
+            claims.push(lines.measured(
+                (&format!("{quantity}/order"), "order of that error between 100 and 200 cells", ""),
+                (coarse[k] / fine[k]).log2(),
+                (0.5, 1.5),
                 "one in the mean norm",
             ));
         }

@@ -19,6 +19,7 @@ pub(crate) use fpk::linear_systems::LATTICE as KANAI_TAJIMI_LATTICE;
 pub(crate) use fpk::rivals::{OF_HYSTERESIS, OF_OSCILLATOR};
 pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
 pub(crate) use sde::oscillator_limits;
+pub(crate) use smpm::quantile;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[

@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod field;
 mod legend;
 mod placement;
 mod plane;
@@ -15,6 +16,7 @@ mod work_precision;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::field::field;
 pub use self::plane::plane;
 pub use self::time_series::time_series;
 pub use self::work_precision::work_precision;
@@ -124,6 +126,34 @@ pub struct Plane {
     pub y: Vec<f64>,
     /// The density in each cell, row by row from below.
     pub values: Vec<Vec<f64>>,
+}
+
+/// A quantity over a plane on a linear scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Field {
+    /// Words around it.
+    pub words: Words,
+    /// Quantity (unit), above the key.
+    pub unit: String,
+    /// Edges of the cells along the horizontal axis.
+    pub x: Vec<f64>,
+    /// Edges of the cells along the vertical axis.
+    pub y: Vec<f64>,
+    /// The value in each cell, row by row from below; none where the quantity is not.
+    pub values: Vec<Vec<Option<f64>>>,
+    /// What stands in other cells.
+    pub regions: Vec<Region>,
+}
+
+/// Cells of a field that are named instead of valued.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Its name in the key.
+    pub name: String,
+    /// Whether each cell belongs to it.
+    pub cells: Vec<Vec<bool>>,
 }
 
 /// Scale of an axis.

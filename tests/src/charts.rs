@@ -6,6 +6,9 @@ pub(crate) mod fpk;
 mod fpk_choice;
 mod kernels;
 mod sde;
+mod smpm;
+mod smpm_fields;
+mod smpm_scheme;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,10 +24,19 @@ use crate::output::write_text;
 use crate::stability;
 
 /// Every chart of `chart`.
-pub const ALL: &[ChartKind] = &[fpk::CHART, fpk_choice::CHART, kernels::CHART, sde::CHART];
+pub const ALL: &[ChartKind] = &[
+    fpk::CHART,
+    fpk_choice::CHART,
+    kernels::CHART,
+    sde::CHART,
+    smpm::CHART,
+    smpm_scheme::CHART,
+    smpm_fields::CHART,
+];
 
 /// Every sweep of `stability`.
-pub const STABILITY: &[ChartKind] = &[stability::fpk::MAP, stability::sde::MAP];
+pub const STABILITY: &[ChartKind] =
+    &[stability::fpk::MAP, stability::sde::MAP, stability::smpm::MAP];
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
@@ -104,6 +116,15 @@ impl Drawing {
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn plane(name: &str, data: &chart::Plane) -> Result<Self, DrawingError> {
         let face = Face::Picture(chart::plane(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
+    /// A quantity over a plane.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn field(name: &str, data: &chart::Field) -> Result<Self, DrawingError> {
+        let face = Face::Picture(chart::field(data)?);
         Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 

@@ -7,3 +7,4 @@ pub mod reading;
 mod region;
 pub mod riemann;
 pub mod scene;
+pub mod schemes;

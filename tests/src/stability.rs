@@ -8,6 +8,7 @@
 mod axes;
 pub(crate) mod fpk;
 pub(crate) mod sde;
+pub(crate) mod smpm;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -95,17 +96,20 @@ impl Outcome {
             Ok(error) if error.is_nan() => Self::judge(Err(SweepError::NotANumber.into()), 0.0),
             Ok(error) if error <= tolerance => Self::Accurate { error },
             Ok(error) => Self::Degraded { error: Some(error).filter(|error| error.is_finite()) },
-            Err(error) => {
-                let mut text = error.to_string();
-                let mut cause = error.source();
-                while let Some(source) = cause {
-                    text = format!("{text}: {source}");
-                    cause = source.source();
-                }
-                Self::Ended { error: text }
-            }
+            Err(error) => Self::Ended { error: words_of(error.as_ref()) },
         }
     }
+}
+
+/// The text of an error with that of its causes.
+pub(crate) fn words_of(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(source) = cause {
+        text = format!("{text}: {source}");
+        cause = source.source();
+    }
+    text
 }
 
 /// A run, from the two parameters to the size of its error.

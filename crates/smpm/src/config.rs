@@ -138,7 +138,8 @@ impl<const D: usize> Config<D> {
         if let Contact::Friction { coefficient } = self.contact {
             not_negative("friction coefficient", coefficient)?;
         }
-        within("courant_number", self.courant_number, f64::MIN_POSITIVE, 1.0)?;
+        positive("courant_number", self.courant_number)?;
+        within("courant_number", self.courant_number, 0.0, 1.0)?;
         within("most_energy_growth", self.most_energy_growth, 1.0, f64::MAX)?;
         if let Transfer::Flip { damping_time } = self.transfer
             && (damping_time.is_nan() || damping_time <= 0.0)

@@ -15,7 +15,7 @@ pub(crate) mod taylor_bar;
 pub(crate) mod trust;
 
 /// The `share` quantile of some numbers, the upper of two neighbours; NaN of none.
-fn quantile(values: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     #[allow(

@@ -40,7 +40,8 @@ pub fn plane(chart: &Plane) -> Result<String, ChartError> {
         draw_grid(canvas, &x, &y)?;
         for (k, row) in chart.values.iter().enumerate() {
             let ends = (y.place(chart.y[k]), y.place(chart.y[k + 1]));
-            draw_row(canvas, row, peak, |column| x.place(chart.x[column]), ends)?;
+            let bands: Vec<_> = row.iter().map(|&value| band(value, peak)).collect();
+            draw_row(canvas, &bands, |column| x.place(chart.x[column]), ends, colour)?;
         }
         draw_frame(canvas, &x, &y, FRAME_TOP)?;
         draw_key(canvas)
@@ -48,17 +49,17 @@ pub fn plane(chart: &Plane) -> Result<String, ChartError> {
 }
 
 /// Neighbours of one band as one rectangle.
-fn draw_row(
+pub(super) fn draw_row(
     canvas: &Canvas<'_>,
-    row: &[f64],
-    peak: f64,
+    row: &[Option<usize>],
     edge: impl Fn(usize) -> f64,
     (low, high): (f64, f64),
+    colour: impl Fn(usize) -> RGBColor,
 ) -> Drawn {
     let mut start = 0;
-    for cells in row.chunk_by(|a, b| band(*a, peak) == band(*b, peak)) {
+    for cells in row.chunk_by(|a, b| a == b) {
         let end = start + cells.len();
-        if let Some(band) = band(cells[0], peak) {
+        if let Some(band) = cells[0] {
             canvas.rectangle((edge(start), high), (edge(end), low), colour(band))?;
         }
         start = end;

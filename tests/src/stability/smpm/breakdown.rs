@@ -1,8 +1,8 @@
 //! Where Taylor series end: the coefficient of variation, first yield, the arrival of a shock.
 
 use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
-use smpm::uncertainty::{FrozenForm, Study, Switch};
-use smpm::{Error, Plan};
+use smpm::Error;
+use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
 
 use crate::case::{CaseError, Context, Profile};
 use crate::chart::{
@@ -11,7 +11,7 @@ use crate::chart::{
 };
 use crate::charts::Drawing;
 use crate::smpm::problems::{Problem, experiment};
-use crate::smpm::scene::LawScene;
+use crate::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 
 /// Above this ratio of curvature to slope the variance of a Taylor series is not to be believed.
 const TRUSTED: f64 = 0.03;
@@ -26,19 +26,27 @@ const DIFFERENCE: f64 = 0.02;
 /// Of the raw samples whose standard error is drawn.
 const RAW: f64 = 100.0;
 
+/// The gauge at a point of the plate that runs into a wall.
+const POINT: &str = "P";
+
 /// What is looked at, by gauge, quantity and time.
 struct Look {
     problem: Problem,
+    words: &'static str,
     quantities: &'static [&'static str],
+    /// The first time, the time between two (us), and how many.
+    times: (f64, f64, u32),
     /// Over the coefficient of variation: name of the file, words, gauge, quantity, time (us).
     at: &'static [(&'static str, &'static str, &'static str, usize, f64)],
     /// Over time: name of the file, words, gauge, quantity.
     over_time: &'static [(&'static str, &'static str, &'static str, usize)],
 }
 
-const LOOKS: [Look; 2] = [
+const LOOKS: [Look; 3] = [
     Look {
         problem: Problem::ContactExplosion,
+        words: "contact explosion, thin plate, cells of 5 mm",
+        times: (5.0, 0.5, 19),
         quantities: &["flow_stress", "deviator_11"],
         at: &[
             ("hardened", "flow stress at H, 10 us: hardened", "H", 0, 10.0),
@@ -49,6 +57,8 @@ const LOOKS: [Look; 2] = [
     },
     Look {
         problem: Problem::ThickPlate,
+        words: "contact explosion, thick plate, cells of 5 mm",
+        times: (5.0, 0.5, 19),
         quantities: &["pressure"],
         at: &[
             ("arrival", "pressure at F, 8.5 us: the shock arrives", "F", 0, 8.5),
@@ -56,7 +66,38 @@ const LOOKS: [Look; 2] = [
         ],
         over_time: &[("pressure", "pressure at F; S1, gamma0, a of steel", "F", 0)],
     },
+    // The front passes the gauge at 4.95 us.
+    Look {
+        problem: Problem::PlateImpact,
+        words: "plate impact, cells of 0.5 mm",
+        times: (4.5, 0.05, 25),
+        quantities: &["pressure"],
+        at: &[("front", "pressure 3 cm deep, 4.8 us: a sharp front arrives", POINT, 0, 4.8)],
+        over_time: &[("front", "pressure 3 cm deep; S1, gamma0, a of steel", POINT, 0)],
+    },
 ];
+
+impl Look {
+    fn times(&self) -> Vec<f64> {
+        let (first, step, n) = self.times;
+        (0..n).map(|k| first + step * f64::from(k)).collect()
+    }
+
+    /// The scene with one coefficient of variation for all parameters.
+    fn scene(&self, strength: f64) -> Result<SmpmScene, CaseError> {
+        let mut scene = self.problem.scene_with(strength, &self.times())?;
+        scene.quantities = self.quantities.iter().map(|name| (*name).to_owned()).collect();
+        for random in &mut scene.random {
+            random.law =
+                if strength > MOST_NORMAL { LawScene::Lognormal } else { LawScene::Normal };
+        }
+        if scene.dimension == 1 {
+            let (name, body) = (POINT.to_owned(), scene.bodies[0].name.clone());
+            scene.gauges = vec![GaugeScene { name, body, at: Some(vec![3.0]), within: None }];
+        }
+        Ok(scene)
+    }
+}
 
 /// The methods, in the order of [`Judged::errors`].
 const METHODS: [&str; 4] =
@@ -65,7 +106,8 @@ const METHODS: [&str; 4] =
 /// A law, solved by all methods and by the samples that judge them; all by response.
 struct Judged {
     coefficient_of_variation: f64,
-    plan: Plan<2>,
+    /// Gauge, quantity and time of each.
+    responses: Vec<(String, usize, f64)>,
     variance: Vec<f64>,
     /// Of each method, the error of its variance over the sampled one; or why it has none.
     errors: Vec<Result<Vec<f64>, String>>,
@@ -79,18 +121,21 @@ struct Judged {
 
 impl Judged {
     /// Solves under one coefficient of variation for all parameters.
-    fn of(look: &Look, strength: f64, times: &[f64], n_samples: u64) -> Result<Self, CaseError> {
-        let mut scene = look.problem.scene_with(strength, times)?;
-        scene.quantities = look.quantities.iter().map(|name| (*name).to_owned()).collect();
-        for random in &mut scene.random {
-            random.law =
-                if strength > MOST_NORMAL { LawScene::Lognormal } else { LawScene::Normal };
-        }
-        let experiment = experiment::<2>(&scene)?;
-        let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    fn of<const D: usize, const N: usize>(
+        scene: &SmpmScene,
+        strength: f64,
+        n_samples: u64,
+    ) -> Result<Self, CaseError> {
+        let experiment = experiment::<D>(scene)?;
+        let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
         let propagated = study.propagated()?;
         let sampled = study.monte_carlo(MonteCarlo { seed: 2020, n_samples });
-        let plan = study.plan().clone();
+        let plan = study.plan();
+        let name = |response| {
+            let (gauge, quantity, window) = plan.parts(response);
+            (plan.gauges[gauge].name.clone(), quantity, plan.windows[window].to)
+        };
+        let responses = (0..plan.n_responses()).map(name).collect();
         let (mut variance, mut standard_error, mut raw_error) = (vec![], vec![], vec![]);
         for (response, surrogate) in propagated.moments.iter().enumerate() {
             let found = sampled.controlled(response, surrogate)?.variance;
@@ -103,12 +148,12 @@ impl Judged {
             variances.iter().zip(&variance).map(|(found, truth)| found / truth - 1.0).collect()
         };
         let taylor =
-            |moments: &[Moments<5>]| moments.iter().map(Moments::variance_first_order).collect();
+            |moments: &[Moments<N>]| moments.iter().map(Moments::variance_first_order).collect();
         let judged = |variances: Result<Vec<f64>, Error>| {
             variances.map(against).map_err(|error| error.to_string())
         };
         let frozen = study.frozen(FrozenForm::Corrected).map(|all| {
-            let of = |moments: &Option<Moments<5>>| {
+            let of = |moments: &FrozenMoments<N>| {
                 moments.map_or(f64::NAN, |moments| moments.variance_first_order())
             };
             all.iter().map(of).collect()
@@ -119,7 +164,7 @@ impl Judged {
             judged(study.finite_difference(DIFFERENCE).map(|moments| taylor(&moments))),
             judged(study.sigma_points().map(|all| all.iter().map(SigmaPoints::variance).collect())),
         ];
-        let indicator = |(moments, switch): (&Moments<5>, &Switch)| {
+        let indicator = |(moments, switch): (&Moments<N>, &Switch)| {
             let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
             (curvature.map_or(f64::NAN, f64::sqrt), switch.at_end)
         };
@@ -127,7 +172,7 @@ impl Judged {
         Ok(Self {
             coefficient_of_variation: strength,
             indicators: indicators.collect(),
-            plan,
+            responses,
             variance,
             errors,
             standard_error,
@@ -137,12 +182,11 @@ impl Judged {
     }
 
     fn response(&self, gauge: &str, quantity: usize, time: f64) -> Result<usize, CaseError> {
-        let gauge = self.plan.gauges.iter().position(|known| known.name == gauge);
-        let window = self.plan.windows.iter().position(|known| (known.to - time).abs() < 1e-9);
-        let (Some(gauge), Some(window)) = (gauge, window) else {
-            return Err("no response at this gauge and time".into());
+        let is_it = |known: &(String, usize, f64)| {
+            known.0 == gauge && known.1 == quantity && (known.2 - time).abs() < 1e-9
         };
-        Ok(self.plan.index(gauge, quantity, window))
+        let found = self.responses.iter().position(is_it);
+        found.ok_or_else(|| "no response at this gauge and time".into())
     }
 
     /// `r` for curvature, `s` for a switch within two deviations.
@@ -162,23 +206,31 @@ pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let strengths: &[f64] =
         if is_quick { &[USUAL, 0.3] } else { &[0.01, 0.02, USUAL, 0.1, 0.2, 0.3, 0.5] };
     let n_samples = if is_quick { 24 } else { 200 };
-    let times: Vec<f64> = (10..=28).map(|k| 0.5 * f64::from(k)).collect();
     let mut drawings = Vec::new();
     for look in &LOOKS {
         let mut judged = Vec::new();
         for &strength in strengths {
             context.progress(&format!("Taylor series, {:?} at {strength}", look.problem));
-            judged.push(Judged::of(look, strength, &times, n_samples)?);
+            let scene = look.scene(strength)?;
+            judged.push(match scene.dimension {
+                1 => Judged::of::<1, 3>(&scene, strength, n_samples)?,
+                _ => Judged::of::<2, 5>(&scene, strength, n_samples)?,
+            });
         }
         for &(name, words, gauge, quantity, time) in look.at {
             let response = judged[0].response(gauge, quantity, time)?;
-            drawings.push(over_variation(name, words, &judged, response, n_samples)?);
+            drawings.push(over_variation((name, words, look.words), &judged, response, n_samples)?);
         }
         let usual =
             judged.iter().find(|one| one.coefficient_of_variation.total_cmp(&USUAL).is_eq());
         let usual = usual.ok_or("the usual coefficient of variation is not swept")?;
         for &(name, words, gauge, quantity) in look.over_time {
-            drawings.push(over_time(name, words, usual, (gauge, quantity), &times)?);
+            drawings.push(over_time(
+                (name, words, look.words),
+                usual,
+                (gauge, quantity),
+                &look.times(),
+            )?);
         }
     }
     Ok(drawings)
@@ -189,8 +241,7 @@ type Level = (&'static str, fn(&Judged, usize) -> f64);
 
 /// The error of every method over the coefficient of variation, with the indicator's warning.
 fn over_variation(
-    name: &str,
-    what: &str,
+    (name, what, problem): (&str, &str, &str),
     judged: &[Judged],
     response: usize,
     n_samples: u64,
@@ -226,9 +277,9 @@ fn over_variation(
     }
     let n_failed: usize = judged.iter().map(|one| one.n_failed).sum();
     let words = Words {
-        title: format!("Variance error over the coefficient of variation: {what}"),
+        title: format!("Error of the variance: {what}"),
         subtitle: format!(
-            "contact explosion; all parameters alike, normal up to {MOST_NORMAL}, lognormal beyond"
+            "{problem}; all parameters alike, normal up to {MOST_NORMAL}, lognormal beyond"
         ),
         x_label: "coefficient of variation of every parameter".into(),
         y_label: "relative error of the variance".into(),
@@ -265,8 +316,7 @@ fn over_variation(
 
 /// The error of every method over time, and where it is warned of.
 fn over_time(
-    name: &str,
-    what: &str,
+    (name, what, problem): (&str, &str, &str),
     judged: &Judged,
     (gauge, quantity): (&str, usize),
     times: &[f64],
@@ -303,7 +353,7 @@ fn over_time(
     let row = |&(time, r): &(f64, usize)| {
         let (ratio, switch) = judged.indicators[r];
         format!(
-            "  {time:5.1} us  jets {:+8.2} %  r {ratio:.3}  switch {switch:.1} deviations",
+            "  {time:5.2} us  jets {:+8.2} %  r {ratio:.3}  switch {switch:.1} deviations",
             100.0 * jets[r]
         )
     };
@@ -311,7 +361,7 @@ fn over_time(
     let chart = TimeSeries {
         words: Words {
             title: format!("Where derivatives do not say the variance: {what}"),
-            subtitle: format!("contact explosion, coefficient of variation {USUAL}, normal"),
+            subtitle: format!("{problem}, coefficient of variation {USUAL}, normal"),
             x_label: "time (us)".into(),
             y_label: "relative error of the variance".into(),
             caption: vec![

@@ -1,1 +1,17 @@
 #![doc = include_str!("../README.md")]
+
+mod bonds;
+mod elasticity;
+mod error;
+mod horizon;
+pub mod law;
+mod network;
+mod nodes;
+
+pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
+pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
+pub use error::Error;
+pub use horizon::Horizon;
+pub use law::BondLaw;
+pub use network::Network;
+pub use nodes::Nodes;

@@ -1,0 +1,207 @@
+//! Who is bonded to whom, and how stiffly.
+
+use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
+
+use crate::elasticity::{Influence, micromodulus};
+use crate::error::Error;
+use crate::horizon::Horizon;
+use crate::nodes::Nodes;
+
+/// How much of a node's volume counts where its box is cut by the horizon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VolumeCorrection {
+    /// All of it, up to the horizon.
+    None,
+    /// `1/2 + (delta - r)/dx` for the bonds within half a spacing of the horizon, none beyond it (Parks et al. 2008, as in
+    /// LAMMPS).
+    Partial,
+    /// The same for bonds up to half a spacing beyond the horizon too. Of the three the nearest to the elastic body.
+    Ramp,
+}
+
+impl VolumeCorrection {
+    /// Every one, for tests and tables.
+    pub const ALL: [Self; 3] = [Self::None, Self::Partial, Self::Ramp];
+
+    /// The share of a volume at a distance.
+    #[must_use]
+    pub fn share(self, distance: f64, horizon: Horizon) -> f64 {
+        let ramp = 0.5 + (horizon.radius() - distance) / horizon.spacing();
+        match self {
+            Self::None => f64::from(distance <= horizon.radius()),
+            Self::Partial if distance > horizon.radius() => 0.0,
+            Self::Partial | Self::Ramp => ramp.clamp(0.0, 1.0),
+        }
+    }
+
+    fn reach(self, horizon: Horizon) -> f64 {
+        match self {
+            Self::None | Self::Partial => horizon.radius(),
+            Self::Ramp => horizon.radius() + 0.5 * horizon.spacing(),
+        }
+    }
+}
+
+/// What is needed to bond nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BondConfig {
+    /// How far a node sees.
+    pub horizon: Horizon,
+    /// Young's modulus (stress).
+    pub young_modulus: f64,
+    /// The weight of a bond by its length.
+    pub influence: Influence,
+    /// What becomes of volumes at the horizon.
+    pub volume_correction: VolumeCorrection,
+}
+
+/// What does not change of a bond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bond {
+    /// Its length at rest (length).
+    pub length: f64,
+    /// Its tension over its stretch, `c omega beta V_i V_j` with the share `beta` of the volumes (force).
+    pub stiffness: f64,
+}
+
+/// The bonds of a body, each once: the rows of node `i` hold those to nodes `j > i`, by ascending `j`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bonds {
+    /// Where the bonds of each node begin; one more at the end.
+    starts: Vec<usize>,
+    partners: Vec<u32>,
+    all: Vec<Bond>,
+}
+
+impl Bonds {
+    /// Bonds all nodes within the horizon of each other.
+    ///
+    /// # Errors
+    /// Those of [`micromodulus`]; [`Error::Coincident`] for two nodes at one place, [`Error::LooseNode`] for a node without a
+    /// bond.
+    pub fn new<const D: usize>(nodes: &Nodes<D>, config: &BondConfig) -> Result<Self, Error> {
+        let BondConfig { horizon, young_modulus, influence, volume_correction } = *config;
+        let c = micromodulus(young_modulus, horizon.radius(), influence, nodes.condition())?;
+        let (positions, volumes) = (nodes.positions(), nodes.volumes());
+        let mut list = NeighbourList::new();
+        let reach = Radii::Uniform(volume_correction.reach(horizon));
+        // Nodes are finite and fewer than an index holds, and the radius is that of a checked horizon.
+        CellGrid::new()
+            .half_list(positions, reach, &mut list)
+            .map_err(|_| Error::NotPositive { name: "horizon", value: horizon.radius() })?;
+        list.sort_rows();
+        let n = positions.len();
+        let (mut starts, mut partners, mut bonds) = (Vec::with_capacity(n + 1), vec![], vec![]);
+        let mut counts = vec![0_u32; n];
+        starts.push(0);
+        for (i, row) in list.rows().enumerate() {
+            for &partner in row {
+                let j = partner as usize;
+                let length = distance(&positions[i], &positions[j]);
+                if length <= 0.0 {
+                    return Err(Error::Coincident { first: i, second: j });
+                }
+                let share = volume_correction.share(length, horizon);
+                // Beyond the horizon a ramp still counts a part of the box, with the weight at the horizon.
+                let weight = influence.weight((length / horizon.radius()).min(1.0));
+                if share * weight <= 0.0 {
+                    continue;
+                }
+                partners.push(partner);
+                bonds
+                    .push(Bond { length, stiffness: c * weight * share * volumes[i] * volumes[j] });
+                counts[i] += 1;
+                counts[j] += 1;
+            }
+            starts.push(partners.len());
+        }
+        if let Some(node) = counts.iter().position(|&count| count == 0) {
+            return Err(Error::LooseNode { node, horizon: horizon.radius() });
+        }
+        Ok(Self { starts, partners, all: bonds })
+    }
+
+    /// How many bonds there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// How many nodes they bond.
+    #[must_use]
+    pub fn n_nodes(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// What does not change of each bond.
+    #[must_use]
+    pub fn all(&self) -> &[Bond] {
+        &self.all
+    }
+
+    /// Both nodes of every bond, in the order of [`Bonds::all`].
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.n_nodes()).flat_map(move |i| self.row(i).map(move |bond| (i, self.partner(bond))))
+    }
+
+    /// The numbers of the bonds of a node to those above it.
+    pub(crate) fn row(&self, node: usize) -> std::ops::Range<usize> {
+        self.starts[node]..self.starts[node + 1]
+    }
+
+    #[inline]
+    pub(crate) fn partner(&self, bond: usize) -> usize {
+        self.partners[bond] as usize
+    }
+
+    /// The bonds that cross a notch: a segment in two dimensions, given by its ends, that no bond may cross. One that only
+    /// touches it is cut.
+    ///
+    /// # Errors
+    /// [`Error::Length`] where the nodes are not those of these bonds; [`Error::NotFinite`] for an end;
+    /// [`Error::NotchOutsideBody`] where it cuts nothing.
+    pub fn across_segment(
+        &self,
+        nodes: &Nodes<2>,
+        (from, to): ([f64; 2], [f64; 2]),
+    ) -> Result<Vec<usize>, Error> {
+        let positions = nodes.positions();
+        if positions.len() != self.n_nodes() {
+            let (value, expected) = (positions.len(), self.n_nodes());
+            return Err(Error::Length { name: "nodes", value, expected });
+        }
+        for value in from.into_iter().chain(to) {
+            crate::error::finite("an end of the notch", value)?;
+        }
+        let crosses = |(i, j): (usize, usize)| {
+            let (a, b) = (&positions[i], &positions[j]);
+            opposite(side(a, b, &from), side(a, b, &to))
+                && opposite(side(&from, &to, a), side(&from, &to, b))
+        };
+        let cut: Vec<usize> = (0..)
+            .zip(self.pairs())
+            .filter(|&(_, pair)| crosses(pair))
+            .map(|(bond, _)| bond)
+            .collect();
+        if cut.is_empty() { Err(Error::NotchOutsideBody) } else { Ok(cut) }
+    }
+}
+
+/// Twice the area of a triangle, with the sign of its turn.
+fn side(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+fn opposite(one: f64, two: f64) -> bool {
+    (one <= 0.0 && two >= 0.0) || (one >= 0.0 && two <= 0.0)
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
+}

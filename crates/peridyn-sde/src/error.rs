@@ -1,0 +1,139 @@
+//! What can go wrong, with the value and its limit.
+
+/// Why a body could not be made, bonded, or loaded.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter is NaN or infinite.
+    #[error("{name} is {value}; it must be finite")]
+    NotFinite {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter must be greater than zero.
+    #[error("{name} is {value}; it must be greater than 0 and finite")]
+    NotPositive {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A parameter lies outside an open interval.
+    #[error("{name} is {value}; it must lie between {from} and {to}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// Below what is allowed.
+        from: f64,
+        /// Above what is allowed.
+        to: f64,
+    },
+    /// A horizon so short that nodes of a lattice have no bonds.
+    #[error("the horizon is {value}; it must be greater than the spacing {spacing} of the nodes")]
+    HorizonTooShort {
+        /// What was given.
+        value: f64,
+        /// The spacing.
+        spacing: f64,
+    },
+    /// A horizon that ends where nodes are: which of them it holds is decided by roundoff.
+    #[error(
+        "the horizon is {value}, which is sqrt({square}) spacings of {spacing}: nodes stand at that very distance, and \
+         roundoff would decide which of them are bonded; {suggestion} has them inside"
+    )]
+    HorizonOnNodes {
+        /// What was given.
+        value: f64,
+        /// The square of it in spacings.
+        square: u64,
+        /// The spacing.
+        spacing: f64,
+        /// A horizon a little longer.
+        suggestion: f64,
+    },
+    /// No node.
+    #[error("the body holds no node at the spacing {spacing}")]
+    EmptyBody {
+        /// The spacing.
+        spacing: f64,
+    },
+    /// More nodes than an index holds.
+    #[error("{value} nodes; at most {limit} are possible")]
+    TooManyNodes {
+        /// How many.
+        value: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A coordinate or a volume of a node cannot be.
+    #[error("{name} of node {node} is {value}; it must be {must}")]
+    Node {
+        /// Which number.
+        name: &'static str,
+        /// Which node.
+        node: usize,
+        /// What was given.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Two nodes stand at one place.
+    #[error("nodes {first} and {second} stand at the same place")]
+    Coincident {
+        /// One.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
+    /// A node without a bond would feel no force.
+    #[error("node {node} has no bond within the horizon {horizon}")]
+    LooseNode {
+        /// Which.
+        node: usize,
+        /// The horizon.
+        horizon: f64,
+    },
+    /// A column that does not belong to this body.
+    #[error("{name} has {value} entries; the body has {expected}")]
+    Length {
+        /// Which column.
+        name: &'static str,
+        /// How many it has.
+        value: usize,
+        /// How many it must have.
+        expected: usize,
+    },
+    /// A notch that cuts no bond.
+    #[error("the notch cuts no bond: it lies outside the body, or does not reach into it")]
+    NotchOutsideBody,
+    /// A dimension that the conditions of the body do not have.
+    #[error("{condition} has {expected} dimensions; the body has {value}")]
+    Dimension {
+        /// The conditions.
+        condition: &'static str,
+        /// Those of the body.
+        value: usize,
+        /// Those of the conditions.
+        expected: usize,
+    },
+}
+
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { name, value }) }
+}
+
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::NotPositive { name, value }) }
+}
+
+pub(crate) fn between(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
+    if value > from && value < to {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { name, value, from, to })
+    }
+}

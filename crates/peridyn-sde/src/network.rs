@@ -1,0 +1,182 @@
+//! A body of nodes and bonds with what they remember: forces, energy, damage.
+
+use crate::bonds::Bonds;
+use crate::error::Error;
+use crate::law::BondLaw;
+use crate::nodes::Nodes;
+
+/// A body whose bonds follow a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network<L: BondLaw, const D: usize> {
+    nodes: Nodes<D>,
+    bonds: Bonds,
+    law: L,
+    /// One for each bond.
+    strengths: Vec<f64>,
+    states: Vec<L::State>,
+}
+
+/// A bond as it stands.
+struct Stretched<const D: usize> {
+    stretch: f64,
+    /// From the first node to the second, of length one.
+    direction: [f64; D],
+}
+
+impl<L: BondLaw, const D: usize> Network<L, D> {
+    /// A body as yet untouched; `strengths` are the stretches at which bonds break, in the order of [`Bonds::all`].
+    ///
+    /// # Errors
+    /// [`Error::Length`] where nodes, bonds and strengths are not of one body; [`Error::NotPositive`] for a strength.
+    pub fn new(nodes: Nodes<D>, bonds: Bonds, law: L, strengths: Vec<f64>) -> Result<Self, Error> {
+        let expected = bonds.n_nodes();
+        length("nodes", nodes.positions().len(), expected)?;
+        length("strengths", strengths.len(), bonds.len())?;
+        for &strength in &strengths {
+            crate::error::positive("strength of a bond", strength)?;
+        }
+        let states = vec![law.start(); bonds.len()];
+        Ok(Self { nodes, bonds, law, strengths, states })
+    }
+
+    /// The nodes.
+    #[must_use]
+    pub fn nodes(&self) -> &Nodes<D> {
+        &self.nodes
+    }
+
+    /// The bonds.
+    #[must_use]
+    pub fn bonds(&self) -> &Bonds {
+        &self.bonds
+    }
+
+    /// What bonds remember, in the order of [`Bonds::all`].
+    #[must_use]
+    pub fn states(&self) -> &[L::State] {
+        &self.states
+    }
+
+    /// Cuts bonds, as a notch does.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for a number that no bond has; none is cut then.
+    pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
+        let expected = self.bonds.len();
+        if let Some(&value) = bonds.iter().find(|&&bond| bond >= expected) {
+            return Err(Error::Length { name: "the number of a bond to cut", value, expected });
+        }
+        for &bond in bonds {
+            self.states[bond] = self.law.cut();
+        }
+        Ok(())
+    }
+
+    /// Forces on the nodes (force) under their displacements `u` (length), and the energy of the bonds:
+    ///
+    /// $$ F_i = \sum_j \kappa_{ij} \sigma(s_{ij})  e_{ij}, \qquad V = \sum_{i<j} \kappa_{ij} r_{ij} \int_0^{s_{ij}} \sigma ds, $$
+    ///
+    /// with the direction `e_ij` from `i` to `j` as they stand and the stretch
+    /// `s = eta (2 xi + eta)/(r (r + |xi + eta|))` of a bond `xi` of the length `r` whose ends move apart by `eta`: written so, it
+    /// loses no digits where it is small. This is the reference that every faster path is held against.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for columns of another body; [`Error::Node`] for a displacement that is not finite;
+    /// [`Error::Coincident`] for two bonded nodes that have come to one place.
+    pub fn forces(&self, u: &[[f64; D]], forces: &mut [[f64; D]]) -> Result<f64, Error> {
+        self.check(u)?;
+        length("forces", forces.len(), self.bonds.n_nodes())?;
+        forces.fill([0.0; D]);
+        let mut energy = 0.0;
+        for i in 0..self.bonds.n_nodes() {
+            for bond in self.bonds.row(i) {
+                let j = self.bonds.partner(bond);
+                let Stretched { stretch, direction } = self.stretched((i, j), bond, u)?;
+                let (of, state) = (self.bonds.all()[bond], &self.states[bond]);
+                let strength = self.strengths[bond];
+                let tension = of.stiffness * self.law.tension(strength, stretch, state);
+                for k in 0..D {
+                    forces[i][k] += tension * direction[k];
+                    forces[j][k] -= tension * direction[k];
+                }
+                energy += of.stiffness * of.length * self.law.energy(strength, stretch, state);
+            }
+        }
+        Ok(energy)
+    }
+
+    /// Takes all bonds over a step of the length `dt` (time) in which nodes move from one displacement to another, each bond
+    /// on a straight line of its stretch.
+    ///
+    /// # Errors
+    /// As [`Network::forces`]; [`Error::NotPositive`] for the step.
+    pub fn advance(&mut self, from: &[[f64; D]], to: &[[f64; D]], dt: f64) -> Result<(), Error> {
+        crate::error::positive("step", dt)?;
+        self.check(from)?;
+        self.check(to)?;
+        for i in 0..self.bonds.n_nodes() {
+            for bond in self.bonds.row(i) {
+                let pair = (i, self.bonds.partner(bond));
+                let before = self.stretched(pair, bond, from)?.stretch;
+                let after = self.stretched(pair, bond, to)?.stretch;
+                self.law.advance(self.strengths[bond], before, after, dt, &mut self.states[bond]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The damage of each node: the part of its bonds that is lost, each weighed by its stiffness.
+    #[must_use]
+    pub fn damage(&self) -> Vec<f64> {
+        let n = self.bonds.n_nodes();
+        let (mut lost, mut all) = (vec![0.0; n], vec![0.0; n]);
+        for i in 0..n {
+            for bond in self.bonds.row(i) {
+                let j = self.bonds.partner(bond);
+                let stiffness = self.bonds.all()[bond].stiffness;
+                let damage = self.law.damage(self.strengths[bond], &self.states[bond]);
+                for node in [i, j] {
+                    lost[node] += stiffness * damage;
+                    all[node] += stiffness;
+                }
+            }
+        }
+        lost.iter().zip(&all).map(|(lost, all)| lost / all).collect()
+    }
+
+    fn stretched(
+        &self,
+        (i, j): (usize, usize),
+        bond: usize,
+        u: &[[f64; D]],
+    ) -> Result<Stretched<D>, Error> {
+        let (x, r) = (self.nodes.positions(), self.bonds.all()[bond].length);
+        let (mut now, mut growth, mut square) = ([0.0; D], 0.0, 0.0);
+        for k in 0..D {
+            let (xi, eta) = (x[j][k] - x[i][k], u[j][k] - u[i][k]);
+            now[k] = xi + eta;
+            growth += eta * (2.0 * xi + eta);
+            square += now[k] * now[k];
+        }
+        let length = square.sqrt();
+        if length <= 0.0 {
+            return Err(Error::Coincident { first: i, second: j });
+        }
+        let inverse = 1.0 / length;
+        Ok(Stretched { stretch: growth / (r * (r + length)), direction: now.map(|c| c * inverse) })
+    }
+
+    fn check(&self, u: &[[f64; D]]) -> Result<(), Error> {
+        length("displacements", u.len(), self.bonds.n_nodes())?;
+        for (node, u) in u.iter().enumerate() {
+            if let Some(&value) = u.iter().find(|c| !c.is_finite()) {
+                return Err(Error::Node { name: "a displacement", node, value, must: "finite" });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
+    if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
+}

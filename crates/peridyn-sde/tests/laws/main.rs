@@ -1,0 +1,7 @@
+//! What must hold of bonds and forces, whatever the body.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
+
+mod constants;
+mod custom_law;
+mod forces;

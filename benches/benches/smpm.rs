@@ -13,7 +13,7 @@
 use std::hint::black_box;
 
 use benches::ratios::{Ratios, Work};
-use perturbation_moments::Jet;
+use perturbation_moments::{Gradient, Jet};
 use rayon::ThreadPoolBuilder;
 use smpm::material::{
     JohnsonCook, LinearElasticParameters, LinearElasticSolid, Material, MieGruneisen, Solid, Units,
@@ -110,15 +110,19 @@ fn steel<S: Number>(of: impl Fn(f64, usize) -> S) -> Simulation<S, 2> {
 }
 
 fn overheads(ratios: &mut Ratios) {
-    const FIRST_AND_SECOND: &str = "5 first and 5 second derivatives";
-    if ratios.wants(FIRST_AND_SECOND) {
-        let (mut plain, mut jets) = (steel(|value, _| value), steel(Jet::variable));
+    const DERIVATIVES: &str = "5 derivatives";
+    if ratios.wants(DERIVATIVES) {
+        let mut plain = steel(|value, _| value);
+        let (mut gradients, mut jets) = (steel(Gradient::variable), steel(Jet::variable));
         let n = plain.bodies()[0].n_particles();
         ratios.measure(
-            Work::new(FIRST_AND_SECOND, n, "f64", || {
+            Work::new(DERIVATIVES, n, "f64", || {
                 let _ = black_box(plain.step().unwrap());
             })
-            .rival("Jet", || {
+            .rival("Gradient, first alone", || {
+                let _ = black_box(gradients.step().unwrap());
+            })
+            .rival("Jet, first and second", || {
                 let _ = black_box(jets.step().unwrap());
             }),
         );

@@ -50,7 +50,7 @@ pub struct Jet {
 /// Every lane by the same formula, two at a time: `formula(k)` is of the lanes `2 k` and `2 k + 1`. As single numbers the
 /// compiler would pack them across jets, and shuffle.
 #[inline(always)]
-fn lanes(formula: impl Fn(usize) -> f64x2) -> [f64; LANES] {
+pub(crate) fn lanes(formula: impl Fn(usize) -> f64x2) -> [f64; LANES] {
     let mut out = [0.0; LANES];
     for k in 0..LANES / 2 {
         let [even, odd] = formula(k).to_array();
@@ -61,7 +61,7 @@ fn lanes(formula: impl Fn(usize) -> f64x2) -> [f64; LANES] {
 
 /// The lanes `2 k` and `2 k + 1`.
 #[inline(always)]
-fn pair(lanes: &[f64; LANES], k: usize) -> f64x2 {
+pub(crate) fn pair(lanes: &[f64; LANES], k: usize) -> f64x2 {
     f64x2::new([lanes[2 * k], lanes[2 * k + 1]])
 }
 

@@ -1,0 +1,245 @@
+//! A number with its first derivatives along eight directions.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::jet::{LANES, lanes, pair};
+use crate::scalar::Scalar;
+
+/// A value with its first derivatives along up to eight directions at once: a [`Jet`](crate::Jet) without its second ones.
+///
+/// $$ \left( y, \; \frac{d y}{d t_k} \right)_{k = 1..8} $$
+///
+/// Enough for a variance of first order, at a part of the cost; the mean then lacks its term of second order, and nothing says
+/// how far the Taylor series can be trusted. Value and derivatives have the bits of those of the jet.
+///
+/// ```
+/// use perturbation_moments::{Gradient, Scalar};
+///
+/// let (x, y) = (Gradient::variable(3.0, 0), Gradient::variable(2.0, 1));
+/// let z = x * y.powi(2);
+/// assert_eq!((z.value, z.first[0], z.first[1]), (12.0, 4.0, 12.0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(16))]
+pub struct Gradient {
+    /// `dy/dt_k`.
+    pub first: [f64; LANES],
+    /// `y`.
+    pub value: f64,
+}
+
+impl Gradient {
+    /// Input number `lane` of a response; for `lane >= 8` no lane is set: the number is a constant.
+    #[must_use]
+    #[inline(always)]
+    pub fn variable(value: f64, lane: usize) -> Self {
+        Self { first: std::array::from_fn(|k| if k == lane { 1.0 } else { 0.0 }), value }
+    }
+
+    /// A function of this number from its value and its derivative there.
+    #[inline(always)]
+    fn compose(self, value: f64, derivative: f64) -> Self {
+        Self { first: lanes(|k| derivative * pair(&self.first, k)), value }
+    }
+}
+
+impl Scalar for Gradient {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self { first: [0.0; LANES], value }
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self.compose(self.value * self.value, self.value + self.value)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let y = 1.0 / self.value;
+        self.compose(y, -(y * y))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let y = self.value.sqrt();
+        self.compose(y, 0.5 / y)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let y = self.value.exp();
+        self.compose(y, y)
+    }
+
+    #[inline(always)]
+    fn exp_scaled(self, factor: f64) -> Self {
+        let y = (self.value * factor).exp();
+        self.compose(y, factor * y)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.compose(self.value.ln(), 1.0 / self.value)
+    }
+
+    #[inline(always)]
+    fn sin(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.compose(sin, cos)
+    }
+
+    #[inline(always)]
+    fn cos(self) -> Self {
+        let (sin, cos) = self.value.sin_cos();
+        self.compose(cos, -sin)
+    }
+
+    #[inline(always)]
+    fn powi(self, exponent: i32) -> Self {
+        let p = f64::from(exponent);
+        let y = self.value.powi(exponent);
+        let derivative = match exponent {
+            0 => 0.0,
+            ..0 => p * y * (1.0 / self.value),
+            _ => p * self.value.powi(exponent - 1),
+        };
+        self.compose(y, derivative)
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        let y = self.value.powf(exponent);
+        self.compose(y, exponent * y * (1.0 / self.value))
+    }
+}
+
+impl Neg for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { first: lanes(|k| -pair(&self.first, k)), value: -self.value }
+    }
+}
+
+impl Add for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let first = lanes(|k| pair(&self.first, k) + pair(&other.first, k));
+        Self { first, value: self.value + other.value }
+    }
+}
+
+impl Sub for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let first = lanes(|k| pair(&self.first, k) - pair(&other.first, k));
+        Self { first, value: self.value - other.value }
+    }
+}
+
+#[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
+impl Mul for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let (a, b) = (self.value, other.value);
+        let first = lanes(|k| a * pair(&other.first, k) + pair(&self.first, k) * b);
+        Self { first, value: a * b }
+    }
+}
+
+impl Div for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let (value, inverse) = (self.value / other.value, 1.0 / other.value);
+        let first = lanes(|k| (pair(&self.first, k) - value * pair(&other.first, k)) * inverse);
+        Self { first, value }
+    }
+}
+
+impl Add<f64> for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, constant: f64) -> Self {
+        Self { value: self.value + constant, ..self }
+    }
+}
+
+impl Sub<f64> for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, constant: f64) -> Self {
+        Self { value: self.value - constant, ..self }
+    }
+}
+
+impl Mul<f64> for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self.compose(self.value * factor, factor)
+    }
+}
+
+impl Div<f64> for Gradient {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: f64) -> Self {
+        self.compose(self.value / divisor, 1.0 / divisor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jet::Jet;
+
+    /// Every operation once.
+    fn all<S: Scalar>(x: S, y: S) -> [S; 18] {
+        [
+            -x,
+            x + y,
+            x - y,
+            x * y,
+            x / y,
+            x + 2.0,
+            x - 2.0,
+            x * 2.5,
+            x / 2.5,
+            x.squared(),
+            x.recip(),
+            x.sqrt() * y.exp(),
+            x.ln() + y.exp_scaled(0.3),
+            x.sin() * y.cos(),
+            x.powi(3) * y.powi(-2),
+            x.powi(0) + y.powi(1),
+            x.powf(0.3),
+            (x * y + 1.0).ln() / (x - y * 0.1).sqrt(),
+        ]
+    }
+
+    #[test]
+    fn every_operation_has_the_bits_of_the_jet() {
+        let gradients = all(Gradient::variable(1.7, 0), Gradient::variable(0.6, 7));
+        let jets = all(Jet::variable(1.7, 0), Jet::variable(0.6, 7));
+        for (number, (gradient, jet)) in gradients.iter().zip(&jets).enumerate() {
+            assert_eq!(gradient.value.to_bits(), jet.value.to_bits(), "{number}");
+            let bits = |first: &[f64; LANES]| first.map(f64::to_bits);
+            assert_eq!(bits(&gradient.first), bits(&jet.first), "{number}");
+        }
+    }
+}

@@ -155,6 +155,20 @@ impl Bonds {
         self.starts[node]..self.starts[node + 1]
     }
 
+    /// The nodes of a bond, the lower first.
+    pub(crate) fn ends(&self, bond: usize) -> (usize, usize) {
+        let node = self.starts.partition_point(|&start| start <= bond) - 1;
+        (node, self.partner(bond))
+    }
+
+    /// The bond between two nodes, the lower first.
+    pub(crate) fn number(&self, i: usize, j: usize) -> Option<usize> {
+        let row = self.row(i);
+        let partners = &self.partners[row.clone()];
+        let at = partners.binary_search_by_key(&j, |&partner| partner as usize).ok()?;
+        Some(row.start + at)
+    }
+
     #[inline]
     pub(crate) fn partner(&self, bond: usize) -> usize {
         self.partners[bond] as usize
@@ -190,6 +204,14 @@ impl Bonds {
             .map(|(bond, _)| bond)
             .collect();
         if cut.is_empty() { Err(Error::NotchOutsideBody) } else { Ok(cut) }
+    }
+}
+
+/// Numbers of bonds that exist.
+pub(crate) fn cut_numbers(bonds: &[usize], expected: usize) -> Result<(), Error> {
+    match bonds.iter().find(|&&bond| bond >= expected) {
+        Some(&value) => Err(Error::Length { name: "the number of a bond to cut", value, expected }),
+        None => Ok(()),
     }
 }
 

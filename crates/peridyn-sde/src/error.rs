@@ -110,6 +110,22 @@ pub enum Error {
     /// A notch that cuts no bond.
     #[error("the notch cuts no bond: it lies outside the body, or does not reach into it")]
     NotchOutsideBody,
+    /// Nodes or bonds that are no lattice.
+    #[error("{what} of node {node} is not that of a lattice of the spacing {spacing}")]
+    NotLattice {
+        /// What is not.
+        what: &'static str,
+        /// Where.
+        node: usize,
+        /// The spacing.
+        spacing: f64,
+    },
+    /// A law of bonds of which no linear forces can be had.
+    #[error("this body has no linear forces, which {by} needs")]
+    NotLinear {
+        /// What asked for them.
+        by: &'static str,
+    },
     /// A dimension that the conditions of the body do not have.
     #[error("{condition} has {expected} dimensions; the body has {value}")]
     Dimension {
@@ -120,6 +136,10 @@ pub enum Error {
         /// Those of the conditions.
         expected: usize,
     },
+}
+
+pub(crate) fn same_length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
+    if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
 }
 
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {

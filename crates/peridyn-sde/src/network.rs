@@ -1,7 +1,7 @@
 //! A body of nodes and bonds with what they remember: forces, energy, damage.
 
-use crate::bonds::Bonds;
-use crate::error::Error;
+use crate::bonds::{Bonds, cut_numbers};
+use crate::error::{Error, same_length};
 use crate::law::BondLaw;
 use crate::nodes::Nodes;
 
@@ -30,8 +30,8 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// [`Error::Length`] where nodes, bonds and strengths are not of one body; [`Error::NotPositive`] for a strength.
     pub fn new(nodes: Nodes<D>, bonds: Bonds, law: L, strengths: Vec<f64>) -> Result<Self, Error> {
         let expected = bonds.n_nodes();
-        length("nodes", nodes.positions().len(), expected)?;
-        length("strengths", strengths.len(), bonds.len())?;
+        same_length("nodes", nodes.positions().len(), expected)?;
+        same_length("strengths", strengths.len(), bonds.len())?;
         for &strength in &strengths {
             crate::error::positive("strength of a bond", strength)?;
         }
@@ -62,10 +62,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// # Errors
     /// [`Error::Length`] for a number that no bond has; none is cut then.
     pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
-        let expected = self.bonds.len();
-        if let Some(&value) = bonds.iter().find(|&&bond| bond >= expected) {
-            return Err(Error::Length { name: "the number of a bond to cut", value, expected });
-        }
+        cut_numbers(bonds, self.bonds.len())?;
         for &bond in bonds {
             self.states[bond] = self.law.cut();
         }
@@ -85,7 +82,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// [`Error::Coincident`] for two bonded nodes that have come to one place.
     pub fn forces(&self, u: &[[f64; D]], forces: &mut [[f64; D]]) -> Result<f64, Error> {
         self.check(u)?;
-        length("forces", forces.len(), self.bonds.n_nodes())?;
+        same_length("forces", forces.len(), self.bonds.n_nodes())?;
         forces.fill([0.0; D]);
         let mut energy = 0.0;
         for i in 0..self.bonds.n_nodes() {
@@ -167,7 +164,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     }
 
     fn check(&self, u: &[[f64; D]]) -> Result<(), Error> {
-        length("displacements", u.len(), self.bonds.n_nodes())?;
+        same_length("displacements", u.len(), self.bonds.n_nodes())?;
         for (node, u) in u.iter().enumerate() {
             if let Some(&value) = u.iter().find(|c| !c.is_finite()) {
                 return Err(Error::Node { name: "a displacement", node, value, must: "finite" });
@@ -175,8 +172,4 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         }
         Ok(())
     }
-}
-
-fn length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
-    if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
 }

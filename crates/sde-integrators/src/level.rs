@@ -51,6 +51,12 @@ impl SimdLevel {
         }
     }
 
+    /// Runs work compiled for the level, as far as the work is inlined into this call: what it calls should be
+    /// `#[inline(always)]`.
+    pub fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        self.run(Work(work))
+    }
+
     /// Run a function that was compiled for the level, as far as it is inlined.
     pub(crate) fn run<F: pulp::NullaryFnOnce>(self, function: F) -> F::Output {
         match self.0 {
@@ -60,6 +66,18 @@ impl SimdLevel {
             #[cfg(target_arch = "x86_64")]
             Level::Avx512(token) => token.vectorize(function),
         }
+    }
+}
+
+struct Work<F>(F);
+
+impl<R, F: FnOnce() -> R> pulp::NullaryFnOnce for Work<F> {
+    type Output = R;
+
+    #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
+    #[inline(always)]
+    fn call(self) -> R {
+        self.0()
     }
 }
 

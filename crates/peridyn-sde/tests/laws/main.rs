@@ -4,4 +4,5 @@
 
 mod constants;
 mod custom_law;
+mod fast_paths;
 mod forces;

@@ -4,4 +4,6 @@
 
 mod constants;
 mod custom_law;
+mod disorder;
 mod forces;
+mod mobility;

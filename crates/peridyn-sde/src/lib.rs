@@ -2,24 +2,36 @@
 
 mod body;
 mod bonds;
+mod correlation;
 mod crossing;
+mod disorder;
 mod elasticity;
 mod error;
 mod fast;
+mod gaussian_field;
 mod horizon;
+mod lattice_field;
 pub mod law;
+mod marginal;
+mod mobility;
 mod network;
 mod nodes;
+mod pivoted_cholesky;
 mod real;
 
 pub use body::{AtStrength, Body, BrokenBond, Cause};
 pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
+pub use correlation::{Correlation, CorrelationFunction};
 pub use crossing::Crossing;
+pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use error::Error;
 pub use fast::{BondList, LatticeBody, Strain};
+pub use gaussian_field::GaussianField;
 pub use horizon::Horizon;
 pub use law::BondLaw;
+pub use marginal::Marginal;
+pub use mobility::{CompactMobility, CorrelatedMobility, DisplacementNoise, Mobility};
 pub use network::Network;
 pub use nodes::Nodes;
 pub use real::Real;

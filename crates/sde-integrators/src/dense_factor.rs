@@ -1,7 +1,9 @@
 //! A noise factor from a full covariance.
 
 use crate::error::Error;
-use crate::noise_factor::{NoiseFactor, require_finite, require_length};
+use crate::noise_factor::{
+    NoiseFactor, add_scaled, block_of, for_components, load, require_finite, require_length,
+};
 
 /// The Cholesky factor of a full covariance: `O(n^3)` once, `O(n^2)` per step. For a few thousand unknowns.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +44,56 @@ impl DenseFactor {
         let rows = (0..n).flat_map(|row| (0..=row).map(move |column| l[(row, column)])).collect();
         Ok(Self { n, rows })
     }
+
+    /// Row `i` of the triangle, up to its diagonal.
+    ///
+    /// # Panics
+    /// If there is no such row, as a slice does.
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[f64] {
+        // Before row i there are 1 + 2 + .. + i entries.
+        &self.rows[i * (i + 1) / 2..(i + 1) * (i + 2) / 2]
+    }
+
+    fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        (0..self.n).map(|i| self.row(i))
+    }
+
+    for_components!();
+
+    fn apply_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        z: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for (i, row) in self.rows().enumerate() {
+            let mut sum = [0.0; C];
+            for (j, &l) in row.iter().enumerate() {
+                add_scaled(&mut sum, l, &load::<C>(z, j, of));
+            }
+            block_of::<C>(result, i, of).copy_from_slice(&sum);
+        }
+        C
+    }
+
+    fn apply_transposed_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        x: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for j in 0..self.n {
+            block_of::<C>(result, j, of).fill(0.0);
+        }
+        for (i, row) in self.rows().enumerate() {
+            let x: [f64; C] = load(x, i, of);
+            for (j, &l) in row.iter().enumerate() {
+                add_scaled(block_of::<C>(result, j, of), l, &x);
+            }
+        }
+        C
+    }
 }
 
 impl NoiseFactor for DenseFactor {
@@ -54,11 +106,17 @@ impl NoiseFactor for DenseFactor {
     }
 
     fn apply(&self, z: &[f64], result: &mut [f64]) {
-        let mut rest = self.rows.as_slice();
-        for (i, result) in result.iter_mut().enumerate().take(self.n) {
-            let (row, tail) = rest.split_at(i + 1);
+        for (result, row) in result.iter_mut().zip(self.rows()) {
             *result = row.iter().zip(z).map(|(l, z)| l * z).sum();
-            rest = tail;
+        }
+    }
+
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
+        result.fill(0.0);
+        for (x, row) in x.iter().zip(self.rows()) {
+            for (result, l) in result.iter_mut().zip(row) {
+                *result += l * x;
+            }
         }
     }
 }

@@ -14,6 +14,85 @@ pub trait NoiseFactor: Sync {
 
     /// `L z` into `result`: [`n_motions`](Self::n_motions) values to [`n_unknowns`](Self::n_unknowns).
     fn apply(&self, z: &[f64], result: &mut [f64]);
+
+    /// `L^T x` into `result`: [`n_unknowns`](Self::n_unknowns) values to [`n_motions`](Self::n_motions). With it the
+    /// covariance itself can be applied, `L (L^T x)`: a drift `L L^T f` and a noise `L z` then come from one factor.
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]);
+}
+
+/// What [`NoiseFactor`] does, for several fields at once whose values lie side by side: `[unknown][component]`, with
+/// motions `[motion][component]`. Each field has the same factor and motions of its own. In blocks of components that fit
+/// in registers, so that the factor is read once for eight.
+macro_rules! for_components {
+    () => {
+        /// `L z` for several fields side by side: `z` is `[motion][component]`, `result` is `[unknown][component]`. What
+        /// [`NoiseFactor::apply`] gives for each of them alone.
+        pub fn apply_to_components(&self, components: usize, z: &[f64], result: &mut [f64]) {
+            $crate::noise_factor::in_blocks!(self.apply_block(components, z, result));
+        }
+
+        /// `L^T x` for several fields side by side: `x` is `[unknown][component]`, `result` is `[motion][component]`. What
+        /// [`NoiseFactor::apply_transposed`] gives for each of them alone.
+        pub fn apply_transposed_to_components(
+            &self,
+            components: usize,
+            x: &[f64],
+            result: &mut [f64],
+        ) {
+            $crate::noise_factor::in_blocks!(self.apply_transposed_block(components, x, result));
+        }
+    };
+}
+
+macro_rules! in_blocks {
+    ($self:ident.$block:ident($components:ident, $from:ident, $to:ident)) => {{
+        let mut first = 0;
+        while first < $components {
+            first += match $components - first {
+                8.. => $self.$block::<8>((first, $components), $from, $to),
+                4.. => $self.$block::<4>((first, $components), $from, $to),
+                3 => $self.$block::<3>((first, $components), $from, $to),
+                2 => $self.$block::<2>((first, $components), $from, $to),
+                _ => $self.$block::<1>((first, $components), $from, $to),
+            };
+        }
+    }};
+}
+
+#[cfg(feature = "dense")]
+pub(crate) use for_components;
+pub(crate) use in_blocks;
+
+/// `C` components of an unknown or a motion, from the `first` of `all` on.
+#[inline]
+pub(crate) fn load<const C: usize>(
+    values: &[f64],
+    index: usize,
+    (first, all): (usize, usize),
+) -> [f64; C] {
+    let start = index * all + first;
+    let mut block = [0.0; C];
+    block.copy_from_slice(&values[start..start + C]);
+    block
+}
+
+/// Where they go.
+#[inline]
+pub(crate) fn block_of<const C: usize>(
+    values: &mut [f64],
+    index: usize,
+    (first, all): (usize, usize),
+) -> &mut [f64] {
+    let start = index * all + first;
+    &mut values[start..start + C]
+}
+
+/// `values += l x`.
+#[inline]
+pub(crate) fn add_scaled<const C: usize>(values: &mut [f64], l: f64, x: &[f64; C]) {
+    for (value, x) in values.iter_mut().zip(x) {
+        *value += l * x;
+    }
 }
 
 pub(crate) fn require_finite(quantity: &'static str, values: &[f64]) -> Result<(), Error> {
@@ -46,6 +125,36 @@ impl DiagonalFactor {
         require_finite("deviation", &deviations)?;
         Ok(Self { deviations })
     }
+
+    /// The standard deviations.
+    #[must_use]
+    pub fn deviations(&self) -> &[f64] {
+        &self.deviations
+    }
+
+    for_components!();
+
+    fn apply_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        z: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for (i, deviation) in self.deviations.iter().enumerate() {
+            let z: [f64; C] = load(z, i, of);
+            block_of::<C>(result, i, of).copy_from_slice(&z.map(|z| deviation * z));
+        }
+        C
+    }
+
+    fn apply_transposed_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        x: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        self.apply_block::<C>(of, x, result)
+    }
 }
 
 impl NoiseFactor for DiagonalFactor {
@@ -61,6 +170,10 @@ impl NoiseFactor for DiagonalFactor {
         for ((result, z), deviation) in result.iter_mut().zip(z).zip(&self.deviations) {
             *result = deviation * z;
         }
+    }
+
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
+        self.apply(x, result);
     }
 }
 
@@ -87,6 +200,47 @@ impl LowRankFactor {
         require_finite("entry of the columns", &columns)?;
         Ok(Self { n: n_unknowns, columns })
     }
+
+    /// The columns, each with an entry per unknown.
+    pub fn columns(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.columns.chunks_exact(self.n)
+    }
+
+    for_components!();
+
+    fn apply_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        z: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for i in 0..self.n {
+            block_of::<C>(result, i, of).fill(0.0);
+        }
+        for (j, column) in self.columns().enumerate() {
+            let z: [f64; C] = load(z, j, of);
+            for (i, &l) in column.iter().enumerate() {
+                add_scaled(block_of::<C>(result, i, of), l, &z);
+            }
+        }
+        C
+    }
+
+    fn apply_transposed_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        x: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for (j, column) in self.columns().enumerate() {
+            let mut sum = [0.0; C];
+            for (i, &l) in column.iter().enumerate() {
+                add_scaled(&mut sum, l, &load::<C>(x, i, of));
+            }
+            block_of::<C>(result, j, of).copy_from_slice(&sum);
+        }
+        C
+    }
 }
 
 impl NoiseFactor for LowRankFactor {
@@ -104,6 +258,12 @@ impl NoiseFactor for LowRankFactor {
             for (result, l) in result.iter_mut().zip(column) {
                 *result += l * z;
             }
+        }
+    }
+
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
+        for (result, column) in result.iter_mut().zip(self.columns()) {
+            *result = column.iter().zip(x).map(|(l, x)| l * x).sum();
         }
     }
 }
@@ -150,6 +310,56 @@ impl SparseFactor {
         require_finite("value", &values)?;
         Ok(Self { n_motions, row_starts, columns, values })
     }
+
+    /// Row `i` as its columns and its values, in the order they were given.
+    ///
+    /// # Panics
+    /// If there is no such row, as a slice does.
+    #[must_use]
+    pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
+        let row = self.row_starts[i]..self.row_starts[i + 1];
+        (&self.columns[row.clone()], &self.values[row])
+    }
+
+    fn rows(&self) -> impl Iterator<Item = (&[usize], &[f64])> {
+        (0..self.row_starts.len() - 1).map(|i| self.row(i))
+    }
+
+    for_components!();
+
+    fn apply_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        z: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for (i, (columns, values)) in self.rows().enumerate() {
+            let mut sum = [0.0; C];
+            for (&column, &l) in columns.iter().zip(values) {
+                add_scaled(&mut sum, l, &load::<C>(z, column, of));
+            }
+            block_of::<C>(result, i, of).copy_from_slice(&sum);
+        }
+        C
+    }
+
+    fn apply_transposed_block<const C: usize>(
+        &self,
+        of: (usize, usize),
+        x: &[f64],
+        result: &mut [f64],
+    ) -> usize {
+        for j in 0..self.n_motions {
+            block_of::<C>(result, j, of).fill(0.0);
+        }
+        for (i, (columns, values)) in self.rows().enumerate() {
+            let x: [f64; C] = load(x, i, of);
+            for (&column, &l) in columns.iter().zip(values) {
+                add_scaled(block_of::<C>(result, column, of), l, &x);
+            }
+        }
+        C
+    }
 }
 
 impl NoiseFactor for SparseFactor {
@@ -162,13 +372,17 @@ impl NoiseFactor for SparseFactor {
     }
 
     fn apply(&self, z: &[f64], result: &mut [f64]) {
-        for (result, ends) in result.iter_mut().zip(self.row_starts.windows(2)) {
-            let row = ends[0]..ends[1];
-            *result = self.columns[row.clone()]
-                .iter()
-                .zip(&self.values[row])
-                .map(|(&column, l)| l * z[column])
-                .sum();
+        for (result, (columns, values)) in result.iter_mut().zip(self.rows()) {
+            *result = columns.iter().zip(values).map(|(&column, l)| l * z[column]).sum();
+        }
+    }
+
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
+        result.fill(0.0);
+        for (x, (columns, values)) in x.iter().zip(self.rows()) {
+            for (&column, l) in columns.iter().zip(values) {
+                result[column] += l * x;
+            }
         }
     }
 }

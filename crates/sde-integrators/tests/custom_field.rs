@@ -129,6 +129,14 @@ impl NoiseFactor for MovingAverage {
             *result = 0.5 * (pair[0] + pair[1]);
         }
     }
+
+    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
+        result.fill(0.0);
+        for (i, x) in x.iter().enumerate() {
+            result[i] += 0.5 * x;
+            result[i + 1] += 0.5 * x;
+        }
+    }
 }
 
 /// Unknowns that only the noise moves, faster with time.

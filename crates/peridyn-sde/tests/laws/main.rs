@@ -4,5 +4,7 @@
 
 mod constants;
 mod custom_law;
+mod disorder;
 mod fast_paths;
 mod forces;
+mod mobility;

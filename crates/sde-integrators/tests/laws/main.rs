@@ -3,6 +3,8 @@
 mod adaptive;
 mod ensemble;
 mod estimate;
+#[cfg(feature = "dense")]
+mod factors;
 mod initial_law;
 mod methods;
 mod moments;

@@ -1,0 +1,230 @@
+//! How a mobility is made.
+
+use neighbour_search::{CellGrid, MAX_RADIUS, MIN_RADIUS, NeighbourList, NeighbourSearch, Radii};
+use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, SparseFactor};
+
+use super::{Factor, Mobility, expect};
+use crate::correlation::{Correlation, check_positions, distance};
+use crate::error::{Error, between, finite, positive};
+use crate::pivoted_cholesky::{Enough, pivoted_cholesky};
+
+/// Most nodes of a full matrix: 2 GB of it.
+const MOST_DENSE: usize = 16_384;
+
+/// A mobility whose correlation between nodes is given, `M_ij = m (rho(r_ij) + nugget delta_ij)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CorrelatedMobility {
+    /// `m` (length / (force time)).
+    pub mobility: f64,
+    /// `rho`.
+    pub correlation: Correlation,
+    /// What each node has of its own, as a part of what it shares. A smooth correlation without it has modes that hardly
+    /// move: the slowest of a Gaussian of a few spacings may need 1e12 steps, with a nugget of 0.1 some hundred.
+    pub nugget: f64,
+}
+
+/// A mobility by a compact average of white noise: `M = m (G G^T + nugget)` with
+///
+/// $$ G_{ij} = g_{ij} / \sqrt{\textstyle\sum_k g_{ik}^2}, \qquad g_{ij} = e^{-r_{ij}^2/a^2}, \quad a = l \sqrt{2/\pi}, $$
+///
+/// zero beyond the support. Rows are normalised, so that `M_ii` is the same everywhere, corners included. Between nodes of a
+/// wide lattice the correlation is the Gaussian of the length `l`, but for what lies beyond the support.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CompactMobility {
+    /// `m` (length / (force time)).
+    pub mobility: f64,
+    /// `l`, as in [`Correlation`] (length).
+    pub length: f64,
+    /// Where the average ends (length). At `2 l`, which is 2.5 `a`, the correlation misses about 1e-3.
+    pub support: f64,
+    /// As in [`CorrelatedMobility`]; greater than zero.
+    pub nugget: f64,
+}
+
+impl Mobility {
+    /// Every free node for itself: `M = m 1`.
+    ///
+    /// # Errors
+    /// [`Error::NoFreeNode`], [`Error::NotPositive`] for the mobility (length / (force time)).
+    pub fn identity(free: &[bool], mobility: f64) -> Result<Self, Error> {
+        positive("mobility", mobility)?;
+        any_free(free)?;
+        Ok(Self { factor: Factor::Diagonal(own(free, mobility)?), is_free: free.to_vec() })
+    }
+
+    /// From the matrix itself, row after row (length / (force time)). Rows and columns of fixed nodes are not looked at.
+    ///
+    /// # Errors
+    /// [`Error::NoFreeNode`], [`Error::TooManyNodes`], [`Error::Length`]; [`Error::Factor`] for an entry that is not finite or
+    /// not that on the other side of the diagonal to 1e-12; [`Error::NotPositiveDefinite`] with its first row.
+    pub fn from_matrix(free: &[bool], matrix: &[f64]) -> Result<Self, Error> {
+        let n = free.len();
+        expect("the matrix of the mobility", matrix.len(), n * n)?;
+        Self::of_entries(free, |i, j| matrix[i * n + j])
+    }
+
+    /// With a correlation between all nodes (lengths), by a Cholesky factor.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`], [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`], [`Error::TooManyNodes`];
+    /// [`Error::OutOfRange`] for a negative nugget; [`Error::NotPositiveDefinite`] for a smooth correlation without one.
+    pub fn dense<const D: usize>(
+        positions: &[[f64; D]],
+        free: &[bool],
+        config: &CorrelatedMobility,
+    ) -> Result<Self, Error> {
+        config.check(positions, free)?;
+        let CorrelatedMobility { mobility, correlation, nugget } = *config;
+        Self::of_entries(free, |i, j| {
+            let own = if i == j { nugget } else { 0.0 };
+            mobility * (correlation.between(&positions[i], &positions[j]) + own)
+        })
+    }
+
+    /// With a correlation between all nodes (lengths), by as many columns of a pivoted Cholesky factor as leave less than a
+    /// part `tolerance` of the trace, and the nugget: `L = [U, sqrt(m nugget) 1]`. What is left, is left out: `M_ii` is less
+    /// than `m (1 + nugget)` by it.
+    ///
+    /// # Errors
+    /// As [`Mobility::dense`]; [`Error::NotPositive`] for a nugget of zero, without which most of the motion would be frozen;
+    /// [`Error::OutOfRange`] for a tolerance not between 0 and 1.
+    pub fn low_rank<const D: usize>(
+        positions: &[[f64; D]],
+        free: &[bool],
+        config: &CorrelatedMobility,
+        tolerance: f64,
+    ) -> Result<Self, Error> {
+        config.check(positions, free)?;
+        let CorrelatedMobility { mobility, correlation, nugget } = *config;
+        positive("nugget", nugget)?;
+        between("tolerance of the factor", tolerance, 0.0, 1.0)?;
+        let is_shared = |i: usize, j: usize| free[i] && free[j];
+        let entry = |i: usize, j: usize| {
+            if !is_shared(i, j) {
+                return 0.0;
+            }
+            mobility * correlation.between(&positions[i], &positions[j])
+        };
+        let found = pivoted_cholesky(free.len(), entry, Enough::Trace(tolerance))?;
+        let smooth = LowRankFactor::new(free.len(), found.columns)?;
+        let nugget = own(free, mobility * nugget)?;
+        Ok(Self { factor: Factor::LowRank { smooth, nugget }, is_free: free.to_vec() })
+    }
+
+    /// With a correlation between near nodes (lengths), by an average over a support.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`], [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`]; [`Error::OutOfRange`] for a support
+    /// that cannot be searched.
+    pub fn compact<const D: usize>(
+        positions: &[[f64; D]],
+        free: &[bool],
+        config: &CompactMobility,
+    ) -> Result<Self, Error> {
+        let CompactMobility { mobility, length, support, nugget } = *config;
+        positive("mobility", mobility)?;
+        positive("correlation length", length)?;
+        positive("nugget", nugget)?;
+        between("support of the mobility", support, MIN_RADIUS, MAX_RADIUS)?;
+        check_nodes(positions, free)?;
+        let list = neighbours(positions, support)?;
+        let n = positions.len();
+        let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
+        // (2 / pi) l^2
+        let square = std::f64::consts::FRAC_2_PI * length * length;
+        for i in 0..n {
+            if free[i] {
+                let first = values.len();
+                for j in row_with_itself(&list, i).filter(|&j| free[j]) {
+                    let r = distance(&positions[i], &positions[j]);
+                    columns.push(j);
+                    values.push(sde_integrators::exp(-r * r / square));
+                }
+                let sum: f64 = values[first..].iter().map(|g| g * g).sum();
+                let scale = (mobility / sum).sqrt();
+                for value in &mut values[first..] {
+                    *value *= scale;
+                }
+                columns.push(n + i);
+                values.push((mobility * nugget).sqrt());
+            }
+            starts.push(values.len());
+        }
+        let factor = Factor::Sparse(SparseFactor::new(2 * n, starts, columns, values)?);
+        Ok(Self { factor, is_free: free.to_vec() })
+    }
+
+    /// A full factor of the rows and columns of free nodes.
+    fn of_entries(free: &[bool], entry: impl Fn(usize, usize) -> f64) -> Result<Self, Error> {
+        let n = free.len();
+        any_free(free)?;
+        if n > MOST_DENSE {
+            return Err(Error::TooManyNodes { value: n, limit: MOST_DENSE });
+        }
+        let mut matrix = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                let is_both = free[i] && free[j];
+                matrix[i * n + j] = if is_both { entry(i, j) } else { f64::from(i == j) };
+            }
+        }
+        let limit = |row: usize| n as f64 * f64::EPSILON * matrix[row * n + row].abs();
+        let not_definite = |row| Error::NotPositiveDefinite { row, limit: limit(row) };
+        let factor = DenseFactor::new(n, &matrix).map_err(|error| match error {
+            sde_integrators::Error::CovarianceNotPositiveDefinite { row } => not_definite(row),
+            other => Error::Factor(other),
+        })?;
+        // Higham 2002, algorithm 10.2: a pivot below this is roundoff of the diagonal.
+        match (0..n).find(|&row| factor.row(row)[row].powi(2) <= limit(row)) {
+            Some(row) => Err(not_definite(row)),
+            None => Ok(Self { factor: Factor::Dense(factor), is_free: free.to_vec() }),
+        }
+    }
+}
+
+impl CorrelatedMobility {
+    fn check<const D: usize>(&self, positions: &[[f64; D]], free: &[bool]) -> Result<(), Error> {
+        positive("mobility", self.mobility)?;
+        self.correlation.check()?;
+        finite("nugget", self.nugget)?;
+        if self.nugget < 0.0 {
+            let (value, to) = (self.nugget, f64::INFINITY);
+            return Err(Error::OutOfRange { name: "nugget", value, from: 0.0, to });
+        }
+        check_nodes(positions, free)
+    }
+}
+
+/// A motion for each node, which moves it where it is free.
+fn own(free: &[bool], variance: f64) -> Result<DiagonalFactor, Error> {
+    let deviation = |&is_free: &bool| if is_free { variance.sqrt() } else { 0.0 };
+    Ok(DiagonalFactor::new(free.iter().map(deviation).collect())?)
+}
+
+fn neighbours<const D: usize>(positions: &[[f64; D]], radius: f64) -> Result<NeighbourList, Error> {
+    let mut list = NeighbourList::new();
+    // Places are finite and the radius is one that can be searched: what is left is their number.
+    CellGrid::new()
+        .full_list(positions, Radii::Uniform(radius), &mut list)
+        .map_err(|_| Error::TooManyNodes { value: positions.len(), limit: u32::MAX as usize })?;
+    list.sort_rows();
+    Ok(list)
+}
+
+/// The neighbours of a node and the node, ascending.
+fn row_with_itself(list: &NeighbourList, i: usize) -> impl Iterator<Item = usize> + '_ {
+    let row = list.of(i);
+    let below = row.partition_point(|&j| (j as usize) < i);
+    let index = |&j: &u32| j as usize;
+    row[..below].iter().map(index).chain([i]).chain(row[below..].iter().map(index))
+}
+
+fn check_nodes<const D: usize>(positions: &[[f64; D]], free: &[bool]) -> Result<(), Error> {
+    expect("the free nodes", free.len(), positions.len())?;
+    check_positions(positions)?;
+    any_free(free)
+}
+
+fn any_free(free: &[bool]) -> Result<(), Error> {
+    if free.contains(&true) { Ok(()) } else { Err(Error::NoFreeNode { n_nodes: free.len() }) }
+}

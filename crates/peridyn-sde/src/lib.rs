@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
 mod bonds;
+mod cut;
 mod elasticity;
 mod error;
 mod horizon;
 pub mod law;
 mod network;
 mod nodes;
+mod surface;
 
 pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
@@ -15,3 +17,4 @@ pub use horizon::Horizon;
 pub use law::BondLaw;
 pub use network::Network;
 pub use nodes::Nodes;
+pub use surface::SurfaceCorrection;

@@ -5,3 +5,4 @@
 mod constants;
 mod custom_law;
 mod forces;
+mod statics;

@@ -107,6 +107,16 @@ pub enum Error {
         /// How many it must have.
         expected: usize,
     },
+    /// Fewer of something than are needed.
+    #[error("{value} {name}; at least {limit} are needed")]
+    TooFew {
+        /// Of what.
+        name: &'static str,
+        /// How many.
+        value: usize,
+        /// How many are needed.
+        limit: usize,
+    },
     /// A notch that cuts no bond.
     #[error("the notch cuts no bond: it lies outside the body, or does not reach into it")]
     NotchOutsideBody,

@@ -8,6 +8,7 @@ mod horizon;
 pub mod law;
 mod network;
 mod nodes;
+mod path;
 mod surface;
 
 pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
@@ -17,4 +18,8 @@ pub use horizon::Horizon;
 pub use law::BondLaw;
 pub use network::Network;
 pub use nodes::Nodes;
+pub use path::{
+    Branch, CrackPath, Fractured, FrontPoint, Notch, PathConfig, PlaneNotch, crack_front,
+    crack_path,
+};
 pub use surface::SurfaceCorrection;

@@ -5,4 +5,5 @@
 mod constants;
 mod custom_law;
 mod forces;
+mod paths;
 mod statics;

@@ -9,6 +9,7 @@ pub mod law;
 mod network;
 mod nodes;
 mod path;
+pub mod statistics;
 mod surface;
 
 pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};

@@ -20,6 +20,7 @@ mod front;
 mod measure;
 
 pub use front::{FrontPoint, PlaneNotch, crack_front};
+pub(crate) use measure::height_at;
 pub use measure::{Branch, CrackPath};
 
 use crate::bonds::Bonds;
@@ -116,6 +117,36 @@ impl PathConfig {
 ///
 /// The path begins at the tip of the notch and ends where damage does, which is up to two spacings before the last broken bond.
 /// A crack that runs into other damage, such as broken grips, goes on along it.
+///
+/// ```
+/// use peridyn_sde::{
+///     BondConfig, Bonds, Condition, Fractured, Horizon, Influence, Nodes, Notch, PathConfig, SurfaceCorrection,
+///     VolumeCorrection, crack_path,
+/// };
+///
+/// let plate = Condition::PlaneStress { thickness: 1.0 };
+/// let nodes = Nodes::lattice(1.0, ([0.0; 2], [60.0, 40.0]), plate, |_| true)?;
+/// let config = BondConfig {
+///     horizon: Horizon::of_shells(3, 1.0)?,
+///     young_modulus: 1.0,
+///     influence: Influence::Constant,
+///     volume_correction: VolumeCorrection::None,
+///     surface_correction: SurfaceCorrection::None,
+/// };
+/// let bonds = Bonds::new(&nodes, &config)?;
+/// let notch = Notch { mouth: [0.0, 20.0], tip: [15.0, 20.0] };
+/// let cut = bonds.across_segment(&nodes, (notch.mouth, notch.tip))?;
+/// // A run would break these: a crack that rises by one in four.
+/// let mut broken = vec![false; bonds.len()];
+/// for bond in bonds.across_segment(&nodes, (notch.tip, [55.0, 30.0]))? {
+///     broken[bond] = true;
+/// }
+/// let body = Fractured { nodes: &nodes, bonds: &bonds, broken: &broken, cut: &cut };
+/// let path = crack_path(&body, &notch, &PathConfig::of_horizon(config.horizon.radius()))?;
+/// let angle = path.map(|path| path.angle_of_fit(notch.direction()?)).transpose()?;
+/// assert!(angle.is_some_and(|angle| (angle - 0.25_f64.atan()).abs() < 0.01));
+/// # Ok::<(), peridyn_sde::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Length`] for flags and bonds of another body; [`Error::OutOfRange`] and [`Error::NotPositive`] for the configuration;

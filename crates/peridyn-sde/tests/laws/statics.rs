@@ -95,8 +95,8 @@ fn a_bar_has_the_displacements_of_the_reference() {
     }
 }
 
-/// The elastic bar is 0.99 longer between its end nodes. Uncorrected bonds give 1.0120, corrected ones 0.9835: the end of the bar
-/// is 0.73 horizons too soft before, 0.22 too stiff after.
+/// The elastic bar is 0.99 longer between its end nodes. Uncorrected bonds give 1.0120, corrected ones 0.9835: together the
+/// ends are 0.73 horizons too long before, 0.22 too short after.
 #[test]
 fn the_surface_correction_takes_most_of_the_error_of_a_bar_away() {
     let error = |correction| {

@@ -184,13 +184,15 @@ fn a_branch_is_found_with_its_tip_and_where_it_begins() {
     }
 }
 
+/// Of 200 seeds none gives a crack with 3 and 4 shells at 5 and 8 %, or with 2 shells at 2 %; with 2 shells, where a node has 12
+/// bonds, 4 do at 5 %.
 #[test]
 fn bonds_broken_at_random_are_no_crack() {
-    for shells in [2, 3] {
+    for (shells, share) in [(2, 0.02), (3, 0.05)] {
         let body = Plate::new(40, shells);
         assert_eq!(body.path(), None, "the notch alone");
         for seed in 0..20 {
-            assert_eq!(body.clone().background(0.05, seed).path(), None, "{shells} {seed}");
+            assert_eq!(body.clone().background(share, seed).path(), None, "{shells} {seed}");
         }
     }
 }

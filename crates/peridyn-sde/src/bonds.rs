@@ -6,6 +6,7 @@ use crate::elasticity::{Influence, micromodulus};
 use crate::error::Error;
 use crate::horizon::Horizon;
 use crate::nodes::Nodes;
+use crate::surface::{SurfaceCorrection, factors};
 
 /// How much of a node's volume counts where its box is cut by the horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +54,8 @@ pub struct BondConfig {
     pub influence: Influence,
     /// What becomes of volumes at the horizon.
     pub volume_correction: VolumeCorrection,
+    /// What becomes of bonds near a surface.
+    pub surface_correction: SurfaceCorrection,
 }
 
 /// What does not change of a bond.
@@ -60,7 +63,8 @@ pub struct BondConfig {
 pub struct Bond {
     /// Its length at rest (length).
     pub length: f64,
-    /// Its tension over its stretch, `c omega beta V_i V_j` with the share `beta` of the volumes (force).
+    /// Its tension over its stretch, `c omega beta V_i V_j` with the share `beta` of the volumes, times the
+    /// factor of the surface correction (force).
     pub stiffness: f64,
 }
 
@@ -80,7 +84,8 @@ impl Bonds {
     /// Those of [`micromodulus`]; [`Error::Coincident`] for two nodes at one place, [`Error::LooseNode`] for a node without a
     /// bond.
     pub fn new<const D: usize>(nodes: &Nodes<D>, config: &BondConfig) -> Result<Self, Error> {
-        let BondConfig { horizon, young_modulus, influence, volume_correction } = *config;
+        let BondConfig { horizon, young_modulus, influence, volume_correction, surface_correction } =
+            *config;
         let c = micromodulus(young_modulus, horizon.radius(), influence, nodes.condition())?;
         let (positions, volumes) = (nodes.positions(), nodes.volumes());
         let mut list = NeighbourList::new();
@@ -118,7 +123,14 @@ impl Bonds {
         if let Some(node) = counts.iter().position(|&count| count == 0) {
             return Err(Error::LooseNode { node, horizon: horizon.radius() });
         }
-        Ok(Self { starts, partners, all: bonds })
+        let mut made = Self { starts, partners, all: bonds };
+        if surface_correction == SurfaceCorrection::Energy {
+            let factors = factors(nodes, &made, young_modulus);
+            for (bond, factor) in made.all.iter_mut().zip(factors) {
+                bond.stiffness *= factor;
+            }
+        }
+        Ok(made)
     }
 
     /// How many bonds there are.
@@ -173,38 +185,6 @@ impl Bonds {
     pub(crate) fn partner(&self, bond: usize) -> usize {
         self.partners[bond] as usize
     }
-
-    /// The bonds that cross a notch: a segment in two dimensions, given by its ends, that no bond may cross. One that only
-    /// touches it is cut.
-    ///
-    /// # Errors
-    /// [`Error::Length`] where the nodes are not those of these bonds; [`Error::NotFinite`] for an end;
-    /// [`Error::NotchOutsideBody`] where it cuts nothing.
-    pub fn across_segment(
-        &self,
-        nodes: &Nodes<2>,
-        (from, to): ([f64; 2], [f64; 2]),
-    ) -> Result<Vec<usize>, Error> {
-        let positions = nodes.positions();
-        if positions.len() != self.n_nodes() {
-            let (value, expected) = (positions.len(), self.n_nodes());
-            return Err(Error::Length { name: "nodes", value, expected });
-        }
-        for value in from.into_iter().chain(to) {
-            crate::error::finite("an end of the notch", value)?;
-        }
-        let crosses = |(i, j): (usize, usize)| {
-            let (a, b) = (&positions[i], &positions[j]);
-            opposite(side(a, b, &from), side(a, b, &to))
-                && opposite(side(&from, &to, a), side(&from, &to, b))
-        };
-        let cut: Vec<usize> = (0..)
-            .zip(self.pairs())
-            .filter(|&(_, pair)| crosses(pair))
-            .map(|(bond, _)| bond)
-            .collect();
-        if cut.is_empty() { Err(Error::NotchOutsideBody) } else { Ok(cut) }
-    }
 }
 
 /// Numbers of bonds that exist.
@@ -213,15 +193,6 @@ pub(crate) fn cut_numbers(bonds: &[usize], expected: usize) -> Result<(), Error>
         Some(&value) => Err(Error::Length { name: "the number of a bond to cut", value, expected }),
         None => Ok(()),
     }
-}
-
-/// Twice the area of a triangle, with the sign of its turn.
-fn side(a: &[f64; 2], b: &[f64; 2], c: &[f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-fn opposite(one: f64, two: f64) -> bool {
-    (one <= 0.0 && two >= 0.0) || (one >= 0.0 && two <= 0.0)
 }
 
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {

@@ -150,6 +150,7 @@ mod tests {
             young_modulus: 1.0,
             influence: Influence::Constant,
             volume_correction: VolumeCorrection::None,
+            surface_correction: crate::SurfaceCorrection::None,
         };
         Bonds::new(&nodes, &config).unwrap()
     }

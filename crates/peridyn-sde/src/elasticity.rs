@@ -118,6 +118,17 @@ impl Condition {
         }
     }
 
+    /// The strain energy density of a strain `s` along one axis with none across, over `E s^2`:
+    /// `(1 - nu)/(2 (1 + nu)(1 - 2 nu))`, in plane stress `1/(2 (1 - nu^2))`, for a bar `1/2`.
+    #[must_use]
+    pub fn energy_of_uniaxial_strain(self) -> f64 {
+        match self {
+            Self::Bar { .. } => 0.5,
+            Self::PlaneStress { .. } => 0.5625,
+            Self::PlaneStrain { .. } | Self::Solid => 0.6,
+        }
+    }
+
     fn check(self) -> Result<(), Error> {
         match self {
             Self::Bar { area } => positive("cross-section", area),

@@ -107,6 +107,56 @@ pub enum Error {
         /// How many it must have.
         expected: usize,
     },
+    /// Fewer of something than are needed.
+    #[error("{value} {name}; at least {limit} are needed")]
+    TooFew {
+        /// Of what.
+        name: &'static str,
+        /// How many.
+        value: usize,
+        /// How many are needed.
+        limit: usize,
+    },
+    /// More realisations than a sum holds.
+    #[error("{value} realisations; at most {limit} are possible")]
+    TooManyRealisations {
+        /// How many.
+        value: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A realisation that is there twice.
+    #[error("realisation {realisation} is there twice")]
+    Doubled {
+        /// Which.
+        realisation: u64,
+    },
+    /// A realisation that is not there.
+    #[error("realisation {realisation} of {n_realisations} is missing")]
+    Missing {
+        /// Which.
+        realisation: u64,
+        /// How many there must be.
+        n_realisations: u64,
+    },
+    /// A realisation of another ensemble.
+    #[error("there is no realisation {realisation}: numbers go from 0 to below {limit}")]
+    NoSuchRealisation {
+        /// Which.
+        realisation: u64,
+        /// How many there are.
+        limit: u64,
+    },
+    /// Results of another study.
+    #[error("{name} is {value}; that of the study is {expected}")]
+    Foreign {
+        /// Which parameter.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// That of the study.
+        expected: f64,
+    },
     /// A notch that cuts no bond.
     #[error("the notch cuts no bond: it lies outside the body, or does not reach into it")]
     NotchOutsideBody,

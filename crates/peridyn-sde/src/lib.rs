@@ -4,6 +4,7 @@ mod body;
 mod bonds;
 mod correlation;
 mod crossing;
+mod cut;
 mod disorder;
 mod elasticity;
 mod error;
@@ -16,8 +17,11 @@ mod marginal;
 mod mobility;
 mod network;
 mod nodes;
+mod path;
 mod pivoted_cholesky;
 mod real;
+pub mod statistics;
+mod surface;
 
 pub use body::{AtStrength, Body, BrokenBond, Cause};
 pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
@@ -34,4 +38,9 @@ pub use marginal::Marginal;
 pub use mobility::{CompactMobility, CorrelatedMobility, DisplacementNoise, Mobility};
 pub use network::Network;
 pub use nodes::Nodes;
+pub use path::{
+    Branch, CrackPath, Fractured, FrontPoint, Notch, PathConfig, PlaneNotch, crack_front,
+    crack_path,
+};
 pub use real::Real;
+pub use surface::SurfaceCorrection;

@@ -1,7 +1,8 @@
 //! A law of a user's own: strings, which resist tension alone and never break.
 
 use peridyn_sde::{
-    BondConfig, BondLaw, Bonds, Condition, Horizon, Influence, Network, Nodes, VolumeCorrection,
+    BondConfig, BondLaw, Bonds, Condition, Horizon, Influence, Network, Nodes, SurfaceCorrection,
+    VolumeCorrection,
 };
 
 #[derive(Debug)]
@@ -47,6 +48,7 @@ fn a_net_of_strings_pulls_and_does_not_push() {
         young_modulus: 2.0,
         influence: Influence::Constant,
         volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
     };
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let strengths = vec![1.0; bonds.len()];

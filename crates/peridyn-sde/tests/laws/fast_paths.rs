@@ -3,7 +3,7 @@
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, LatticeBody,
-    Network, Nodes, Real, Strain, VolumeCorrection,
+    Network, Nodes, Real, Strain, SurfaceCorrection, VolumeCorrection,
 };
 use sde_integrators::{Noise, Purpose, SimdLevel};
 
@@ -28,6 +28,7 @@ fn case<const D: usize>(
         young_modulus: 7.0,
         influence: Influence::Conical,
         volume_correction: correction,
+        surface_correction: SurfaceCorrection::None,
     };
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let mut normals = vec![0.0; nodes.positions().len() * D];

@@ -3,7 +3,7 @@
 use peridyn_sde::law::{Bilinear, CriticalStretch, Memory, SmoothStretch};
 use peridyn_sde::{
     BondConfig, BondLaw, Bonds, Condition, Error, Horizon, Influence, Network, Nodes,
-    VolumeCorrection,
+    SurfaceCorrection, VolumeCorrection,
 };
 
 fn config(horizon: Horizon) -> BondConfig {
@@ -12,6 +12,7 @@ fn config(horizon: Horizon) -> BondConfig {
         young_modulus: 1.0,
         influence: Influence::Constant,
         volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
     }
 }
 

@@ -8,3 +8,5 @@ mod disorder;
 mod fast_paths;
 mod forces;
 mod mobility;
+mod paths;
+mod statics;

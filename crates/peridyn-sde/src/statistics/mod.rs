@@ -1,0 +1,17 @@
+//! Statistics of cracks over an ensemble.
+//!
+//! What a realisation comes to is a [`CrackRecord`]; records of any shards make a [`CrackEnsemble`], in order of realisations, so
+//! that every statistic has the same bits however the work was shared out. Damage of nodes goes into a [`DamageMap`].
+
+mod bootstrap;
+mod damage_map;
+mod ensemble;
+mod record;
+
+pub use bootstrap::{Bootstrap, Interval};
+pub use damage_map::DamageMap;
+pub use ensemble::{Band, CrackEnsemble, Distribution};
+pub use record::{CrackOutcome, CrackRecord};
+
+/// The probabilities of the quantiles that are told.
+pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];

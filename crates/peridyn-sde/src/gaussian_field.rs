@@ -22,7 +22,8 @@ const WORDS_OF_FIELD: u32 = 36;
 ///
 /// Both have unit variance at every node. The covariance of the first is right to its tolerance, that of the second to
 /// roundoff. A field is a pure function of the seed, the realisation and its number: the normals are those of
-/// [`Purpose::Field`], `2^35` of them for each number. The two ways draw different fields of the same law.
+/// [`Purpose::Field`], `2^35` of them for each number. The two ways draw different fields of the same law. The
+/// bits of the first are the same everywhere; those of the second are the same for one mathematics library of the platform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianField {
     sampler: Sampler,

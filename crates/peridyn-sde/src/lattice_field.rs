@@ -147,7 +147,7 @@ fn has_small_factors(mut number: usize) -> bool {
 }
 
 /// The discrete Fourier transform along every axis, without a factor. By the portable code of the library, whose bits do not
-/// depend on the instructions of the machine.
+/// depend on the instructions of the machine; its sines are those of the platform's mathematics library.
 fn transform(values: &mut [Complex<f64>], sizes: [usize; 3]) {
     let mut planner = FftPlannerScalar::new();
     let mut stride = 1;

@@ -54,6 +54,12 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     /// Those of the body, as for two nodes that have come to one place.
     fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength) -> Result<(), Error>;
 
+    /// Whether bonds at their strength break where forces are evaluated with [`AtStrength::Break`]; if not, in
+    /// [`advance`](Self::advance).
+    fn breaks_in_forces(&self) -> bool {
+        true
+    }
+
     /// `-K v`: forces under small displacements `v`, linear in them, of the bonds as they stand broken or whole.
     ///
     /// # Errors

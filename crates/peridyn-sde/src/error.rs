@@ -170,6 +170,71 @@ pub enum Error {
         /// The spacing.
         spacing: f64,
     },
+    /// A displacement that two conditions give.
+    #[error("component {component} of node {node} is gripped twice")]
+    GrippedTwice {
+        /// Which node.
+        node: usize,
+        /// Which component.
+        component: usize,
+    },
+    /// A mobility that couples nodes moves one that is gripped, holds one that is free, or one is gripped in some directions only.
+    #[error(
+        "node {node} is gripped in some direction and free in the mobility, or the other way round; a mobility that couples \
+         nodes must move those that are gripped in no direction, and no other"
+    )]
+    MobilityOfGrip {
+        /// Which node.
+        node: usize,
+    },
+    /// A step beyond the stable range of its scheme.
+    #[error(
+        "the step {dt} is {value} in units of the stiffest mode of the body; it must be less than {limit} for the scheme to be stable"
+    )]
+    Unstable {
+        /// The step.
+        dt: f64,
+        /// `z = h M lambda`, or `(h omega)^2`.
+        value: f64,
+        /// Below what it must be.
+        limit: f64,
+    },
+    /// A path that left what numbers can hold.
+    #[error(
+        "step {step}, time {time}, realisation {realisation}: a displacement of node {node} is {value}"
+    )]
+    Lost {
+        /// Which step, from 1 on.
+        step: u64,
+        /// The time at its end.
+        time: f64,
+        /// Which node.
+        node: usize,
+        /// Which realisation.
+        realisation: u64,
+        /// What it is.
+        value: f64,
+    },
+    /// A bridge between steps that are not those of a diffusive path.
+    #[error(
+        "what happens between steps cannot be told for Leimkuhler and Matthews' method, whose steps are not those of the path, nor \
+         for inertial dynamics; use Theta(0.5), Heun or Euler-Maruyama, or look at the ends of steps alone"
+    )]
+    NoPathBetween,
+    /// Conjugate gradients that did not come to an end.
+    #[error(
+        "step {step}: the linear system of an implicit step was solved to {residual} after {iterations} iterations; {limit} is asked"
+    )]
+    NotSolved {
+        /// Which step, from 1 on.
+        step: u64,
+        /// The residual over the right-hand side.
+        residual: f64,
+        /// How many.
+        iterations: usize,
+        /// What is asked.
+        limit: f64,
+    },
     /// A law of bonds of which no linear forces can be had.
     #[error("this body has no linear forces, which {by} needs")]
     NotLinear {

@@ -1,6 +1,8 @@
 //! A body of nodes and bonds with what they remember: forces, energy, damage.
 
+use crate::body::{AtStrength, Body, BrokenBond, Cause};
 use crate::bonds::{Bonds, cut_numbers};
+use crate::crossing::{Crossing, Standing};
 use crate::error::{Error, same_length};
 use crate::law::BondLaw;
 use crate::nodes::Nodes;
@@ -14,6 +16,7 @@ pub struct Network<L: BondLaw, const D: usize> {
     /// One for each bond.
     strengths: Vec<f64>,
     states: Vec<L::State>,
+    broken: Vec<BrokenBond>,
 }
 
 /// A bond as it stands.
@@ -36,7 +39,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             crate::error::positive("strength of a bond", strength)?;
         }
         let states = vec![law.start(); bonds.len()];
-        Ok(Self { nodes, bonds, law, strengths, states })
+        Ok(Self { nodes, bonds, law, strengths, states, broken: Vec::new() })
     }
 
     /// The nodes.
@@ -65,6 +68,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         cut_numbers(bonds, self.bonds.len())?;
         for &bond in bonds {
             self.states[bond] = self.law.cut();
+            self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Cut });
         }
         Ok(())
     }
@@ -171,5 +175,92 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             }
         }
         Ok(())
+    }
+}
+
+/// One realisation, whose bonds follow their law from step to step.
+impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
+    fn nodes(&self) -> &Nodes<D> {
+        &self.nodes
+    }
+
+    fn bonds(&self) -> &Bonds {
+        &self.bonds
+    }
+
+    fn forces(&mut self, u: &[f64], forces: &mut [f64], _at: AtStrength) -> Result<(), Error> {
+        same_length("displacements", u.len(), self.bonds.n_nodes() * D)?;
+        same_length("forces", forces.len(), u.len())?;
+        Network::forces(self, u.as_chunks().0, forces.as_chunks_mut().0).map(|_| ())
+    }
+
+    fn breaks_in_forces(&self) -> bool {
+        false
+    }
+
+    fn linear_forces(&mut self, _v: &[f64], _forces: &mut [f64]) -> Result<(), Error> {
+        Err(Error::NotLinear { by: "an implicit step" })
+    }
+
+    fn advance(
+        &mut self,
+        from: &[f64],
+        to: &[f64],
+        dt: f64,
+        mut crossing: Option<&mut Crossing<1>>,
+    ) -> Result<(), Error> {
+        crate::error::positive("step", dt)?;
+        let (from, to) = (from.as_chunks::<D>().0, to.as_chunks::<D>().0);
+        self.check(from)?;
+        self.check(to)?;
+        for bond in 0..self.bonds.len() {
+            let pair = self.bonds.ends(bond);
+            let before = self.stretched(pair, bond, from)?.stretch;
+            let after = self.stretched(pair, bond, to)?.stretch;
+            let strength = self.strengths[bond];
+            let state = &mut self.states[bond];
+            let was = (self.law.damage(strength, state), self.law.threshold(strength, state));
+            self.law.advance(strength, before, after, dt, state);
+            let mut cause = match was.1 {
+                Some(threshold) if after >= threshold => Cause::Stretch,
+                _ => Cause::Wear,
+            };
+            if self.law.damage(strength, state) < 1.0
+                && let (Some(threshold), Some(crossing)) = (was.1, crossing.as_deref_mut())
+                && let Some(found) = crossing.test(
+                    bond,
+                    0,
+                    Standing { stretch: [before, after], strength: threshold },
+                )
+            {
+                self.law.advance(strength, before.max(after), threshold, dt, state);
+                cause = found;
+            }
+            if was.0 < 1.0 && self.law.damage(strength, &self.states[bond]) >= 1.0 {
+                self.broken.push(BrokenBond { bond, lanes: 1, cause });
+            }
+        }
+        Ok(())
+    }
+
+    fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
+        Network::cut(self, bonds)
+    }
+
+    fn lost(&self, bond: usize, _lane: usize) -> f64 {
+        self.law.damage(self.strengths[bond], &self.states[bond])
+    }
+
+    fn strength(&self, bond: usize, _lane: usize) -> f64 {
+        self.strengths[bond]
+    }
+
+    fn energy(&self, u: &[f64], _lane: usize) -> f64 {
+        let mut forces = vec![[0.0; D]; self.bonds.n_nodes()];
+        Network::forces(self, u.as_chunks().0, &mut forces).unwrap_or(f64::NAN)
+    }
+
+    fn take_broken(&mut self) -> Vec<BrokenBond> {
+        std::mem::take(&mut self.broken)
     }
 }

@@ -66,6 +66,15 @@ impl Mobility {
         &self.is_free
     }
 
+    /// `M_ii`, zero on fixed nodes, if nodes are not coupled.
+    #[must_use]
+    pub fn diagonal(&self) -> Option<Vec<f64>> {
+        match &self.factor {
+            Factor::Diagonal(factor) => Some(factor.deviations().iter().map(|l| l * l).collect()),
+            _ => None,
+        }
+    }
+
     /// How many Brownian motions drive one component of the displacement.
     #[must_use]
     pub fn n_motions(&self) -> usize {

@@ -1,0 +1,104 @@
+//! What forces act against: a mobility, or masses.
+
+use crate::body::Body;
+use crate::error::Error;
+use crate::loading::Loading;
+use crate::mobility::Mobility;
+use crate::real::Real;
+use crate::scheme::Dynamics;
+
+/// Mobility or inverse mass of each unknown, or a mobility that couples nodes.
+#[derive(Debug, Clone)]
+pub(crate) enum Resistance<T> {
+    /// Of each component of each node; zero where it is gripped.
+    Diagonal {
+        /// `M`.
+        values: Vec<T>,
+        /// `L = sqrt(M)`.
+        factor: Vec<T>,
+    },
+    /// Of whole nodes.
+    Coupled {
+        /// `M`.
+        mobility: Mobility,
+        /// Of the displacements.
+        dimension: usize,
+    },
+}
+
+impl<T: Real> Resistance<T> {
+    pub(crate) fn new<B: Body<T, D, L>, const D: usize, const L: usize>(
+        body: &B,
+        loading: &Loading<D>,
+        dynamics: &Dynamics,
+    ) -> Result<Self, Error> {
+        let gripped = loading.gripped();
+        let of_nodes: Vec<f64> = match dynamics {
+            Dynamics::Inertial { density, .. } => {
+                body.nodes().volumes().iter().map(|volume| 1.0 / (density * volume)).collect()
+            }
+            Dynamics::Overdamped { mobility, .. } => {
+                let (value, expected) = (mobility.n_nodes(), gripped.len());
+                if value != expected {
+                    return Err(Error::Length { name: "nodes of the mobility", value, expected });
+                }
+                let Some(diagonal) = mobility.diagonal() else {
+                    return Self::coupled(mobility, gripped);
+                };
+                diagonal
+            }
+        };
+        let entries = || {
+            of_nodes.iter().zip(gripped).flat_map(|(&value, gripped)| {
+                gripped.map(|gripped| if gripped { 0.0 } else { value })
+            })
+        };
+        let values = entries().map(T::of).collect();
+        Ok(Self::Diagonal { values, factor: entries().map(|m| T::of(m.sqrt())).collect() })
+    }
+
+    /// A mobility that couples nodes moves those, and only those, that no component is given of.
+    fn coupled<const D: usize>(mobility: &Mobility, gripped: &[[bool; D]]) -> Result<Self, Error> {
+        for (node, (gripped, &free)) in gripped.iter().zip(mobility.free()).enumerate() {
+            if gripped.iter().any(|&gripped| gripped == free) {
+                return Err(Error::MobilityOfGrip { node });
+            }
+        }
+        Ok(Self::Coupled { mobility: mobility.clone(), dimension: D })
+    }
+
+    /// How many Brownian motions drive one realisation.
+    pub(crate) fn n_motions(&self, dimension: usize) -> usize {
+        match self {
+            Self::Diagonal { values, .. } => values.len(),
+            Self::Coupled { mobility, .. } => mobility.n_motions() * dimension,
+        }
+    }
+
+    /// For each bond the rate at which noise spreads its stretch, `2 kT n^T (M_ii + M_jj - 2 M_ij) n / |xi|^2` (1/time).
+    pub(crate) fn rates_of_bonds<B: Body<T, D, L>, const D: usize, const L: usize>(
+        &self,
+        body: &B,
+        dynamics: &Dynamics,
+    ) -> Result<Vec<f64>, Error> {
+        if !dynamics.has_path() {
+            return Err(Error::NoPathBetween);
+        }
+        let (x, bonds) = (body.nodes().positions(), body.bonds());
+        let rate = |((i, j), length): ((usize, usize), f64)| {
+            let mut relative = 0.0;
+            match self {
+                Self::Diagonal { values, .. } => {
+                    for k in 0..D {
+                        let n = (x[j][k] - x[i][k]) / length;
+                        let both = values[i * D + k].to_f64() + values[j * D + k].to_f64();
+                        relative += n * n * both;
+                    }
+                }
+                Self::Coupled { mobility, .. } => relative = mobility.relative(i, j)?,
+            }
+            Ok(2.0 * dynamics.temperature() * relative / (length * length))
+        };
+        bonds.pairs().zip(bonds.all()).map(|(pair, of)| rate((pair, of.length))).collect()
+    }
+}

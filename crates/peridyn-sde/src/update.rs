@@ -1,0 +1,151 @@
+//! The numbers of a simulation, and the noise that drives them.
+
+use sde_integrators::{LaneNormals, Noise, Purpose};
+
+use crate::error::Error;
+use crate::real::Real;
+use crate::resistance::Resistance;
+
+/// What there is per unknown: node by node, component by component, lane by lane.
+#[derive(Debug, Clone)]
+pub(crate) struct Unknowns<T> {
+    pub(crate) u: Vec<T>,
+    pub(crate) v: Vec<T>,
+    /// Of the bonds.
+    pub(crate) forces: Vec<T>,
+    /// `u` where the step began; of use to some schemes.
+    pub(crate) before: Vec<T>,
+    /// `M f`.
+    pub(crate) drift: Vec<T>,
+    /// `L z`.
+    pub(crate) kick: Vec<T>,
+    pub(crate) work: [Vec<T>; 4],
+}
+
+impl<T: Real> Unknowns<T> {
+    pub(crate) fn new(length: usize) -> Self {
+        let zero = || vec![T::ZERO; length];
+        Self {
+            u: zero(),
+            v: zero(),
+            forces: zero(),
+            before: zero(),
+            drift: zero(),
+            kick: zero(),
+            work: std::array::from_fn(|_| Vec::new()),
+        }
+    }
+}
+
+/// Motions whose normals are made together, few enough for the nearest cache.
+const CHUNK: usize = 256;
+
+/// The Brownian motions that drive `L` realisations.
+#[derive(Debug, Clone)]
+pub(crate) struct Kicks<const L: usize> {
+    path: LaneNormals<L>,
+    /// What Leimkuhler and Matthews' method begins with.
+    first: LaneNormals<L>,
+    n_motions: usize,
+    normals: Vec<f64>,
+    /// `z` of all motions, where the factor needs them at once.
+    motions: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+/// The kick of a step, or the one before the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Which {
+    Step(u64),
+    BeforeFirst,
+}
+
+impl<const L: usize> Kicks<L> {
+    pub(crate) fn new(noise: &Noise, realisations: [u64; L], n_motions: usize) -> Self {
+        Self {
+            path: LaneNormals::new(noise, Purpose::Path, realisations),
+            first: LaneNormals::new(noise, Purpose::PathArea, realisations),
+            n_motions,
+            normals: vec![0.0; CHUNK * L],
+            motions: Vec::new(),
+            moved: Vec::new(),
+        }
+    }
+
+    /// The normals `z` themselves.
+    pub(crate) fn draw<T: Real>(&mut self, which: Which, z: &mut Vec<T>) {
+        let (lanes, step) = match which {
+            Which::Step(step) => (&self.path, step),
+            Which::BeforeFirst => (&self.first, 0),
+        };
+        z.resize(self.n_motions * L, T::ZERO);
+        for (chunk, z) in z.chunks_mut(CHUNK * L).enumerate() {
+            let range = chunk * CHUNK..chunk * CHUNK + z.len() / L;
+            lanes.fill(step, self.n_motions, range, &mut self.normals);
+            for (z, &normal) in z.iter_mut().zip(&self.normals) {
+                *z = T::of(normal);
+            }
+        }
+    }
+
+    /// `L z`.
+    pub(crate) fn kick<T: Real>(
+        &mut self,
+        resistance: &Resistance<T>,
+        which: Which,
+        kick: &mut Vec<T>,
+    ) -> Result<(), Error> {
+        self.draw(which, kick);
+        self.forth(resistance, kick)
+    }
+
+    /// `z -> L z`, in place: of all motions to all unknowns.
+    pub(crate) fn forth<T: Real>(
+        &mut self,
+        resistance: &Resistance<T>,
+        values: &mut Vec<T>,
+    ) -> Result<(), Error> {
+        match resistance {
+            Resistance::Diagonal { factor, .. } => scale::<T, L>(values, factor),
+            Resistance::Coupled { mobility, dimension } => {
+                let components = dimension * L;
+                self.motions.clear();
+                self.motions.extend(values.iter().map(|z| z.to_f64()));
+                self.moved.resize(mobility.n_nodes() * components, 0.0);
+                mobility.apply_factor(components, &self.motions, &mut self.moved)?;
+                values.clear();
+                values.extend(self.moved.iter().map(|&x| T::of(x)));
+            }
+        }
+        Ok(())
+    }
+
+    /// `f -> L^T f`, in place.
+    pub(crate) fn back<T: Real>(
+        &mut self,
+        resistance: &Resistance<T>,
+        values: &mut Vec<T>,
+    ) -> Result<(), Error> {
+        match resistance {
+            Resistance::Diagonal { factor, .. } => scale::<T, L>(values, factor),
+            Resistance::Coupled { mobility, dimension } => {
+                let components = dimension * L;
+                self.moved.clear();
+                self.moved.extend(values.iter().map(|f| f.to_f64()));
+                self.motions.resize(self.n_motions * L, 0.0);
+                mobility.apply_factor_transposed(components, &self.moved, &mut self.motions)?;
+                values.clear();
+                values.extend(self.motions.iter().map(|&x| T::of(x)));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn scale<T: Real, const L: usize>(values: &mut [T], factor: &[T]) {
+    for (lanes, &factor) in values.as_chunks_mut::<L>().0.iter_mut().zip(factor) {
+        for value in lanes {
+            *value = *value * factor;
+        }
+    }
+}

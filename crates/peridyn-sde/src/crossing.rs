@@ -4,8 +4,8 @@ use sde_integrators::{Noise, Purpose, Stream};
 
 use crate::body::Cause;
 
-/// Beyond this exponent a crossing has a probability below 1e-18: it is not drawn for.
-const UNLIKELY: f64 = 41.0;
+/// Beyond this exponent a crossing has a probability below 1e-13: it is not drawn for.
+const UNLIKELY: f64 = 30.0;
 
 /// The test of a Brownian bridge, bond by bond. With the stretches `a` and `b` below the strength `s_0` at both ends of a step
 /// of the length `h`, a bond has crossed in between with the probability
@@ -31,6 +31,11 @@ impl<const L: usize> Crossing<L> {
 
     pub(crate) fn begin(&mut self, step: u64, dt: f64) {
         (self.step, self.dt) = (step, dt);
+    }
+
+    /// A bond whose `(s_0 - a)(s_0 - b)` is not below this need not be tested, with room for rounding. Steps have one length.
+    pub(crate) fn least_product(&self, bond: usize) -> f64 {
+        0.51 * UNLIKELY * self.rates[bond] * self.dt
     }
 
     /// Whether a bond that was whole has broken over the step in a lane, and how.

@@ -170,6 +170,20 @@ pub enum Error {
         /// The spacing.
         spacing: f64,
     },
+    /// A part of an ensemble that there is not.
+    #[error("shard {shard} of {n_shards}; shards are counted from 0")]
+    NoSuchShard {
+        /// Which.
+        shard: u64,
+        /// Of how many.
+        n_shards: u64,
+    },
+    /// A part of another ensemble.
+    #[error("shard {shard} is of another ensemble: shards, realisations, seed or precision differ")]
+    ForeignShard {
+        /// Which.
+        shard: u64,
+    },
     /// A displacement that two conditions give.
     #[error("component {component} of node {node} is gripped twice")]
     GrippedTwice {

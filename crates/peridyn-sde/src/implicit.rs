@@ -51,7 +51,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         theta: f64,
         [y, residual, p, image]: [&mut Vec<T>; 4],
     ) -> Result<(), Error> {
-        let limit = if T::NEAR_TERMS > 4 { 1e-11 } else { 1e-6 };
+        let limit = T::SOLVED;
         y.clear();
         y.resize(residual.len(), T::ZERO);
         p.clone_from(residual);

@@ -46,6 +46,12 @@ pub trait Real:
     /// The largest number.
     const LARGEST: Self;
 
+    /// The smallest positive number that is not subnormal.
+    const SMALLEST: Self;
+
+    /// To which residual a linear system is solved in these numbers.
+    const SOLVED: f64;
+
     /// The nearest to a number.
     fn of(value: f64) -> Self;
 
@@ -86,6 +92,8 @@ impl Real for f64 {
     const NEAR_TERMS: usize = 5;
     const ZERO: Self = 0.0;
     const LARGEST: Self = Self::MAX;
+    const SMALLEST: Self = Self::MIN_POSITIVE;
+    const SOLVED: f64 = 1e-11;
 
     #[inline(always)]
     fn of(value: f64) -> Self {
@@ -132,6 +140,8 @@ impl Real for f32 {
     const NEAR_TERMS: usize = 3;
     const ZERO: Self = 0.0;
     const LARGEST: Self = Self::MAX;
+    const SMALLEST: Self = Self::MIN_POSITIVE;
+    const SOLVED: f64 = 1e-6;
 
     #[inline(always)]
     fn of(value: f64) -> Self {

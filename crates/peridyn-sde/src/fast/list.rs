@@ -3,6 +3,7 @@
 use sde_integrators::SimdLevel;
 
 use super::list_lanes::InLanes;
+use super::list_near::Near;
 use super::list_rows::InRows;
 use super::strain::Strain;
 use super::vectors::{MOST_LANES, Mask, dispatch};
@@ -31,6 +32,12 @@ pub struct BondList<T, const D: usize, const L: usize> {
     /// In which lanes a bond is whole.
     pub(super) whole: Vec<Mask>,
     pub(super) broken: Vec<BrokenBond>,
+    /// For each bond and lane the growth at which it breaks, and what the product of its distances from that must be below for it
+    /// to be looked at; empty until asked for.
+    growths: Vec<T>,
+    near: Vec<T>,
+    /// Bonds to be looked at, with their ends.
+    candidates: Vec<(usize, [usize; 2])>,
     level: SimdLevel,
 }
 
@@ -74,7 +81,18 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
         };
         let whole = vec![all_lanes::<L>(); bonds.len()];
         let level = SimdLevel::best();
-        Ok(Self { nodes, bonds, strain, columns, whole, broken: Vec::new(), level })
+        Ok(Self {
+            nodes,
+            bonds,
+            strain,
+            columns,
+            whole,
+            broken: Vec::new(),
+            growths: Vec::new(),
+            near: Vec::new(),
+            candidates: Vec::new(),
+            level,
+        })
     }
 
     /// With strengths for each lane.
@@ -111,6 +129,13 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
         Ok(self)
     }
 
+    /// Leaves a lane out: all its bonds are as broken.
+    pub fn leave_out(&mut self, lane: usize) {
+        for whole in &mut self.whole {
+            *whole &= !(1 << lane);
+        }
+    }
+
     /// With the instructions of a level; the bits are the same with any.
     #[must_use]
     pub fn at_level(self, level: SimdLevel) -> Self {
@@ -142,6 +167,51 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
             let work =
                 InLanes::<T, D, L, LINEAR, false> { graph, columns, whole, broken, u, forces, at };
             dispatch(level, work);
+        }
+    }
+
+    /// Bonds that may have crossed their strength over a step.
+    fn find_near(
+        &mut self,
+        crossing: &Crossing<L>,
+        from: &[T],
+        to: &[T],
+        found: &mut Vec<(usize, [usize; 2])>,
+    ) {
+        if self.near.is_empty() {
+            for at in 0..self.bonds.len() * L {
+                let strength = self.strength(at / L, at % L);
+                // A gap in stretch is at least that in growth over the largest slope below the strength.
+                let slope = self.strain.slope(strength);
+                self.near.push(T::of(slope * slope * crossing.least_product(at / L)));
+                self.growths.push(T::of(self.strain.growth(strength)));
+            }
+        }
+        let (graph, whole) = ((&self.nodes, &self.bonds), &self.whole);
+        let limits = (&self.growths[..], &self.near[..]);
+        let inverse_squares = &self.columns.inverse_squares;
+        if L == 1 {
+            for (bond, (i, j)) in self.bonds.pairs().enumerate() {
+                let shape = (self.strain, self.bonds.all()[bond].length);
+                let gap = |u: &[T]| {
+                    let w = growth::<T, D, L>(&self.nodes, (i, j), shape, u, 0);
+                    self.growths[bond].to_f64() - w
+                };
+                if whole[bond] != 0 && gap(from) * gap(to) <= self.near[bond].to_f64() {
+                    found.push((bond, [i, j]));
+                }
+            }
+            return;
+        }
+        match self.strain {
+            Strain::Finite => dispatch(
+                self.level,
+                Near::<T, D, L, false> { graph, inverse_squares, limits, whole, from, to, found },
+            ),
+            Strain::Linear => dispatch(
+                self.level,
+                Near::<T, D, L, true> { graph, inverse_squares, limits, whole, from, to, found },
+            ),
         }
     }
 
@@ -196,22 +266,23 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for BondList<T, D, L
         self.check(from)?;
         self.check(to)?;
         let Some(crossing) = crossing else { return Ok(()) };
-        for i in 0..self.bonds.n_nodes() {
-            for bond in self.bonds.row(i) {
-                let pair = (i, self.bonds.partner(bond));
-                for lane in 0..L {
-                    if self.whole[bond] & 1 << lane == 0 {
-                        continue;
-                    }
-                    let stretch = [from, to].map(|u| self.stretch(bond, pair, u, lane));
-                    let strength = self.strength(bond, lane);
-                    if let Some(cause) = crossing.test(bond, lane, Standing { stretch, strength }) {
-                        self.whole[bond] &= !(1 << lane);
-                        self.broken.push(BrokenBond { bond, lanes: 1 << lane, cause });
-                    }
+        let mut found = std::mem::take(&mut self.candidates);
+        self.find_near(crossing, from, to, &mut found);
+        for (bond, pair) in found.drain(..) {
+            let pair = pair.into();
+            for lane in 0..L {
+                if self.whole[bond] & 1 << lane == 0 {
+                    continue;
+                }
+                let stretch = [from, to].map(|u| self.stretch(bond, pair, u, lane));
+                let strength = self.strength(bond, lane);
+                if let Some(cause) = crossing.test(bond, lane, Standing { stretch, strength }) {
+                    self.whole[bond] &= !(1 << lane);
+                    self.broken.push(BrokenBond { bond, lanes: 1 << lane, cause });
                 }
             }
         }
+        self.candidates = found;
         Ok(())
     }
 

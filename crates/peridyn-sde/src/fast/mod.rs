@@ -4,6 +4,7 @@ mod lattice;
 mod lattice_rows;
 mod list;
 mod list_lanes;
+mod list_near;
 mod list_rows;
 mod pull;
 mod stencil;

@@ -19,6 +19,14 @@ impl Strain {
         }
     }
 
+    /// Its slope.
+    pub(crate) fn slope(self, stretch: f64) -> f64 {
+        match self {
+            Self::Finite => 2.0 * (1.0 + stretch),
+            Self::Linear => 2.0,
+        }
+    }
+
     /// And back.
     pub(crate) fn stretch(self, growth: f64) -> f64 {
         match self {

@@ -9,7 +9,7 @@ use pulp::Simd;
 use sde_integrators::SimdLevel;
 
 /// Which lanes a bond is whole in, a bit for each.
-pub type Mask = u16;
+pub(crate) type Mask = u16;
 
 /// The most lanes that a mask has.
 pub(crate) const MOST_LANES: usize = 16;
@@ -34,16 +34,18 @@ pub trait Vectors: Copy {
     /// `a b`.
     fn times<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
     /// The lanes of a mask, zero in the others.
-    fn keep<S: Simd>(simd: S, mask: Mask, value: Self::V<S>) -> Self::V<S>;
+    fn keep<S: Simd>(simd: S, mask: u16, value: Self::V<S>) -> Self::V<S>;
     /// The lesser of two in each lane.
     fn lesser<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
+    /// The greater of two in each lane.
+    fn greater<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
     /// Whether in any lane `|w| >= limit`.
     fn any_beyond<S: Simd>(simd: S, w: Self::V<S>, limit: Self::V<S>) -> bool;
 }
 
 macro_rules! vectors {
     ($real:ty, $unsigned:ty, $v:ident, $u:ident, $lanes:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident,
-     $splat_u:ident, $and_u:ident, $equal_u:ident, $select:ident, $at_least:ident, $abs:ident, $min:ident, $first:ident) => {
+     $splat_u:ident, $and_u:ident, $equal_u:ident, $select:ident, $at_least:ident, $abs:ident, $min:ident, $max:ident, $first:ident) => {
         impl Vectors for $real {
             type V<S: Simd> = S::$v;
 
@@ -77,7 +79,7 @@ macro_rules! vectors {
                 simd.$mul(a, b)
             }
             #[inline(always)]
-            fn keep<S: Simd>(simd: S, mask: Mask, value: S::$v) -> S::$v {
+            fn keep<S: Simd>(simd: S, mask: u16, value: S::$v) -> S::$v {
                 const BITS: [$unsigned; MOST_LANES] = [
                     1 << 0,
                     1 << 1,
@@ -106,6 +108,10 @@ macro_rules! vectors {
                 simd.$min(a, b)
             }
             #[inline(always)]
+            fn greater<S: Simd>(simd: S, a: S::$v, b: S::$v) -> S::$v {
+                simd.$max(a, b)
+            }
+            #[inline(always)]
             fn any_beyond<S: Simd>(simd: S, w: S::$v, limit: S::$v) -> bool {
                 simd.$first(simd.$at_least(simd.$abs(w), limit)) < S::$lanes
             }
@@ -130,6 +136,7 @@ vectors!(
     greater_than_or_equal_f64s,
     abs_f64s,
     min_f64s,
+    max_f64s,
     first_true_m64s
 );
 vectors!(
@@ -149,6 +156,7 @@ vectors!(
     greater_than_or_equal_f32s,
     abs_f32s,
     min_f32s,
+    max_f32s,
     first_true_m32s
 );
 

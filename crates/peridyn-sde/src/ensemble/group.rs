@@ -1,0 +1,192 @@
+//! Realisations that run side by side.
+
+use super::{CrackStudy, FinalState, Strength};
+use crate::body::Cause;
+use crate::disorder::between_nodes;
+use crate::error::Error;
+use crate::fast::BondList;
+use crate::path::{Fractured, crack_path};
+use crate::real::Real;
+use crate::simulation::Simulation;
+use crate::statistics::{CrackOutcome, CrackRecord};
+
+/// A realisation that has ended.
+pub(super) struct Ended {
+    pub(super) record: CrackRecord,
+    pub(super) loads: Vec<f64>,
+    /// `None` for one that failed.
+    pub(super) damage: Option<Vec<f64>>,
+    pub(super) broken: u64,
+    pub(super) kept: Option<FinalState>,
+}
+
+/// A path that was lost, and why.
+type Lost<const L: usize> = [Option<String>; L];
+
+type Lanes<T, const L: usize> = Simulation<T, BondList<T, 2, L>, 2, L>;
+
+/// What was seen of each lane on the way.
+struct Seen<const L: usize> {
+    loads: [Vec<f64>; L],
+    broken: [Vec<bool>; L],
+}
+
+impl CrackStudy<'_> {
+    /// Runs a group to its end. A lane that is lost is left out, and the others run anew without it: lanes do not know of each
+    /// other, so they come to the same.
+    pub(super) fn group<T: Real, const L: usize>(
+        &self,
+        cut: &[usize],
+        ids: [u64; L],
+        keep: &[u64],
+        wanted: &dyn Fn(u64) -> bool,
+    ) -> Result<Vec<Ended>, Error> {
+        let fields = self.fields(ids)?;
+        let mut lost: Lost<L> = std::array::from_fn(|_| None);
+        let (simulation, seen) = loop {
+            let mut simulation = self.start::<T, L>(cut, ids, &fields, &lost)?;
+            match self.follow(&mut simulation, cut) {
+                Ok(seen) => break (simulation, seen),
+                Err(error) => {
+                    let Error::Lost { realisation, .. } = error else { return Err(error) };
+                    let lane = ids.iter().position(|&id| id == realisation);
+                    match lane.filter(|&lane| lost[lane].is_none()) {
+                        Some(lane) => lost[lane] = Some(error.to_string()),
+                        None => return Err(error),
+                    }
+                }
+            }
+        };
+        (0..L)
+            .filter(|&lane| wanted(ids[lane]))
+            .map(|lane| match &lost[lane] {
+                Some(message) => Ok(failed(ids[lane], message)),
+                None => {
+                    let field = fields.get(lane);
+                    let keep = keep.contains(&ids[lane]);
+                    self.ended(
+                        &simulation,
+                        &seen,
+                        cut,
+                        (lane, ids[lane]),
+                        field.filter(|_| keep),
+                        keep,
+                    )
+                }
+            })
+            .collect()
+    }
+
+    /// The strength at the nodes, lane by lane; none where it is uniform.
+    fn fields<const L: usize>(&self, ids: [u64; L]) -> Result<Vec<Vec<f64>>, Error> {
+        let Strength::Field { field, .. } = self.strength else { return Ok(Vec::new()) };
+        ids.iter()
+            .map(|&id| {
+                let mut strengths = vec![0.0; self.nodes.positions().len()];
+                field.sample(&self.simulation.noise, id, &mut strengths)?;
+                Ok(strengths)
+            })
+            .collect()
+    }
+
+    fn start<T: Real, const L: usize>(
+        &self,
+        cut: &[usize],
+        ids: [u64; L],
+        fields: &[Vec<f64>],
+        lost: &Lost<L>,
+    ) -> Result<Lanes<T, L>, Error> {
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        let n_bonds = bonds.len();
+        let mut body = match self.strength {
+            Strength::Uniform(strength) => {
+                BondList::new(nodes, bonds, self.strain, &vec![strength; n_bonds])?
+            }
+            Strength::Field { value, .. } => {
+                let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
+                let strengths = fields.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+                BondList::new(nodes, bonds, self.strain, &strengths[0])?
+                    .with_strengths(&strengths)?
+            }
+        };
+        for lane in (0..L).filter(|&lane| lost[lane].is_some()) {
+            body.leave_out(lane);
+        }
+        let mut simulation =
+            Simulation::new(body, self.loading.clone(), self.simulation.clone(), ids)?;
+        simulation.cut(cut)?;
+        Ok(simulation)
+    }
+
+    fn follow<T: Real, const L: usize>(
+        &self,
+        simulation: &mut Lanes<T, L>,
+        cut: &[usize],
+    ) -> Result<Seen<L>, Error> {
+        let (grip, component) = self.load;
+        let mut seen = Seen {
+            loads: std::array::from_fn(|_| Vec::new()),
+            broken: std::array::from_fn(|_| vec![false; self.bonds.len()]),
+        };
+        for broken in &mut seen.broken {
+            cut.iter().for_each(|&bond| broken[bond] = true);
+        }
+        let window = self.n_steps / self.n_windows;
+        let mut sums = [0.0; L];
+        for step in 1..=self.n_steps {
+            let report = simulation.step()?;
+            for event in report.broken.iter().filter(|event| event.cause != Cause::Cut) {
+                for lane in (0..L).filter(|lane| event.lanes & 1 << lane != 0) {
+                    seen.broken[lane][event.bond] = true;
+                }
+            }
+            for lane in 0..L {
+                sums[lane] += simulation.pull_on(grip, lane)[component].abs();
+                if step % window == 0 {
+                    seen.loads[lane].push(sums[lane] / window as f64);
+                    sums[lane] = 0.0;
+                }
+            }
+        }
+        Ok(seen)
+    }
+
+    fn ended<T: Real, const L: usize>(
+        &self,
+        simulation: &Lanes<T, L>,
+        seen: &Seen<L>,
+        cut: &[usize],
+        (lane, realisation): (usize, u64),
+        field: Option<&Vec<f64>>,
+        keep: bool,
+    ) -> Result<Ended, Error> {
+        let (broken, damage) = (&seen.broken[lane], simulation.damage(lane));
+        let body = Fractured { nodes: self.nodes, bonds: self.bonds, broken, cut };
+        let loads = seen.loads[lane].clone();
+        let failure_load = loads
+            .iter()
+            .copied()
+            .fold(None, |most: Option<f64>, load| Some(most.map_or(load, |most| most.max(load))));
+        let record = match self.broke_elsewhere(broken, &damage) {
+            Some(outcome) => CrackRecord::without_crack(realisation, outcome),
+            None => {
+                let path = crack_path(&body, &self.notch, &self.path)?;
+                CrackRecord::of_path(realisation, path.as_ref(), Some(self.border), failure_load)
+            }
+        };
+        let kept = keep.then(|| FinalState {
+            realisation,
+            displacements: simulation.displacements(lane),
+            damage: damage.clone(),
+            strength: field.cloned(),
+        });
+        let broken = broken.iter().filter(|&&broken| broken).count() - cut.len();
+        Ok(Ended { record, loads, damage: Some(damage), broken: broken as u64, kept })
+    }
+}
+
+fn failed(realisation: u64, message: &str) -> Ended {
+    let outcome = CrackOutcome::Failed(message.to_owned());
+    let record = CrackRecord::without_crack(realisation, outcome);
+    Ended { record, loads: Vec::new(), damage: None, broken: 0, kept: None }
+}

@@ -1,0 +1,93 @@
+//! Parts of an ensemble that run apart.
+
+use super::{CrackRun, CrackStudy};
+use crate::error::Error;
+use crate::real::Real;
+
+/// Part of an ensemble: the realisations from `shard n/shards` on.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CrackShard {
+    /// Which part, from 0 on, and of how many.
+    pub place: (u64, u64),
+    /// Of all parts together.
+    pub n_realisations: u64,
+    /// The seed of the noise.
+    pub seed: u64,
+    /// The precision of its numbers.
+    pub precision: String,
+    /// What became of its realisations.
+    pub run: CrackRun,
+}
+
+impl CrackStudy<'_> {
+    /// Runs part `shard` of `n_shards` of an ensemble.
+    ///
+    /// # Errors
+    /// As [`CrackStudy::run`]; [`Error::NoSuchShard`].
+    pub fn shard<T: Real, const L: usize>(
+        &self,
+        n_realisations: u64,
+        (shard, n_shards): (u64, u64),
+        keep: &[u64],
+        finished: &(dyn Fn(u64) + Sync),
+    ) -> Result<CrackShard, Error> {
+        if shard >= n_shards {
+            return Err(Error::NoSuchShard { shard, n_shards });
+        }
+        let bound = |k: u64| n_realisations / n_shards * k + (n_realisations % n_shards).min(k);
+        let run = self.run::<T, L>(bound(shard)..bound(shard + 1), keep, finished)?;
+        Ok(CrackShard {
+            place: (shard, n_shards),
+            n_realisations,
+            seed: self.simulation.noise.seed(),
+            precision: T::NAME.to_owned(),
+            run,
+        })
+    }
+}
+
+/// Joins all shards of an ensemble, given in any order: the bits are those of one run.
+///
+/// # Errors
+/// [`Error::TooFew`] for no shard, [`Error::ForeignShard`] for one of another ensemble, [`Error::NoSuchShard`],
+/// [`Error::Doubled`] and [`Error::Missing`] for a realisation that is there twice or not at all.
+pub fn merge_shards(mut shards: Vec<CrackShard>) -> Result<CrackRun, Error> {
+    shards.sort_by_key(|shard| shard.place);
+    let mut shards = shards.into_iter();
+    let Some(first) = shards.next() else {
+        return Err(Error::TooFew { name: "shards", value: 0, limit: 1 });
+    };
+    let same = |shard: &CrackShard| {
+        (shard.place.1, shard.n_realisations, shard.seed, &shard.precision)
+            == (first.place.1, first.n_realisations, first.seed, &first.precision)
+    };
+    let mut whole = first.run.clone();
+    for shard in shards {
+        if !same(&shard) {
+            return Err(Error::ForeignShard { shard: shard.place.0 });
+        }
+        whole.damage.merge(&shard.run.damage)?;
+        whole.records.extend(shard.run.records);
+        whole.loads.extend(shard.run.loads);
+        whole.broken.extend(shard.run.broken);
+        whole.kept.extend(shard.run.kept);
+    }
+    let n_realisations = first.n_realisations;
+    for (expected, record) in (0..first.n_realisations).zip(&whole.records) {
+        match record.realisation.cmp(&expected) {
+            std::cmp::Ordering::Less => {
+                return Err(Error::Doubled { realisation: record.realisation });
+            }
+            std::cmp::Ordering::Greater => {
+                return Err(Error::Missing { realisation: expected, n_realisations });
+            }
+            std::cmp::Ordering::Equal => {}
+        }
+    }
+    let found = whole.records.len() as u64;
+    if found < first.n_realisations {
+        return Err(Error::Missing { realisation: found, n_realisations });
+    }
+    Ok(whole)
+}

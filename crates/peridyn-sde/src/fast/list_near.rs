@@ -38,10 +38,12 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> WithSimd
         for i in 0..bonds.n_nodes() {
             for bond in bonds.row(i) {
                 let ends = (i, bonds.partner(bond));
-                if (0..L)
-                    .step_by(T::lanes::<S>())
-                    .any(|first| self.is_near(simd, bond, ends, first))
-                {
+                let (mut first, mut near) = (0, false);
+                while first < L {
+                    near |= self.is_near(simd, bond, ends, first);
+                    first += T::lanes::<S>();
+                }
+                if near {
                     self.found.push((bond, ends.into()));
                 }
             }

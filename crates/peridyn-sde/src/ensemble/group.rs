@@ -10,6 +10,9 @@ use crate::real::Real;
 use crate::simulation::Simulation;
 use crate::statistics::{CrackOutcome, CrackRecord};
 
+/// A stretch that no bond comes to.
+const NEVER: f64 = 1e6;
+
 /// A realisation that has ended.
 pub(super) struct Ended {
     pub(super) record: CrackRecord,
@@ -100,10 +103,12 @@ impl CrackStudy<'_> {
         let n_bonds = bonds.len();
         let mut body = match self.strength {
             Strength::Uniform(strength) => {
-                BondList::new(nodes, bonds, self.strain, &vec![strength; n_bonds])?
+                let strengths = self.protected(vec![strength; n_bonds])?;
+                BondList::new(nodes, bonds, self.strain, &strengths)?
             }
             Strength::Field { value, .. } => {
-                let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
+                let of =
+                    |field: &Vec<f64>| self.protected(between_nodes(self.bonds, field, value)?);
                 let strengths = fields.iter().map(of).collect::<Result<Vec<_>, _>>()?;
                 BondList::new(nodes, bonds, self.strain, &strengths[0])?
                     .with_strengths(&strengths)?
@@ -116,6 +121,30 @@ impl CrackStudy<'_> {
             Simulation::new(body, self.loading.clone(), self.simulation.clone(), ids)?;
         simulation.cut(cut)?;
         Ok(simulation)
+    }
+
+    /// Strengths with those of bonds that must not break out of reach.
+    fn protected(&self, mut strengths: Vec<f64>) -> Result<Vec<f64>, Error> {
+        let n = self.nodes.positions().len();
+        let mut is_protected = vec![false; n];
+        for &node in self.no_fail {
+            match is_protected.get_mut(node) {
+                Some(flag) => *flag = true,
+                None => {
+                    return Err(Error::Length {
+                        name: "the number of a node",
+                        value: node,
+                        expected: n,
+                    });
+                }
+            }
+        }
+        for (strength, (i, j)) in strengths.iter_mut().zip(self.bonds.pairs()) {
+            if is_protected[i] || is_protected[j] {
+                *strength = NEVER;
+            }
+        }
+        Ok(strengths)
     }
 
     fn follow<T: Real, const L: usize>(

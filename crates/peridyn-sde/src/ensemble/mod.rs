@@ -47,6 +47,8 @@ pub struct CrackStudy<'a> {
     pub strain: Strain,
     /// When bonds break.
     pub strength: Strength<'a>,
+    /// Nodes none of whose bonds breaks, such as those around grips.
+    pub no_fail: &'a [usize],
     /// The notch that cracks are followed from; it is cut in.
     pub notch: Notch,
     /// What is done to the body.

@@ -2,7 +2,7 @@
 
 use super::{CrackStudy, FinalState, Strength};
 use crate::body::Cause;
-use crate::disorder::between_nodes;
+use crate::disorder::{DisorderField, between_nodes};
 use crate::error::Error;
 use crate::fast::BondList;
 use crate::path::{Fractured, crack_path};
@@ -44,7 +44,10 @@ impl CrackStudy<'_> {
         keep: &[u64],
         wanted: &dyn Fn(u64) -> bool,
     ) -> Result<Vec<Ended>, Error> {
-        let fields = self.fields(ids)?;
+        let fields = match self.strength {
+            Strength::Uniform(_) => Vec::new(),
+            Strength::Field { field, .. } => self.sample(field, ids)?,
+        };
         let mut lost: Lost<L> = std::array::from_fn(|_| None);
         let (simulation, seen) = loop {
             let mut simulation = self.start::<T, L>(cut, ids, &fields, &lost)?;
@@ -80,14 +83,17 @@ impl CrackStudy<'_> {
             .collect()
     }
 
-    /// The strength at the nodes, lane by lane; none where it is uniform.
-    fn fields<const L: usize>(&self, ids: [u64; L]) -> Result<Vec<Vec<f64>>, Error> {
-        let Strength::Field { field, .. } = self.strength else { return Ok(Vec::new()) };
+    /// A field at the nodes, lane by lane.
+    fn sample<const L: usize>(
+        &self,
+        field: &DisorderField,
+        ids: [u64; L],
+    ) -> Result<Vec<Vec<f64>>, Error> {
         ids.iter()
             .map(|&id| {
-                let mut strengths = vec![0.0; self.nodes.positions().len()];
-                field.sample(&self.simulation.noise, id, &mut strengths)?;
-                Ok(strengths)
+                let mut values = vec![0.0; self.nodes.positions().len()];
+                field.sample(&self.simulation.noise, id, &mut values)?;
+                Ok(values)
             })
             .collect()
     }
@@ -114,6 +120,12 @@ impl CrackStudy<'_> {
                     .with_strengths(&strengths)?
             }
         };
+        if let Some((field, value)) = self.stiffness {
+            let fields = self.sample(field, ids)?;
+            let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
+            let factors = fields.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+            body = body.with_stiffness_factors(&factors)?;
+        }
         for lane in (0..L).filter(|&lane| lost[lane].is_some()) {
             body.leave_out(lane);
         }

@@ -47,6 +47,10 @@ pub struct CrackStudy<'a> {
     pub strain: Strain,
     /// When bonds break.
     pub strength: Strength<'a>,
+    /// A factor on the stiffness of bonds, of mean one, from a field of its own in each realisation. With a smooth field of strength a
+    /// crack turns less the shorter the horizon is; a field of stiffness bends the stresses around it, and with them its path, at
+    /// any horizon.
+    pub stiffness: Option<(&'a DisorderField, BondValue)>,
     /// Nodes none of whose bonds breaks, such as those around grips.
     pub no_fail: &'a [usize],
     /// The notch that cracks are followed from; it is cut in.

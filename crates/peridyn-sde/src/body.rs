@@ -94,6 +94,15 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     /// The energy of the bonds in a lane (energy).
     fn energy(&self, u: &[T], lane: usize) -> f64;
 
+    /// For each bond the lanes in which it is whole, a bit for each; `None` where bonds remember more than that.
+    fn whole(&self) -> Option<Vec<u16>>;
+
+    /// Puts bonds back to what [`whole`](Self::whole) gave.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for another number of bonds; [`Error::NotSaved`].
+    fn set_whole(&mut self, whole: &[u16]) -> Result<(), Error>;
+
     /// Bonds that broke since this was last called.
     fn take_broken(&mut self) -> Vec<BrokenBond>;
 }

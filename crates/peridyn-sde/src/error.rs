@@ -184,6 +184,9 @@ pub enum Error {
         /// Which.
         shard: u64,
     },
+    /// A body whose state is more than which of its bonds are whole.
+    #[error("the bonds of this body remember more than whether they are whole: it cannot be saved")]
+    NotSaved,
     /// A displacement that two conditions give.
     #[error("component {component} of node {node} is gripped twice")]
     GrippedTwice {

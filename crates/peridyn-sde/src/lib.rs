@@ -25,6 +25,7 @@ mod pivoted_cholesky;
 mod real;
 mod report;
 mod resistance;
+mod saved;
 mod scheme;
 mod simulation;
 pub mod statistics;
@@ -56,6 +57,7 @@ pub use path::{
 };
 pub use real::Real;
 pub use report::{BrokenAt, StepReport};
+pub use saved::SavedState;
 pub use scheme::{Dynamics, Scheme};
 pub use simulation::{Breaking, Simulation, SimulationConfig};
 pub use surface::SurfaceCorrection;

@@ -260,6 +260,14 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
         Network::forces(self, u.as_chunks().0, &mut forces).unwrap_or(f64::NAN)
     }
 
+    fn whole(&self) -> Option<Vec<u16>> {
+        None
+    }
+
+    fn set_whole(&mut self, _whole: &[u16]) -> Result<(), Error> {
+        Err(Error::NotSaved)
+    }
+
     fn take_broken(&mut self) -> Vec<BrokenBond> {
         std::mem::take(&mut self.broken)
     }

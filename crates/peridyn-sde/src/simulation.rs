@@ -211,19 +211,29 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Length`], [`Error::Node`] for one that is not finite.
     pub fn set_displacements(&mut self, lane: usize, u: &[[f64; D]]) -> Result<(), Error> {
-        same_length("displacements", u.len(), self.body.nodes().positions().len())?;
-        for (node, u) in u.iter().enumerate() {
+        self.set(lane, "a displacement", u, |unknowns| &mut unknowns.u)?;
+        self.evaluate(AtStrength::Hold)
+    }
+
+    pub(crate) fn set(
+        &mut self,
+        lane: usize,
+        name: &'static str,
+        values: &[[f64; D]],
+        column: impl Fn(&mut Unknowns<T>) -> &mut Vec<T>,
+    ) -> Result<(), Error> {
+        same_length("nodes", values.len(), self.body.nodes().positions().len())?;
+        for (node, value) in values.iter().enumerate() {
             for k in 0..D {
-                if !u[k].is_finite() {
-                    let (name, must) = ("a displacement", "finite");
-                    return Err(Error::Node { name, node, value: u[k], must });
+                if !value[k].is_finite() {
+                    return Err(Error::Node { name, node, value: value[k], must: "finite" });
                 }
                 if !self.loading.gripped()[node][k] {
-                    self.unknowns.u[(node * D + k) * L + lane] = T::of(u[k]);
+                    column(&mut self.unknowns)[(node * D + k) * L + lane] = T::of(value[k]);
                 }
             }
         }
-        self.evaluate(AtStrength::Hold)
+        Ok(())
     }
 
     /// Cuts bonds in all lanes, as a notch does.

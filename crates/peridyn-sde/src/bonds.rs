@@ -68,7 +68,8 @@ pub struct Bond {
     pub stiffness: f64,
 }
 
-/// The bonds of a body, each once: the rows of node `i` hold those to nodes `j > i`, by ascending `j`.
+/// The bonds of a body, each once, in the row of one of its nodes, by ascending number of the other; which of the two has it
+/// follows from where they are, not from their numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bonds {
     /// Where the bonds of each node begin; one more at the end.
@@ -162,23 +163,29 @@ impl Bonds {
         (0..self.n_nodes()).flat_map(move |i| self.row(i).map(move |bond| (i, self.partner(bond))))
     }
 
-    /// The numbers of the bonds of a node to those above it.
+    /// The numbers of the bonds in the row of a node.
     pub(crate) fn row(&self, node: usize) -> std::ops::Range<usize> {
         self.starts[node]..self.starts[node + 1]
     }
 
-    /// The nodes of a bond, the lower first.
+    /// The nodes of a bond, first that in whose row it is.
     pub(crate) fn ends(&self, bond: usize) -> (usize, usize) {
         let node = self.starts.partition_point(|&start| start <= bond) - 1;
         (node, self.partner(bond))
     }
 
-    /// The bond between two nodes, the lower first.
+    /// The bond to a node in the row of another.
     pub(crate) fn number(&self, i: usize, j: usize) -> Option<usize> {
         let row = self.row(i);
         let partners = &self.partners[row.clone()];
         let at = partners.binary_search_by_key(&j, |&partner| partner as usize).ok()?;
         Some(row.start + at)
+    }
+
+    /// The other nodes of bonds.
+    #[inline]
+    pub(crate) fn partners(&self, bonds: std::ops::Range<usize>) -> &[u32] {
+        self.partners.get(bonds).unwrap_or_default()
     }
 
     #[inline]

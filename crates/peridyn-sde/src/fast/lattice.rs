@@ -16,7 +16,8 @@ use crate::nodes::Nodes;
 use crate::real::Real;
 
 /// A body whose nodes stand on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
-/// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: a bond takes two bits.
+/// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads two bits of a bond, one at
+/// each end (more for the sites that fill up rows of 16). Besides, [`Bonds`] keeps 20 bytes of a bond that it does not touch.
 ///
 /// Every node sums over all its bonds, so that each is computed from both ends. Both see it at its strength at the same
 /// displacements, to the last bit, since `w` does not change when a bond is turned round. Rows of nodes are computed in parallel;
@@ -96,14 +97,14 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         self.collect_broken();
     }
 
-    /// Bonds that rows have broken, each from its lower end.
+    /// Bonds that rows have broken, each from one of its ends.
     fn collect_broken(&mut self) {
         for (row, state) in self.rows.iter_mut().enumerate() {
             for (at, vector) in state.broken.drain(..) {
                 let site = self.sites.rows()[row] + at;
                 let ends = self.sites.nodes(site, self.stencil.offset(vector));
+                // A bond is in the row of one of its nodes, and told of from there.
                 if let Some((i, j)) = ends
-                    && i < j
                     && let Some(bond) = self.bonds.number(i, j)
                 {
                     self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
@@ -112,15 +113,21 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         }
     }
 
-    /// Takes a bond out, at both its ends.
+    /// Takes a bond out.
     fn cut_one(&mut self, bond: usize, cause: Cause) {
+        self.set_one(bond, false);
+        self.broken.push(BrokenBond { bond, lanes: 1, cause });
+    }
+
+    /// Takes a bond out or puts it in, at both its ends.
+    fn set_one(&mut self, bond: usize, whole: bool) {
         let (i, j) = self.bonds.ends(bond);
         for (from, to) in [(i, j), (j, i)] {
             let vector = self.stencil.vector(&self.sites, (from, to));
             let (row, word, bit) = self.sites.bit(from, vector, self.stencil.len());
-            self.rows[row].whole[word] &= !bit;
+            let word = &mut self.rows[row].whole[word];
+            *word = if whole { *word | bit } else { *word & !bit };
         }
-        self.broken.push(BrokenBond { bond, lanes: 1, cause });
     }
 
     fn is_whole(&self, (i, j): (usize, usize)) -> bool {
@@ -208,6 +215,18 @@ impl<T: Real, const D: usize> Body<T, D, 1> for LatticeBody<T, D> {
             }
         }
         energy
+    }
+
+    fn whole(&self) -> Option<Vec<u16>> {
+        Some(self.bonds.pairs().map(|pair| u16::from(self.is_whole(pair))).collect())
+    }
+
+    fn set_whole(&mut self, whole: &[u16]) -> Result<(), Error> {
+        same_length("saved bonds", whole.len(), self.bonds.len())?;
+        for (bond, &whole) in whole.iter().enumerate() {
+            self.set_one(bond, whole != 0);
+        }
+        Ok(())
     }
 
     fn take_broken(&mut self) -> Vec<BrokenBond> {

@@ -52,7 +52,7 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
 impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: bool>
     InLanes<'_, T, D, L, LINEAR, OWN>
 {
-    /// Bonds of a node to those above it, in the lanes from `first` on.
+    /// Bonds in the row of a node, in the lanes from `first` on.
     #[inline(always)]
     fn row<S: Simd>(&mut self, simd: S, i: usize, first: usize) {
         let (nodes, bonds) = self.graph;
@@ -81,7 +81,7 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
                 self.broken.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
             });
             let tension =
-                T::times(simd, self.of::<S>(simd, &self.columns.stiffness, bond, first), pull);
+                T::times(simd, Self::of(simd, &self.columns.stiffness, bond, first), pull);
             for k in 0..D {
                 let force = T::times(simd, tension, separation.direction[k]);
                 total[k] = T::plus(simd, total[k], force);
@@ -97,13 +97,13 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
     #[inline(always)]
     fn limit<S: Simd>(&self, simd: S, bond: usize, first: usize) -> T::V<S> {
         match self.at {
-            AtStrength::Break => self.of::<S>(simd, &self.columns.limits, bond, first),
+            AtStrength::Break => Self::of(simd, &self.columns.limits, bond, first),
             AtStrength::Hold => T::splat(simd, T::LARGEST),
         }
     }
 
     #[inline(always)]
-    fn of<S: Simd>(&self, simd: S, column: &[T], bond: usize, first: usize) -> T::V<S> {
+    fn of<S: Simd>(simd: S, column: &[T], bond: usize, first: usize) -> T::V<S> {
         if OWN { T::load::<S>(column, bond * L + first) } else { T::splat(simd, column[bond]) }
     }
 }

@@ -5,6 +5,8 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::list::Columns;
@@ -31,10 +33,18 @@ pub(super) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
 
 /// Bonds side by side, component by component.
 struct Batch<T, const D: usize> {
-    ends: [[usize; 2]; BATCH],
     xi: [[T; BATCH]; D],
     eta: [[T; BATCH]; D],
     force: [[T; BATCH]; D],
+}
+
+/// A part of the bonds of a node that fits in a batch.
+#[derive(Debug, Clone, Copy)]
+struct Part<'a> {
+    node: usize,
+    partners: &'a [u32],
+    /// Where in the batch.
+    at: usize,
 }
 
 impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, LINEAR> {
@@ -42,62 +52,78 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, 
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let (nodes, bonds) = self.graph;
         let none = [[T::ZERO; BATCH]; D];
-        let mut batch = Batch { ends: [[0; 2]; BATCH], xi: none, eta: none, force: none };
-        let (x, u) = (nodes.positions(), self.u.as_chunks::<D>().0);
+        let mut batch = Batch { xi: none, eta: none, force: none };
         self.forces.fill(T::ZERO);
-        let (mut first, mut filled) = (0, 0);
-        for i in 0..bonds.n_nodes() {
-            for bond in bonds.row(i) {
-                let j = bonds.partner(bond);
-                batch.ends[filled] = [i, j];
-                for k in 0..D {
-                    batch.xi[k][filled] = T::of(x[j][k] - x[i][k]);
-                    batch.eta[k][filled] = u[j][k] - u[i][k];
-                }
-                filled += 1;
-                if filled == BATCH {
-                    self.give(simd, &mut batch, first, filled);
-                    first += filled;
-                    filled = 0;
-                }
+        let (mut node, n_bonds) = (0, self.graph.1.len());
+        for first in (0..n_bonds).step_by(BATCH) {
+            let bonds = first..n_bonds.min(first + BATCH);
+            for part in parts(self.graph.1, node, bonds.clone()) {
+                self.gather(&mut batch, part);
+            }
+            self.compute_all(simd, &mut batch, bonds.clone());
+            for part in parts(self.graph.1, node, bonds) {
+                self.give_back(&batch, part);
+                node = part.node;
             }
         }
-        self.give(simd, &mut batch, first, filled);
     }
 }
 
+/// The parts of nodes from a node on that some bonds are.
+#[inline(always)]
+fn parts(bonds: &Bonds, from: usize, of: Range<usize>) -> impl Iterator<Item = Part<'_>> {
+    (from..bonds.n_nodes()).map_while(move |node| {
+        let row = bonds.row(node);
+        let part = row.start.max(of.start)..row.end.min(of.end);
+        let at = part.start.saturating_sub(of.start);
+        (row.start < of.end).then(|| Part { node, partners: bonds.partners(part), at })
+    })
+}
+
 impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
-    /// Computes and gives back the bonds from `first` on.
     #[inline(always)]
-    fn give<S: Simd>(&mut self, simd: S, batch: &mut Batch<T, D>, first: usize, count: usize) {
-        let lanes = T::lanes::<S>();
-        let mut at = 0;
-        while at + lanes <= count {
-            self.compute(simd, batch, (first, at), lanes);
-            at += lanes;
-        }
-        if at < count {
-            self.compute(simd, batch, (first, at), count - at);
-        }
-        let (forces, _) = self.forces.as_chunks_mut::<D>();
-        // The sum of a row is kept apart: adding each to memory would wait for the one before.
-        let (mut row, mut sum) = (batch.ends[0][0], [T::ZERO; D]);
-        for (at, &[i, j]) in batch.ends[..count].iter().enumerate() {
-            if i != row {
-                for k in 0..D {
-                    forces[row][k] += sum[k];
-                }
-                (row, sum) = (i, [T::ZERO; D]);
-            }
+    fn gather(&self, batch: &mut Batch<T, D>, Part { node, partners, at }: Part<'_>) {
+        let (x, u) = (self.graph.0.positions(), self.u.as_chunks::<D>().0);
+        let (x_i, u_i) = (x[node], u[node]);
+        let (xi, eta) = (&mut batch.xi, &mut batch.eta);
+        for (at, &j) in (at..BATCH).zip(partners) {
+            let (x_j, u_j) = (&x[j as usize], &u[j as usize]);
             for k in 0..D {
-                sum[k] += batch.force[k][at];
-                forces[j][k] -= batch.force[k][at];
+                xi[k][at] = T::of(x_j[k] - x_i[k]);
+                eta[k][at] = u_j[k] - u_i[k];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn give_back(&mut self, batch: &Batch<T, D>, Part { node, partners, at }: Part<'_>) {
+        let forces = self.forces.as_chunks_mut::<D>().0;
+        // The sum of a row is kept apart: adding each to memory would wait for the one before.
+        let mut sum = [T::ZERO; D];
+        for (at, &j) in (at..BATCH).zip(partners) {
+            let force_j = &mut forces[j as usize];
+            for k in 0..D {
+                let force = batch.force[k][at];
+                sum[k] += force;
+                force_j[k] -= force;
             }
         }
         for k in 0..D {
-            forces[row][k] += sum[k];
+            forces[node][k] += sum[k];
+        }
+    }
+
+    #[inline(always)]
+    fn compute_all<S: Simd>(&mut self, simd: S, batch: &mut Batch<T, D>, bonds: Range<usize>) {
+        let lanes = T::lanes::<S>();
+        let (first, count) = (bonds.start, bonds.len());
+        let whole = count / lanes * lanes;
+        for at in (0..whole).step_by(lanes) {
+            self.compute(simd, batch, (first, at), lanes);
+        }
+        if whole < count {
+            self.compute(simd, batch, (first, whole), count - whole);
         }
     }
 

@@ -27,12 +27,13 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
         eta: &[T::V<S>; D],
         whole: Mask,
     ) -> Self {
-        let zero = T::splat(simd, T::ZERO);
-        let (mut square, mut direction) = (zero, [zero; D]);
+        let (mut square, mut direction) = (T::splat(simd, T::ZERO), *xi);
         for k in 0..D {
-            direction[k] = if LINEAR { xi[k] } else { T::plus(simd, xi[k], eta[k]) };
-            let twice = T::plus(simd, xi[k], direction[k]);
-            square = T::plus(simd, square, T::times(simd, eta[k], twice));
+            if !LINEAR {
+                direction[k] = T::plus(simd, xi[k], eta[k]);
+            }
+            let part = T::times(simd, eta[k], T::plus(simd, xi[k], direction[k]));
+            square = if k == 0 { part } else { T::plus(simd, square, part) };
         }
         let mut growth = T::times(simd, square, inverse_square);
         let all = Mask::MAX >> (MOST_LANES - T::lanes::<S>());
@@ -45,6 +46,8 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
     /// The part of its stiffness over length that a bond pulls with along `direction`: `1 - 1/sqrt(1 + w)`, the stretch over
     /// the stretched length; with linear strains `w/2`. Bonds that have reached their limit pull no more; `broken` is told of
     /// their lanes.
+    ///
+    /// What a bond pulls with depends on no other lane, so that the bits do not depend on how many there are.
     #[inline(always)]
     pub(crate) fn pull<const LINEAR: bool>(
         &mut self,
@@ -52,50 +55,45 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
         limit: T::V<S>,
         broken: impl FnOnce(Mask),
     ) -> T::V<S> {
-        let range = if LINEAR { T::LARGEST } else { T::NEAR };
-        let safe = T::lesser(simd, limit, T::splat(simd, range));
-        if !T::any_beyond(simd, self.growth, safe) {
-            return if LINEAR { self.linear(simd) } else { self.series(simd, T::NEAR_TERMS) };
+        if T::any_beyond(simd, self.growth, Self::near::<LINEAR>(simd, limit)) {
+            let reached = self.at_limit(limit);
+            if reached != 0 {
+                broken(reached);
+                self.growth = T::keep(simd, !reached, self.growth);
+            }
+            if !LINEAR {
+                let range = T::splat(simd, T::SERIES_RANGE);
+                let closed = T::closed_pull(simd, self.growth);
+                let near = self.near_pull::<false>(simd);
+                return T::beyond_or(simd, (self.growth, range), closed, near);
+            }
         }
-        let reached = self.at_limit(limit);
-        if reached != 0 {
-            broken(reached);
-            self.growth = T::keep(simd, !reached, self.growth);
-        }
+        self.near_pull::<LINEAR>(simd)
+    }
+
+    /// Below which `|w|` no bond is at its limit and [`near_pull`](Self::near_pull) is what it pulls with.
+    #[inline(always)]
+    pub(crate) fn near<const LINEAR: bool>(simd: S, limit: T::V<S>) -> T::V<S> {
+        if LINEAR { limit } else { T::lesser(simd, limit, T::splat(simd, T::SERIES_RANGE)) }
+    }
+
+    /// The same for bonds in the range of the series, far from their limit.
+    #[inline(always)]
+    pub(crate) fn near_pull<const LINEAR: bool>(&self, simd: S) -> T::V<S> {
         if LINEAR {
-            self.linear(simd)
-        } else if T::any_beyond(simd, self.growth, T::splat(simd, T::SERIES_RANGE)) {
-            self.far()
-        } else {
-            self.series(simd, T::SERIES.len())
+            return T::times(simd, self.growth, T::splat(simd, T::of(0.5)));
         }
-    }
-
-    #[inline(always)]
-    fn linear(&self, simd: S) -> T::V<S> {
-        T::times(simd, self.growth, T::splat(simd, T::of(0.5)))
-    }
-
-    #[inline(always)]
-    fn series(&self, simd: S, terms: usize) -> T::V<S> {
-        let mut sum = T::splat(simd, T::SERIES[terms - 1]);
-        for term in (0..terms - 1).rev() {
-            sum = T::times(simd, sum, self.growth);
-            sum = T::plus(simd, sum, T::splat(simd, T::SERIES[term]));
+        // In pairs, with powers of w^2: half as many operations wait for each other as one by one.
+        let w = self.growth;
+        let (pairs, square) = (T::SERIES.as_chunks::<2>().0, T::times(simd, w, w));
+        let pair = |&[even, odd]: &[T; 2]| {
+            T::plus(simd, T::splat(simd, even), T::times(simd, w, T::splat(simd, odd)))
+        };
+        let mut sum = pair(&pairs[pairs.len() - 1]);
+        for of in pairs[..pairs.len() - 1].iter().rev() {
+            sum = T::plus(simd, pair(of), T::times(simd, sum, square));
         }
-        T::times(simd, sum, self.growth)
-    }
-
-    /// Beyond the range of the series, `w/(sqrt(1 + w) (1 + sqrt(1 + w)))`.
-    #[inline(never)]
-    fn far(&self) -> T::V<S> {
-        let mut growth = [T::ZERO; MOST_LANES];
-        T::store::<S>(self.growth, &mut growth, 0);
-        for w in &mut growth[..T::lanes::<S>()] {
-            let root = (T::of(1.0) + *w).sqrt();
-            *w = *w / (root * (T::of(1.0) + root));
-        }
-        T::load::<S>(&growth, 0)
+        T::times(simd, sum, w)
     }
 
     /// The lanes whose growth is at its limit.

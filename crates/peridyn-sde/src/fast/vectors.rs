@@ -34,18 +34,30 @@ pub trait Vectors: Copy {
     /// `a b`.
     fn times<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
     /// The lanes of a mask, zero in the others.
-    fn keep<S: Simd>(simd: S, mask: u16, value: Self::V<S>) -> Self::V<S>;
+    fn keep<S: Simd>(simd: S, mask: Mask, value: Self::V<S>) -> Self::V<S>;
+    /// `1 - 1/sqrt(1 + w)` as `w/(sqrt(1 + w) (1 + sqrt(1 + w)))`, which loses no digits.
+    fn closed_pull<S: Simd>(simd: S, w: Self::V<S>) -> Self::V<S>;
     /// The lesser of two in each lane.
     fn lesser<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
     /// The greater of two in each lane.
     fn greater<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
+    /// `|w|`, or `other` where that is more or `w` is no number.
+    fn farther<S: Simd>(simd: S, w: Self::V<S>, other: Self::V<S>) -> Self::V<S>;
     /// Whether in any lane `|w| >= limit`.
     fn any_beyond<S: Simd>(simd: S, w: Self::V<S>, limit: Self::V<S>) -> bool;
+    /// In lanes where `|w| >= limit` the first, in others the second.
+    fn beyond_or<S: Simd>(
+        simd: S,
+        w_and_limit: (Self::V<S>, Self::V<S>),
+        beyond: Self::V<S>,
+        within: Self::V<S>,
+    ) -> Self::V<S>;
 }
 
 macro_rules! vectors {
     ($real:ty, $unsigned:ty, $v:ident, $u:ident, $lanes:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident,
-     $splat_u:ident, $and_u:ident, $equal_u:ident, $select:ident, $at_least:ident, $abs:ident, $min:ident, $max:ident, $first:ident) => {
+     $splat_u:ident, $and_u:ident, $equal_u:ident, $select:ident, $at_least:ident, $abs:ident, $min:ident,
+     $max:ident, $sqrt:ident, $div:ident, $first:ident, $mask:ident) => {
         impl Vectors for $real {
             type V<S: Simd> = S::$v;
 
@@ -59,7 +71,8 @@ macro_rules! vectors {
             }
             #[inline(always)]
             fn load<S: Simd>(values: &[Self], at: usize) -> S::$v {
-                *pulp::bytemuck::from_bytes(pulp::bytemuck::cast_slice(&values[at..at + S::$lanes]))
+                let bytes: &[u8] = pulp::bytemuck::cast_slice(&values[at..at + S::$lanes]);
+                pulp::bytemuck::pod_read_unaligned(bytes)
             }
             #[inline(always)]
             fn store<S: Simd>(value: S::$v, values: &mut [Self], at: usize) {
@@ -98,10 +111,35 @@ macro_rules! vectors {
                     1 << 14,
                     1 << 15,
                 ];
+                // Where a mask is a bit for each lane, it is there already.
+                if const { size_of::<S::$mask>() * 8 == S::$lanes } {
+                    let bits = &mask.to_le_bytes()[..size_of::<S::$mask>()];
+                    let lanes = pulp::bytemuck::checked::pod_read_unaligned(bits);
+                    return simd.$select(lanes, value, simd.$splat(0.0));
+                }
                 let bits: S::$u =
                     *pulp::bytemuck::from_bytes(pulp::bytemuck::cast_slice(&BITS[..S::$lanes]));
                 let set = simd.$and_u(simd.$splat_u(<$unsigned>::from(mask)), bits);
                 simd.$select(simd.$equal_u(set, bits), value, simd.$splat(0.0))
+            }
+            #[inline(always)]
+            fn closed_pull<S: Simd>(simd: S, w: S::$v) -> S::$v {
+                let one = simd.$splat(1.0);
+                let root = simd.$sqrt(simd.$add(one, w));
+                simd.$div(w, simd.$mul(root, simd.$add(one, root)))
+            }
+            #[inline(always)]
+            fn farther<S: Simd>(simd: S, w: S::$v, other: S::$v) -> S::$v {
+                simd.$max(simd.$abs(w), other)
+            }
+            #[inline(always)]
+            fn beyond_or<S: Simd>(
+                simd: S,
+                (w, limit): (S::$v, S::$v),
+                beyond: S::$v,
+                within: S::$v,
+            ) -> S::$v {
+                simd.$select(simd.$at_least(simd.$abs(w), limit), beyond, within)
             }
             #[inline(always)]
             fn lesser<S: Simd>(simd: S, a: S::$v, b: S::$v) -> S::$v {
@@ -137,7 +175,10 @@ vectors!(
     abs_f64s,
     min_f64s,
     max_f64s,
-    first_true_m64s
+    sqrt_f64s,
+    div_f64s,
+    first_true_m64s,
+    m64s
 );
 vectors!(
     f32,
@@ -157,7 +198,10 @@ vectors!(
     abs_f32s,
     min_f32s,
     max_f32s,
-    first_true_m32s
+    sqrt_f32s,
+    div_f32s,
+    first_true_m32s,
+    m32s
 );
 
 /// Runs work with the registers of a level.

@@ -93,7 +93,7 @@ impl Bonds {
         let reach = Radii::Uniform(volume_correction.reach(horizon));
         // Nodes are finite and fewer than an index holds, and the radius is that of a checked horizon.
         CellGrid::new()
-            .half_list(positions, reach, &mut list)
+            .full_list(positions, reach, &mut list)
             .map_err(|_| Error::NotPositive { name: "horizon", value: horizon.radius() })?;
         list.sort_rows();
         let n = positions.len();
@@ -101,7 +101,8 @@ impl Bonds {
         let mut counts = vec![0_u32; n];
         starts.push(0);
         for (i, row) in list.rows().enumerate() {
-            for &partner in row {
+            // A half list of the search has a pair under either of its ends; here it belongs to the lower one.
+            for &partner in &row[row.partition_point(|&partner| (partner as usize) < i)..] {
                 let j = partner as usize;
                 let length = distance(&positions[i], &positions[j]);
                 if length <= 0.0 {
@@ -204,4 +205,35 @@ pub(crate) fn cut_numbers(bonds: &[usize], expected: usize) -> Result<(), Error>
 
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Condition;
+
+    /// The search sorts nodes into cells, whose order is not that of the nodes.
+    #[test]
+    fn every_bond_belongs_to_the_lower_of_its_nodes_in_ascending_order() {
+        let (dx, plate) = (1e-3, Condition::PlaneStress { thickness: 1.0 });
+        let nodes = Nodes::lattice(dx, ([0.0, -0.1], [0.1, 0.1]), plate, |_| true).unwrap();
+        let config = BondConfig {
+            horizon: Horizon::of_shells(3, dx).unwrap(),
+            young_modulus: 1.0,
+            influence: Influence::Constant,
+            volume_correction: VolumeCorrection::None,
+            surface_correction: SurfaceCorrection::None,
+        };
+        let bonds = Bonds::new(&nodes, &config).unwrap();
+        let pairs: Vec<_> = bonds.pairs().collect();
+        assert!(pairs.iter().all(|(i, j)| i < j) && pairs.is_sorted());
+        // Vectors (a, b) shorter than the horizon, one of each and its opposite: each fits (100 - a) (200 - |b|) times.
+        let vectors = (0..=3_i64).flat_map(|a| (-3..=3_i64).map(move |b| (a, b)));
+        let half = vectors.filter(|&(a, b)| (a > 0 || b > 0) && a * a + b * b < 10);
+        let expected: i64 = half.map(|(a, b)| (100 - a) * (200 - b.abs())).sum();
+        assert_eq!(i64::try_from(pairs.len()), Ok(expected));
+        for (bond, &(i, j)) in pairs.iter().enumerate() {
+            assert_eq!((bonds.number(i, j), bonds.ends(bond)), (Some(bond), (i, j)));
+        }
+    }
 }

@@ -68,8 +68,7 @@ pub struct Bond {
     pub stiffness: f64,
 }
 
-/// The bonds of a body, each once, in the row of one of its nodes, by ascending number of the other; which of the two has it
-/// follows from where they are, not from their numbers.
+/// The bonds of a body, each once: the rows of node `i` hold those to nodes `j > i`, by ascending `j`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bonds {
     /// Where the bonds of each node begin; one more at the end.
@@ -88,16 +87,41 @@ impl Bonds {
         let BondConfig { horizon, young_modulus, influence, volume_correction, surface_correction } =
             *config;
         let c = micromodulus(young_modulus, horizon.radius(), influence, nodes.condition())?;
-        let (positions, volumes) = (nodes.positions(), nodes.volumes());
+        let volumes = nodes.volumes();
+        let reach = volume_correction.reach(horizon);
+        let mut made = Self::within(nodes, reach, horizon.radius(), |(i, j), length| {
+            let share = volume_correction.share(length, horizon);
+            // Beyond the horizon a ramp still counts a part of the box, with the weight at the horizon.
+            let weight = influence.weight((length / horizon.radius()).min(1.0));
+            let stiffness = c * weight * share * volumes[i] * volumes[j];
+            (share * weight > 0.0).then_some(Bond { length, stiffness })
+        })?;
+        if surface_correction == SurfaceCorrection::Energy {
+            let factors = factors(nodes, &made, young_modulus);
+            for (bond, factor) in made.all.iter_mut().zip(factors) {
+                bond.stiffness *= factor;
+            }
+        }
+        Ok(made)
+    }
+
+    /// Bonds those nodes within `reach` of each other that `of` makes a bond for, given their numbers, the lower first, and their
+    /// distance.
+    pub(crate) fn within<const D: usize>(
+        nodes: &Nodes<D>,
+        reach: f64,
+        horizon: f64,
+        of: impl Fn((usize, usize), f64) -> Option<Bond>,
+    ) -> Result<Self, Error> {
+        let positions = nodes.positions();
         let mut list = NeighbourList::new();
-        let reach = Radii::Uniform(volume_correction.reach(horizon));
         // Nodes are finite and fewer than an index holds, and the radius is that of a checked horizon.
         CellGrid::new()
-            .full_list(positions, reach, &mut list)
-            .map_err(|_| Error::NotPositive { name: "horizon", value: horizon.radius() })?;
+            .full_list(positions, Radii::Uniform(reach), &mut list)
+            .map_err(|_| Error::NotPositive { name: "horizon", value: horizon })?;
         list.sort_rows();
         let n = positions.len();
-        let (mut starts, mut partners, mut bonds) = (Vec::with_capacity(n + 1), vec![], vec![]);
+        let (mut starts, mut partners, mut all) = (Vec::with_capacity(n + 1), vec![], vec![]);
         let mut counts = vec![0_u32; n];
         starts.push(0);
         for (i, row) in list.rows().enumerate() {
@@ -108,31 +132,19 @@ impl Bonds {
                 if length <= 0.0 {
                     return Err(Error::Coincident { first: i, second: j });
                 }
-                let share = volume_correction.share(length, horizon);
-                // Beyond the horizon a ramp still counts a part of the box, with the weight at the horizon.
-                let weight = influence.weight((length / horizon.radius()).min(1.0));
-                if share * weight <= 0.0 {
-                    continue;
+                if let Some(bond) = of((i, j), length) {
+                    partners.push(partner);
+                    all.push(bond);
+                    counts[i] += 1;
+                    counts[j] += 1;
                 }
-                partners.push(partner);
-                bonds
-                    .push(Bond { length, stiffness: c * weight * share * volumes[i] * volumes[j] });
-                counts[i] += 1;
-                counts[j] += 1;
             }
             starts.push(partners.len());
         }
-        if let Some(node) = counts.iter().position(|&count| count == 0) {
-            return Err(Error::LooseNode { node, horizon: horizon.radius() });
+        match counts.iter().position(|&count| count == 0) {
+            Some(node) => Err(Error::LooseNode { node, horizon }),
+            None => Ok(Self { starts, partners, all }),
         }
-        let mut made = Self { starts, partners, all: bonds };
-        if surface_correction == SurfaceCorrection::Energy {
-            let factors = factors(nodes, &made, young_modulus);
-            for (bond, factor) in made.all.iter_mut().zip(factors) {
-                bond.stiffness *= factor;
-            }
-        }
-        Ok(made)
     }
 
     /// How many bonds there are.
@@ -169,13 +181,13 @@ impl Bonds {
         self.starts[node]..self.starts[node + 1]
     }
 
-    /// The nodes of a bond, first that in whose row it is.
+    /// The nodes of a bond, the lower first.
     pub(crate) fn ends(&self, bond: usize) -> (usize, usize) {
         let node = self.starts.partition_point(|&start| start <= bond) - 1;
         (node, self.partner(bond))
     }
 
-    /// The bond to a node in the row of another.
+    /// The bond between two nodes, the lower first.
     pub(crate) fn number(&self, i: usize, j: usize) -> Option<usize> {
         let row = self.row(i);
         let partners = &self.partners[row.clone()];

@@ -24,7 +24,7 @@ pub struct Crossing<const L: usize> {
 }
 
 impl<const L: usize> Crossing<L> {
-    pub(crate) fn new(noise: &Noise, realisations: [u64; L], rates: Vec<f64>) -> Self {
+    pub(crate) fn new(noise: Noise, realisations: [u64; L], rates: Vec<f64>) -> Self {
         let streams = realisations.map(|realisation| noise.stream(Purpose::Bridge, realisation));
         Self { rates, streams, step: 0, dt: 0.0 }
     }

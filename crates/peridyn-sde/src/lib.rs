@@ -20,6 +20,7 @@ mod marginal;
 mod mobility;
 mod network;
 mod nodes;
+mod note;
 mod path;
 mod pivoted_cholesky;
 mod real;
@@ -51,6 +52,7 @@ pub use marginal::Marginal;
 pub use mobility::{CompactMobility, CorrelatedMobility, DisplacementNoise, Mobility};
 pub use network::Network;
 pub use nodes::Nodes;
+pub use note::NoteAsPrinted;
 pub use path::{
     Branch, CrackPath, Fractured, FrontPoint, Notch, PathConfig, PlaneNotch, crack_front,
     crack_path,

@@ -40,7 +40,7 @@ impl NoteAsPrinted {
         positive("horizon", self.horizon)?;
         let c = 18.0 * self.bulk_modulus / (PI * self.horizon.powi(4));
         let volumes = nodes.volumes();
-        Bonds::within(nodes, self.horizon, |(i, j), length| {
+        Bonds::within(nodes, self.horizon, self.horizon, |(i, j), length| {
             (length < self.horizon)
                 .then_some(Bond { length, stiffness: 0.5 * c * (volumes[i] + volumes[j]) })
         })
@@ -64,7 +64,8 @@ impl NoteAsPrinted {
     pub fn stiffness_ratio(&self, volume: f64, condition: Condition) -> Result<f64, Error> {
         let young_modulus = 3.0 * self.bulk_modulus * (1.0 - 2.0 * condition.poisson_ratio());
         let influence = crate::elasticity::Influence::Constant;
-        let meant = crate::elasticity::micromodulus(young_modulus, self.horizon, influence, condition)?;
+        let meant =
+            crate::elasticity::micromodulus(young_modulus, self.horizon, influence, condition)?;
         Ok(18.0 * self.bulk_modulus / (PI * self.horizon.powi(4) * meant * volume))
     }
 }

@@ -60,7 +60,7 @@ impl<T: Real> Resistance<T> {
     /// A mobility that couples nodes moves those, and only those, that no component is given of.
     fn coupled<const D: usize>(mobility: &Mobility, gripped: &[[bool; D]]) -> Result<Self, Error> {
         for (node, (gripped, &free)) in gripped.iter().zip(mobility.free()).enumerate() {
-            if gripped.iter().any(|&gripped| gripped == free) {
+            if gripped.contains(&free) {
                 return Err(Error::MobilityOfGrip { node });
             }
         }

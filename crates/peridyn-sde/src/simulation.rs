@@ -81,11 +81,11 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
             Breaking::AtEnds => None,
             Breaking::Bridge => {
                 let rates = resistance.rates_of_bonds(&body, dynamics)?;
-                Some(Crossing::new(&noise, realisations, rates))
+                Some(Crossing::new(noise, realisations, rates))
             }
         };
         let unknowns = Unknowns::new(body.nodes().positions().len() * D * L);
-        let kicks = Kicks::new(&noise, realisations, resistance.n_motions(D));
+        let kicks = Kicks::new(noise, realisations, resistance.n_motions(D));
         let mut simulation = Self {
             body,
             loading,

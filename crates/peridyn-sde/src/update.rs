@@ -61,10 +61,10 @@ pub(crate) enum Which {
 }
 
 impl<const L: usize> Kicks<L> {
-    pub(crate) fn new(noise: &Noise, realisations: [u64; L], n_motions: usize) -> Self {
+    pub(crate) fn new(noise: Noise, realisations: [u64; L], n_motions: usize) -> Self {
         Self {
-            path: LaneNormals::new(noise, Purpose::Path, realisations),
-            first: LaneNormals::new(noise, Purpose::PathArea, realisations),
+            path: LaneNormals::new(&noise, Purpose::Path, realisations),
+            first: LaneNormals::new(&noise, Purpose::PathArea, realisations),
             n_motions,
             normals: vec![0.0; CHUNK * L],
             motions: Vec::new(),

@@ -65,20 +65,13 @@ impl CrackStudy<'_> {
         };
         (0..L)
             .filter(|&lane| wanted(ids[lane]))
-            .map(|lane| match &lost[lane] {
-                Some(message) => Ok(failed(ids[lane], message)),
-                None => {
-                    let field = fields.get(lane);
-                    let keep = keep.contains(&ids[lane]);
-                    self.ended(
-                        &simulation,
-                        &seen,
-                        cut,
-                        (lane, ids[lane]),
-                        field.filter(|_| keep),
-                        keep,
-                    )
+            .map(|lane| {
+                if let Some(message) = &lost[lane] {
+                    return Ok(failed(ids[lane], message));
                 }
+                let keep = keep.contains(&ids[lane]);
+                let field = fields.get(lane).filter(|_| keep);
+                self.ended(&simulation, &seen, cut, (lane, ids[lane]), field, keep)
             })
             .collect()
     }
@@ -170,7 +163,9 @@ impl CrackStudy<'_> {
             broken: std::array::from_fn(|_| vec![false; self.bonds.len()]),
         };
         for broken in &mut seen.broken {
-            cut.iter().for_each(|&bond| broken[bond] = true);
+            for &bond in cut {
+                broken[bond] = true;
+            }
         }
         let window = self.n_steps / self.n_windows;
         let mut sums = [0.0; L];
@@ -208,12 +203,11 @@ impl CrackStudy<'_> {
             .iter()
             .copied()
             .fold(None, |most: Option<f64>, load| Some(most.map_or(load, |most| most.max(load))));
-        let record = match self.broke_elsewhere(broken, &damage) {
-            Some(outcome) => CrackRecord::without_crack(realisation, outcome),
-            None => {
-                let path = crack_path(&body, &self.notch, &self.path)?;
-                CrackRecord::of_path(realisation, path.as_ref(), Some(self.border), failure_load)
-            }
+        let record = if let Some(outcome) = self.broke_elsewhere(broken, &damage) {
+            CrackRecord::without_crack(realisation, outcome)
+        } else {
+            let path = crack_path(&body, &self.notch, &self.path)?;
+            CrackRecord::of_path(realisation, path.as_ref(), Some(self.border), failure_load)
         };
         let kept = keep.then(|| FinalState {
             realisation,

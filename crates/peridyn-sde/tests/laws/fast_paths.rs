@@ -56,6 +56,13 @@ fn error<T: Real, const D: usize, const L: usize>(
     worst.fold(0.0, |m: f64, e| if e.is_nan() { f64::INFINITY } else { m.max(e) }) / largest
 }
 
+fn list<T: Real, const D: usize, const L: usize>(
+    case: &Case<D>,
+    strengths: &[f64],
+) -> BondList<T, D, L> {
+    BondList::new(case.nodes.clone(), case.bonds.clone(), Strain::Finite, strengths).unwrap()
+}
+
 fn agree<const D: usize>(condition: Condition, side: f64) {
     // Strains far below the series' range, across its borders, and far beyond; some bonds break at the last two.
     for strain in [1e-5, 2e-3, 1.5e-2, 0.1] {
@@ -72,13 +79,6 @@ fn agree<const D: usize>(condition: Condition, side: f64) {
                 LatticeBody::<f64, D>::new(nodes(), bonds(), Strain::Finite, 0.05).unwrap();
             let lattice32 =
                 LatticeBody::<f32, D>::new(nodes(), bonds(), Strain::Finite, 0.05).unwrap();
-            fn list<T: Real, const D: usize, const L: usize>(
-                case: &Case<D>,
-                strengths: &[f64],
-            ) -> BondList<T, D, L> {
-                BondList::new(case.nodes.clone(), case.bonds.clone(), Strain::Finite, strengths)
-                    .unwrap()
-            }
             let found = [
                 ("lattice", error(lattice.at_level(level), &case, &reference), 1e-11),
                 (

@@ -5,6 +5,7 @@
 mod constants;
 mod custom_law;
 mod disorder;
+mod dynamics;
 mod fast_bits;
 mod fast_paths;
 mod forces;

@@ -17,9 +17,11 @@ pub(crate) const CASE: Case = Case {
     run,
 };
 
-/// `k`, `lambda` and `alpha(0)`.
+/// `k`.
 const SENSITIVITY: f64 = 800.0;
-const RATE: f64 = 0.7;
+/// `lambda`, so low that with `n = 1/2` something is left at the end.
+const RATE: f64 = 0.3;
+/// `alpha(0)`.
 const START: f64 = 0.9;
 
 const EXPONENTS: [(&str, (f64, f64)); 4] = [

@@ -223,6 +223,12 @@ impl Cracked {
         alone.count() as f64 / self.breaks.len() as f64
     }
 
+    /// The damage of a node for a picture, which leaves out what is whole.
+    #[must_use]
+    pub fn shown(&self, node: usize) -> Option<f64> {
+        Some(self.damage[node]).filter(|&damage| damage >= 0.05)
+    }
+
     /// Nodes in a row.
     #[must_use]
     pub fn columns(&self) -> usize {

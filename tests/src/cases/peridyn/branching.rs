@@ -150,15 +150,13 @@ fn picture(cracked: &Cracked, dx: f64) -> Field {
             subtitle: "12 MPa at the upper and lower edge from the start, 50 us after".into(),
             x_label: "x (mm)".into(),
             y_label: "y (mm)".into(),
-            caption: vec![format!("{dx} mm, horizon 4.015 dx, no noise")],
+            caption: vec![format!("{dx} mm, horizon 4.015 dx, no noise; damage from 0.05 on")],
         },
         unit: "damage".into(),
         x: edges(columns, 0.0),
         y: edges(rows, -20.0),
-        values: cracked
-            .damage
-            .chunks(columns)
-            .map(|row| row.iter().map(|&d| Some(d)).collect())
+        values: (0..rows)
+            .map(|row| (0..columns).map(|column| cracked.shown(row * columns + column)).collect())
             .collect(),
         regions: Vec::new(),
     }

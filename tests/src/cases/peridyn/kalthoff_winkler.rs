@@ -167,14 +167,14 @@ fn picture(cracked: &Cracked, dx: f64) -> Field {
     let rows = cracked.damage.len() / columns;
     let edges =
         |count: usize, low: f64| (0..=count).map(|k| low + dx * k as f64).collect::<Vec<f64>>();
-    let value = |column: usize, row: usize| Some(cracked.damage[row * columns + column]);
+    let value = |column: usize, row: usize| cracked.shown(row * columns + column);
     Field {
         words: Words {
             title: "Plate struck between two notches".into(),
             subtitle: "16.5 m/s from below between the notches, 90 us after".into(),
             x_label: "across the notches (mm)".into(),
             y_label: "along the notches (mm)".into(),
-            caption: vec![format!("{dx} mm, horizon 3.015 dx, no noise")],
+            caption: vec![format!("{dx} mm, horizon 3.015 dx, no noise; damage from 0.05 on")],
         },
         unit: "damage".into(),
         x: edges(rows, -1e3 * 0.5 * SIZE[1]),

@@ -6,6 +6,7 @@ mod fpk;
 mod lines;
 mod neighbour_search;
 mod particle_store;
+mod peridyn;
 mod perturbation_moments;
 mod sde;
 mod sde_ensembles;
@@ -67,6 +68,19 @@ pub const ALL: &[Case] = &[
     smpm::refinement::CASE,
     smpm::paper_size::CASE,
     smpm::invariance::CASE,
+    peridyn::forces::CASE,
+    peridyn::equilibrium::CASE,
+    peridyn::one_bond::CASE,
+    peridyn::breaking::LATTICE,
+    peridyn::breaking::BACKGROUND,
+    peridyn::lattice::CASE,
+    peridyn::rest::CASE,
+    peridyn::dispersion::CASE,
+    peridyn::memory::CASE,
+    peridyn::kalthoff_winkler::CASE,
+    peridyn::branching::CASE,
+    peridyn::two_notches::CASE,
+    peridyn::precracked_block::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,

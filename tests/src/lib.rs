@@ -21,6 +21,7 @@ pub mod nearest;
 pub mod number;
 pub mod order;
 pub mod output;
+pub mod peridyn;
 pub mod perturbation_moments;
 pub mod report;
 pub mod scene;

@@ -1,1 +1,14 @@
 //! What is claimed of `peridyn-sde`.
+
+pub(crate) mod branching;
+pub(crate) mod breaking;
+pub(crate) mod dispersion;
+pub(crate) mod equilibrium;
+pub(crate) mod forces;
+pub(crate) mod kalthoff_winkler;
+pub(crate) mod lattice;
+pub(crate) mod memory;
+pub(crate) mod one_bond;
+pub(crate) mod precracked_block;
+pub(crate) mod rest;
+pub(crate) mod two_notches;

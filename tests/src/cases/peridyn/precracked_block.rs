@@ -1,0 +1,219 @@
+//! A block with a flat notch, pulled apart: its crack front, by two paths, on any number of threads.
+
+use peridyn_sde::{
+    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Fractured, FrontPoint,
+    Horizon, Influence, LatticeBody, Loading, Nodes, PathConfig, PlaneNotch, Simulation,
+    SimulationConfig, Strain, SurfaceCorrection, VolumeCorrection, crack_front,
+};
+use sde_integrators::Noise;
+
+use crate::case::{Case, CaseError, Context, Profile};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "peridyn-sde/precracked-block",
+    title: "A block with a notch through half of it: lattice against bond list, the crack front, threads",
+    source: "symmetry of the block; two implementations of one law",
+    cost: Profile::Quick,
+    run,
+};
+
+/// In spacings.
+const SIZE: [f64; 3] = [28.0, 12.0, 16.0];
+const NOTCH: f64 = 9.0;
+/// Critical stretch.
+const STRENGTH: f64 = 0.01;
+/// Of the three outermost layers to each side, over the speed of waves `sqrt(E/rho)`.
+const SPEED: f64 = 2.5e-4;
+const N_STEPS: u32 = 390;
+
+struct Block {
+    nodes: Nodes<3>,
+    bonds: Bonds,
+    cut: Vec<usize>,
+    notch: PlaneNotch,
+}
+
+/// What became of it.
+struct Pulled {
+    /// Bond and step, in ascending order.
+    breaks: Vec<(usize, u64)>,
+    u: Vec<[f64; 3]>,
+}
+
+impl Block {
+    fn new() -> Result<Self, CaseError> {
+        let nodes = Nodes::lattice(1.0, ([0.0; 3], SIZE), Condition::Solid, |_| true)?;
+        let config = BondConfig {
+            horizon: Horizon::of_shells(3, 1.0)?,
+            young_modulus: 1.0,
+            influence: Influence::Constant,
+            volume_correction: VolumeCorrection::None,
+            surface_correction: SurfaceCorrection::None,
+        };
+        let bonds = Bonds::new(&nodes, &config)?;
+        let middle = 0.5 * SIZE[2];
+        // Beyond the surfaces of the block, so that it is open to three sides.
+        let edges = [[NOTCH + 1.0, 0.0, 0.0], [0.0, SIZE[1] + 2.0, 0.0]];
+        let cut = bonds.across_plane(&nodes, [-1.0, -1.0, middle], edges)?;
+        let notch = PlaneNotch {
+            corner: [0.0, 0.0, middle],
+            growth: [NOTCH, 0.0, 0.0],
+            front: [0.0, SIZE[1], 0.0],
+        };
+        Ok(Self { nodes, bonds, cut, notch })
+    }
+
+    fn lattice(&self) -> Result<LatticeBody<f64, 3>, CaseError> {
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        Ok(LatticeBody::new(nodes, bonds, Strain::Finite, STRENGTH)?)
+    }
+
+    fn list(&self) -> Result<BondList<f64, 3, 1>, CaseError> {
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        let strengths = vec![STRENGTH; bonds.len()];
+        Ok(BondList::new(nodes, bonds, Strain::Finite, &strengths)?)
+    }
+
+    fn pulled(&self, body: impl Body<f64, 3, 1>) -> Result<Pulled, CaseError> {
+        let x = self.nodes.positions();
+        let layers = |inside: &dyn Fn(f64) -> bool| {
+            (0..x.len()).filter(|&node| inside(x[node][2])).collect::<Vec<usize>>()
+        };
+        let (top, bottom) = (layers(&|z| z > SIZE[2] - 3.0), layers(&|z| z < 3.0));
+        let along = [false, false, true];
+        let loading = Loading::new(x.len()).velocity(&top, along, [0.0, 0.0, SPEED])?.velocity(
+            &bottom,
+            along,
+            [0.0, 0.0, -SPEED],
+        )?;
+        let config = SimulationConfig {
+            dynamics: Dynamics::Inertial { density: 1.0, friction: 0.0, temperature: 0.0 },
+            dt: 0.6,
+            breaking: Breaking::AtEnds,
+            confinement: 0.0,
+            noise: Noise::new(1),
+        };
+        let mut run = Simulation::new(body, loading, config, [0])?;
+        run.cut(&self.cut)?;
+        let mut breaks = Vec::new();
+        for _ in 0..N_STEPS {
+            let report = run.step()?;
+            let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
+            breaks.extend(grown.map(|broken| (broken.bond, broken.step)));
+        }
+        breaks.sort_unstable();
+        Ok(Pulled { breaks, u: run.displacements(0) })
+    }
+
+    fn front(&self, pulled: &Pulled) -> Result<Vec<FrontPoint>, CaseError> {
+        let mut broken = vec![false; self.bonds.len()];
+        for bond in pulled.breaks.iter().map(|(bond, _)| bond).chain(&self.cut) {
+            broken[*bond] = true;
+        }
+        let body =
+            Fractured { nodes: &self.nodes, bonds: &self.bonds, broken: &broken, cut: &self.cut };
+        let config = PathConfig::of_horizon(3.015);
+        Ok(crack_front(&body, &self.notch, &config)?)
+    }
+}
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let block = Block::new()?;
+    let method = format!(
+        "28 x 12 x 16 nodes, horizon 3.015 dx, f64, velocity Verlet, {N_STEPS} steps, nu = 1/4"
+    );
+    let lines = Lines { context, id: "", method: method.clone() };
+    let (lattice, list) = (block.pulled(block.lattice()?)?, block.pulled(block.list()?)?);
+    let mut claims = against_list(&lines, &lattice, &list);
+    claims.extend(of_front(&lines, &block.front(&lattice)?));
+    for threads in [1, 2, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let again = pool.install(|| block.pulled(block.lattice()?))?;
+        let quantity = "displacements and breaks that differ from those of the run above";
+        let subject = context.subject(&format!("threads-{threads}"), quantity, "", &method);
+        let differ = |(a, b): &(&f64, &f64)| a.to_bits() != b.to_bits();
+        let (ours, theirs) = (lattice.u.as_flattened(), again.u.as_flattened());
+        let n_different = ours.iter().zip(theirs).filter(differ).count()
+            + usize::from(lattice.breaks != again.breaks);
+        claims.push(Claim::same_bits(
+            subject,
+            n_different,
+            ours.len() + 1,
+            "every node sums over its own bonds in one order",
+        ));
+    }
+    Ok(claims)
+}
+
+fn against_list(lines: &Lines<'_>, lattice: &Pulled, list: &Pulled) -> Vec<Claim> {
+    let alone = |one: &Pulled, other: &Pulled| {
+        one.breaks.iter().filter(|&at| other.breaks.binary_search(at).is_err()).count()
+    };
+    let differ = (alone(lattice, list) + alone(list, lattice)) as f64;
+    let both = lattice.u.as_flattened().iter().zip(list.u.as_flattened());
+    let largest = lattice.u.as_flattened().iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let apart = both.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    vec![
+        lines.measured(
+            ("broken", "bonds that broke", ""),
+            lattice.breaks.len() as f64,
+            (1000.0, 40_000.0),
+            "enough of them that the claims below can fail",
+        ),
+        lines.bounded(
+            ("breaks-of-list", "breaks, bond and step, of the lattice or the bond list alone", ""),
+            differ,
+            0.0,
+            "both add the same forces in another order, 1e-15 of the largest",
+        ),
+        lines.bounded(
+            ("displacements-of-list", "largest difference of displacements, over the largest", ""),
+            apart / largest,
+            1e-9,
+            "that roundoff, over 390 steps in which the crack does not make it grow much",
+        ),
+    ]
+}
+
+fn of_front(lines: &Lines<'_>, front: &[FrontPoint]) -> Vec<Claim> {
+    let extents: Vec<f64> = front.iter().map(|point| point.extent).collect();
+    let images = extents.iter().zip(extents.iter().rev());
+    let asymmetry = images.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    let most = extents.iter().fold(0.0, |most: f64, &extent| most.max(extent));
+    let bend = |extents: &[f64]| {
+        let least = extents.iter().fold(f64::INFINITY, |least: f64, &extent| least.min(extent));
+        extents.iter().fold(0.0, |most: f64, &extent| most.max(extent)) - least
+    };
+    vec![
+        lines.measured(
+            ("front", "how far the crack has come, at most, in spacings", ""),
+            most,
+            (3.0, 15.0),
+            "it has left the notch by a horizon or more and has not come through the block, 19 spacings",
+        ),
+        lines.bounded(
+            ("front/asymmetry", "largest difference of the front to its image, in spacings", ""),
+            asymmetry,
+            1e-9,
+            "the block is symmetric along the front",
+        ),
+        lines.bounded(
+            (
+                "front/bend",
+                "farthest less nearest slice more than a horizon from the free surfaces, in spacings",
+                "",
+            ),
+            bend(&extents[4..extents.len() - 4]),
+            1.0 + 1e-9,
+            "straight: one layer of nodes is what a front is known to",
+        ),
+        lines.measured(
+            ("front/lag", "farthest less nearest slice of all, in spacings", ""),
+            bend(&extents),
+            (0.0, 3.0),
+            "at the free surfaces bonds lack",
+        ),
+    ]
+}

@@ -1,0 +1,94 @@
+//! First passage of an Ornstein-Uhlenbeck path over a level: of the path itself, and of the paths that steps of schemes make.
+//!
+//! `dX = -X dt + sqrt(2) dB` has the standard deviation one; one time is that of its relaxation.
+
+use peridyn_sde::Scheme;
+
+/// Below this the density of the path is nothing, in standard deviations.
+const FAR: f64 = 12.0;
+
+/// The rate at which paths end at the level `b` after long: the lowest eigenvalue of
+///
+/// $$ f'' - x f' + \lambda f = 0, \qquad f(b) = 0, $$
+///
+/// with the solution that grows least towards minus infinity, `|x|^lambda`. By Runge-Kutta from there, and bisection.
+#[must_use]
+pub fn rate(b: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 3.0 * b * (-0.5 * b * b).exp());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if at_level(middle, b) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+fn at_level(lambda: f64, b: f64) -> f64 {
+    let n = 6000;
+    let h = (b + FAR) / f64::from(n);
+    let slope = |x: f64, [f, g]: [f64; 2]| [g, x * g - lambda * f];
+    let (mut x, mut y) = (-FAR, [1.0, -lambda / FAR]);
+    for _ in 0..n {
+        let along = |k: [f64; 2], part: f64| [y[0] + part * h * k[0], y[1] + part * h * k[1]];
+        let first = slope(x, y);
+        let second = slope(x + 0.5 * h, along(first, 0.5));
+        let third = slope(x + 0.5 * h, along(second, 0.5));
+        let fourth = slope(x + h, along(third, 1.0));
+        for k in 0..2 {
+            y[k] += h / 6.0 * (first[k] + 2.0 * second[k] + 2.0 * third[k] + fourth[k]);
+        }
+        x += h;
+    }
+    y[0]
+}
+
+/// The rate of a scheme whose steps `z` are looked at with the bridge: the largest eigenvalue of its transition from `x` to `y` below
+/// the level, times the probability not to have crossed in between, on a grid.
+#[must_use]
+pub fn rate_with_bridge(scheme: Scheme, z: f64, b: f64) -> f64 {
+    let (factor, variance) = match scheme {
+        Scheme::Theta(theta) => {
+            let implicit = 1.0 + theta * z;
+            (1.0 - z / implicit, 2.0 * z / (implicit * implicit))
+        }
+        Scheme::Heun => (1.0 - z + 0.5 * z * z, 2.0 * z * (1.0 - 0.5 * z) * (1.0 - 0.5 * z)),
+        _ => (1.0 - z, 2.0 * z),
+    };
+    // Ten points to a standard deviation of a step.
+    let width = b + 8.0;
+    let count = (10.0 * width / variance.sqrt()).ceil();
+    let h = width / count;
+    let places: Vec<f64> = std::iter::successors(Some(b - 0.5 * h), |x| Some(x - h))
+        .take_while(|&x| x > -8.0)
+        .collect();
+    // A step of six deviations and more is nothing.
+    let reach = 6.5 * variance.sqrt();
+    let mut survival = vec![1.0; places.len()];
+    let mut eigenvalue = 0.0;
+    for _ in 0..(40.0 / z).ceil() as usize {
+        let next: Vec<f64> = places
+            .iter()
+            .map(|&x| {
+                let middle = factor * x;
+                let first = (((b - middle - reach) / h - 0.5).max(0.0)) as usize;
+                let last = (((b - middle + reach) / h + 0.5).max(0.0) as usize).min(places.len());
+                (first..last.max(first))
+                    .map(|at| {
+                        let y = places[at];
+                        let d = y - middle;
+                        let step = (-0.5 * d * d / variance).exp();
+                        step * -(-(b - x) * (b - y) / z).exp_m1() * survival[at]
+                    })
+                    .sum::<f64>()
+                    * h
+                    / (2.0 * std::f64::consts::PI * variance).sqrt()
+            })
+            .collect();
+        eigenvalue = next.iter().copied().fold(0.0, f64::max);
+        survival = next.into_iter().map(|value| value / eigenvalue).collect();
+    }
+    -eigenvalue.ln() / z
+}

@@ -6,7 +6,7 @@ use peridyn_sde::{
 };
 use serde_json::Value;
 
-use super::rest::{number, numbers};
+use super::rest::numbers;
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
@@ -104,7 +104,6 @@ fn fine(context: &Context<'_>, reference: &Value) -> Result<[Claim; 2], CaseErro
         id: "continuum",
         method: "m = 16 and 32, half of the farthest bonds".into(),
     };
-    let _ = number(&reference["omega2_max_m3_halfvol"])?;
     Ok([
         lines.bounded(
             ("error", "largest relative error of omega^2 for k delta up to 10, m = 32", ""),

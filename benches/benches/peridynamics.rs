@@ -149,7 +149,8 @@ fn rates() {
     let (block, plate) = shapes();
     let best = SimdLevel::best();
     for mut path in block.paths(best).chain(plate.paths(best)) {
-        let line = format!("{}: {:.1} M bonds/s\n", path.name, 1e-6 * rate(&mut path));
+        let rate = 1e-6 * rate(&mut path);
+        let line = format!("{}: {rate:.1} M bonds/s\n", path.name);
         // Who closed the output does not want the rates.
         let _ = std::io::stdout().write_all(line.as_bytes());
     }

@@ -1,7 +1,7 @@
 //! What the benchmark targets share: the measurement, and the table of ratios.
 //!
 //! `cargo bench -p benches --bench fpk` measures one crate; the targets are `kernels`, `neighbour`, `particles`, `sde`,
-//! `fpk`, `moments` and `smpm`. `cargo bench -p benches -- --test` runs everything once, unmeasured.
+//! `fpk`, `moments`, `smpm` and `peridynamics`. `cargo bench -p benches -- --test` runs everything once, unmeasured.
 //!
 //! Every time is CPU time of the process, on one thread. Rivals are measured in the same run, and what counts is the ratio:
 //! [`ratios`] prints it for `kernels`, `neighbour`, `particles` and `smpm`. Criterion measures what takes microseconds as well, and

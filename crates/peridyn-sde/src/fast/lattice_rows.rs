@@ -82,11 +82,12 @@ impl<T: Real, const D: usize, const LINEAR: bool> RowWork<'_, T, D, LINEAR> {
         for (vector, &word) in self.stencil.vectors.iter().zip(&self.row.whole[words]) {
             let separation =
                 bond::<T, S, D, LINEAR>(simd, (vector, site), (&u, &u_i), word >> (at % GROUP));
-            farthest = T::farther(simd, separation.growth, farthest);
+            // Squares are asked for in any case, and rise with |w|, rounded or not.
+            farthest = T::greater(simd, separation.square(simd), farthest);
             let pull = separation.near_pull::<LINEAR>(simd);
             add(simd, &mut total, (vector, pull), &separation);
         }
-        if T::any_beyond(simd, farthest, near) {
+        if T::any_beyond(simd, farthest, T::times(simd, near, near)) {
             return false;
         }
         self.store::<S>(&total, at);

@@ -37,7 +37,7 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
         }
         let mut growth = T::times(simd, square, inverse_square);
         let all = Mask::MAX >> (MOST_LANES - T::lanes::<S>());
-        if whole & all != all {
+        if T::has_masks::<S>() || whole & all != all {
             growth = T::keep(simd, whole, growth);
         }
         Self { direction, growth }
@@ -85,7 +85,7 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
         }
         // In pairs, with powers of w^2: half as many operations wait for each other as one by one.
         let w = self.growth;
-        let (pairs, square) = (T::SERIES.as_chunks::<2>().0, T::times(simd, w, w));
+        let (pairs, square) = (T::SERIES.as_chunks::<2>().0, self.square(simd));
         let pair = |&[even, odd]: &[T; 2]| {
             T::plus(simd, T::splat(simd, even), T::times(simd, w, T::splat(simd, odd)))
         };
@@ -94,6 +94,12 @@ impl<T: Real, S: Simd, const D: usize> Separation<T, S, D> {
             sum = T::plus(simd, pair(of), T::times(simd, sum, square));
         }
         T::times(simd, sum, w)
+    }
+
+    /// `w^2`.
+    #[inline(always)]
+    pub(crate) fn square(&self, simd: S) -> T::V<S> {
+        T::times(simd, self.growth, self.growth)
     }
 
     /// The lanes whose growth is at its limit.

@@ -33,16 +33,17 @@ pub trait Vectors: Copy {
     fn minus<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
     /// `a b`.
     fn times<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
+    /// Whether registers know masks that are a bit for each lane, so that [`keep`](Self::keep) costs less than to ask whether
+    /// it is needed.
+    fn has_masks<S: Simd>() -> bool;
     /// The lanes of a mask, zero in the others.
     fn keep<S: Simd>(simd: S, mask: Mask, value: Self::V<S>) -> Self::V<S>;
     /// `1 - 1/sqrt(1 + w)` as `w/(sqrt(1 + w) (1 + sqrt(1 + w)))`, which loses no digits.
     fn closed_pull<S: Simd>(simd: S, w: Self::V<S>) -> Self::V<S>;
     /// The lesser of two in each lane.
     fn lesser<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
-    /// The greater of two in each lane.
+    /// The greater of two in each lane, the second where the first is no number.
     fn greater<S: Simd>(simd: S, a: Self::V<S>, b: Self::V<S>) -> Self::V<S>;
-    /// `|w|`, or `other` where that is more or `w` is no number.
-    fn farther<S: Simd>(simd: S, w: Self::V<S>, other: Self::V<S>) -> Self::V<S>;
     /// Whether in any lane `|w| >= limit`.
     fn any_beyond<S: Simd>(simd: S, w: Self::V<S>, limit: Self::V<S>) -> bool;
     /// In lanes where `|w| >= limit` the first, in others the second.
@@ -92,7 +93,11 @@ macro_rules! vectors {
                 simd.$mul(a, b)
             }
             #[inline(always)]
-            fn keep<S: Simd>(simd: S, mask: u16, value: S::$v) -> S::$v {
+            fn has_masks<S: Simd>() -> bool {
+                const { size_of::<S::$mask>() * 8 == S::$lanes }
+            }
+            #[inline(always)]
+            fn keep<S: Simd>(simd: S, mask: Mask, value: S::$v) -> S::$v {
                 const BITS: [$unsigned; MOST_LANES] = [
                     1 << 0,
                     1 << 1,
@@ -112,7 +117,7 @@ macro_rules! vectors {
                     1 << 15,
                 ];
                 // Where a mask is a bit for each lane, it is there already.
-                if const { size_of::<S::$mask>() * 8 == S::$lanes } {
+                if Self::has_masks::<S>() {
                     let bits = &mask.to_le_bytes()[..size_of::<S::$mask>()];
                     let lanes = pulp::bytemuck::checked::pod_read_unaligned(bits);
                     return simd.$select(lanes, value, simd.$splat(0.0));
@@ -127,10 +132,6 @@ macro_rules! vectors {
                 let one = simd.$splat(1.0);
                 let root = simd.$sqrt(simd.$add(one, w));
                 simd.$div(w, simd.$mul(root, simd.$add(one, root)))
-            }
-            #[inline(always)]
-            fn farther<S: Simd>(simd: S, w: S::$v, other: S::$v) -> S::$v {
-                simd.$max(simd.$abs(w), other)
             }
             #[inline(always)]
             fn beyond_or<S: Simd>(

@@ -1,0 +1,171 @@
+//! Forces of breakable bonds by every fast path of peridyn-sde, at every width of registers.
+//!
+//! Two bodies: a block of 31 nodes to a side, that of `benches/rivals/lammps_peridynamics.py`, and a plate of 100 x 100 nodes;
+//! horizon 3.015 spacings, strains of about 1e-4, no bond breaks. An element is a bond, counted once, in one realisation. One
+//! thread.
+//!
+//! `cargo bench -p benches --bench peridynamics -- rates` prints a line `<path>: <number> M bonds/s` for each path at the widest
+//! registers, which the script of the rival reads.
+
+#![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
+
+use std::hint::black_box;
+use std::io::Write;
+use std::time::Duration;
+
+use benches::CpuTime;
+use cpu_time::ProcessTime;
+use criterion::{Criterion, Throughput};
+use peridyn_sde::{
+    AtStrength, Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, LatticeBody,
+    Nodes, Real, Strain, SurfaceCorrection, VolumeCorrection,
+};
+use rayon::ThreadPoolBuilder;
+use sde_integrators::{Noise, Purpose, SimdLevel};
+
+/// Nodes along an edge: of the block of the rival, and of a plate.
+const BLOCK: u32 = 31;
+const PLATE: u32 = 100;
+/// The same where nothing is measured.
+const SMALL: u32 = 8;
+
+const STRENGTH: f64 = 0.01;
+
+/// Repetitions of a path whose median is its rate, and the CPU time of each.
+const ROUNDS: usize = 9;
+const SAMPLE: Duration = Duration::from_millis(100);
+
+/// Something to run, with how many bonds it goes through.
+struct Path {
+    name: String,
+    n_bonds: usize,
+    run: Box<dyn FnMut()>,
+}
+
+struct Shape<const D: usize> {
+    name: &'static str,
+    nodes: Nodes<D>,
+    bonds: Bonds,
+}
+
+impl<const D: usize> Shape<D> {
+    fn new(name: &'static str, edge: u32, condition: Condition) -> Self {
+        let nodes =
+            Nodes::lattice(1.0, ([0.0; D], [f64::from(edge); D]), condition, |_| true).unwrap();
+        let config = BondConfig {
+            horizon: Horizon::of_shells(3, 1.0).unwrap(),
+            young_modulus: 1.0,
+            influence: Influence::Constant,
+            volume_correction: VolumeCorrection::None,
+            surface_correction: SurfaceCorrection::None,
+        };
+        let bonds = Bonds::new(&nodes, &config).unwrap();
+        Self { name, nodes, bonds }
+    }
+
+    fn lattice<T: Real>(&self, level: SimdLevel) -> LatticeBody<T, D> {
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        LatticeBody::new(nodes, bonds, Strain::Finite, STRENGTH).unwrap().at_level(level)
+    }
+
+    fn list<T: Real, const L: usize>(&self, level: SimdLevel) -> BondList<T, D, L> {
+        let strengths = vec![STRENGTH; self.bonds.len()];
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        BondList::new(nodes, bonds, Strain::Finite, &strengths).unwrap().at_level(level)
+    }
+
+    /// The forces of a body, which are found from the same displacements again and again.
+    fn forces<T: Real, const L: usize>(
+        &self,
+        name: &str,
+        level: SimdLevel,
+        mut body: impl Body<T, D, L> + 'static,
+    ) -> Path {
+        let mut normals = vec![0.0; self.nodes.positions().len() * D * L];
+        Noise::new(1).stream(Purpose::Field, 0).fill_normal(&mut normals);
+        let u: Vec<T> = normals.iter().map(|z| T::of(3e-5 * z)).collect();
+        let mut forces = vec![T::ZERO; u.len()];
+        let name = format!("{} {name} {} {level}", self.name, T::NAME);
+        let run = move || body.forces(black_box(&u), &mut forces, AtStrength::Break).unwrap();
+        Path { name, n_bonds: self.bonds.len() * L, run: Box::new(run) }
+    }
+
+    /// Each path at a level, made when its turn comes.
+    fn paths(&self, level: SimdLevel) -> impl Iterator<Item = Path> {
+        (0..6).map(move |which| match which {
+            0 => self.forces("lattice", level, self.lattice::<f64>(level)),
+            1 => self.forces("lattice", level, self.lattice::<f32>(level)),
+            2 => self.forces("list", level, self.list::<f64, 1>(level)),
+            3 => self.forces("list", level, self.list::<f32, 1>(level)),
+            4 => self.forces("ensemble of 8", level, self.list::<f64, 8>(level)),
+            _ => self.forces("ensemble of 16", level, self.list::<f32, 16>(level)),
+        })
+    }
+}
+
+fn is_given(option: &str) -> bool {
+    std::env::args().any(|argument| argument == option)
+}
+
+fn shapes() -> (Shape<3>, Shape<2>) {
+    let is_measured = is_given("--bench") && !is_given("--test") && !is_given("--list");
+    let edge = |edge: u32| if is_measured { edge } else { SMALL };
+    let plane = Condition::PlaneStress { thickness: 1.0 };
+    (Shape::new("block", edge(BLOCK), Condition::Solid), Shape::new("plate", edge(PLATE), plane))
+}
+
+fn forces(criterion: &mut Criterion<CpuTime>) {
+    let (block, plate) = shapes();
+    let mut group = criterion.benchmark_group("forces");
+    for level in SimdLevel::available() {
+        for mut path in block.paths(level).chain(plate.paths(level)) {
+            group.throughput(Throughput::Elements(path.n_bonds as u64));
+            group.bench_function(&path.name, |b| b.iter(&mut path.run));
+        }
+    }
+    group.finish();
+}
+
+/// Bonds a CPU second, the median of rounds.
+fn rate(path: &mut Path) -> f64 {
+    let mut repetitions = 1_u32;
+    let mut seconds = |repetitions: u32| {
+        let start = ProcessTime::now();
+        for _ in 0..repetitions {
+            (path.run)();
+        }
+        start.elapsed().as_secs_f64()
+    };
+    while seconds(repetitions) < SAMPLE.as_secs_f64() {
+        repetitions *= 2;
+    }
+    let mut rounds: Vec<f64> =
+        (0..ROUNDS).map(|_| seconds(repetitions) / f64::from(repetitions)).collect();
+    rounds.sort_unstable_by(f64::total_cmp);
+    path.n_bonds as f64 / rounds[ROUNDS / 2]
+}
+
+fn rates() {
+    let (block, plate) = shapes();
+    let best = SimdLevel::best();
+    for mut path in block.paths(best).chain(plate.paths(best)) {
+        let rate = 1e-6 * rate(&mut path);
+        let line = format!("{}: {rate:.1} M bonds/s\n", path.name);
+        // Who closed the output does not want the rates.
+        let _ = std::io::stdout().write_all(line.as_bytes());
+    }
+}
+
+fn main() {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        if is_given("rates") {
+            rates();
+            return;
+        }
+        let mut criterion = benches::criterion();
+        forces(&mut criterion);
+        // Whole steps in time, with noise and update, belong here, and after the forces in `rates`.
+        criterion.final_summary();
+    });
+}

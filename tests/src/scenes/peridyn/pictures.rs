@@ -1,0 +1,136 @@
+//! Pictures of an ensemble of cracks: where they run, and what the body bears.
+
+use peridyn_sde::CrackRun;
+use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, QUANTILES};
+
+use super::record::{Record, from_tip_to_exit};
+use crate::chart::{Band, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
+use crate::charts::Drawing;
+use crate::machine::Machine;
+use crate::peridyn::scene::CrackScene;
+use crate::peridyn::scene_problem::CrackProblem;
+use crate::scenes::RunError;
+
+/// Millimetres of a metre.
+const MM: f64 = 1e3;
+
+pub(super) fn drawings(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    run: &CrackRun,
+    ensemble: &CrackEnsemble,
+    record: &Record,
+    bootstrap: &Bootstrap,
+) -> Result<Vec<Drawing>, RunError> {
+    let mut drawings = Vec::new();
+    if !run.damage.realisations().is_empty() {
+        let map = path_map(scene, problem, run, ensemble, bootstrap)?;
+        drawings.push(Drawing::path_map("paths", &map).map_err(RunError::solver)?);
+    }
+    if !record.load.is_empty() {
+        let chart = load(scene, record);
+        drawings.push(Drawing::time_series("load", &chart).map_err(RunError::solver)?);
+    }
+    Ok(drawings)
+}
+
+/// The probability of damage with the quantiles of the path. A quantile is drawn as far as half of the cracks come.
+fn path_map(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    run: &CrackRun,
+    ensemble: &CrackEnsemble,
+    bootstrap: &Bootstrap,
+) -> Result<PathMap, RunError> {
+    let (spacing, [width, height]) = (MM * scene.body.spacing, scene.body.size);
+    let [columns, rows] = [width, height].map(|length| boxes(MM * length / spacing));
+    let probability = run.damage.probability().map_err(RunError::solver)?;
+    let cells: Vec<f64> = probability.iter().map(|estimate| estimate.value).collect();
+    let edges = |n: usize| (0..=n).map(|k| spacing * k as f64).collect();
+    let reached = ensemble.counted().next().is_some();
+    let abscissae = if reached { from_tip_to_exit(scene, problem) } else { Vec::new() };
+    let bands = if reached { ensemble.bands(&abscissae, bootstrap) } else { Ok(Vec::new()) };
+    let bands = bands.map_err(RunError::solver)?;
+    let bands: Vec<_> =
+        bands.iter().take_while(|band| band.reach.value >= 0.5 && band.heights.is_some()).collect();
+    let mm = |point: [f64; 2]| point.map(|x| MM * x);
+    let quantile = |(k, p): (usize, &f64)| {
+        let of = |band: &&peridyn_sde::statistics::Band| {
+            let law = band.heights.as_ref()?;
+            Some(mm([band.x, law.quantiles[k].value]))
+        };
+        let points = std::iter::once(mm(scene.notch.tip));
+        let name = if k == 2 { "median".to_owned() } else { format!("{:.0} %", 100.0 * p) };
+        PathQuantile { name, points: points.chain(bands.iter().filter_map(of)).collect() }
+    };
+    let any = !bands.is_empty();
+    let quantiles = QUANTILES.iter().enumerate().filter(|_| any).map(quantile).collect();
+    let n = run.damage.realisations().len();
+    let threshold = scene.output.damage_threshold;
+    let through = ensemble.counted().filter(|record| record.exit.is_some()).count();
+    Ok(PathMap {
+        words: Words {
+            title: scene.title.clone(),
+            subtitle: format!(
+                "{} realisations, {} x {} nodes at {spacing} mm; {through} cracks run through, {} do not count",
+                scene.ensemble.realisations,
+                columns,
+                rows,
+                ensemble.failures().count()
+            ),
+            x_label: "x (mm)".into(),
+            y_label: "y (mm)".into(),
+            caption: vec![
+                "Quantiles of the height at which cracks first pass an abscissa, of those that come there, as far as half of \
+                 them come."
+                    .to_owned(),
+                format!(
+                    "Probability over {n} realisations that a node has lost {threshold} of the stiffness of its bonds, the notch \
+                     included; standard error at most {:.2}.",
+                    0.5 / (n as f64).sqrt()
+                ),
+                Machine::read().caption(),
+            ],
+        },
+        probability: vec!["probability that".into(), format!("damage reaches {threshold}")],
+        x: edges(columns),
+        y: edges(rows),
+        // Nodes are counted along x first, from the lower left corner.
+        values: cells.chunks(columns).map(<[f64]>::to_vec).collect(),
+        given: ("notch".into(), vec![mm(scene.notch.mouth), mm(scene.notch.tip)]),
+        quantiles,
+    })
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of boxes")]
+fn boxes(count: f64) -> usize {
+    count.round().max(0.0) as usize
+}
+
+/// The mean load over the mean strain.
+fn load(scene: &CrackScene, record: &Record) -> TimeSeries {
+    let mean = |at: &super::record::LoadAt| (1e6 * at.strain, Some(at.load.value));
+    let band = |at: &super::record::LoadAt| {
+        let (value, deviation) = (at.load.value, at.standard_deviation);
+        (1e6 * at.strain, value - deviation, value + deviation)
+    };
+    TimeSeries {
+        words: Words {
+            title: scene.title.clone(),
+            subtitle: format!(
+                "Load on the upper grip, mean over {} realisations; shaded: one standard deviation",
+                scene.ensemble.realisations
+            ),
+            x_label: "mean strain (10⁻⁶)".into(),
+            y_label: "load (N)".into(),
+            caption: vec![Machine::read().caption()],
+        },
+        scale: Scale::Linear,
+        lines: vec![Line {
+            name: "mean load".into(),
+            points: record.load.iter().map(mean).collect(),
+        }],
+        bands: vec![Band { points: record.load.iter().map(band).collect() }],
+        references: Vec::new(),
+    }
+}

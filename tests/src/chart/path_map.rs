@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, Drawn, GROUND, INK, Look, Marker, Type, draw_svg};
+use super::canvas::{Anchor, Canvas, Drawn, GROUND, INK, Look, Marker, SOFT, Type, draw_svg};
 use super::legend::{FRAME_TOP, FRAME_X, SHEET, draw_frame, draw_words, frame_bottom};
 use super::plane::draw_row;
 use super::{ChartError, PathMap, Scale, finite};
@@ -90,7 +90,9 @@ fn draw_cells(canvas: &Canvas<'_>, chart: &PathMap, x: &Axis, y: &Axis) -> Drawn
         let bands: Vec<_> = row.iter().map(|&value| Some(band(value))).collect();
         draw_row(canvas, &bands, |column| x.place(chart.x[column]), ends, colour)?;
     }
-    Ok(())
+    let [left, right] = [&chart.x[0], &chart.x[chart.x.len() - 1]].map(|&edge| x.place(edge));
+    let [low, high] = [&chart.y[0], &chart.y[chart.y.len() - 1]].map(|&edge| y.place(edge));
+    canvas.line(&[(left, low), (right, low), (right, high), (left, high), (left, low)], SOFT, 0.8)
 }
 
 /// Lines with a light rim, so that they stand out on any colour.

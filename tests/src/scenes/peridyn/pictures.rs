@@ -3,7 +3,7 @@
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, QUANTILES};
 
-use super::record::{Record, from_tip_to_exit};
+use super::record::{LoadAt, Record, from_tip_to_exit};
 use crate::chart::{Band, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
 use crate::machine::Machine;
@@ -28,7 +28,7 @@ pub(super) fn drawings(
         drawings.push(Drawing::path_map("paths", &map).map_err(RunError::solver)?);
     }
     if !record.load.is_empty() {
-        let chart = load(scene, record);
+        let chart = load(scene, run, record);
         drawings.push(Drawing::time_series("load", &chart).map_err(RunError::solver)?);
     }
     Ok(drawings)
@@ -107,18 +107,21 @@ fn boxes(count: f64) -> usize {
     count.round().max(0.0) as usize
 }
 
-/// The mean load over the mean strain.
-fn load(scene: &CrackScene, record: &Record) -> TimeSeries {
-    let mean = |at: &super::record::LoadAt| (1e6 * at.strain, Some(at.load.value));
-    let band = |at: &super::record::LoadAt| {
-        let (value, deviation) = (at.load.value, at.standard_deviation);
-        (1e6 * at.strain, value - deviation, value + deviation)
+/// The mean load over the mean strain, and the range of most realisations.
+fn load(scene: &CrackScene, run: &CrackRun, record: &Record) -> TimeSeries {
+    let strain = |at: &LoadAt| 1e6 * at.strain;
+    let mean = |at: &LoadAt| (strain(at), Some(at.load.value));
+    let band = |(window, at): (usize, &LoadAt)| {
+        let of_window = run.loads.iter().filter_map(|loads| loads.get(window).copied());
+        let mut loads: Vec<f64> = of_window.collect();
+        loads.sort_unstable_by(f64::total_cmp);
+        Some((strain(at), rank(&loads, QUANTILES[0])?, rank(&loads, QUANTILES[4])?))
     };
     TimeSeries {
         words: Words {
             title: scene.title.clone(),
             subtitle: format!(
-                "Load on the upper grip, mean over {} realisations; shaded: one standard deviation",
+                "Load on the upper grip, mean over {} realisations; shaded: from 5 % to 95 % of them",
                 scene.ensemble.realisations
             ),
             x_label: "mean strain (10⁻⁶)".into(),
@@ -130,7 +133,14 @@ fn load(scene: &CrackScene, record: &Record) -> TimeSeries {
             name: "mean load".into(),
             points: record.load.iter().map(mean).collect(),
         }],
-        bands: vec![Band { points: record.load.iter().map(band).collect() }],
+        bands: vec![Band { points: record.load.iter().enumerate().filter_map(band).collect() }],
         references: Vec::new(),
     }
+}
+
+/// The value of rank `ceil(n p)`.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to n")]
+fn rank(ascending: &[f64], p: f64) -> Option<f64> {
+    let rank = (ascending.len() as f64 * p).ceil().max(1.0) as usize;
+    ascending.get(rank - 1).copied()
 }

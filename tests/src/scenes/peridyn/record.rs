@@ -2,7 +2,7 @@
 
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{
-    Band, Bootstrap, CrackEnsemble, CrackOutcome, Distribution, Interval, QUANTILES,
+    Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
 };
 use sde_integrators::{Accumulator, Estimate, Uncertainty};
 use serde::Serialize;
@@ -69,8 +69,24 @@ pub(super) struct Record {
     pub(super) failure_load: Option<Law>,
     /// Bonds that broke, without those of the notch.
     broken_bonds: Option<Number>,
+    /// One for each realisation, by number.
+    realisations: Vec<Realisation>,
     /// The mean load on the upper grip (N), window by window.
     pub(super) load: Vec<LoadAt>,
+}
+
+/// What one realisation came to.
+#[derive(Debug, Serialize)]
+struct Realisation {
+    number: u64,
+    outcome: &'static str,
+    /// m.
+    length: f64,
+    /// m.
+    exit: Option<f64>,
+    /// N.
+    failure_load: Option<f64>,
+    broken_bonds: u64,
 }
 
 /// What is not known, and why.
@@ -236,13 +252,25 @@ impl Record {
             length,
             failure_load,
             broken_bonds,
+            realisations: run.records.iter().zip(&run.broken).map(realisation).collect(),
             load,
         })
     }
 }
 
+fn realisation((record, &broken_bonds): (&CrackRecord, &u64)) -> Realisation {
+    Realisation {
+        number: record.realisation,
+        outcome: record.outcome.name(),
+        length: record.length,
+        exit: record.exit,
+        failure_load: record.failure_load,
+        broken_bonds,
+    }
+}
+
 fn failures(ensemble: &CrackEnsemble) -> Vec<Failure> {
-    let failure = |record: &peridyn_sde::statistics::CrackRecord| match &record.outcome {
+    let failure = |record: &CrackRecord| match &record.outcome {
         CrackOutcome::Failed(reason) => {
             Some(Failure { realisation: record.realisation, reason: reason.clone() })
         }

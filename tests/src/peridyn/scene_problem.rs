@@ -66,6 +66,26 @@ pub struct Resolved {
     pub least_crack_length: f64,
 }
 
+/// A plate as it is before anything moves.
+struct Plate {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    strain: Strain,
+    /// m.
+    horizon: f64,
+    /// `s0`.
+    stretch: f64,
+    cut_bonds: usize,
+}
+
+/// How a plate moves.
+struct Motion {
+    simulation: SimulationConfig,
+    z: f64,
+    /// `kT` at which noise is as large as the critical stretch (J).
+    of_ratio_one: f64,
+}
+
 /// Nodes of the lower and of the upper grip.
 struct Grips {
     lower: Vec<usize>,
@@ -78,63 +98,36 @@ impl CrackProblem {
     /// # Errors
     /// An [`Objection`] that names the key which the solver refuses.
     pub fn new(scene: &CrackScene) -> Result<Self, Objection> {
-        let [width, height] = scene.body.size;
-        let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
-        let horizon = scene.bonds.horizon.of(spacing)?;
-        let nodes = Nodes::lattice(spacing, ([0.0; 2], [width, height]), condition, |_| true)
-            .map_err(at("body"))?;
-        let config = bond_config(scene, horizon);
-        let bonds = Bonds::new(&nodes, &config).map_err(at("bonds"))?;
-        let stretch = stretch_of(scene, &config, condition)?;
-        let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
-        let cut_bonds = notched(scene, &nodes, &bonds)?;
-        let grips = Grips::of(scene, &nodes);
+        let plate = Plate::new(scene)?;
+        let grips = Grips::of(scene, &plate.nodes);
         // Which nodes are gripped does not depend on how fast.
-        let still = grips.loading(scene, &nodes, 0.0).map_err(at("grips"))?;
-        let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
-        let (ratio_one, temperature) = temperature(scene, &bonds, &still, stretch)?;
-        let density = scene.material.density;
-        let dynamics = scene.dynamics.build(&nodes, &free, temperature, density)?;
-        let mut simulation = SimulationConfig {
-            dynamics,
-            dt: PROBE,
-            breaking: scene.time.breaking.into(),
-            confinement: scene.time.confinement,
-            noise: Noise::new(scene.ensemble.seed),
-        };
-        let strain = Strain::from(scene.bonds.strain);
-        let body = BondList::<f64, 2, 1>::new(
-            nodes.clone(),
-            bonds.clone(),
-            strain,
-            &vec![stretch; bonds.len()],
-        )
-        .map_err(at("bonds"))?;
-        let probe = Simulation::new(body, still, simulation.clone(), [0]).map_err(of_simulation)?;
-        let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
-        simulation.dt = dt;
-        let duration = dt * scene.time.steps as f64;
-        let (rate, final_strain) = rate(scene, stretch, duration)?;
-        let loading = grips.loading(scene, &nodes, rate).map_err(at("loading"))?;
-        let path = PathConfig::of_horizon(horizon.radius());
+        let still = grips.loading(scene, &plate.nodes, 0.0).map_err(at("grips"))?;
+        let motion = plate.motion(scene, still)?;
+        let duration = motion.simulation.dt * scene.time.steps as f64;
+        let (rate, final_strain) = rate(scene, plate.stretch, duration)?;
+        let loading = grips.loading(scene, &plate.nodes, rate).map_err(at("loading"))?;
+        let field = field(scene, &plate.nodes, plate.stretch)?;
+        let path = PathConfig::of_horizon(plate.horizon);
+        let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
+        let temperature = motion.simulation.dynamics.temperature();
         let resolved = Resolved {
-            nodes: nodes.positions().len(),
-            bonds: bonds.len(),
-            cut_bonds,
-            horizon: horizon.radius(),
-            critical_stretch: stretch,
-            dt,
-            z,
+            nodes: plate.nodes.positions().len(),
+            bonds: plate.bonds.len(),
+            cut_bonds: plate.cut_bonds,
+            horizon: plate.horizon,
+            critical_stretch: plate.stretch,
+            dt: motion.simulation.dt,
+            z: motion.z,
             temperature,
-            noise_ratio: (temperature > 0.0).then(|| (ratio_one / temperature).sqrt()),
+            noise_ratio: (temperature > 0.0).then(|| (motion.of_ratio_one / temperature).sqrt()),
             duration,
             final_strain,
-            exit: exit(&notch, width, horizon.radius()),
+            exit: exit(&notch, scene.body.size[0], plate.horizon),
             crack_damage: path.damage,
             least_crack_length: path.least_length,
         };
-        let field = field(scene, &nodes, stretch)?;
-        let upper_grip = grips.upper;
+        let Plate { nodes, bonds, strain, .. } = plate;
+        let (simulation, upper_grip) = (motion.simulation, grips.upper);
         Ok(Self {
             nodes,
             bonds,
@@ -193,6 +186,45 @@ impl CrackProblem {
             PrecisionScene::F64 => study.run::<f64, 8>(all, &scene.output.vtu, finished),
             PrecisionScene::F32 => study.run::<f32, 16>(all, &scene.output.vtu, finished),
         }
+    }
+}
+
+impl Plate {
+    fn new(scene: &CrackScene) -> Result<Self, Objection> {
+        let [width, height] = scene.body.size;
+        let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
+        let horizon = scene.bonds.horizon.of(spacing)?;
+        let nodes = Nodes::lattice(spacing, ([0.0; 2], [width, height]), condition, |_| true)
+            .map_err(at("body"))?;
+        let config = bond_config(scene, horizon);
+        let bonds = Bonds::new(&nodes, &config).map_err(at("bonds"))?;
+        let stretch = stretch_of(scene, &config, condition)?;
+        let cut_bonds = notched(scene, &nodes, &bonds)?;
+        let strain = Strain::from(scene.bonds.strain);
+        Ok(Self { nodes, bonds, strain, horizon: horizon.radius(), stretch, cut_bonds })
+    }
+
+    /// The dynamics, with the step as it was given; the stiffest mode is that of a simulation that is not run.
+    fn motion(&self, scene: &CrackScene, still: Loading<2>) -> Result<Motion, Objection> {
+        let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
+        let of_ratio_one = of_ratio_one(&self.bonds, &still, self.stretch);
+        let temperature = scene.dynamics.joule(of_ratio_one)?;
+        let density = scene.material.density;
+        let mut simulation = SimulationConfig {
+            dynamics: scene.dynamics.build(&self.nodes, &free, temperature, density)?,
+            dt: PROBE,
+            breaking: scene.time.breaking.into(),
+            confinement: scene.time.confinement,
+            noise: Noise::new(scene.ensemble.seed),
+        };
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        let strengths = vec![self.stretch; bonds.len()];
+        let body = BondList::<f64, 2, 1>::new(nodes, bonds, self.strain, &strengths)
+            .map_err(at("bonds"))?;
+        let probe = Simulation::new(body, still, simulation.clone(), [0]).map_err(of_simulation)?;
+        let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
+        simulation.dt = dt;
+        Ok(Motion { simulation, z, of_ratio_one })
     }
 }
 
@@ -303,21 +335,16 @@ fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), O
     }
 }
 
-/// `kT` of the ratio one, and of the scene.
+/// `kT` at which noise gives the stretch of a shortest bond the critical stretch as standard deviation (J).
 ///
 /// All bonds together have `kT` for each free component: with the energy `kappa l s^2/2` of a bond of the stiffness `kappa` and
-/// the length `l`, the variance of the stretch of `n` bonds that are as stiff as a shortest one is `kT dof/(n kappa l)`.
-fn temperature(
-    scene: &CrackScene,
-    bonds: &Bonds,
-    loading: &Loading<2>,
-    stretch: f64,
-) -> Result<(f64, f64), Objection> {
+/// the length `l`, the variance of the stretch of `n` bonds that are as stiff as a shortest one is `kT dof/(n kappa l)`. A
+/// nominal number: a shortest bond inside has 1.2 times the deviation, one at an edge 1.5 times.
+fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
     let dof = loading.gripped().iter().flatten().filter(|&&gripped| !gripped).count();
     let shortest = bonds.all().iter().min_by(|a, b| a.length.total_cmp(&b.length));
     let stiffness = shortest.map_or(0.0, |bond| bond.stiffness * bond.length);
-    let of_ratio_one = stretch * stretch * bonds.len() as f64 * stiffness / dof.max(1) as f64;
-    Ok((of_ratio_one, scene.dynamics.joule(of_ratio_one)?))
+    stretch * stretch * bonds.len() as f64 * stiffness / dof.max(1) as f64
 }
 
 /// The step and `z`, by what they are for the probe.

@@ -1,7 +1,7 @@
 //! Pictures of an ensemble of cracks: where they run, and what the body bears.
 
 use peridyn_sde::CrackRun;
-use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, QUANTILES};
+use peridyn_sde::statistics::{self, Bootstrap, CrackEnsemble, QUANTILES};
 
 use super::record::{LoadAt, Record, from_tip_to_exit};
 use crate::chart::{Band, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
@@ -34,7 +34,7 @@ pub(super) fn drawings(
     Ok(drawings)
 }
 
-/// The probability of damage with the quantiles of the path. A quantile is drawn as far as half of the cracks come.
+/// The probability of damage with the quantiles of the path.
 fn path_map(
     scene: &CrackScene,
     problem: &CrackProblem,
@@ -42,64 +42,86 @@ fn path_map(
     ensemble: &CrackEnsemble,
     bootstrap: &Bootstrap,
 ) -> Result<PathMap, RunError> {
-    let (spacing, [width, height]) = (MM * scene.body.spacing, scene.body.size);
-    let [columns, rows] = [width, height].map(|length| boxes(MM * length / spacing));
+    let spacing = MM * scene.body.spacing;
+    let [columns, rows] = scene.body.size.map(|length| boxes(MM * length / spacing));
     let probability = run.damage.probability().map_err(RunError::solver)?;
     let cells: Vec<f64> = probability.iter().map(|estimate| estimate.value).collect();
     let edges = |n: usize| (0..=n).map(|k| spacing * k as f64).collect();
-    let reached = ensemble.counted().next().is_some();
-    let abscissae = if reached { from_tip_to_exit(scene, problem) } else { Vec::new() };
-    let bands = if reached { ensemble.bands(&abscissae, bootstrap) } else { Ok(Vec::new()) };
-    let bands = bands.map_err(RunError::solver)?;
-    let bands: Vec<_> =
-        bands.iter().take_while(|band| band.reach.value >= 0.5 && band.heights.is_some()).collect();
-    let mm = |point: [f64; 2]| point.map(|x| MM * x);
-    let quantile = |(k, p): (usize, &f64)| {
-        let of = |band: &&peridyn_sde::statistics::Band| {
-            let law = band.heights.as_ref()?;
-            Some(mm([band.x, law.quantiles[k].value]))
-        };
-        let points = std::iter::once(mm(scene.notch.tip));
-        let name = if k == 2 { "median".to_owned() } else { format!("{:.0} %", 100.0 * p) };
-        PathQuantile { name, points: points.chain(bands.iter().filter_map(of)).collect() }
-    };
-    let any = !bands.is_empty();
-    let quantiles = QUANTILES.iter().enumerate().filter(|_| any).map(quantile).collect();
-    let n = run.damage.realisations().len();
     let threshold = scene.output.damage_threshold;
-    let through = ensemble.counted().filter(|record| record.exit.is_some()).count();
     Ok(PathMap {
-        words: Words {
-            title: scene.title.clone(),
-            subtitle: format!(
-                "{} realisations, {} x {} nodes at {spacing} mm; {through} cracks run through, {} do not count",
-                scene.ensemble.realisations,
-                columns,
-                rows,
-                ensemble.failures().count()
-            ),
-            x_label: "x (mm)".into(),
-            y_label: "y (mm)".into(),
-            caption: vec![
-                "Quantiles of the height at which cracks first pass an abscissa, of those that come there, as far as half of \
-                 them come."
-                    .to_owned(),
-                format!(
-                    "Probability over {n} realisations that a node has lost {threshold} of the stiffness of its bonds, the notch \
-                     included; standard error at most {:.2}.",
-                    0.5 / (n as f64).sqrt()
-                ),
-                Machine::read().caption(),
-            ],
-        },
+        words: words(scene, run, ensemble, [columns, rows]),
         probability: vec!["probability that".into(), format!("damage reaches {threshold}")],
         x: edges(columns),
         y: edges(rows),
         // Nodes are counted along x first, from the lower left corner.
         values: cells.chunks(columns).map(<[f64]>::to_vec).collect(),
         given: ("notch".into(), vec![mm(scene.notch.mouth), mm(scene.notch.tip)]),
-        quantiles,
+        quantiles: quantiles(scene, problem, ensemble, bootstrap)?,
     })
+}
+
+fn mm(point: [f64; 2]) -> [f64; 2] {
+    point.map(|x| MM * x)
+}
+
+/// The quantiles of the path, as far as half of the cracks come.
+fn quantiles(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    ensemble: &CrackEnsemble,
+    bootstrap: &Bootstrap,
+) -> Result<Vec<PathQuantile>, RunError> {
+    if ensemble.counted().next().is_none() {
+        return Ok(Vec::new());
+    }
+    let abscissae = from_tip_to_exit(scene, problem);
+    let bands = ensemble.bands(&abscissae, bootstrap).map_err(RunError::solver)?;
+    let come = |band: &&statistics::Band| band.reach.value >= 0.5;
+    let laws: Vec<_> = bands
+        .iter()
+        .take_while(come)
+        .map_while(|band| Some((band.x, band.heights.as_ref()?)))
+        .collect();
+    if laws.is_empty() {
+        return Ok(Vec::new());
+    }
+    let quantile = |(k, p): (usize, &f64)| {
+        let heights = laws.iter().map(|(x, law)| mm([*x, law.quantiles[k].value]));
+        let name = if k == 2 { "median".to_owned() } else { format!("{:.0} %", 100.0 * p) };
+        let points = std::iter::once(mm(scene.notch.tip)).chain(heights).collect();
+        PathQuantile { name, points }
+    };
+    Ok(QUANTILES.iter().enumerate().map(quantile).collect())
+}
+
+fn words(
+    scene: &CrackScene,
+    run: &CrackRun,
+    ensemble: &CrackEnsemble,
+    [columns, rows]: [usize; 2],
+) -> Words {
+    let n = run.damage.realisations().len();
+    let through = ensemble.counted().filter(|record| record.exit.is_some()).count();
+    let (failed, threshold) = (ensemble.failures().count(), scene.output.damage_threshold);
+    let spacing = MM * scene.body.spacing;
+    let subtitle = format!(
+        "{} realisations, {columns} x {rows} nodes at {spacing} mm; {through} cracks run through, {failed} do not count",
+        scene.ensemble.realisations,
+    );
+    let of_path = "Quantiles of the height at which cracks first pass an abscissa, of those that come there, as far as half of \
+                   them come.";
+    let of_map = format!(
+        "Probability over {n} realisations that a node has lost {threshold} of the stiffness of its bonds, the notch included; \
+         standard error at most {:.2}.",
+        0.5 / (n as f64).sqrt()
+    );
+    Words {
+        title: scene.title.clone(),
+        subtitle,
+        x_label: "x (mm)".into(),
+        y_label: "y (mm)".into(),
+        caption: vec![of_path.to_owned(), of_map, Machine::read().caption()],
+    }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of boxes")]

@@ -36,6 +36,9 @@ pub struct CrackScene {
     pub time: TimeScene,
     /// How the critical stretch varies from place to place.
     pub strength: StrengthScene,
+    /// How the stiffness of bonds varies: a factor of mean one; not at all where it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<FieldScene>,
     /// How many realisations.
     pub ensemble: EnsembleScene,
     /// What is told of them.
@@ -263,6 +266,9 @@ pub struct GripsScene {
     /// In which directions.
     #[serde(default)]
     pub hold: HoldScene,
+    /// No bond breaks of a node within so much of the lower and upper edge (m); all may where it is not given.
+    #[serde(default)]
+    pub protected: f64,
 }
 
 /// How a grip holds.
@@ -315,23 +321,28 @@ pub enum StrainScene {
 
 /// How the critical stretch varies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case")]
 pub enum StrengthScene {
     /// Not at all.
     Uniform,
     /// As a random field with the critical stretch of the material as mean, another one in each realisation.
-    Field {
-        /// The law at one place.
-        marginal: MarginalScene,
-        /// Of the normal field behind it.
-        correlation: CorrelationScene,
-        /// How bonds have it from their nodes.
-        #[serde(default)]
-        between_nodes: BetweenScene,
-    },
+    Field(FieldScene),
 }
 
-/// The law of a strength at one place.
+/// A random field.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldScene {
+    /// The law at one place.
+    pub marginal: MarginalScene,
+    /// Of the normal field behind it.
+    pub correlation: CorrelationScene,
+    /// How bonds have it from their nodes.
+    #[serde(default)]
+    pub between_nodes: BetweenScene,
+}
+
+/// The law of a strength or a stiffness at one place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MarginalScene {
@@ -479,6 +490,12 @@ impl CrackScene {
             let help =
                 format!("between one spacing, {spacing} m, and half of the body's {whole} m");
             return Err(Objection::new("grips.height", message).with_help(help));
+        }
+        let protected = self.grips.protected;
+        if !(protected >= 0.0 && protected < 0.5 * whole) {
+            let message = format!("bonds are protected within {protected} m of an edge");
+            let help = format!("between 0 and half of the body's {whole} m");
+            return Err(Objection::new("grips.protected", message).with_help(help));
         }
         Ok(())
     }

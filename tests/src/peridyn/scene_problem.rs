@@ -9,7 +9,8 @@ use sde_integrators::Noise;
 use serde::Serialize;
 
 use super::scene::{
-    CrackScene, LoadingScene, PrecisionScene, StrainScene, StrengthScene, ToughnessScene,
+    CrackScene, FieldScene, LoadingScene, PrecisionScene, StrainScene, StrengthScene,
+    ToughnessScene,
 };
 use super::scene_dynamics::StepScene;
 use crate::scene::Objection;
@@ -23,7 +24,9 @@ pub struct CrackProblem {
     nodes: Nodes<2>,
     bonds: Bonds,
     strain: Strain,
-    field: Option<(DisorderField, BondValue)>,
+    strength: Option<(DisorderField, BondValue)>,
+    stiffness: Option<(DisorderField, BondValue)>,
+    protected: Vec<usize>,
     notch: Notch,
     loading: Loading<2>,
     simulation: SimulationConfig,
@@ -106,7 +109,15 @@ impl CrackProblem {
         let duration = motion.simulation.dt * scene.time.steps as f64;
         let (rate, final_strain) = rate(scene, plate.stretch, duration)?;
         let loading = grips.loading(scene, &plate.nodes, rate).map_err(at("loading"))?;
-        let field = field(scene, &plate.nodes, plate.stretch)?;
+        let strength = match &scene.strength {
+            StrengthScene::Uniform => None,
+            StrengthScene::Field(of) => {
+                Some(field(of, &plate.nodes, (plate.stretch, 0), "strength.field")?)
+            }
+        };
+        let of = |of| field(of, &plate.nodes, (1.0, 1), "stiffness");
+        let stiffness = scene.stiffness.as_ref().map(of).transpose()?;
+        let within = within_edges(scene, &plate.nodes, scene.grips.protected);
         let path = PathConfig::of_horizon(plate.horizon);
         let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
         let temperature = motion.simulation.dynamics.temperature();
@@ -132,7 +143,9 @@ impl CrackProblem {
             nodes,
             bonds,
             strain,
-            field,
+            strength,
+            stiffness,
+            protected: within.concat(),
             notch,
             loading,
             simulation,
@@ -151,7 +164,7 @@ impl CrackProblem {
     /// The study of a scene.
     #[must_use]
     pub fn study(&self, scene: &CrackScene) -> CrackStudy<'_> {
-        let strength = match &self.field {
+        let strength = match &self.strength {
             None => Strength::Uniform(self.resolved.critical_stretch),
             Some((field, value)) => Strength::Field { field, value: *value },
         };
@@ -160,6 +173,8 @@ impl CrackProblem {
             bonds: &self.bonds,
             strain: self.strain,
             strength,
+            stiffness: self.stiffness.as_ref().map(|(field, value)| (field, *value)),
+            no_fail: &self.protected,
             notch: self.notch,
             loading: &self.loading,
             simulation: &self.simulation,
@@ -282,14 +297,20 @@ fn exit(notch: &Notch, width: f64, horizon: f64) -> f64 {
     if notch.tip[0] >= notch.mouth[0] { width - horizon } else { horizon }
 }
 
+/// Nodes that are so near to the lower and to the upper edge.
+fn within_edges(scene: &CrackScene, nodes: &Nodes<2>, distance: f64) -> [Vec<usize>; 2] {
+    let height = scene.body.size[1];
+    let within = |inside: &dyn Fn(f64) -> bool| -> Vec<usize> {
+        let heights = nodes.positions().iter().map(|x| x[1]).enumerate();
+        heights.filter(|&(_, y)| inside(y)).map(|(node, _)| node).collect()
+    };
+    [within(&|y| y < distance), within(&|y| y > height - distance)]
+}
+
 impl Grips {
     fn of(scene: &CrackScene, nodes: &Nodes<2>) -> Self {
-        let (grip, height) = (scene.grips.height, scene.body.size[1]);
-        let within = |inside: &dyn Fn(f64) -> bool| -> Vec<usize> {
-            let heights = nodes.positions().iter().map(|x| x[1]).enumerate();
-            heights.filter(|&(_, y)| inside(y)).map(|(node, _)| node).collect()
-        };
-        Self { lower: within(&|y| y < grip), upper: within(&|y| y > height - grip) }
+        let [lower, upper] = within_edges(scene, nodes, scene.grips.height);
+        Self { lower, upper }
     }
 
     /// Grips that part at a rate: of the mean strain (1/s), or of each of them (m/s).
@@ -381,26 +402,26 @@ fn of_simulation(error: Error) -> Objection {
     Objection::new(path, error.to_string())
 }
 
+/// A field of a mean, the one of a number in each realisation, that stands under a key.
 fn field(
-    scene: &CrackScene,
+    scene: &FieldScene,
     nodes: &Nodes<2>,
-    stretch: f64,
-) -> Result<Option<(DisorderField, BondValue)>, Objection> {
-    let StrengthScene::Field { marginal, correlation, between_nodes } = &scene.strength else {
-        return Ok(None);
-    };
-    let law = marginal.of(stretch);
+    (mean, number): (f64, u32),
+    path: &str,
+) -> Result<(DisorderField, BondValue), Objection> {
+    let FieldScene { marginal, correlation, between_nodes } = *scene;
+    let law = marginal.of(mean);
     let of_law = |error: Error| {
-        let path = format!("strength.field.marginal.{}", marginal.key());
+        let path = format!("{path}.marginal.{}", marginal.key());
         Objection::new(path, error.to_string())
     };
     law.check().map_err(of_law)?;
     let gaussian = GaussianField::by_circulant_embedding(
         nodes.positions(),
         nodes.spacing(),
-        &(*correlation).into(),
+        &correlation.into(),
     )
-    .map_err(at("strength.field.correlation.length"))?;
-    let field = DisorderField::new(gaussian, law, 0).map_err(of_law)?;
-    Ok(Some((field, (*between_nodes).into())))
+    .map_err(|error| Objection::new(format!("{path}.correlation.length"), error.to_string()))?;
+    let field = DisorderField::new(gaussian, law, number).map_err(of_law)?;
+    Ok((field, between_nodes.into()))
 }

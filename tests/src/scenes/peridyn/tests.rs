@@ -111,8 +111,13 @@ fn every_dynamics_mobility_and_strength_runs() {
     let lognormal = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
     let overdamped = PLATE.split("\"dynamics\": ").nth(1).unwrap().split(",\n  \"time\"").next();
     let inertial = "{ \"inertial\": { \"friction\": 1e6, \"temperature\": { \"joule\": 1e-12 } } }";
-    let field = PLATE.split("\"strength\": ").nth(1).unwrap().split(",\n  \"ensemble\"").next();
-    let cases: [&[(&str, &str)]; 9] = [
+    let field =
+        PLATE.split("\"strength\": ").nth(1).unwrap().split(",\n  \"ensemble\"").next().unwrap();
+    let bare = field.split_once("\"field\": ").unwrap().1.rsplit_once('}').unwrap().0;
+    let stiffness = format!("\"strength\": \"uniform\", \"stiffness\": {bare}");
+    let strength = format!("\"strength\": {field}");
+    let cases: [&[(&str, &str)]; 10] = [
+        &[(&strength, &stiffness), ("\"clamped\"", "\"clamped\", \"protected\": 0.004")],
         &[(identity, &dense)],
         &[(identity, &low_rank), ("\"f64\"", "\"f32\"")],
         &[(identity, compact)],
@@ -122,7 +127,7 @@ fn every_dynamics_mobility_and_strength_runs() {
             ("\"steps\": 400", "\"steps\": 400, \"breaking\": \"bridge\""),
         ],
         &[("\"leimkuhler_matthews\"", "{ \"theta\": 0.5 }"), ("0.9", "3")],
-        &[(field.unwrap(), "\"uniform\"")],
+        &[(field, "\"uniform\"")],
         &[
             (lognormal, "\"weibull\": { \"shape\": 8 }"),
             ("{ \"shells\": 2 }", "{ \"length\": 0.0021 }"),

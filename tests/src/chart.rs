@@ -7,6 +7,7 @@ mod axis;
 mod canvas;
 mod field;
 mod legend;
+mod path_map;
 mod placement;
 mod plane;
 #[cfg(test)]
@@ -17,6 +18,7 @@ mod work_precision;
 use serde::{Deserialize, Serialize};
 
 pub use self::field::field;
+pub use self::path_map::path_map;
 pub use self::plane::plane;
 pub use self::time_series::time_series;
 pub use self::work_precision::work_precision;
@@ -154,6 +156,37 @@ pub struct Region {
     pub name: String,
     /// Whether each cell belongs to it.
     pub cells: Vec<Vec<bool>>,
+}
+
+/// A probability over a plane and the law of a path on it, both axes to one scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PathMap {
+    /// Words around it.
+    pub words: Words,
+    /// What the probability is of, above the key; one entry for each line.
+    pub probability: Vec<String>,
+    /// Edges of the cells along the horizontal axis.
+    pub x: Vec<f64>,
+    /// Edges of the cells along the vertical axis.
+    pub y: Vec<f64>,
+    /// The probability in each cell, row by row from below.
+    pub values: Vec<Vec<f64>>,
+    /// What is there at the start, such as a notch: a name and points joined by a thick line.
+    pub given: (String, Vec<[f64; 2]>),
+    /// The path by its quantiles, from the lowest probability to the highest, with their names; the middle one is drawn boldly, the
+    /// range of the others shaded.
+    pub quantiles: Vec<PathQuantile>,
+}
+
+/// A quantile of a path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PathQuantile {
+    /// Its name in the legend.
+    pub name: String,
+    /// Its height at each abscissa.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// Scale of an axis.

@@ -128,6 +128,15 @@ impl Drawing {
         Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
+    /// A probability over a plane and a path on it.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn path_map(name: &str, data: &chart::PathMap) -> Result<Self, DrawingError> {
+        let face = Face::Picture(chart::path_map(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
     /// A page of text.
     ///
     /// # Errors

@@ -1,6 +1,9 @@
-//! Bodies of bonds: what the cases of `peridyn-sde` share.
+//! Bodies of bonds: what the cases, scenes and charts of `peridyn-sde` share.
 
 pub mod first_passage;
 pub mod network;
 pub mod plate;
 pub mod rest;
+pub mod scene;
+pub mod scene_dynamics;
+pub mod scene_problem;

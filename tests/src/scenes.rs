@@ -4,6 +4,7 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod fpk;
+mod peridyn;
 mod smpm;
 
 use std::path::{Path, PathBuf};
@@ -18,7 +19,7 @@ use crate::scene::{Objection, SceneError, SceneFile};
 pub const KIND_KEY: &str = "solver";
 
 /// Every kind of scene.
-pub const ALL: &[SceneKind] = &[fpk::KIND, smpm::KIND];
+pub const ALL: &[SceneKind] = &[fpk::KIND, smpm::KIND, peridyn::KIND];
 
 /// One entry of the table [`ALL`].
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,284 @@
+//! How the nodes of a scene of cracks move.
+
+use peridyn_sde::{
+    Breaking, CompactMobility, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme,
+};
+use serde::{Deserialize, Serialize};
+
+use super::scene::CorrelationScene;
+use crate::scene::Objection;
+
+/// Dynamics.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DynamicsScene {
+    /// `du = -M grad V dt + sqrt(2 kT) L dB`, `M = L L^T`.
+    Overdamped {
+        /// `M`.
+        mobility: MobilityScene,
+        /// `kT`.
+        temperature: TemperatureScene,
+        /// By which steps.
+        scheme: SchemeScene,
+    },
+    /// Newton's equations with friction and noise; the material needs a density.
+    Inertial {
+        /// Rate at which velocities decay (1/s). Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it finds rest soonest.
+        friction: f64,
+        /// `kT`.
+        temperature: TemperatureScene,
+    },
+}
+
+/// The intensity of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TemperatureScene {
+    /// No noise.
+    Zero,
+    /// `kT` (J).
+    Joule(f64),
+    /// By the critical stretch over the standard deviation that noise gives the stretch of a shortest bond; 8 and more leave the
+    /// body whole.
+    Ratio(f64),
+}
+
+impl TemperatureScene {
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Zero => "temperature",
+            Self::Joule(_) => "temperature.joule",
+            Self::Ratio(_) => "temperature.ratio",
+        }
+    }
+}
+
+/// Schemes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SchemeScene {
+    /// One evaluation, biased at large steps.
+    EulerMaruyama,
+    /// One evaluation; equilibrium without bias, no bridges.
+    LeimkuhlerMatthews,
+    /// Two evaluations.
+    Heun,
+    /// Linearly implicit, with this theta.
+    Theta(f64),
+}
+
+impl From<SchemeScene> for Scheme {
+    fn from(scene: SchemeScene) -> Self {
+        match scene {
+            SchemeScene::EulerMaruyama => Self::EulerMaruyama,
+            SchemeScene::LeimkuhlerMatthews => Self::LeimkuhlerMatthews,
+            SchemeScene::Heun => Self::Heun,
+            SchemeScene::Theta(theta) => Self::Theta(theta),
+        }
+    }
+}
+
+/// Mobilities. `value` (m/(N s)) is the unit of time alone where the step is given by `z` and the load by a strain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MobilityScene {
+    /// Every node for itself.
+    Identity {
+        /// m/(N s).
+        value: f64,
+    },
+    /// Correlated, by a full factor: some thousand nodes at most.
+    Dense {
+        /// m/(N s).
+        value: f64,
+        /// Between nodes.
+        correlation: CorrelationScene,
+        /// What each node has of its own, as a part of what it shares.
+        nugget: f64,
+    },
+    /// Correlated over many spacings, by a factor of few columns.
+    LowRank {
+        /// m/(N s).
+        value: f64,
+        /// Between nodes.
+        correlation: CorrelationScene,
+        /// As above, greater than zero.
+        nugget: f64,
+        /// Part of the trace that is left out.
+        tolerance: f64,
+    },
+    /// Correlated over a few spacings, by an average of noise.
+    Compact {
+        /// m/(N s).
+        value: f64,
+        /// The integral scale of the correlation, a Gaussian (m).
+        length: f64,
+        /// As above, greater than zero.
+        nugget: f64,
+    },
+}
+
+/// Steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeScene {
+    /// How long one is.
+    pub step: StepScene,
+    /// How many.
+    pub steps: u64,
+    /// When bonds are looked after; at the ends of steps where it is not given.
+    #[serde(default)]
+    pub breaking: BreakingScene,
+    /// Stiffness of a spring that holds each free node where it was (N/m); none where it is not given.
+    #[serde(default)]
+    pub confinement: f64,
+}
+
+/// The length of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StepScene {
+    /// By the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega`. Explicit schemes are stable below 2.
+    Z(f64),
+    /// s.
+    Dt(f64),
+}
+
+/// When bonds are looked after.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BreakingScene {
+    /// At the ends of steps.
+    #[default]
+    AtEnds,
+    /// Between them as well.
+    Bridge,
+}
+
+impl From<BreakingScene> for Breaking {
+    fn from(scene: BreakingScene) -> Self {
+        match scene {
+            BreakingScene::AtEnds => Self::AtEnds,
+            BreakingScene::Bridge => Self::Bridge,
+        }
+    }
+}
+
+impl DynamicsScene {
+    /// Where the kind of dynamics stands.
+    #[must_use]
+    pub const fn path(&self) -> &'static str {
+        match self {
+            Self::Overdamped { .. } => "dynamics.overdamped",
+            Self::Inertial { .. } => "dynamics.inertial",
+        }
+    }
+
+    /// Its temperature as it was given.
+    #[must_use]
+    pub const fn temperature(&self) -> TemperatureScene {
+        match self {
+            Self::Overdamped { temperature, .. } | Self::Inertial { temperature, .. } => {
+                *temperature
+            }
+        }
+    }
+
+    /// `kT` (J), with that of a ratio of one.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a temperature that is negative or a ratio that is not positive.
+    pub fn joule(&self, of_ratio_one: f64) -> Result<f64, Objection> {
+        let given = self.temperature();
+        let path = format!("{}.{}", self.path(), given.key());
+        match given {
+            TemperatureScene::Zero => Ok(0.0),
+            TemperatureScene::Joule(value) if value >= 0.0 => Ok(value),
+            TemperatureScene::Joule(value) => {
+                let message = format!("kT is {value} J; it must not be negative");
+                Err(Objection::new(path, message))
+            }
+            TemperatureScene::Ratio(ratio) => {
+                super::scene::positive(&path, "the ratio of critical stretch to noise", ratio)?;
+                Ok(of_ratio_one / (ratio * ratio))
+            }
+        }
+    }
+
+    /// The dynamics of nodes of which some are free.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a mobility that is not positive definite, and to inertia without density.
+    pub fn build(
+        &self,
+        nodes: &Nodes<2>,
+        free: &[bool],
+        temperature: f64,
+        density: Option<f64>,
+    ) -> Result<Dynamics, Objection> {
+        match self {
+            Self::Overdamped { mobility, scheme, .. } => {
+                let mobility = mobility.build(nodes, free)?;
+                Ok(Dynamics::Overdamped { mobility, temperature, scheme: (*scheme).into() })
+            }
+            Self::Inertial { friction, .. } => {
+                let Some(density) = density else {
+                    let message = "inertial dynamics need the density of the material";
+                    return Err(Objection::new("material", message));
+                };
+                super::scene::positive("material.density", "the density", density)?;
+                if !(friction.is_finite() && *friction >= 0.0) {
+                    let message = format!("the friction is {friction}/s; it must not be negative");
+                    return Err(Objection::new("dynamics.inertial.friction", message));
+                }
+                Ok(Dynamics::Inertial { density, friction: *friction, temperature })
+            }
+        }
+    }
+}
+
+impl MobilityScene {
+    fn build(self, nodes: &Nodes<2>, free: &[bool]) -> Result<Mobility, Objection> {
+        let positions = nodes.positions();
+        let correlated = |mobility, correlation: CorrelationScene, nugget| CorrelatedMobility {
+            mobility,
+            correlation: correlation.into(),
+            nugget,
+        };
+        let (kind, made) = match self {
+            Self::Identity { value } => ("identity", Mobility::identity(free, value)),
+            Self::Dense { value, correlation, nugget } => {
+                let config = correlated(value, correlation, nugget);
+                ("dense", Mobility::dense(positions, free, &config))
+            }
+            Self::LowRank { value, correlation, nugget, tolerance } => {
+                let config = correlated(value, correlation, nugget);
+                ("low_rank", Mobility::low_rank(positions, free, &config, tolerance))
+            }
+            Self::Compact { value, length, nugget } => {
+                let support = 2.0 * length;
+                let config = CompactMobility { mobility: value, length, support, nugget };
+                ("compact", Mobility::compact(positions, free, &config))
+            }
+        };
+        made.map_err(|error| {
+            let at = format!("dynamics.overdamped.mobility.{kind}");
+            match error {
+                Error::NotPositiveDefinite { .. } => {
+                    let message = format!("the mobility is not positive definite: {error}");
+                    Objection::new(format!("{at}.nugget"), message).with_help(
+                        "a smooth correlation needs a nugget: 0.1 is usual, 0.01 the least",
+                    )
+                }
+                Error::NotPositive { name: "nugget", .. }
+                | Error::OutOfRange { name: "nugget", .. } => {
+                    Objection::new(format!("{at}.nugget"), error.to_string())
+                }
+                Error::NotPositive { name: "mobility", .. } => {
+                    Objection::new(format!("{at}.value"), error.to_string())
+                }
+                _ => Objection::new(at, error.to_string()),
+            }
+        })
+    }
+}

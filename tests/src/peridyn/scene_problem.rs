@@ -1,0 +1,427 @@
+//! A scene of cracks made into what the solver takes.
+
+use peridyn_sde::{
+    BondConfig, BondList, BondValue, Bonds, Condition, CrackRun, CrackStudy, DisorderField,
+    Dynamics, Error, GaussianField, Horizon, Loading, Nodes, Notch, PathConfig, Program,
+    Simulation, SimulationConfig, Strain, Strength, critical_stretch,
+};
+use sde_integrators::Noise;
+use serde::Serialize;
+
+use super::scene::{
+    CrackScene, FieldScene, LoadingScene, PrecisionScene, StrainScene, StrengthScene,
+    ToughnessScene,
+};
+use super::scene_dynamics::StepScene;
+use crate::scene::Objection;
+
+/// A step (s) at which every body is stable; it is only asked what it is in units of the stiffest mode.
+const PROBE: f64 = 1e-60;
+
+/// Everything that a study borrows.
+#[derive(Debug)]
+pub struct CrackProblem {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    strain: Strain,
+    strength: Option<(DisorderField, BondValue)>,
+    stiffness: Option<(DisorderField, BondValue)>,
+    protected: Vec<usize>,
+    notch: Notch,
+    loading: Loading<2>,
+    simulation: SimulationConfig,
+    upper_grip: Vec<usize>,
+    path: PathConfig,
+    /// What follows from the scene.
+    pub resolved: Resolved,
+}
+
+/// What follows from a scene and does not stand in it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Resolved {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of bonds, those that the notch cuts included.
+    pub bonds: usize,
+    /// Number of bonds that the notch cuts.
+    pub cut_bonds: usize,
+    /// m.
+    pub horizon: f64,
+    /// `s0`, with a field its mean.
+    pub critical_stretch: f64,
+    /// s.
+    pub dt: f64,
+    /// The step in units of the stiffest mode: `dt M lambda`, in inertial dynamics `dt omega`.
+    pub z: f64,
+    /// `kT` (J).
+    pub temperature: f64,
+    /// `s0` over the standard deviation that noise gives the stretch of a shortest bond; none without noise.
+    pub noise_ratio: Option<f64>,
+    /// Of the whole run (s).
+    pub duration: f64,
+    /// Mean strain at the end of the run.
+    pub final_strain: f64,
+    /// The abscissa at which a crack counts as having left the body (m): one horizon before the far edge.
+    pub exit: f64,
+    /// Damage from which a node is of a crack.
+    pub crack_damage: f64,
+    /// A crack this short is none (m).
+    pub least_crack_length: f64,
+}
+
+/// A plate as it is before anything moves.
+struct Plate {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    strain: Strain,
+    /// m.
+    horizon: f64,
+    /// `s0`.
+    stretch: f64,
+    cut_bonds: usize,
+}
+
+/// How a plate moves.
+struct Motion {
+    simulation: SimulationConfig,
+    z: f64,
+    /// `kT` at which noise is as large as the critical stretch (J).
+    of_ratio_one: f64,
+}
+
+/// Nodes of the lower and of the upper grip.
+struct Grips {
+    lower: Vec<usize>,
+    upper: Vec<usize>,
+}
+
+impl CrackProblem {
+    /// Builds bodies, notch, loading, dynamics and field of a scene that has been checked.
+    ///
+    /// # Errors
+    /// An [`Objection`] that names the key which the solver refuses.
+    pub fn new(scene: &CrackScene) -> Result<Self, Objection> {
+        let plate = Plate::new(scene)?;
+        let grips = Grips::of(scene, &plate.nodes);
+        // Which nodes are gripped does not depend on how fast.
+        let still = grips.loading(scene, &plate.nodes, 0.0).map_err(at("grips"))?;
+        let motion = plate.motion(scene, still)?;
+        let duration = motion.simulation.dt * scene.time.steps as f64;
+        let (rate, final_strain) = rate(scene, plate.stretch, duration)?;
+        let loading = grips.loading(scene, &plate.nodes, rate).map_err(at("loading"))?;
+        let strength = match &scene.strength {
+            StrengthScene::Uniform => None,
+            StrengthScene::Field(of) => {
+                Some(field(of, &plate.nodes, (plate.stretch, 0), "strength.field")?)
+            }
+        };
+        let of = |of| field(of, &plate.nodes, (1.0, 1), "stiffness");
+        let stiffness = scene.stiffness.as_ref().map(of).transpose()?;
+        let within = within_edges(scene, &plate.nodes, scene.grips.protected);
+        let path = PathConfig::of_horizon(plate.horizon);
+        let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
+        let temperature = motion.simulation.dynamics.temperature();
+        let resolved = Resolved {
+            nodes: plate.nodes.positions().len(),
+            bonds: plate.bonds.len(),
+            cut_bonds: plate.cut_bonds,
+            horizon: plate.horizon,
+            critical_stretch: plate.stretch,
+            dt: motion.simulation.dt,
+            z: motion.z,
+            temperature,
+            noise_ratio: (temperature > 0.0).then(|| (motion.of_ratio_one / temperature).sqrt()),
+            duration,
+            final_strain,
+            exit: exit(&notch, scene.body.size[0], plate.horizon),
+            crack_damage: path.damage,
+            least_crack_length: path.least_length,
+        };
+        let Plate { nodes, bonds, strain, .. } = plate;
+        let (simulation, upper_grip) = (motion.simulation, grips.upper);
+        Ok(Self {
+            nodes,
+            bonds,
+            strain,
+            strength,
+            stiffness,
+            protected: within.concat(),
+            notch,
+            loading,
+            simulation,
+            upper_grip,
+            path,
+            resolved,
+        })
+    }
+
+    /// The nodes.
+    #[must_use]
+    pub const fn nodes(&self) -> &Nodes<2> {
+        &self.nodes
+    }
+
+    /// The study of a scene.
+    #[must_use]
+    pub fn study(&self, scene: &CrackScene) -> CrackStudy<'_> {
+        let strength = match &self.strength {
+            None => Strength::Uniform(self.resolved.critical_stretch),
+            Some((field, value)) => Strength::Field { field, value: *value },
+        };
+        CrackStudy {
+            nodes: &self.nodes,
+            bonds: &self.bonds,
+            strain: self.strain,
+            strength,
+            stiffness: self.stiffness.as_ref().map(|(field, value)| (field, *value)),
+            no_fail: &self.protected,
+            notch: self.notch,
+            loading: &self.loading,
+            simulation: &self.simulation,
+            n_steps: scene.time.steps,
+            load: (&self.upper_grip, 1),
+            n_windows: scene.output.windows,
+            path: self.path,
+            border: self.resolved.exit,
+            damage_threshold: scene.output.damage_threshold,
+        }
+    }
+
+    /// Runs all realisations of a scene; `finished` hears how many more have ended.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::run`].
+    pub fn run(
+        &self,
+        scene: &CrackScene,
+        finished: &(dyn Fn(u64) + Sync),
+    ) -> Result<CrackRun, Error> {
+        let (study, all) = (self.study(scene), 0..scene.ensemble.realisations);
+        match scene.ensemble.precision {
+            PrecisionScene::F64 => study.run::<f64, 8>(all, &scene.output.vtu, finished),
+            PrecisionScene::F32 => study.run::<f32, 16>(all, &scene.output.vtu, finished),
+        }
+    }
+}
+
+impl Plate {
+    fn new(scene: &CrackScene) -> Result<Self, Objection> {
+        let [width, height] = scene.body.size;
+        let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
+        let horizon = scene.bonds.horizon.of(spacing)?;
+        let nodes = Nodes::lattice(spacing, ([0.0; 2], [width, height]), condition, |_| true)
+            .map_err(at("body"))?;
+        let config = bond_config(scene, horizon);
+        let bonds = Bonds::new(&nodes, &config).map_err(at("bonds"))?;
+        let stretch = stretch_of(scene, &config, condition)?;
+        let cut_bonds = notched(scene, &nodes, &bonds)?;
+        let strain = Strain::from(scene.bonds.strain);
+        Ok(Self { nodes, bonds, strain, horizon: horizon.radius(), stretch, cut_bonds })
+    }
+
+    /// The dynamics, with the step as it was given; the stiffest mode is that of a simulation that is not run.
+    fn motion(&self, scene: &CrackScene, still: Loading<2>) -> Result<Motion, Objection> {
+        let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
+        let of_ratio_one = of_ratio_one(&self.bonds, &still, self.stretch);
+        let temperature = scene.dynamics.joule(of_ratio_one)?;
+        let density = scene.material.density;
+        let mut simulation = SimulationConfig {
+            dynamics: scene.dynamics.build(&self.nodes, &free, temperature, density)?,
+            dt: PROBE,
+            breaking: scene.time.breaking.into(),
+            confinement: scene.time.confinement,
+            noise: Noise::new(scene.ensemble.seed),
+        };
+        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+        let strengths = vec![self.stretch; bonds.len()];
+        let body = BondList::<f64, 2, 1>::new(nodes, bonds, self.strain, &strengths)
+            .map_err(at("bonds"))?;
+        let probe = Simulation::new(body, still, simulation.clone(), [0]).map_err(of_simulation)?;
+        let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
+        simulation.dt = dt;
+        Ok(Motion { simulation, z, of_ratio_one })
+    }
+}
+
+/// An objection of the solver to what stands under a key.
+fn at(path: &'static str) -> impl Fn(Error) -> Objection {
+    move |error| Objection::new(path, error.to_string())
+}
+
+fn bond_config(scene: &CrackScene, horizon: Horizon) -> BondConfig {
+    BondConfig {
+        horizon,
+        young_modulus: scene.material.young_modulus,
+        influence: scene.bonds.influence.into(),
+        volume_correction: scene.bonds.volume_correction.into(),
+        surface_correction: scene.bonds.surface_correction.into(),
+    }
+}
+
+fn stretch_of(
+    scene: &CrackScene,
+    config: &BondConfig,
+    condition: Condition,
+) -> Result<f64, Objection> {
+    match scene.material.toughness {
+        ToughnessScene::CriticalStretch(stretch) => {
+            let path = "material.toughness.critical_stretch";
+            super::scene::positive(path, "the critical stretch", stretch)?;
+            Ok(stretch)
+        }
+        ToughnessScene::EnergyReleaseRate(rate) => {
+            let BondConfig { horizon, young_modulus, influence, .. } = *config;
+            critical_stretch(rate, young_modulus, horizon.radius(), influence, condition)
+                .map_err(at("material.toughness.energy_release_rate"))
+        }
+    }
+}
+
+/// How many bonds the notch cuts; its tip must be inside.
+fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize, Objection> {
+    let ([width, height], [x, y]) = (scene.body.size, scene.notch.tip);
+    let spans = format!("the body spans 0 to {width} m by 0 to {height} m");
+    let ends = (scene.notch.mouth, scene.notch.tip);
+    let cut = bonds
+        .across_segment(nodes, ends)
+        .map_err(|error| Objection::new("notch", error.to_string()).with_help(spans.clone()))?;
+    if !(x > 0.0 && x < width && y > 0.0 && y < height) {
+        let message = format!("the tip of the notch, [{x}, {y}], lies outside the body");
+        return Err(Objection::new("notch.tip", message).with_help(spans));
+    }
+    Ok(cut.len())
+}
+
+/// One horizon before the edge that the notch points at.
+fn exit(notch: &Notch, width: f64, horizon: f64) -> f64 {
+    if notch.tip[0] >= notch.mouth[0] { width - horizon } else { horizon }
+}
+
+/// Nodes that are so near to the lower and to the upper edge.
+fn within_edges(scene: &CrackScene, nodes: &Nodes<2>, distance: f64) -> [Vec<usize>; 2] {
+    let height = scene.body.size[1];
+    let within = |inside: &dyn Fn(f64) -> bool| -> Vec<usize> {
+        let heights = nodes.positions().iter().map(|x| x[1]).enumerate();
+        heights.filter(|&(_, y)| inside(y)).map(|(node, _)| node).collect()
+    };
+    [within(&|y| y < distance), within(&|y| y > height - distance)]
+}
+
+impl Grips {
+    fn of(scene: &CrackScene, nodes: &Nodes<2>) -> Self {
+        let [lower, upper] = within_edges(scene, nodes, scene.grips.height);
+        Self { lower, upper }
+    }
+
+    /// Grips that part at a rate: of the mean strain (1/s), or of each of them (m/s).
+    fn loading(
+        &self,
+        scene: &CrackScene,
+        nodes: &Nodes<2>,
+        rate: f64,
+    ) -> Result<Loading<2>, Error> {
+        let directions = scene.grips.hold.directions();
+        let loading = Loading::new(nodes.positions().len());
+        match scene.loading {
+            LoadingScene::Stretch { .. } => {
+                let both = [self.lower.as_slice(), &self.upper].concat();
+                let gradient = [[0.0, 0.0], [0.0, 1.0]];
+                loading.stretch(nodes, &both, directions, gradient, Program::Linear { rate })
+            }
+            LoadingScene::Velocity { .. } => loading
+                .velocity(&self.lower, directions, [0.0, -rate])?
+                .velocity(&self.upper, directions, [0.0, rate]),
+        }
+    }
+}
+
+/// The rate of the loading, and the mean strain at the end.
+fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), Objection> {
+    match scene.loading {
+        LoadingScene::Stretch { strain } => {
+            let (key, value) = match strain {
+                StrainScene::Value(value) => ("value", value),
+                StrainScene::OverCriticalStretch(ratio) => {
+                    ("over_critical_stretch", ratio * stretch)
+                }
+            };
+            let path = format!("loading.stretch.strain.{key}");
+            super::scene::positive(&path, "the mean strain", value)?;
+            Ok((value / duration, value))
+        }
+        LoadingScene::Velocity { speed } => {
+            super::scene::positive("loading.velocity.speed", "the speed of the grips", speed)?;
+            Ok((speed, 2.0 * speed * duration / scene.body.size[1]))
+        }
+    }
+}
+
+/// `kT` at which noise gives the stretch of a shortest bond the critical stretch as standard deviation (J).
+///
+/// All bonds together have `kT` for each free component: with the energy `kappa l s^2/2` of a bond of the stiffness `kappa` and
+/// the length `l`, the variance of the stretch of `n` bonds that are as stiff as a shortest one is `kT dof/(n kappa l)`. A
+/// nominal number: a shortest bond inside has 1.2 times the deviation, one at an edge 1.5 times.
+fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
+    let dof = loading.gripped().iter().flatten().filter(|&&gripped| !gripped).count();
+    let shortest = bonds.all().iter().min_by(|a, b| a.length.total_cmp(&b.length));
+    let stiffness = shortest.map_or(0.0, |bond| bond.stiffness * bond.length);
+    stretch * stretch * bonds.len() as f64 * stiffness / dof.max(1) as f64
+}
+
+/// The step and `z`, by what they are for the probe.
+fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, f64), Objection> {
+    let (unit, limit) = match dynamics {
+        Dynamics::Overdamped { scheme, .. } => (of_probe / PROBE, scheme.stability_limit()),
+        Dynamics::Inertial { .. } => (of_probe.sqrt() / PROBE, 2.0),
+    };
+    let (key, dt, z) = match scene.time.step {
+        StepScene::Z(z) => ("z", z / unit, z),
+        StepScene::Dt(dt) => ("dt", dt, dt * unit),
+    };
+    let path = format!("time.step.{key}");
+    super::scene::positive(&path, "the step", dt)?;
+    if z >= limit {
+        let message = format!("the step is {z} in units of the stiffest mode of the body");
+        let largest = limit / unit;
+        let help = format!("it must be less than {limit}, which is a dt of {largest:.3e} s");
+        return Err(Objection::new(path, message).with_help(help));
+    }
+    Ok((dt, z))
+}
+
+/// What the solver says of dynamics, grips and breaking.
+fn of_simulation(error: Error) -> Objection {
+    let path = match &error {
+        Error::NoPathBetween => "time.breaking",
+        Error::MobilityOfGrip { .. } => "grips.hold",
+        Error::OutOfRange { name: "theta", .. } => "dynamics.overdamped.scheme.theta",
+        Error::OutOfRange { name: "confinement", .. }
+        | Error::NotFinite { name: "confinement", .. } => "time.confinement",
+        _ => "dynamics",
+    };
+    Objection::new(path, error.to_string())
+}
+
+/// A field of a mean, the one of a number in each realisation, that stands under a key.
+fn field(
+    scene: &FieldScene,
+    nodes: &Nodes<2>,
+    (mean, number): (f64, u32),
+    path: &str,
+) -> Result<(DisorderField, BondValue), Objection> {
+    let FieldScene { marginal, correlation, between_nodes } = *scene;
+    let law = marginal.of(mean);
+    let of_law = |error: Error| {
+        let path = format!("{path}.marginal.{}", marginal.key());
+        Objection::new(path, error.to_string())
+    };
+    law.check().map_err(of_law)?;
+    let gaussian = GaussianField::by_circulant_embedding(
+        nodes.positions(),
+        nodes.spacing(),
+        &correlation.into(),
+    )
+    .map_err(|error| Objection::new(format!("{path}.correlation.length"), error.to_string()))?;
+    let field = DisorderField::new(gaussian, law, number).map_err(of_law)?;
+    Ok((field, between_nodes.into()))
+}

@@ -506,8 +506,9 @@ impl CrackScene {
             let message = "0 realisations; at least 1 is needed";
             return Err(Objection::new("ensemble.realisations", message));
         }
-        for (i, &id) in self.output.vtu.iter().enumerate().filter(|&(_, &id)| id >= n) {
-            let message = format!("there is no realisation {id}: numbers go from 0 to {}", n - 1);
+        if let Some(i) = self.output.vtu.iter().position(|&id| id >= n) {
+            let (id, last) = (self.output.vtu[i], n - 1);
+            let message = format!("there is no realisation {id}: numbers go from 0 to {last}");
             return Err(Objection::new(format!("output.vtu[{i}]"), message));
         }
         let (windows, steps) = (self.output.windows, self.time.steps);

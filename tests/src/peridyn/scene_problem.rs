@@ -133,7 +133,7 @@ impl CrackProblem {
             noise_ratio: (temperature > 0.0).then(|| (motion.of_ratio_one / temperature).sqrt()),
             duration,
             final_strain,
-            exit: exit(&notch, scene.body.size[0], plate.horizon),
+            exit: exit(&notch, scene.body.size[0], plate.horizon)?,
             crack_damage: path.damage,
             least_crack_length: path.least_length,
         };
@@ -236,7 +236,8 @@ impl Plate {
         let strengths = vec![self.stretch; bonds.len()];
         let body = BondList::<f64, 2, 1>::new(nodes, bonds, self.strain, &strengths)
             .map_err(at("bonds"))?;
-        let probe = Simulation::new(body, still, simulation.clone(), [0]).map_err(of_simulation)?;
+        let probe = Simulation::new(body, still, simulation.clone(), [0])
+            .map_err(|error| of_simulation(&error))?;
         let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
         simulation.dt = dt;
         Ok(Motion { simulation, z, of_ratio_one })
@@ -293,8 +294,19 @@ fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize,
 }
 
 /// One horizon before the edge that the notch points at.
-fn exit(notch: &Notch, width: f64, horizon: f64) -> f64 {
-    if notch.tip[0] >= notch.mouth[0] { width - horizon } else { horizon }
+fn exit(notch: &Notch, width: f64, horizon: f64) -> Result<f64, Objection> {
+    let tip = notch.tip[0];
+    let (exit, ahead) = if tip >= notch.mouth[0] {
+        (width - horizon, width - horizon - tip)
+    } else {
+        (horizon, tip - horizon)
+    };
+    if ahead > 0.0 {
+        return Ok(exit);
+    }
+    let message = format!("the tip of the notch at x = {tip} m leaves no room for a crack");
+    let help = format!("cracks count as through at x = {exit} m, one horizon before the edge");
+    Err(Objection::new("notch.tip", message).with_help(help))
 }
 
 /// Nodes that are so near to the lower and to the upper edge.
@@ -390,8 +402,8 @@ fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, 
 }
 
 /// What the solver says of dynamics, grips and breaking.
-fn of_simulation(error: Error) -> Objection {
-    let path = match &error {
+fn of_simulation(error: &Error) -> Objection {
+    let path = match error {
         Error::NoPathBetween => "time.breaking",
         Error::MobilityOfGrip { .. } => "grips.hold",
         Error::OutOfRange { name: "theta", .. } => "dynamics.overdamped.scheme.theta",

@@ -288,15 +288,13 @@ fn abscissae(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
 }
 
 /// Every spacing from the tip to the exit, and the exit.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than the columns")]
 pub(super) fn from_tip_to_exit(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
     let (tip, exit) = (scene.notch.tip[0], problem.resolved.exit);
     let spacing = scene.body.spacing;
-    let forward = (exit - tip).signum();
-    let place = |k: u32| tip + forward * spacing * f64::from(k);
-    let mut all: Vec<f64> =
-        (1..).map(place).take_while(|x| forward * (exit - x) > 1e-9 * spacing).collect();
-    all.push(exit);
-    all
+    let between = ((exit - tip).abs() / spacing - 1e-9).max(0.0) as u32;
+    let forward = (exit - tip).signum() * spacing;
+    (1..=between).map(|k| tip + forward * f64::from(k)).chain([exit]).collect()
 }
 
 /// The mean with its standard error, and the standard deviation; none of fewer than two values.

@@ -189,6 +189,7 @@ fn mistakes_are_shown_where_they_stand() {
             "\"notch\"",
         ),
         ("[0.006, 0.008]", "[0.02, 0.008]", "notch.tip", "lies outside the body", "\"tip\""),
+        ("[0.006, 0.008]", "[0.015, 0.008]", "notch.tip", "no room for a crack", "\"tip\""),
         (
             identity,
             smooth,

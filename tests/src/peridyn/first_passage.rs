@@ -66,15 +66,22 @@ pub fn rate_with_bridge(scheme: Scheme, z: f64, b: f64) -> f64 {
         .collect();
     // A step of six deviations and more is nothing.
     let reach = 6.5 * variance.sqrt();
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a place on the grid"
+    )]
+    let index = |distance: f64| (distance / h).max(0.0) as usize;
     let mut survival = vec![1.0; places.len()];
     let mut eigenvalue = 0.0;
-    for _ in 0..(40.0 / z).ceil() as usize {
+    // After twenty relaxation times the shape is that of the eigenvector.
+    for _ in 0..index(h * 20.0 / z) {
         let next: Vec<f64> = places
             .iter()
             .map(|&x| {
                 let middle = factor * x;
-                let first = (((b - middle - reach) / h - 0.5).max(0.0)) as usize;
-                let last = (((b - middle + reach) / h + 0.5).max(0.0) as usize).min(places.len());
+                let first = index(b - middle - reach - 0.5 * h);
+                let last = index(b - middle + reach + 0.5 * h).min(places.len());
                 (first..last.max(first))
                     .map(|at| {
                         let y = places[at];

@@ -20,7 +20,7 @@ pub(crate) const CASE: Case = Case {
 const END: f64 = 50e-6;
 
 /// Traction (Pa) and energy release rate (J/m^2), with the name of the claims.
-const LOADS: [(&str, f64, f64); 2] = [("12MPa", 12e6, 204.0), ("2MPa", 2e6, 3.8)];
+const LOADS: [(&str, f64, f64); 2] = [("12mpa", 12e6, 204.0), ("2mpa", 2e6, 3.8)];
 
 struct Seen {
     n_tips: usize,

@@ -59,7 +59,9 @@ fn broken(
     let ids = std::array::from_fn(|lane| lane as u64);
     let mut run = Simulation::new(body, network.loading()?, config, ids)?;
     let mut lost = [0.0; LANES];
-    for _ in 0..(time / z).round() as u64 {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of steps")]
+    let steps = (time / z).round() as u64;
+    for _ in 0..steps {
         for event in run.step()?.broken {
             for lane in (0..LANES).filter(|lane| event.lanes & 1 << lane != 0) {
                 lost[lane] += 1.0;

@@ -125,7 +125,7 @@ fn exact_laws<const D: usize>(
                 };
                 let law = law_of(network, &mobility, scheme, z)?;
                 let key = format!("{}/z{z}", scheme.name().to_lowercase().replace([' ', '-'], "-"));
-                let reason = "exact for linear forces, for any positive definite M and any stable step; roundoff of the matrices, of a condition of about 1e3";
+                let reason = "exact for linear forces, for any positive definite M and any stable step; roundoff of the matrices, whose condition is up to 1e3; the linear system of an implicit step is solved to 1e-11, and the covariance is off by up to a condition times that";
                 claims.push(lines.bounded(
                     (
                         &format!("{key}/covariance"),
@@ -133,7 +133,7 @@ fn exact_laws<const D: usize>(
                         "",
                     ),
                     distance(&law.covariance, &exact),
-                    1e-12,
+                    if matches!(scheme, Scheme::Theta(_)) { 1e-9 } else { 1e-12 },
                     reason,
                 ));
                 claims.push(lines.bounded(

@@ -126,7 +126,7 @@ fn stiffness<const D: usize>(
         let lines = Lines { context, id: "stiffness", method };
         claims.push(lines.bounded(
             (
-                &format!("{name}/{label}"),
+                &format!("{}/{label}", name.to_lowercase()),
                 &format!("largest relative error of C11 and C12, volume correction: {label}"),
                 "",
             ),

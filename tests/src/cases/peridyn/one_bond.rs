@@ -51,7 +51,7 @@ fn seen(
     run.cut(&others)?;
     let mut whole = (BONDS * LANES) as f64;
     let (mut broken, mut time) = (0.0, 0.0);
-    let (settled, last) = ((5.0 / z) as u64, (times / z) as u64);
+    let (settled, last) = (count(5.0 / z), count(times / z));
     for step in 0..last {
         let report = run.step()?;
         let lost: u32 = report
@@ -68,6 +68,13 @@ fn seen(
         whole -= f64::from(lost);
     }
     Ok(Measured::sampled(broken / time, broken.sqrt() / time))
+}
+
+/// A number of steps.
+fn count(steps: f64) -> u64 {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of steps")]
+    let whole = steps.round() as u64;
+    whole
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {

@@ -174,7 +174,7 @@ fn of_plate(
         worst = worst.max((found / number(&reference[key])? - 1.0).abs());
     }
     let lines = Lines { context, id: "plate", method: format!("{name}, conjugate gradients") };
-    let id = name.replace(" m=", "/m-").replace(' ', "/");
+    let id = name.to_lowercase().replace(" m=", "/m-").replace(' ', "/");
     Ok(lines.bounded(
         (
             &id,

@@ -47,9 +47,8 @@ pub struct CrackStudy<'a> {
     pub strain: Strain,
     /// When bonds break.
     pub strength: Strength<'a>,
-    /// A factor on the stiffness of bonds, of mean one, from a field of its own in each realisation. With a smooth field of strength a
-    /// crack turns less the shorter the horizon is; a field of stiffness bends the stresses around it, and with them its path, at
-    /// any horizon.
+    /// A factor on the stiffness of bonds, of mean one, from a field of its own in each realisation: it bends the stresses on the
+    /// length of its correlation. A smooth field of strength turns a crack only by what one horizon sees of it.
     pub stiffness: Option<(&'a DisorderField, BondValue)>,
     /// Nodes none of whose bonds breaks, such as those around grips.
     pub no_fail: &'a [usize],

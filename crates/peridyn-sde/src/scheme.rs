@@ -1,6 +1,6 @@
 //! How displacements follow from forces, and by which steps.
 
-use crate::error::{Error, between, finite, positive};
+use crate::error::{Error, finite, positive};
 use crate::mobility::Mobility;
 
 /// What moves the nodes.
@@ -116,7 +116,9 @@ impl Dynamics {
         not_negative("temperature", temperature)?;
         match self {
             Self::Overdamped { scheme: Scheme::Theta(theta), .. } => {
-                between("theta", *theta, -f64::MIN_POSITIVE, 1.0 + f64::EPSILON)
+                let (name, value) = ("theta", *theta);
+                let range = Error::OutOfRange { name, value, from: 0.0, to: 1.0 };
+                if (0.0..=1.0).contains(theta) { Ok(()) } else { Err(range) }
             }
             Self::Overdamped { .. } => Ok(()),
             Self::Inertial { density, friction, .. } => {

@@ -48,9 +48,9 @@ pub(crate) struct Kicks<const L: usize> {
     first: LaneNormals<L>,
     n_motions: usize,
     normals: Vec<f64>,
-    /// `z` of all motions, where the factor needs them at once.
-    motions: Vec<f64>,
-    moved: Vec<f64>,
+    /// What a factor that couples nodes is applied to, and what comes of it.
+    from: Vec<f64>,
+    to: Vec<f64>,
 }
 
 /// The kick of a step, or the one before the first.
@@ -67,8 +67,8 @@ impl<const L: usize> Kicks<L> {
             first: LaneNormals::new(&noise, Purpose::PathArea, realisations),
             n_motions,
             normals: vec![0.0; CHUNK * L],
-            motions: Vec::new(),
-            moved: Vec::new(),
+            from: Vec::new(),
+            to: Vec::new(),
         }
     }
 
@@ -105,19 +105,7 @@ impl<const L: usize> Kicks<L> {
         resistance: &Resistance<T>,
         values: &mut Vec<T>,
     ) -> Result<(), Error> {
-        match resistance {
-            Resistance::Diagonal { factor, .. } => scale::<T, L>(values, factor),
-            Resistance::Coupled { mobility, dimension } => {
-                let components = dimension * L;
-                self.motions.clear();
-                self.motions.extend(values.iter().map(|z| z.to_f64()));
-                self.moved.resize(mobility.n_nodes() * components, 0.0);
-                mobility.apply_factor(components, &self.motions, &mut self.moved)?;
-                values.clear();
-                values.extend(self.moved.iter().map(|&x| T::of(x)));
-            }
-        }
-        Ok(())
+        self.apply(resistance, values, Way::Forth)
     }
 
     /// `f -> L^T f`, in place.
@@ -126,20 +114,45 @@ impl<const L: usize> Kicks<L> {
         resistance: &Resistance<T>,
         values: &mut Vec<T>,
     ) -> Result<(), Error> {
-        match resistance {
-            Resistance::Diagonal { factor, .. } => scale::<T, L>(values, factor),
-            Resistance::Coupled { mobility, dimension } => {
-                let components = dimension * L;
-                self.moved.clear();
-                self.moved.extend(values.iter().map(|f| f.to_f64()));
-                self.motions.resize(self.n_motions * L, 0.0);
-                mobility.apply_factor_transposed(components, &self.moved, &mut self.motions)?;
-                values.clear();
-                values.extend(self.motions.iter().map(|&x| T::of(x)));
+        self.apply(resistance, values, Way::Back)
+    }
+
+    fn apply<T: Real>(
+        &mut self,
+        resistance: &Resistance<T>,
+        values: &mut Vec<T>,
+        way: Way,
+    ) -> Result<(), Error> {
+        let (mobility, components) = match resistance {
+            Resistance::Diagonal { factor, .. } => {
+                scale::<T, L>(values, factor);
+                return Ok(());
+            }
+            Resistance::Coupled { mobility, dimension } => (mobility, dimension * L),
+        };
+        self.from.clear();
+        self.from.extend(values.iter().map(|value| value.to_f64()));
+        match way {
+            Way::Forth => {
+                self.to.resize(mobility.n_nodes() * components, 0.0);
+                mobility.apply_factor(components, &self.from, &mut self.to)?;
+            }
+            Way::Back => {
+                self.to.resize(self.n_motions * L, 0.0);
+                mobility.apply_factor_transposed(components, &self.from, &mut self.to)?;
             }
         }
+        values.clear();
+        values.extend(self.to.iter().map(|&value| T::of(value)));
         Ok(())
     }
+}
+
+/// Which way a factor is applied.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    Forth,
+    Back,
 }
 
 fn scale<T: Real, const L: usize>(values: &mut [T], factor: &[T]) {

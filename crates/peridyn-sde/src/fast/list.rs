@@ -112,6 +112,8 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
                 self.columns.limits[bond * L + lane] = limit;
             }
         }
+        self.near.clear();
+        self.growths.clear();
         Ok(self)
     }
 
@@ -134,7 +136,7 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
     }
 
     /// Leaves a lane out: all its bonds are as broken.
-    pub fn leave_out(&mut self, lane: usize) {
+    pub(crate) fn leave_out(&mut self, lane: usize) {
         for whole in &mut self.whole {
             *whole &= !(1 << lane);
         }

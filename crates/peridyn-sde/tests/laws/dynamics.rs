@@ -302,6 +302,8 @@ fn what_cannot_be_is_refused() {
     ));
     let negative = overdamped(&is_free(&nodes), Scheme::Heun, -1.0);
     assert!(matches!(new(config(negative, 0.01)), Err(Error::OutOfRange { .. })));
+    let beyond = new(config(cold(Scheme::Theta(1.5)), 0.01)).unwrap_err();
+    assert_eq!(beyond.to_string(), "theta is 1.5; it must lie between 0 and 1");
     let mut bridge = config(overdamped(&is_free(&nodes), Scheme::LeimkuhlerMatthews, 1.0), 0.01);
     bridge.breaking = Breaking::Bridge;
     assert_eq!(new(bridge).unwrap_err(), Error::NoPathBetween);

@@ -1,11 +1,15 @@
-//! Forces of breakable bonds by every fast path of peridyn-sde, at every width of registers.
+//! Forces of breakable bonds by every fast path of peridyn-sde, at every width of registers, and whole Langevin steps.
 //!
 //! Two bodies: a block of 31 nodes to a side, that of `benches/rivals/lammps_peridynamics.py`, and a plate of 100 x 100 nodes;
 //! horizon 3.015 spacings, strains of about 1e-4, no bond breaks. An element is a bond, counted once, in one realisation. One
 //! thread.
 //!
+//! A step is one of Leimkuhler and Matthews' method at z = 1 with the mobility one: forces, test of every bond, fresh normals for
+//! every component of every node, update, test for numbers that are lost. Its twin at `kT = 0` draws nothing; what it takes less
+//! is the share of noise.
+//!
 //! `cargo bench -p benches --bench peridynamics -- rates` prints a line `<path>: <number> M bonds/s` for each path at the widest
-//! registers, which the script of the rival reads.
+//! registers, which the script of the rival reads, and a line with the share of noise for each step.
 
 #![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
 
@@ -17,8 +21,9 @@ use benches::CpuTime;
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, LatticeBody,
-    Nodes, Real, Strain, SurfaceCorrection, VolumeCorrection,
+    AtStrength, Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon,
+    Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig,
+    Strain, SurfaceCorrection, VolumeCorrection,
 };
 use rayon::ThreadPoolBuilder;
 use sde_integrators::{Noise, Purpose, SimdLevel};
@@ -30,6 +35,8 @@ const PLATE: u32 = 100;
 const SMALL: u32 = 8;
 
 const STRENGTH: f64 = 0.01;
+/// The stretch that noise gives a bond, were all alike.
+const NOISE: f64 = 1e-4;
 
 /// Repetitions of a path whose median is its rate, and the CPU time of each.
 const ROUNDS: usize = 9;
@@ -103,6 +110,60 @@ impl<const D: usize> Shape<D> {
     }
 }
 
+/// Whether a step has noise.
+#[derive(Clone, Copy, PartialEq)]
+enum Noisy {
+    Yes,
+    No,
+}
+
+impl<const D: usize> Shape<D> {
+    /// A step of a body, which goes on from where the one before it has ended.
+    fn step<T: Real, B: Body<T, D, L> + 'static, const L: usize>(
+        &self,
+        name: &str,
+        body: impl Fn() -> B,
+        noisy: Noisy,
+    ) -> Path {
+        let n_nodes = self.nodes.positions().len();
+        let share = self.bonds.len() as f64 / (n_nodes * D) as f64;
+        let temperature = match noisy {
+            Noisy::Yes => NOISE * NOISE * self.bonds.all()[0].stiffness * share,
+            Noisy::No => 0.0,
+        };
+        let mobility = Mobility::identity(&vec![true; n_nodes], 1.0).unwrap();
+        let scheme = Scheme::LeimkuhlerMatthews;
+        let simulation = |dt: f64| {
+            let config = SimulationConfig {
+                dynamics: Dynamics::Overdamped { mobility: mobility.clone(), temperature, scheme },
+                dt,
+                breaking: Breaking::AtEnds,
+                confinement: 0.0,
+                noise: Noise::new(1),
+            };
+            let ids = std::array::from_fn(|lane| lane as u64);
+            Simulation::new(body(), Loading::new(n_nodes), config, ids).unwrap()
+        };
+        let small = 1e-9;
+        let mut run = simulation(small / simulation(small).relative_step());
+        let what = if noisy == Noisy::Yes { "step" } else { "step without noise" };
+        let name = format!("{} {what} {name} {} {}", self.name, T::NAME, SimdLevel::best());
+        let step = move || assert!(run.step().unwrap().broken.is_empty());
+        Path { name, n_bonds: self.bonds.len() * L, run: Box::new(step) }
+    }
+
+    /// Whole steps at the widest registers, made when their turn comes.
+    fn steps(&self, noisy: Noisy) -> impl Iterator<Item = Path> {
+        let best = SimdLevel::best();
+        (0..4).map(move |which| match which {
+            0 => self.step("lattice", || self.lattice::<f64>(best), noisy),
+            1 => self.step("list", || self.list::<f64, 1>(best), noisy),
+            2 => self.step("ensemble of 8", || self.list::<f64, 8>(best), noisy),
+            _ => self.step("ensemble of 16", || self.list::<f32, 16>(best), noisy),
+        })
+    }
+}
+
 fn is_given(option: &str) -> bool {
     std::env::args().any(|argument| argument == option)
 }
@@ -119,6 +180,18 @@ fn forces(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("forces");
     for level in SimdLevel::available() {
         for mut path in block.paths(level).chain(plate.paths(level)) {
+            group.throughput(Throughput::Elements(path.n_bonds as u64));
+            group.bench_function(&path.name, |b| b.iter(&mut path.run));
+        }
+    }
+    group.finish();
+}
+
+fn steps(criterion: &mut Criterion<CpuTime>) {
+    let (block, plate) = shapes();
+    let mut group = criterion.benchmark_group("steps");
+    for noisy in [Noisy::Yes, Noisy::No] {
+        for mut path in block.steps(noisy).chain(plate.steps(noisy)) {
             group.throughput(Throughput::Elements(path.n_bonds as u64));
             group.bench_function(&path.name, |b| b.iter(&mut path.run));
         }
@@ -145,14 +218,27 @@ fn rate(path: &mut Path) -> f64 {
     path.n_bonds as f64 / rounds[ROUNDS / 2]
 }
 
+fn say(line: &str) {
+    // Who closed the output does not want the rates.
+    let _ = std::io::stdout().write_all(line.as_bytes());
+}
+
 fn rates() {
     let (block, plate) = shapes();
     let best = SimdLevel::best();
+    let told = |path: &mut Path| {
+        let rate = rate(path);
+        say(&format!("{}: {:.1} M bonds/s\n", path.name, 1e-6 * rate));
+        rate
+    };
     for mut path in block.paths(best).chain(plate.paths(best)) {
-        let rate = 1e-6 * rate(&mut path);
-        let line = format!("{}: {rate:.1} M bonds/s\n", path.name);
-        // Who closed the output does not want the rates.
-        let _ = std::io::stdout().write_all(line.as_bytes());
+        told(&mut path);
+    }
+    let noisy = block.steps(Noisy::Yes).chain(plate.steps(Noisy::Yes));
+    let still = block.steps(Noisy::No).chain(plate.steps(Noisy::No));
+    for (mut noisy, mut still) in noisy.zip(still) {
+        let share = 1.0 - told(&mut noisy) / told(&mut still);
+        say(&format!("{}: {:.1} % of it is noise\n", noisy.name, 100.0 * share));
     }
 }
 
@@ -165,7 +251,7 @@ fn main() {
         }
         let mut criterion = benches::criterion();
         forces(&mut criterion);
-        // Whole steps in time, with noise and update, belong here, and after the forces in `rates`.
+        steps(&mut criterion);
         criterion.final_summary();
     });
 }

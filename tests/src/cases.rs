@@ -80,6 +80,7 @@ pub const ALL: &[Case] = &[
     peridyn::kalthoff_winkler::CASE,
     peridyn::branching::CASE,
     peridyn::two_notches::CASE,
+    peridyn::notched_plate::CASE,
     peridyn::precracked_block::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,

@@ -2,6 +2,7 @@
 
 pub mod first_passage;
 pub mod network;
+pub mod notched_plate;
 pub mod plate;
 pub mod rest;
 pub mod scene;

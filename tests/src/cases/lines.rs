@@ -59,9 +59,20 @@ impl Lines<'_> {
         &self,
         of: (&str, &str, &str),
         value: f64,
+        range: (f64, f64),
+        reason: &str,
+    ) -> Claim {
+        self.sampled(of, Measured::exact(value), range, reason)
+    }
+
+    /// A value with its standard error, where it was seen.
+    pub(super) fn sampled(
+        &self,
+        of: (&str, &str, &str),
+        value: Measured,
         (from, to): (f64, f64),
         reason: &str,
     ) -> Claim {
-        Claim::as_measured(self.subject(of), Measured::exact(value), from, to, reason)
+        Claim::as_measured(self.subject(of), value, from, to, reason)
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod forces;
 pub(crate) mod kalthoff_winkler;
 pub(crate) mod lattice;
 pub(crate) mod memory;
+pub(crate) mod notched_plate;
 pub(crate) mod one_bond;
 pub(crate) mod precracked_block;
 pub(crate) mod rest;

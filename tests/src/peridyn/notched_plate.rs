@@ -1,0 +1,212 @@
+//! A square plate with a notch in its left edge that is pulled apart, again and again: how far do cracks scatter?
+//!
+//! Units: the width of the plate, its modulus and density are one, and so is the speed of a wave along a bar. The energy release
+//! rate `G0` is the same on every lattice, whatever the horizon.
+
+use peridyn_sde::statistics::CrackEnsemble;
+use peridyn_sde::{
+    BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
+    CrackStudy, DisorderField, Dynamics, GaussianField, Horizon, Influence, Loading, Marginal,
+    Mobility, Nodes, Notch, PathConfig, Program, Scheme, Simulation, SimulationConfig, Strain,
+    Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
+};
+use sde_integrators::Noise;
+
+use crate::case::CaseError;
+
+/// Realisations side by side.
+const LANES: usize = 16;
+/// `G0`, for strains of 1e-3.
+const ENERGY_RELEASE_RATE: f64 = 1e-6;
+const PLANE: Condition = Condition::PlaneStress { thickness: 1.0 };
+const TIP: [f64; 2] = [0.3, 0.0];
+/// Height of a grip, three rows of 32.
+const GRIP: f64 = 3.0 / 32.0;
+/// Within so much of both ends no bond breaks.
+const PROTECTED: f64 = 6.0 / 32.0;
+/// The length over which stiffness is correlated: three horizons of three shells of 32 rows.
+const CORRELATION: f64 = 9.045 / 32.0;
+/// Standard deviation of stiffness over its mean.
+const SCATTER: f64 = 0.5;
+
+/// What makes one crack differ from the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cause {
+    /// White noise on every node, as in the note: `s0` is so many standard deviations of the stretch of a bond. Overdamped, by
+    /// Euler and Maruyama's method, while the plate is stretched to 0.8 of `s0`.
+    WhiteNoise {
+        /// `s0/sigma`.
+        ratio: f64,
+    },
+    /// The stiffness of bonds, a lognormal field with a length. Inertial with friction, without noise, the same ramp of strain over
+    /// time on every lattice.
+    Stiffness,
+}
+
+/// A plate on a lattice.
+#[derive(Debug, Clone, Copy)]
+pub struct NotchedPlate {
+    /// Nodes along an edge.
+    pub rows: u32,
+    /// `delta` (widths of the plate).
+    pub horizon: f64,
+    /// What is random.
+    pub cause: Cause,
+}
+
+/// Three shells of so many rows: a horizon (widths of the plate).
+#[must_use]
+pub fn three_shells(rows: u32) -> f64 {
+    3.015 / f64::from(rows)
+}
+
+/// A plate ready to be pulled.
+struct Ready {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    strength: f64,
+    grips: Vec<usize>,
+    protected: Vec<usize>,
+    loading: Loading<2>,
+    config: SimulationConfig,
+    n_steps: u64,
+}
+
+impl NotchedPlate {
+    fn spacing(&self) -> f64 {
+        f64::from(self.rows).recip()
+    }
+
+    /// What becomes of realisations from 0 on.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::run`].
+    pub fn cracks(&self, realisations: u64, seed: u64) -> Result<CrackEnsemble, CaseError> {
+        let ready = self.ready(Noise::new(seed))?;
+        let field = match self.cause {
+            Cause::WhiteNoise { .. } => None,
+            Cause::Stiffness => Some(self.stiffness(&ready.nodes)?),
+        };
+        let study = CrackStudy {
+            nodes: &ready.nodes,
+            bonds: &ready.bonds,
+            strain: Strain::Finite,
+            strength: Strength::Uniform(ready.strength),
+            stiffness: field.as_ref().map(|field| (field, BondValue::Mean)),
+            no_fail: &ready.protected,
+            notch: Notch { mouth: [-self.spacing(), 0.0], tip: TIP },
+            loading: &ready.loading,
+            simulation: &ready.config,
+            n_steps: ready.n_steps,
+            load: (&ready.grips, 1),
+            n_windows: 40,
+            path: PathConfig::of_horizon(self.horizon),
+            border: 0.95,
+            damage_threshold: 0.3,
+        };
+        let run = study.run::<f32, LANES>(0..realisations, &[], &|_| {})?;
+        Ok(CrackEnsemble::new(realisations, run.records)?)
+    }
+
+    fn stiffness(&self, nodes: &Nodes<2>) -> Result<DisorderField, CaseError> {
+        let correlation =
+            Correlation { function: CorrelationFunction::Gaussian, length: CORRELATION };
+        let gaussian =
+            GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), &correlation)?;
+        let law = Marginal::Lognormal { mean: 1.0, coefficient_of_variation: SCATTER };
+        Ok(DisorderField::new(gaussian, law, 0)?)
+    }
+
+    fn ready(&self, noise: Noise) -> Result<Ready, CaseError> {
+        let nodes = Nodes::lattice(self.spacing(), ([0.0, -0.5], [1.0, 0.5]), PLANE, |_| true)?;
+        let horizon = Horizon::new(self.horizon, self.spacing())?;
+        let bonds = Bonds::new(
+            &nodes,
+            &BondConfig {
+                horizon,
+                young_modulus: 1.0,
+                influence: Influence::Constant,
+                volume_correction: VolumeCorrection::Ramp,
+                surface_correction: SurfaceCorrection::None,
+            },
+        )?;
+        let influence = Influence::Constant;
+        let strength =
+            critical_stretch(ENERGY_RELEASE_RATE, 1.0, horizon.radius(), influence, PLANE)?;
+        let x = nodes.positions();
+        let near_ends = |height: f64| -> Vec<usize> {
+            (0..x.len()).filter(|&node| x[node][1].abs() > 0.5 - height).collect()
+        };
+        let (grips, protected) = (near_ends(GRIP), near_ends(PROTECTED));
+        let free: Vec<bool> = x.iter().map(|x| x[1].abs() <= 0.5 - GRIP).collect();
+        let mut ready = Ready {
+            loading: Loading::new(x.len()).hold(&grips)?,
+            config: self.config(&bonds, strength, &free, noise)?,
+            nodes,
+            bonds,
+            strength,
+            grips: grips.iter().copied().filter(|&node| node >= free.len() / 2).collect(),
+            protected,
+            n_steps: 0,
+        };
+        self.pull(&mut ready, &grips)?;
+        Ok(ready)
+    }
+
+    /// With a step that is small on any lattice.
+    fn config(
+        &self,
+        bonds: &Bonds,
+        strength: f64,
+        free: &[bool],
+        noise: Noise,
+    ) -> Result<SimulationConfig, CaseError> {
+        let dynamics = match self.cause {
+            Cause::WhiteNoise { ratio } => {
+                // By equipartition, were all bonds like a shortest one.
+                let unknowns = 2.0 * free.iter().filter(|&&free| free).count() as f64;
+                let stiffness = bonds.all()[0].stiffness * self.spacing();
+                let share = bonds.len() as f64 / unknowns;
+                Dynamics::Overdamped {
+                    mobility: Mobility::identity(free, 1.0)?,
+                    temperature: (strength / ratio).powi(2) * stiffness * share,
+                    scheme: Scheme::EulerMaruyama,
+                }
+            }
+            // Near the lowest frequency of the plate, pi.
+            Cause::Stiffness => {
+                Dynamics::Inertial { density: 1.0, friction: 3.0, temperature: 0.0 }
+            }
+        };
+        let (dt, breaking) = (1e-9, Breaking::AtEnds);
+        Ok(SimulationConfig { dynamics, dt, breaking, confinement: 0.0, noise })
+    }
+
+    /// The step, how many of them, and what the grips do.
+    fn pull(&self, ready: &mut Ready, grips: &[usize]) -> Result<(), CaseError> {
+        let strengths = vec![ready.strength; ready.bonds.len()];
+        let (nodes, bonds) = (ready.nodes.clone(), ready.bonds.clone());
+        let body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Finite, &strengths)?;
+        let probe = Simulation::new(body, ready.loading.clone(), ready.config.clone(), [0])?;
+        let (small, relative) = (ready.config.dt, probe.relative_step());
+        let (directions, program) = match self.cause {
+            Cause::WhiteNoise { .. } => {
+                // Relaxation takes steps in proportion to the square of the rows: 5000 for 64.
+                ready.config.dt = 0.9 * small / relative;
+                ready.n_steps = u64::from(self.rows.pow(2)) * 5000 / 4096;
+                let end = ready.config.dt * ready.n_steps as f64;
+                ([true; 2], Program::Linear { rate: 0.8 * ready.strength / end })
+            }
+            Cause::Stiffness => {
+                // 0.6 of 2/omega leaves room for places ten times as stiff as the mean.
+                ready.config.dt = 0.6 * small / relative.sqrt();
+                ready.n_steps = (28.0 / ready.config.dt).ceil() as u64;
+                ([false, true], Program::Ramp { rate: 2e-3 / 24.0, until: 24.0 })
+            }
+        };
+        let gradient = [[0.0; 2], [0.0, 1.0]];
+        let still = Loading::new(ready.nodes.positions().len());
+        ready.loading = still.stretch(&ready.nodes, grips, directions, gradient, program)?;
+        Ok(())
+    }
+}

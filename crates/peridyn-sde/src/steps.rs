@@ -6,30 +6,86 @@ use crate::real::Real;
 use crate::resistance::Resistance;
 use crate::scheme::{Dynamics, Scheme};
 use crate::simulation::Simulation;
-use crate::update::Which;
+use crate::update::{CHUNK, Unknowns, Which};
 
 impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B, D, L> {
     /// `u += h M F(u) + sqrt(2 kT h) L z`, with `z` the mean of two steps for Leimkuhler and Matthews' method.
     pub(crate) fn euler_step(&mut self, scheme: Scheme) -> Result<(), Error> {
         self.evaluate(AtStrength::Break)?;
-        self.drift()?;
-        let mut amplitude = self.draw()?;
-        if scheme == Scheme::LeimkuhlerMatthews && amplitude > 0.0 {
+        let temperature = self.config.dynamics.temperature();
+        let mut amplitude = (2.0 * temperature * self.config.dt).sqrt();
+        let averaged = scheme == Scheme::LeimkuhlerMatthews && temperature > 0.0;
+        if averaged {
             amplitude *= 0.5;
-            self.add_last_kick()?;
+            self.have_last_kick()?;
         }
+        if let Resistance::Diagonal { .. } = self.resistance {
+            self.total_forces(self.time);
+            self.move_apart(amplitude, averaged);
+        } else {
+            self.drift()?;
+            self.draw()?;
+            self.move_together(amplitude, averaged);
+        }
+        self.finish()
+    }
+
+    /// An Euler step of a mobility that is a number at each unknown, in one pass: normals are used while they are near.
+    fn move_apart(&mut self, amplitude: f64, averaged: bool) {
+        let Self { resistance, unknowns, kicks, level, step, .. } = self;
+        let Resistance::Diagonal { values, factor } = &*resistance else { return };
+        let Unknowns { u, drift, work: [last, ..], .. } = unknowns;
+        let (h, is_noisy) = (T::of(self.config.dt), amplitude > 0.0);
+        let amplitude = T::of(amplitude);
+        for first in (0..values.len()).step_by(CHUNK) {
+            let range = first..values.len().min(first + CHUNK);
+            let lanes = range.start * L..range.end * L;
+            let normals = if is_noisy { kicks.normals(*step, range.clone()) } else { &[] };
+            let (values, factor) = (&values[range.clone()], &factor[range]);
+            let forces = drift[lanes.clone()].as_chunks::<L>().0;
+            let last = if averaged { &mut last[lanes.clone()] } else { &mut [] };
+            let last = last.as_chunks_mut::<L>().0;
+            let (u, z) = (u[lanes].as_chunks_mut::<L>().0, normals.as_chunks::<L>().0);
+            level.call(
+                #[inline(always)]
+                || {
+                    for m in 0..u.len() {
+                        let mut kick = [T::ZERO; L];
+                        if is_noisy {
+                            kick = std::array::from_fn(|lane| T::of(z[m][lane]) * factor[m]);
+                        }
+                        if averaged {
+                            let this = kick;
+                            for lane in 0..L {
+                                kick[lane] += last[m][lane];
+                            }
+                            last[m] = this;
+                        }
+                        for lane in 0..L {
+                            let drift = forces[m][lane] * values[m];
+                            u[m][lane] += h * drift + amplitude * kick[lane];
+                        }
+                    }
+                },
+            );
+        }
+    }
+
+    /// An Euler step of a drift and a kick that are there already.
+    fn move_together(&mut self, amplitude: f64, averaged: bool) {
         let h = T::of(self.config.dt);
         let (amplitude, unknowns) = (T::of(amplitude), &mut self.unknowns);
-        self.level.call(
-            #[inline(always)]
-            || {
-                let moves = unknowns.drift.iter().zip(&unknowns.kick);
-                for (u, (&drift, &kick)) in unknowns.u.iter_mut().zip(moves) {
-                    *u += h * drift + amplitude * kick;
-                }
-            },
-        );
-        self.finish()
+        if averaged {
+            for (last, kick) in unknowns.work[0].iter_mut().zip(&mut unknowns.kick) {
+                let this = *kick;
+                *kick += *last;
+                *last = this;
+            }
+        }
+        let moves = unknowns.drift.iter().zip(&unknowns.kick);
+        for (u, (&drift, &kick)) in unknowns.u.iter_mut().zip(moves) {
+            *u += h * drift + amplitude * kick;
+        }
     }
 
     /// `u* = u + h M F(u) + sqrt(2 kT h) L z`, then the same with the mean of `M F` at `u` and `u*`.
@@ -100,17 +156,12 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         Ok((2.0 * temperature * self.config.dt).sqrt())
     }
 
-    /// Adds the kick of the step before, and keeps this one for the next.
-    fn add_last_kick(&mut self) -> Result<(), Error> {
+    /// Makes the kick of the step before, where it is not kept.
+    fn have_last_kick(&mut self) -> Result<(), Error> {
         let last = &mut self.unknowns.work[0];
         if last.is_empty() {
             let which = self.step.checked_sub(1).map_or(Which::BeforeFirst, Which::Step);
             self.kicks.kick(&self.resistance, which, last)?;
-        }
-        for (last, kick) in last.iter_mut().zip(&mut self.unknowns.kick) {
-            let this = *kick;
-            *kick += *last;
-            *last = this;
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ impl<T: Real> Unknowns<T> {
 }
 
 /// Motions whose normals are made together, few enough for the nearest cache.
-const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 256;
 
 /// The Brownian motions that drive `L` realisations.
 #[derive(Debug, Clone)]
@@ -86,6 +86,13 @@ impl<const L: usize> Kicks<L> {
                 *z = T::of(normal);
             }
         }
+    }
+
+    /// The normals of some motions of a step, at most [`CHUNK`] of them.
+    pub(crate) fn normals(&mut self, step: u64, range: std::ops::Range<usize>) -> &[f64] {
+        let length = range.len() * L;
+        self.path.fill(step, self.n_motions, range, &mut self.normals);
+        &self.normals[..length]
     }
 
     /// `L z`.

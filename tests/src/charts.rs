@@ -5,6 +5,7 @@
 pub(crate) mod fpk;
 mod fpk_choice;
 mod kernels;
+mod peridyn;
 mod sde;
 mod smpm;
 mod smpm_fields;
@@ -32,6 +33,7 @@ pub const ALL: &[ChartKind] = &[
     smpm::CHART,
     smpm_scheme::CHART,
     smpm_fields::CHART,
+    peridyn::CHART,
 ];
 
 /// Every sweep of `stability`.

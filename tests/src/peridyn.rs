@@ -3,6 +3,7 @@
 pub mod first_passage;
 pub mod network;
 pub mod notched_plate;
+pub mod one_bond;
 pub mod plate;
 pub mod rest;
 pub mod scene;

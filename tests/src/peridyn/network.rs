@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence,
-    Loading, Mobility, Nodes, Simulation, SimulationConfig, Strain, SurfaceCorrection,
+    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence, Loading,
+    Mobility, Nodes, Real, Simulation, SimulationConfig, Strain, SurfaceCorrection,
     VolumeCorrection,
 };
 use sde_integrators::{LaneNormals, Noise, Purpose};
@@ -254,7 +254,7 @@ pub fn foster<const D: usize>(network: &Network<D>, covariance: &DMatrix<f64>) -
     (network.stiffness() * covariance).trace()
 }
 
-/// What a list of the network's bonds needs no more to be a body.
+/// The bonds of a network as a body in lanes, linear, of one strength.
 ///
 /// # Errors
 /// Those of [`BondList::new`].
@@ -262,9 +262,17 @@ pub fn lanes<const D: usize, const L: usize>(
     network: &Network<D>,
     strength: f64,
 ) -> Result<BondList<f64, D, L>, Error> {
+    lanes_of(network, strength)
+}
+
+/// The same in numbers of any precision.
+///
+/// # Errors
+/// Those of [`BondList::new`].
+pub fn lanes_of<T: Real, const D: usize, const L: usize>(
+    network: &Network<D>,
+    strength: f64,
+) -> Result<BondList<T, D, L>, Error> {
     let strengths = vec![strength; network.bonds.len()];
-    let body =
-        BondList::new(network.nodes.clone(), network.bonds.clone(), Strain::Linear, &strengths)?;
-    debug_assert_eq!(Body::<f64, D, L>::bonds(&body).len(), network.bonds.len());
-    Ok(body)
+    BondList::new(network.nodes.clone(), network.bonds.clone(), Strain::Linear, &strengths)
 }

@@ -7,15 +7,13 @@ use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
     CrackStudy, DisorderField, Dynamics, GaussianField, Horizon, Influence, Loading, Marginal,
-    Mobility, Nodes, Notch, PathConfig, Program, Scheme, Simulation, SimulationConfig, Strain,
-    Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
+    Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation, SimulationConfig,
+    Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
 };
 use sde_integrators::Noise;
 
 use crate::case::CaseError;
 
-/// Realisations side by side.
-const LANES: usize = 16;
 /// `G0`, for strains of 1e-3.
 const ENERGY_RELEASE_RATE: f64 = 1e-6;
 const PLANE: Condition = Condition::PlaneStress { thickness: 1.0 };
@@ -32,11 +30,15 @@ const SCATTER: f64 = 0.5;
 /// What makes one crack differ from the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
-    /// White noise on every node, as in the note: `s0` is so many standard deviations of the stretch of a bond. Overdamped, by
-    /// Euler and Maruyama's method, while the plate is stretched to 0.8 of `s0`.
+    /// White noise on every node, as in the note: `s0` is so many standard deviations of the stretch of a bond. Overdamped, while
+    /// the plate is stretched to 0.8 of `s0`.
     WhiteNoise {
         /// `s0/sigma`.
         ratio: f64,
+        /// By which steps.
+        scheme: Scheme,
+        /// `z` of the stiffest mode.
+        z: f64,
     },
     /// The stiffness of bonds, a lognormal field with a length. Inertial with friction, without noise, the same ramp of strain over
     /// time on every lattice.
@@ -77,11 +79,15 @@ impl NotchedPlate {
         f64::from(self.rows).recip()
     }
 
-    /// What becomes of realisations from 0 on.
+    /// What becomes of realisations from 0 on, `L` side by side.
     ///
     /// # Errors
     /// Those of [`CrackStudy::run`].
-    pub fn cracks(&self, realisations: u64, seed: u64) -> Result<CrackEnsemble, CaseError> {
+    pub fn cracks<T: Real, const L: usize>(
+        &self,
+        realisations: u64,
+        seed: u64,
+    ) -> Result<CrackEnsemble, CaseError> {
         let ready = self.ready(Noise::new(seed))?;
         let field = match self.cause {
             Cause::WhiteNoise { .. } => None,
@@ -104,7 +110,7 @@ impl NotchedPlate {
             border: 0.95,
             damage_threshold: 0.3,
         };
-        let run = study.run::<f32, LANES>(0..realisations, &[], &|_| {})?;
+        let run = study.run::<T, L>(0..realisations, &[], &|_| {})?;
         Ok(CrackEnsemble::new(realisations, run.records)?)
     }
 
@@ -162,7 +168,7 @@ impl NotchedPlate {
         noise: Noise,
     ) -> Result<SimulationConfig, CaseError> {
         let dynamics = match self.cause {
-            Cause::WhiteNoise { ratio } => {
+            Cause::WhiteNoise { ratio, scheme, .. } => {
                 // By equipartition, were all bonds like a shortest one.
                 let unknowns = 2.0 * free.iter().filter(|&&free| free).count() as f64;
                 let stiffness = bonds.all()[0].stiffness * self.spacing();
@@ -170,7 +176,7 @@ impl NotchedPlate {
                 Dynamics::Overdamped {
                     mobility: Mobility::identity(free, 1.0)?,
                     temperature: (strength / ratio).powi(2) * stiffness * share,
-                    scheme: Scheme::EulerMaruyama,
+                    scheme,
                 }
             }
             // Near the lowest frequency of the plate, pi.
@@ -183,6 +189,7 @@ impl NotchedPlate {
     }
 
     /// The step, how many of them, and what the grips do.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of steps")]
     fn pull(&self, ready: &mut Ready, grips: &[usize]) -> Result<(), CaseError> {
         let strengths = vec![ready.strength; ready.bonds.len()];
         let (nodes, bonds) = (ready.nodes.clone(), ready.bonds.clone());
@@ -190,10 +197,10 @@ impl NotchedPlate {
         let probe = Simulation::new(body, ready.loading.clone(), ready.config.clone(), [0])?;
         let (small, relative) = (ready.config.dt, probe.relative_step());
         let (directions, program) = match self.cause {
-            Cause::WhiteNoise { .. } => {
-                // Relaxation takes steps in proportion to the square of the rows: 5000 for 64.
-                ready.config.dt = 0.9 * small / relative;
-                ready.n_steps = u64::from(self.rows.pow(2)) * 5000 / 4096;
+            Cause::WhiteNoise { z, .. } => {
+                // Relaxation takes time in proportion to the square of the rows: 5000 steps of z = 0.9 for 64.
+                ready.config.dt = z * small / relative;
+                ready.n_steps = (f64::from(self.rows.pow(2)) * 5000.0 / 4096.0 * 0.9 / z) as u64;
                 let end = ready.config.dt * ready.n_steps as f64;
                 ([true; 2], Program::Linear { rate: 0.8 * ready.strength / end })
             }

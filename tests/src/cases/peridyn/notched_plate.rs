@@ -1,5 +1,6 @@
 //! How far cracks from a notch scatter, and whether that survives another lattice.
 
+use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, CrackOutcome, Interval};
 use sde_integrators::Noise;
 
@@ -47,7 +48,9 @@ impl Family {
     fn plate(self, rows: u32) -> NotchedPlate {
         let horizon = three_shells(if self == Self::FixedHorizon { 32 } else { rows });
         let cause = match self {
-            Self::White => Cause::WhiteNoise { ratio: RATIO },
+            Self::White => {
+                Cause::WhiteNoise { ratio: RATIO, scheme: Scheme::EulerMaruyama, z: 0.9 }
+            }
             Self::Local | Self::FixedHorizon => Cause::Stiffness,
         };
         NotchedPlate { rows, horizon, cause }
@@ -104,7 +107,7 @@ fn bootstrap() -> Bootstrap {
 }
 
 fn scatter(family: Family, rows: u32, realisations: u64) -> Result<Scatter, CaseError> {
-    let ensemble = family.plate(rows).cracks(realisations, SEED)?;
+    let ensemble = family.plate(rows).cracks::<f32, 16>(realisations, SEED)?;
     let heights = ensemble.heights(ABSCISSA);
     let deviation = bootstrap().deviation(&heights)?;
     Ok(Scatter { rows, realisations, ensemble, heights, deviation })

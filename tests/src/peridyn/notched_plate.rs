@@ -6,9 +6,9 @@
 use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
-    CrackStudy, DisorderField, Dynamics, GaussianField, Horizon, Influence, Loading, Marginal,
-    Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation, SimulationConfig,
-    Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
+    CrackRun, CrackStudy, DisorderField, Dynamics, GaussianField, Horizon, Influence, Loading,
+    Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
+    SimulationConfig, Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
 };
 use sde_integrators::Noise;
 
@@ -24,8 +24,6 @@ const GRIP: f64 = 3.0 / 32.0;
 const PROTECTED: f64 = 6.0 / 32.0;
 /// The length over which stiffness is correlated: three horizons of three shells of 32 rows.
 const CORRELATION: f64 = 9.045 / 32.0;
-/// Standard deviation of stiffness over its mean.
-const SCATTER: f64 = 0.5;
 
 /// What makes one crack differ from the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +41,16 @@ pub enum Cause {
     /// The stiffness of bonds, a lognormal field with a length. Inertial with friction, without noise, the same ramp of strain over
     /// time on every lattice.
     Stiffness,
+    /// The critical stretch, a lognormal field whose standard deviation is 0.4 of its mean, and noise. Inertial with friction, the
+    /// same ramp up to twice the strain, so that strong samples break too.
+    Sample {
+        /// The mean of the critical stretch, over that of `G0`.
+        strength: f64,
+        /// Its correlation length (widths of the plate).
+        length: f64,
+        /// `kT`, over the one at which `s0/sigma` is ten.
+        temperature: f64,
+    },
 }
 
 /// A plate on a lattice.
@@ -79,7 +87,7 @@ impl NotchedPlate {
         f64::from(self.rows).recip()
     }
 
-    /// What becomes of realisations from 0 on, `L` side by side.
+    /// The cracks of realisations from 0 on, `L` side by side.
     ///
     /// # Errors
     /// Those of [`CrackStudy::run`].
@@ -88,17 +96,35 @@ impl NotchedPlate {
         realisations: u64,
         seed: u64,
     ) -> Result<CrackEnsemble, CaseError> {
+        let run = self.run::<T, L>(0..realisations, seed)?;
+        Ok(CrackEnsemble::new(realisations, run.records)?)
+    }
+
+    /// What becomes of some realisations, `L` side by side.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::run`].
+    pub fn run<T: Real, const L: usize>(
+        &self,
+        realisations: std::ops::Range<u64>,
+        seed: u64,
+    ) -> Result<CrackRun, CaseError> {
         let ready = self.ready(Noise::new(seed))?;
-        let field = match self.cause {
-            Cause::WhiteNoise { .. } => None,
-            Cause::Stiffness => Some(self.stiffness(&ready.nodes)?),
+        let (strengths, stiffness) = match self.cause {
+            Cause::WhiteNoise { .. } => (None, None),
+            Cause::Stiffness => (None, Some(self.field(&ready.nodes, CORRELATION, (1.0, 0.5))?)),
+            Cause::Sample { strength, length, .. } => {
+                (Some(self.field(&ready.nodes, length, (strength * ready.strength, 0.4))?), None)
+            }
         };
         let study = CrackStudy {
             nodes: &ready.nodes,
             bonds: &ready.bonds,
             strain: Strain::Finite,
-            strength: Strength::Uniform(ready.strength),
-            stiffness: field.as_ref().map(|field| (field, BondValue::Mean)),
+            strength: strengths.as_ref().map_or(Strength::Uniform(ready.strength), |field| {
+                Strength::Field { field, value: BondValue::Mean }
+            }),
+            stiffness: stiffness.as_ref().map(|field| (field, BondValue::Mean)),
             no_fail: &ready.protected,
             notch: Notch { mouth: [-self.spacing(), 0.0], tip: TIP },
             loading: &ready.loading,
@@ -110,16 +136,20 @@ impl NotchedPlate {
             border: 0.95,
             damage_threshold: 0.3,
         };
-        let run = study.run::<T, L>(0..realisations, &[], &|_| {})?;
-        Ok(CrackEnsemble::new(realisations, run.records)?)
+        Ok(study.run::<T, L>(realisations, &[], &|_| {})?)
     }
 
-    fn stiffness(&self, nodes: &Nodes<2>) -> Result<DisorderField, CaseError> {
-        let correlation =
-            Correlation { function: CorrelationFunction::Gaussian, length: CORRELATION };
+    /// A lognormal field of a mean and a coefficient of variation.
+    fn field(
+        &self,
+        nodes: &Nodes<2>,
+        length: f64,
+        (mean, coefficient_of_variation): (f64, f64),
+    ) -> Result<DisorderField, CaseError> {
+        let correlation = Correlation { function: CorrelationFunction::Gaussian, length };
         let gaussian =
             GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), &correlation)?;
-        let law = Marginal::Lognormal { mean: 1.0, coefficient_of_variation: SCATTER };
+        let law = Marginal::Lognormal { mean, coefficient_of_variation };
         Ok(DisorderField::new(gaussian, law, 0)?)
     }
 
@@ -167,22 +197,23 @@ impl NotchedPlate {
         free: &[bool],
         noise: Noise,
     ) -> Result<SimulationConfig, CaseError> {
+        // By equipartition, were all bonds like a shortest one.
+        let temperature = |ratio: f64| {
+            let unknowns = 2.0 * free.iter().filter(|&&free| free).count() as f64;
+            let stiffness = bonds.all()[0].stiffness * self.spacing();
+            (strength / ratio).powi(2) * stiffness * bonds.len() as f64 / unknowns
+        };
+        // Near the lowest frequency of the plate, pi.
+        let inertial =
+            |temperature| Dynamics::Inertial { density: 1.0, friction: 3.0, temperature };
         let dynamics = match self.cause {
-            Cause::WhiteNoise { ratio, scheme, .. } => {
-                // By equipartition, were all bonds like a shortest one.
-                let unknowns = 2.0 * free.iter().filter(|&&free| free).count() as f64;
-                let stiffness = bonds.all()[0].stiffness * self.spacing();
-                let share = bonds.len() as f64 / unknowns;
-                Dynamics::Overdamped {
-                    mobility: Mobility::identity(free, 1.0)?,
-                    temperature: (strength / ratio).powi(2) * stiffness * share,
-                    scheme,
-                }
-            }
-            // Near the lowest frequency of the plate, pi.
-            Cause::Stiffness => {
-                Dynamics::Inertial { density: 1.0, friction: 3.0, temperature: 0.0 }
-            }
+            Cause::WhiteNoise { ratio, scheme, .. } => Dynamics::Overdamped {
+                mobility: Mobility::identity(free, 1.0)?,
+                temperature: temperature(ratio),
+                scheme,
+            },
+            Cause::Stiffness => inertial(0.0),
+            Cause::Sample { temperature: over, .. } => inertial(over * temperature(10.0)),
         };
         let (dt, breaking) = (1e-9, Breaking::AtEnds);
         Ok(SimulationConfig { dynamics, dt, breaking, confinement: 0.0, noise })
@@ -196,6 +227,11 @@ impl NotchedPlate {
         let body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Finite, &strengths)?;
         let probe = Simulation::new(body, ready.loading.clone(), ready.config.clone(), [0])?;
         let (small, relative) = (ready.config.dt, probe.relative_step());
+        let slowly = |ready: &mut Ready, omega_dt: f64, until: f64| {
+            ready.config.dt = omega_dt * small / relative.sqrt();
+            ready.n_steps = ((until + 4.0) / ready.config.dt).ceil() as u64;
+            ([false, true], Program::Ramp { rate: 2e-3 / 24.0, until })
+        };
         let (directions, program) = match self.cause {
             Cause::WhiteNoise { z, .. } => {
                 // Relaxation takes time in proportion to the square of the rows: 5000 steps of z = 0.9 for 64.
@@ -204,12 +240,9 @@ impl NotchedPlate {
                 let end = ready.config.dt * ready.n_steps as f64;
                 ([true; 2], Program::Linear { rate: 0.8 * ready.strength / end })
             }
-            Cause::Stiffness => {
-                // 0.6 of 2/omega leaves room for places ten times as stiff as the mean.
-                ready.config.dt = 0.6 * small / relative.sqrt();
-                ready.n_steps = (28.0 / ready.config.dt).ceil() as u64;
-                ([false, true], Program::Ramp { rate: 2e-3 / 24.0, until: 24.0 })
-            }
+            // 0.6 leaves room for places ten times as stiff as the mean; 2 is the limit.
+            Cause::Stiffness => slowly(ready, 0.6, 24.0),
+            Cause::Sample { .. } => slowly(ready, 1.6, 48.0),
         };
         let gradient = [[0.0; 2], [0.0, 1.0]];
         let still = Loading::new(ready.nodes.positions().len());

@@ -373,6 +373,14 @@ pub enum Error {
         /// The upper bound.
         high: f64,
     },
+    /// One of the ensembles of an emulator.
+    #[error("ensemble {ensemble}: {reason}")]
+    Ensemble {
+        /// Which, from 0 on.
+        ensemble: usize,
+        /// Why it does not do.
+        reason: Box<Error>,
+    },
     /// A factor of a covariance could not be made.
     #[error(transparent)]
     Factor(#[from] sde_integrators::Error),

@@ -4,8 +4,9 @@ use sde_integrators::{Estimate, Uncertainty};
 
 use super::factor::product;
 use super::gaussian::{At, Observations, Slopes};
-use super::parameter::ParameterSpace;
-use super::polynomial::{Component, ComponentFit, Polynomial, dot, lack_of_fit, terms, variance};
+use super::lack_of_fit::{ComponentFit, lack_of_fit};
+use super::parameter_space::ParameterSpace;
+use super::polynomial::{Polynomial, dot, terms, variance};
 use super::regressions::{Layout, Regressions};
 use super::summaries::{Summaries, same_count};
 use crate::error::{Error, at_least};
@@ -52,10 +53,10 @@ impl Emulator {
     /// From an ensemble at each point of a design, such as that of [`ParameterSpace::design`].
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than 4 points more than the `(d + 1)(d + 2)/2` terms of a quadratic in `d` parameters, or an
-    /// ensemble of fewer than `K + 4` realisations; [`Error::Count`] for points or summaries of different lengths;
-    /// [`Error::OutOfBounds`]; [`Error::NotPositiveDefinite`] for a summary that is constant or follows from others in an ensemble,
-    /// or a design that does not tell the terms apart.
+    /// [`Error::TooFew`] for fewer than 4 points more than the `(d + 1)(d + 2)/2` terms of a quadratic in `d` parameters;
+    /// [`Error::Count`] for another number of ensembles than points; [`Error::Count`] and [`Error::OutOfBounds`] for a point;
+    /// [`Error::NotPositiveDefinite`] for a design that does not tell the terms apart; [`Error::Ensemble`] for one of fewer than
+    /// `K + 4` realisations, with other summaries, or with one that is constant or follows from others.
     pub fn new(
         space: &ParameterSpace,
         points: &[Vec<f64>],
@@ -68,12 +69,13 @@ impl Emulator {
         let polynomial = Polynomial::new(&design, &weights)?;
         let layout = Layout { n_summaries: ensembles[0].n_summaries() };
         let (mut regressions, mut least_share) = (vec![], 1.0_f64);
-        for ensemble in ensembles {
-            let k = layout.n_summaries;
-            same_count("summaries of an ensemble", ensemble.n_summaries(), k)?;
-            at_least("realisations with summaries", ensemble.n_realisations(), k + 4)?;
+        for (number, ensemble) in ensembles.iter().enumerate() {
             least_share = least_share.min(ensemble.share()?.value);
-            regressions.push(Regressions::new(ensemble)?);
+            let of_ensemble = checked(ensemble, layout.n_summaries);
+            regressions.push(of_ensemble.map_err(|reason| Error::Ensemble {
+                ensemble: number,
+                reason: Box::new(reason),
+            })?);
         }
         let of = |q: usize| polynomial.coefficients(regressions.iter().map(|r| r.numbers[q]));
         let coefficients = (0..layout.len()).map(of).collect();
@@ -162,33 +164,7 @@ impl Emulator {
     /// How well quadratics do: for the means, the slopes and the logarithms of the variances.
     #[must_use]
     pub fn fit(&self) -> Vec<ComponentFit> {
-        let k = self.layout.n_summaries;
-        let means = (0..k).map(Component::Mean);
-        let slopes = (0..k).flat_map(|i| (0..i).map(move |j| Component::Slope(i, j)));
-        let all = means.chain(slopes).chain((0..k).map(Component::LogVariance));
-        all.enumerate().map(|(number, component)| self.fit_of(number, component)).collect()
-    }
-
-    fn fit_of(&self, number: usize, component: Component) -> ComponentFit {
-        let residual = |(units, ensemble): (&Vec<f64>, &Regressions)| {
-            let fitted = dot(&self.coefficients[number], &terms(units));
-            let numbers = &ensemble.numbers;
-            let deviation = |i: usize| {
-                let covariance = self.layout.covariance(numbers, &self.layout.mixing(numbers));
-                covariance[i * (self.layout.n_summaries + 1)].sqrt()
-            };
-            let rest = |i: usize| sde_integrators::exp(0.5 * numbers[self.layout.log_variance(i)]);
-            let unit = match component {
-                Component::Mean(i) => deviation(i),
-                Component::Slope(i, j) => rest(i) / deviation(j),
-                Component::LogVariance(_) => 1.0,
-            };
-            let variance = ensemble.covariance[number * (self.layout.len() + 1)];
-            (numbers[number] - fitted, variance, unit)
-        };
-        let points = self.design.iter().zip(&self.ensembles);
-        let residuals: Vec<_> = points.map(residual).collect();
-        lack_of_fit(component, &residuals, self.polynomial.n_terms())
+        lack_of_fit(self.layout, &self.design, &self.ensembles, &self.coefficients)
     }
 
     fn covariances(&self) -> impl Iterator<Item = &[f64]> {
@@ -230,12 +206,19 @@ impl Emulator {
     }
 }
 
+fn checked(ensemble: &Summaries, n_summaries: usize) -> Result<Regressions, Error> {
+    same_count("summaries of a realisation", ensemble.n_summaries(), n_summaries)?;
+    at_least("realisations with summaries", ensemble.n_realisations(), n_summaries + 4)?;
+    Regressions::new(ensemble)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use sde_integrators::{Noise, Purpose};
 
+    use super::super::lack_of_fit::Component;
     use super::super::parameter::{Parameter, Prior, Scale};
     use super::super::summaries::Absent;
     use super::*;
@@ -307,8 +290,8 @@ mod tests {
         let points = space().design(7).unwrap();
         let of = |n: usize| (0..7).map(|id| ensemble(1.0, id, n)).collect::<Vec<_>>();
         assert!(Emulator::new(&space(), &points, &of(6)).is_ok());
-        let few = Emulator::new(&space(), &points, &of(5));
-        assert!(matches!(few, Err(Error::TooFew { value: 5, limit: 6, .. })));
+        let few = Emulator::new(&space(), &points, &of(5)).unwrap_err().to_string();
+        assert_eq!(few, "ensemble 0: 5 realisations with summaries; at least 6 are needed");
         let few = Emulator::new(&space(), &points[..6], &of(9)[..6]);
         assert!(matches!(few, Err(Error::TooFew { value: 6, limit: 7, .. })));
         let odd = Emulator::new(&space(), &points, &of(9)[..6]);
@@ -317,7 +300,7 @@ mod tests {
         let mut mixed = of(9);
         mixed[3] = one.clone();
         let mixed = Emulator::new(&space(), &points, &mixed);
-        assert!(matches!(mixed, Err(Error::Count { value: 1, expected: 2, .. })));
+        assert!(matches!(mixed, Err(Error::Ensemble { ensemble: 3, .. })), "{mixed:?}");
         let emulator = Emulator::new(&space(), &points, &of(9)).unwrap();
         let foreign = Observations::new(&one, &[0.0]).unwrap();
         assert!(matches!(emulator.value(&[1.0], &foreign), Err(Error::Count { .. })));

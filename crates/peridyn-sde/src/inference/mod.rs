@@ -59,8 +59,10 @@ mod diagnostics;
 mod emulator;
 mod factor;
 mod gaussian;
+mod lack_of_fit;
 mod normal_quantile;
 mod parameter;
+mod parameter_space;
 mod polynomial;
 mod posterior;
 mod regressions;
@@ -72,8 +74,9 @@ mod tempered;
 pub use diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 pub use emulator::Emulator;
 pub use gaussian::Observations;
-pub use parameter::{Parameter, ParameterSpace, Prior, Scale};
-pub use polynomial::{Component, ComponentFit};
+pub use lack_of_fit::{Component, ComponentFit};
+pub use parameter::{Parameter, Prior, Scale};
+pub use parameter_space::ParameterSpace;
 pub use posterior::{
     LEAST_CONTRACTION, POSTERIOR_QUANTILES, ParameterPosterior, Posterior, SamplerConfig, Verdict,
 };

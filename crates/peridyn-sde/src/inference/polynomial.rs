@@ -58,10 +58,6 @@ impl Polynomial {
         Ok(Self { n_terms, solution })
     }
 
-    pub(super) fn n_terms(&self) -> usize {
-        self.n_terms
-    }
-
     /// Coefficients of the polynomial through numbers, one for each point.
     pub(super) fn coefficients(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut coefficients = vec![0.0; self.n_terms];
@@ -82,51 +78,6 @@ impl Polynomial {
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Which number of the law of the summaries; summaries are counted from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Component {
-    /// The mean of a summary.
-    Mean(usize),
-    /// The slope of the first summary on the second, which comes before it, others before it being equal.
-    Slope(usize, usize),
-    /// The logarithm of the variance of a summary, given those before it.
-    LogVariance(usize),
-}
-
-/// How well a quadratic polynomial does for one number of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComponentFit {
-    /// Which number.
-    pub component: Component,
-    /// The sum of the squared residuals, each over the variance that its finite ensemble gives it. Near `degrees_of_freedom`, with
-    /// a deviation of `sqrt(2 degrees_of_freedom)`, where the polynomial does.
-    pub chi_square: f64,
-    /// Points of the design less terms of the polynomial.
-    pub degrees_of_freedom: usize,
-    /// The root mean square of the residuals beyond what finite ensembles explain: of a mean, over the deviation of its summary; of
-    /// a slope, as the change of the later summary, over its deviation given those before it, for a change of the earlier one by
-    /// its own; of a logarithm of a variance, itself. A misfit `a` of a mean counts with `P` plates where `a sqrt(P)` is not small.
-    pub misfit: f64,
-}
-
-/// Residuals with their variances, for one number; `unit` is what they are measured in, at each point.
-pub(super) fn lack_of_fit(
-    component: Component,
-    residuals: &[(f64, f64, f64)],
-    n_terms: usize,
-) -> ComponentFit {
-    let (mut chi_square, mut beyond) = (0.0, 0.0);
-    let n = residuals.len() as f64;
-    let share = (residuals.len() - n_terms) as f64 / n;
-    for &(residual, variance, unit) in residuals {
-        chi_square += residual * residual / variance;
-        beyond += (residual * residual - share * variance) / (unit * unit) / n;
-    }
-    let misfit = beyond.max(0.0).sqrt();
-    let degrees_of_freedom = residuals.len() - n_terms;
-    ComponentFit { component, chi_square, degrees_of_freedom, misfit }
 }
 
 /// `sum_j h_j^2 s^T C_j s`: the variance of what moves by `s` with the numbers of each point.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sde_integrators::{Estimate, Noise, Purpose, Uncertainty};
 
 use super::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
-use super::parameter::ParameterSpace;
+use super::parameter_space::ParameterSpace;
 use super::target::{LogLikelihood, Proposal, Target};
 use super::tempered::{covariance, tempered};
 use crate::error::{Error, at_least};

@@ -3,7 +3,7 @@
 use sde_integrators::{Stream, exp};
 
 use super::factor::Factor;
-use super::parameter::ParameterSpace;
+use super::parameter_space::ParameterSpace;
 use crate::error::Error;
 
 /// The log-likelihood as a function of the parameters.

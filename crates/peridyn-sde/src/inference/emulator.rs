@@ -24,8 +24,11 @@ use crate::error::{Error, at_least};
 ///
 /// $$ s.e.^2 = \sum_j h_j^2 s^T C_j s . $$
 ///
-/// It does not hold what a quadratic cannot follow: that is seen in [`Emulator::fit`]. There is no value beyond the bounds of the
+/// A sampler takes the noise for information where these errors are near one or above: then ask [`EmulatorMixture`], or run larger
+/// ensembles. The error does not hold what a quadratic cannot follow: that is seen in [`Emulator::fit`]. There is no value beyond the bounds of the
 /// parameters.
+///
+/// [`EmulatorMixture`]: super::EmulatorMixture
 ///
 /// Sources: Wood 2010, Nature 466; Pourahmadi 1999 (regressions); Box and Draper 2007, Response surfaces, mixtures, and ridge
 /// analyses, chapters 3 and 5 (least squares, lack of fit).
@@ -165,6 +168,17 @@ impl Emulator {
     #[must_use]
     pub fn fit(&self) -> Vec<ComponentFit> {
         lack_of_fit(self.layout, &self.design, &self.ensembles, &self.coefficients)
+    }
+
+    pub(super) fn ensembles(&self) -> &[Regressions] {
+        &self.ensembles
+    }
+
+    /// The same with other numbers at the points of the design.
+    pub(super) fn with_numbers(&self, numbers: &[Vec<f64>]) -> Self {
+        let of = |q: usize| self.polynomial.coefficients(numbers.iter().map(|of| of[q]));
+        let coefficients = (0..self.layout.len()).map(of).collect();
+        Self { coefficients, ..self.clone() }
     }
 
     fn covariances(&self) -> impl Iterator<Item = &[f64]> {

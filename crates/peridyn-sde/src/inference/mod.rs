@@ -6,6 +6,7 @@
 //! | parameters with bounds and priors, points to run ensembles at | [`ParameterSpace`] |
 //! | the likelihood at one point, from one ensemble | [`SyntheticLikelihood`] |
 //! | the likelihood anywhere, from ensembles at the points of a design | [`Emulator`] |
+//! | the same, averaged over the noise of these ensembles | [`EmulatorMixture`] |
 //! | the posterior by a tempered cloud and chains | [`Posterior`] |
 //!
 //! Every likelihood has the standard error that finite ensembles leave, every number of the posterior that of its chains, and each
@@ -15,8 +16,8 @@
 //! plates made by another mesh, or real ones, differ from it by more than noise. What a parameter does to the spread of paths is
 //! known only as well as spreads are: of `P` plates to `1/sqrt(2 P)`.
 //!
-//! The sampler is written here, since the kept ones (nuts-rs, of PyMC) ask for gradients, bring some fifty crates and draw from
-//! generators of their own, not from noise by address.
+//! The sampler is written here, since the kept one (nuts-rs, of PyMC) asks for gradients, brings Arrow and a second version of
+//! faer, and draws from generators of its own, not from noise by address.
 //!
 //! Ten plates whose failure load has the mean `s` and the deviation `s/10`, and of which `kT` says nothing:
 //!
@@ -60,6 +61,7 @@ mod emulator;
 mod factor;
 mod gaussian;
 mod lack_of_fit;
+mod mixture;
 mod normal_quantile;
 mod parameter;
 mod parameter_space;
@@ -75,6 +77,7 @@ pub use diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 pub use emulator::Emulator;
 pub use gaussian::Observations;
 pub use lack_of_fit::{Component, ComponentFit};
+pub use mixture::EmulatorMixture;
 pub use parameter::{Parameter, Prior, Scale};
 pub use parameter_space::ParameterSpace;
 pub use posterior::{

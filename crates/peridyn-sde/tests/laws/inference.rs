@@ -2,8 +2,8 @@
 
 use peridyn_sde::Error;
 use peridyn_sde::inference::{
-    Absent, Emulator, Estimator, Observations, Parameter, ParameterSpace, Posterior, Prior,
-    SamplerConfig, Scale, Summaries, SyntheticLikelihood, Verdict,
+    Absent, Emulator, EmulatorMixture, Estimator, Observations, Parameter, ParameterSpace,
+    Posterior, Prior, SamplerConfig, Scale, Summaries, SyntheticLikelihood, Verdict,
 };
 use sde_integrators::{Accumulator, Estimate, Noise, Purpose};
 
@@ -259,6 +259,40 @@ fn error_of_posterior_means_is_the_spread_over_ensembles() {
         let ratio = stated[i].mean() / means[i].variance().unwrap().sqrt();
         assert!((ratio - 1.0).abs() < 0.4 + 0.1, "{i}: {ratio}");
     }
+}
+
+#[test]
+fn mixture_scatters_by_the_stated_error_and_widens_the_posterior() {
+    let space = two_parameters();
+    let plates = law_at(&[1.2, 0.9]).draw(3, 2, 6);
+    let data = Observations::new(&plates, &[0.0; 2]).unwrap();
+    let fine = emulator(&space, law_at, 20, 1000);
+    let mixture = EmulatorMixture::new(&fine, 400, &Noise::new(21)).unwrap();
+    for point in [[1.2, 0.9], [0.7, 1.6]] {
+        let mut values = Accumulator::default();
+        for of in mixture.emulators() {
+            values.push(of.value(&point, &data).unwrap());
+        }
+        let stated = fine.log_likelihood(&point, &data).unwrap();
+        let ratio = values.variance().unwrap().sqrt() / stated.standard_error().unwrap();
+        // A deviation from 400 draws has an error of 3.5 %; errors of 0.1 to 0.2 are nearly of first order.
+        assert!((ratio - 1.0).abs() < 4.0 * 0.035 + 0.05, "{point:?}: {ratio}");
+        let mean = values.estimate().unwrap();
+        assert!(within(&mean, stated.value, 0.05), "{point:?}: {mean} {stated}");
+    }
+    let coarse = emulator(&space, law_at, 22, 12);
+    let mixture = EmulatorMixture::new(&coarse, 32, &Noise::new(23)).unwrap();
+    let config =
+        SamplerConfig { n_particles: 200, n_draws: 2000, ..SamplerConfig::new(Noise::new(4)) };
+    let deviations = |of: &(dyn Fn(&[f64]) -> Result<f64, Error> + Sync)| -> Vec<f64> {
+        let posterior = Posterior::sample(&space, &of, &config).unwrap();
+        posterior.parameters().iter().map(|p| p.standard_deviation.value).collect()
+    };
+    let alone = deviations(&|x| coarse.value(x, &data));
+    let averaged = deviations(&|x| mixture.value(x, &data));
+    assert!((0..2).all(|i| averaged[i] > 1.02 * alone[i]), "{averaged:?} {alone:?}");
+    let few = EmulatorMixture::new(&coarse, 7, &Noise::new(0));
+    assert!(matches!(few, Err(Error::TooFew { value: 7, limit: 8, .. })));
 }
 
 #[test]

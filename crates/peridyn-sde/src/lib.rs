@@ -13,6 +13,7 @@ mod fast;
 mod gaussian_field;
 mod horizon;
 mod implicit;
+pub mod inference;
 mod lattice_field;
 pub mod law;
 mod loading;

@@ -2,7 +2,7 @@
 
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::error::{Error, between};
+use crate::error::{Error, at_least, between};
 
 /// A number with an interval that holds the true one at a confidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,10 +116,6 @@ impl Bootstrap {
 fn check(values: &[f64]) -> Result<(), Error> {
     at_least("values to resample", values.len(), Bootstrap::LEAST_VALUES)?;
     values.iter().try_for_each(|&value| crate::error::finite("a value to resample", value))
-}
-
-pub(super) fn at_least(name: &'static str, value: usize, limit: usize) -> Result<(), Error> {
-    if value < limit { Err(Error::TooFew { name, value, limit }) } else { Ok(()) }
 }
 
 fn resample(values: &[f64], stream: &mut Stream, drawn: &mut Vec<f64>) {

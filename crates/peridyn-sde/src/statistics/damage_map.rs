@@ -2,8 +2,7 @@
 
 use sde_integrators::{Estimate, Uncertainty};
 
-use super::bootstrap::at_least;
-use crate::error::{Error, between};
+use crate::error::{Error, at_least, between};
 
 /// Damage is counted in units of this: sums of whole numbers do not depend on their order.
 const UNIT: f64 = 1.0 / (1_u64 << 40) as f64;

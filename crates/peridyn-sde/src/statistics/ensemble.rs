@@ -2,9 +2,8 @@
 
 use sde_integrators::{Accumulator, Estimate, Samples, Uncertainty};
 
-use super::bootstrap::at_least;
 use super::{Bootstrap, CrackOutcome, CrackRecord, Interval, QUANTILES};
-use crate::error::{Error, finite};
+use crate::error::{Error, at_least, finite};
 use crate::path::height_at;
 
 /// The records of all realisations of an ensemble, from number 0 on.

@@ -9,6 +9,7 @@ mod dynamics;
 mod fast_bits;
 mod fast_paths;
 mod forces;
+mod inference;
 mod mobility;
 mod paths;
 mod statics;

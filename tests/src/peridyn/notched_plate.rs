@@ -6,9 +6,10 @@
 use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
-    CrackRun, CrackStudy, DisorderField, Dynamics, GaussianField, Horizon, Influence, Loading,
-    Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
+    CrackRun, CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence,
+    Loading, Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
     SimulationConfig, Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
+    merge_shards,
 };
 use sde_integrators::Noise;
 
@@ -109,6 +110,30 @@ impl NotchedPlate {
         realisations: std::ops::Range<u64>,
         seed: u64,
     ) -> Result<CrackRun, CaseError> {
+        self.study(seed, |study| study.run::<T, L>(realisations, &[], &|_| {}))
+    }
+
+    /// The same of realisations from 0 on, in shards that are joined from the last to the first.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::shard`] and [`merge_shards`].
+    pub fn run_in_shards<T: Real, const L: usize>(
+        &self,
+        realisations: u64,
+        n_shards: u64,
+        seed: u64,
+    ) -> Result<CrackRun, CaseError> {
+        self.study(seed, |study| {
+            let shard = |at| study.shard::<T, L>(realisations, (at, n_shards), &[], &|_| {});
+            merge_shards((0..n_shards).rev().map(shard).collect::<Result<_, _>>()?)
+        })
+    }
+
+    fn study<R>(
+        &self,
+        seed: u64,
+        run: impl FnOnce(&CrackStudy<'_>) -> Result<R, Error>,
+    ) -> Result<R, CaseError> {
         let ready = self.ready(Noise::new(seed))?;
         let (strengths, stiffness) = match self.cause {
             Cause::WhiteNoise { .. } => (None, None),
@@ -136,7 +161,7 @@ impl NotchedPlate {
             border: 0.95,
             damage_threshold: 0.3,
         };
-        Ok(study.run::<T, L>(realisations, &[], &|_| {})?)
+        Ok(run(&study)?)
     }
 
     /// A lognormal field of a mean and a coefficient of variation.

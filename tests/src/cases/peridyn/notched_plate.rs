@@ -99,7 +99,26 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             seen.push(scatter);
         }
     }
+    claims.push(in_shards(context)?);
     Ok(claims)
+}
+
+/// An ensemble in parts whose sizes are no multiples of the lanes.
+fn in_shards(context: &Context<'_>) -> Result<Claim, CaseError> {
+    context.progress("shards");
+    let (plate, count) = (Family::White.plate(24), 40);
+    let whole = plate.run::<f32, 16>(0..count, SEED)?;
+    let parts = plate.run_in_shards::<f32, 16>(count, 3, SEED)?;
+    let n_different = (whole.records.iter().zip(&parts.records).filter(|(a, b)| a != b).count())
+        + whole.loads.iter().zip(&parts.loads).filter(|(a, b)| a != b).count()
+        + usize::from(whole.damage != parts.damage)
+        + usize::from(whole.broken != parts.broken);
+    let quantity = "paths, load curves and maps that differ from those of one run";
+    let method = "40 realisations of 24 rows in white noise, f32, in three shards joined from the last to the first";
+    let subject = context.subject("shards", quantity, "", method);
+    let reason =
+        "noise is a function of seed, realisation and step; lanes do not know of each other";
+    Ok(Claim::same_bits(subject, n_different, 2 * whole.records.len() + 2, reason))
 }
 
 fn bootstrap() -> Bootstrap {

@@ -76,7 +76,10 @@ impl Block {
         Ok(BondList::new(nodes, bonds, Strain::Finite, &strengths)?)
     }
 
-    fn pulled(&self, body: impl Body<f64, 3, 1>) -> Result<Pulled, CaseError> {
+    fn simulation<B: Body<f64, 3, 1>>(
+        &self,
+        body: B,
+    ) -> Result<Simulation<f64, B, 3, 1>, CaseError> {
         let x = self.nodes.positions();
         let layers = |inside: &dyn Fn(f64) -> bool| {
             (0..x.len()).filter(|&node| inside(x[node][2])).collect::<Vec<usize>>()
@@ -97,8 +100,38 @@ impl Block {
         };
         let mut run = Simulation::new(body, loading, config, [0])?;
         run.cut(&self.cut)?;
+        Ok(run)
+    }
+
+    fn pulled(&self, body: impl Body<f64, 3, 1>) -> Result<Pulled, CaseError> {
+        self.finished(self.simulation(body)?, 0)
+    }
+
+    /// The same, put away in the middle and taken up by another simulation.
+    fn restarted(&self) -> Result<Pulled, CaseError> {
+        let mut first = self.simulation(self.lattice()?)?;
         let mut breaks = Vec::new();
-        for _ in 0..N_STEPS {
+        for _ in 0..N_STEPS / 2 {
+            let broken = first.step()?.broken;
+            let grown = broken.iter().filter(|broken| broken.cause != Cause::Cut);
+            breaks.extend(grown.map(|broken| (broken.bond, broken.step)));
+        }
+        let text = serde_json::to_string(&first.save()?)?;
+        let mut second = self.simulation(self.lattice()?)?;
+        second.restore(&serde_json::from_str(&text)?)?;
+        let mut pulled = self.finished(second, N_STEPS / 2)?;
+        pulled.breaks.extend(breaks);
+        pulled.breaks.sort_unstable();
+        Ok(pulled)
+    }
+
+    fn finished<B: Body<f64, 3, 1>>(
+        &self,
+        mut run: Simulation<f64, B, 3, 1>,
+        done: u32,
+    ) -> Result<Pulled, CaseError> {
+        let mut breaks = Vec::new();
+        for _ in done..N_STEPS {
             let report = run.step()?;
             let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
             breaks.extend(grown.map(|broken| (broken.bond, broken.step)));
@@ -124,27 +157,29 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let method = format!(
         "28 x 12 x 16 nodes, horizon 3.015 dx, f64, velocity Verlet, {N_STEPS} steps, nu = 1/4"
     );
-    let lines = Lines { context, id: "", method: method.clone() };
+    let lines = Lines { context, id: "", method };
     let (lattice, list) = (block.pulled(block.lattice()?)?, block.pulled(block.list()?)?);
     let mut claims = against_list(&lines, &lattice, &list);
     claims.extend(of_front(&lines, &block.front(&lattice)?));
     for threads in [1, 2, 8] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let again = pool.install(|| block.pulled(block.lattice()?))?;
-        let quantity = "displacements and breaks that differ from those of the run above";
-        let subject = context.subject(&format!("threads-{threads}"), quantity, "", &method);
-        let differ = |(a, b): &(&f64, &f64)| a.to_bits() != b.to_bits();
-        let (ours, theirs) = (lattice.u.as_flattened(), again.u.as_flattened());
-        let n_different = ours.iter().zip(theirs).filter(differ).count()
-            + usize::from(lattice.breaks != again.breaks);
-        claims.push(Claim::same_bits(
-            subject,
-            n_different,
-            ours.len() + 1,
-            "every node sums over its own bonds in one order",
-        ));
+        let reason = "every node sums over its own bonds in one order";
+        claims.push(same(&lines, &format!("threads-{threads}"), (&lattice, &again), reason));
     }
+    let reason = "displacements, velocities, step and whole bonds are all that a run goes on from; written as JSON and read again half way";
+    claims.push(same(&lines, "restart", (&lattice, &block.restarted()?), reason));
     Ok(claims)
+}
+
+fn same(lines: &Lines<'_>, id: &str, (one, other): (&Pulled, &Pulled), reason: &str) -> Claim {
+    let quantity = "displacements and breaks that differ from those of the run above";
+    let differ = |(a, b): &(&f64, &f64)| a.to_bits() != b.to_bits();
+    let (ours, theirs) = (one.u.as_flattened(), other.u.as_flattened());
+    let n_different =
+        ours.iter().zip(theirs).filter(differ).count() + usize::from(one.breaks != other.breaks);
+    let subject = lines.context.subject(id, quantity, "", &lines.method);
+    Claim::same_bits(subject, n_different, ours.len() + 1, reason)
 }
 
 fn against_list(lines: &Lines<'_>, lattice: &Pulled, list: &Pulled) -> Vec<Claim> {

@@ -1,10 +1,12 @@
-//! Charts: error against cost, and values over time.
+//! Charts: error against cost, values over time, curves over a parameter.
 //!
 //! A chart is plain data that goes to JSON beside its picture; the picture is SVG with text as text.
 //! Colours are those of Okabe and Ito, and no series is told from another by colour alone.
 
 mod axis;
 mod canvas;
+mod curve;
+mod curves;
 mod field;
 mod legend;
 mod path_map;
@@ -17,6 +19,8 @@ mod work_precision;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::curve::{Curve, CurvePoint, Curves, Direction, Height, Style, Threshold};
+pub use self::curves::curves;
 pub use self::field::field;
 pub use self::path_map::path_map;
 pub use self::plane::plane;

@@ -37,8 +37,19 @@ pub const ALL: &[ChartKind] = &[
 ];
 
 /// Every sweep of `stability`.
-pub const STABILITY: &[ChartKind] =
-    &[stability::fpk::MAP, stability::sde::MAP, stability::smpm::MAP];
+pub const STABILITY: &[ChartKind] = &[
+    stability::fpk::MAP,
+    stability::sde::MAP,
+    stability::smpm::MAP,
+    stability::peridyn::z::MAP,
+    stability::peridyn::noise::MAP,
+    stability::peridyn::horizon::MAP,
+    stability::peridyn::loose::MAP,
+    stability::peridyn::load::MAP,
+    stability::peridyn::nugget::MAP,
+    stability::peridyn::damage::MAP,
+    stability::peridyn::influence::MAP,
+];
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
@@ -110,6 +121,15 @@ impl Drawing {
             data: finite::to_json(data)?,
             table: String::new(),
         })
+    }
+
+    /// Curves over a parameter.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn curves(name: &str, data: &chart::Curves) -> Result<Self, DrawingError> {
+        let face = Face::Picture(chart::curves(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
     /// A density over a plane.

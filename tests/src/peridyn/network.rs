@@ -17,6 +17,8 @@ pub struct Network<const D: usize> {
     pub bonds: Bonds,
     /// Which nodes are free.
     pub free: Vec<bool>,
+    /// `epsilon` of its runs (force over length).
+    pub confinement: f64,
 }
 
 impl Network<1> {
@@ -63,7 +65,7 @@ impl<const D: usize> Network<D> {
         let of_one = Bonds::new(&nodes, &config(1.0)?)?.all()[0].stiffness;
         let bonds = Bonds::new(&nodes, &config(1.0 / of_one)?)?;
         let free = nodes.positions().iter().map(|x| !held(x)).collect();
-        Ok(Self { nodes, bonds, free })
+        Ok(Self { nodes, bonds, free, confinement: 0.0 })
     }
 
     /// How many components of free nodes there are.
@@ -147,8 +149,8 @@ impl<const D: usize> Network<D> {
         let strengths = vec![1e6; self.bonds.len()];
         let body =
             BondList::new(self.nodes.clone(), self.bonds.clone(), Strain::Linear, &strengths)?;
-        let config =
-            SimulationConfig { dynamics, dt, breaking: Breaking::AtEnds, confinement: 0.0, noise };
+        let (breaking, confinement) = (Breaking::AtEnds, self.confinement);
+        let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
         Simulation::new(body, self.loading()?, config, [0])
     }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 use peridyn_sde::{
-    Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Dynamics,
-    Error, Mobility, Scheme, Simulation, SimulationConfig,
+    Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Error,
+    Mobility, Scheme, Simulation, SimulationConfig,
 };
 use sde_integrators::Noise;
 
@@ -11,6 +11,7 @@ use crate::case::{Case, CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::claim::{Criterion, Measured, Reference};
 use crate::peridyn::network::{Network, distance, foster, lanes, rate, stationary};
+use crate::peridyn::stationary::{TEMPERATURE, covariance_of_baoab, law_of, overdamped};
 use crate::report::{Claim, ErrorKind};
 
 pub(crate) const CASE: Case = Case {
@@ -20,8 +21,6 @@ pub(crate) const CASE: Case = Case {
     cost: Profile::Quick,
     run,
 };
-
-const TEMPERATURE: f64 = 0.7;
 
 fn correlation(function: CorrelationFunction) -> Correlation {
     Correlation { function, length: 1.3 }
@@ -44,66 +43,6 @@ fn mobilities<const D: usize>(
         ("low rank", Mobility::low_rank(x, free, &correlated, 1e-3)?),
         ("compact", Mobility::compact(x, free, &compact)?),
     ])
-}
-
-fn overdamped(mobility: &Mobility, temperature: f64, scheme: Scheme) -> Dynamics {
-    Dynamics::Overdamped { mobility: mobility.clone(), temperature, scheme }
-}
-
-/// The stationary covariance of a scheme over that of the law, and how far its first step is from `N z` with the noise map `N` it
-/// should have.
-struct Law {
-    covariance: DMatrix<f64>,
-    kick: f64,
-}
-
-fn law_of<const D: usize>(
-    network: &Network<D>,
-    mobility: &Mobility,
-    scheme: Scheme,
-    z: f64,
-) -> Result<Law, CaseError> {
-    let cold = overdamped(mobility, 0.0, scheme);
-    let dt = z / rate(network, &cold)?;
-    let map = network.map_of_step(&cold, dt)?;
-    let (l, k) = (network.factor(mobility)?, network.stiffness());
-    let n = network.n_unknowns();
-    let one = DMatrix::<f64>::identity(n, n);
-    let noise = (2.0 * TEMPERATURE * dt).sqrt() * &l;
-    let drift = dt * &l * l.transpose() * &k;
-    let noise = match scheme {
-        Scheme::EulerMaruyama | Scheme::LeimkuhlerMatthews => noise,
-        Scheme::Heun => (one - 0.5 * drift) * noise,
-        Scheme::Theta(theta) => {
-            (one + theta * drift).try_inverse().ok_or("a singular step")? * noise
-        }
-    };
-    let hot = overdamped(mobility, TEMPERATURE, scheme);
-    let [u, w, area] = network.first_kick(hot, dt, l.ncols())?;
-    let z = if scheme == Scheme::LeimkuhlerMatthews {
-        w.iter().zip(&area).map(|(w, area)| 0.5 * (w + area)).collect()
-    } else {
-        w
-    };
-    let expected = &noise * DMatrix::from_vec(z.len(), 1, z);
-    let kick = distance(&DMatrix::from_vec(u.len(), 1, u), &expected);
-    let covariance = if scheme == Scheme::LeimkuhlerMatthews {
-        averaged(&map, &noise)
-    } else {
-        stationary(&map, &(&noise * noise.transpose()))
-    };
-    Ok(Law { covariance, kick })
-}
-
-/// Of `x' = A x + B (z_0 + z_1)/2`, whose memory `z_0` is part of the state.
-fn averaged(map: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
-    let (n, m) = noise.shape();
-    let (mut large, mut kicks) = (DMatrix::zeros(n + m, n + m), DMatrix::zeros(n + m, m));
-    large.view_mut((0, 0), (n, n)).copy_from(map);
-    large.view_mut((0, n), (n, m)).copy_from(&(0.5 * noise));
-    kicks.view_mut((0, 0), (n, m)).copy_from(&(0.5 * noise));
-    kicks.view_mut((n, 0), (m, m)).fill_with_identity();
-    stationary(&large, &(&kicks * kicks.transpose())).view((0, 0), (n, n)).into_owned()
 }
 
 fn exact_laws<const D: usize>(
@@ -206,21 +145,9 @@ fn biased<const D: usize>(
 /// BAOAB on displacements and velocities.
 fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Vec<Claim>, CaseError> {
     let exact = TEMPERATURE * network.stiffness().try_inverse().ok_or("a singular network")?;
-    let n = network.n_unknowns();
     let mut claims = Vec::new();
     for (friction, part) in [(0.3, 0.5), (3.0, 0.9)] {
-        let dynamics = |temperature| Dynamics::Inertial { density: 1.0, friction, temperature };
-        // omega h below 2.
-        let dt = 2.0 * part / rate(network, &dynamics(0.0))?;
-        let map = network.map_of_step(&dynamics(0.0), dt)?;
-        let amplitude = ((1.0 - (-2.0_f64 * friction * dt).exp()) * TEMPERATURE).sqrt();
-        let one = DMatrix::<f64>::identity(n, n);
-        let moved = 0.5 * dt * amplitude * &one;
-        let mut noise = DMatrix::zeros(2 * n, n);
-        noise.view_mut((0, 0), (n, n)).copy_from(&moved);
-        let kicked = amplitude * &one - 0.5 * dt * network.stiffness() * &moved;
-        noise.view_mut((n, 0), (n, n)).copy_from(&kicked);
-        let covariance = stationary(&map, &(&noise * noise.transpose()));
+        let covariance = covariance_of_baoab(network, friction, 2.0 * part)?;
         let lines = Lines {
             context,
             id: "chain10/baoab",
@@ -228,7 +155,7 @@ fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Vec<Claim>, C
         };
         claims.push(lines.bounded(
             (&format!("gamma{friction}/covariance"), "largest entry of cov(u) - kT K^-1 over its largest", ""),
-            distance(&covariance.view((0, 0), (n, n)).into_owned(), &exact),
+            distance(&covariance, &exact),
             1e-11,
             "exact in displacements for linear forces at any stable step; roundoff over more steps than overdamped",
         ));

@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::rest::{number, numbers};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::cases::lines::Lines;
+use crate::peridyn::memory::{Wear, stepped};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -36,42 +37,18 @@ fn broken_line(t: f64) -> f64 {
     2e-3 * t.min(1.0) - 2e-3 * (t - 2.0).clamp(0.0, 1.0)
 }
 
+fn wear((n, m): (f64, f64)) -> Wear {
+    Wear { sensitivity: SENSITIVITY, rate: RATE, n, m, start: START }
+}
+
 fn sine(t: f64) -> f64 {
     2e-3 * (1.3 * t).sin()
-}
-
-/// `alpha` at a time, by the classical Runge-Kutta method.
-fn integrated((n, m): (f64, f64), stretch: fn(f64) -> f64, until: f64, steps: u32) -> f64 {
-    let slope = |t: f64, a: f64| {
-        let a = a.max(0.0);
-        -RATE * (SENSITIVITY * stretch(t)).exp() * a.powf(n) * (1.0 - a).powf(m)
-    };
-    let (dt, mut a) = (until / f64::from(steps), START);
-    for step in 0..steps {
-        let t = dt * f64::from(step);
-        let k1 = slope(t, a);
-        let k2 = slope(t + 0.5 * dt, a + 0.5 * dt * k1);
-        let k3 = slope(t + 0.5 * dt, a + 0.5 * dt * k2);
-        let k4 = slope(t + dt, a + dt * k3);
-        a += dt / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
-    }
-    a.max(0.0)
-}
-
-/// `alpha` at a time, by steps of the law.
-fn stepped(law: &Memory, stretch: fn(f64) -> f64, until: f64, steps: u32) -> f64 {
-    let (dt, mut state) = (until / f64::from(steps), law.start());
-    for step in 0..steps {
-        let t = dt * f64::from(step);
-        law.advance(1.0, stretch(t), stretch(t + dt), dt, &mut state);
-    }
-    1.0 - law.damage(1.0, &state)
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     for (id, exponents) in EXPONENTS {
-        let law = Memory::new(SENSITIVITY, RATE, exponents, START)?;
+        let law = wear(exponents).law()?;
         let method = format!(
             "n = {}, m = {}, k = {SENSITIVITY}, lambda = {RATE}, alpha(0) = {START}",
             exponents.0, exponents.1
@@ -90,8 +67,8 @@ fn of_lines(lines: &Lines<'_>, law: &Memory, exponents: (f64, f64)) -> [Claim; 2
     let (mut worst, mut own) = (0.0_f64, 0.0_f64);
     for steps in [1, 2, 3] {
         let until = f64::from(steps);
-        let fine = integrated(exponents, broken_line, until, 30_000 * steps);
-        let coarse = integrated(exponents, broken_line, until, 15_000 * steps);
+        let fine = wear(exponents).integrated(broken_line, until, 30_000 * steps);
+        let coarse = wear(exponents).integrated(broken_line, until, 15_000 * steps);
         own = own.max((fine - coarse).abs());
         worst = worst.max((stepped(law, broken_line, until, steps) - fine).abs());
     }
@@ -112,7 +89,7 @@ fn of_lines(lines: &Lines<'_>, law: &Memory, exponents: (f64, f64)) -> [Claim; 2
 }
 
 fn of_curve(lines: &Lines<'_>, law: &Memory, exponents: (f64, f64)) -> Claim {
-    let exact = integrated(exponents, sine, 2.0, 40_000);
+    let exact = wear(exponents).integrated(sine, 2.0, 40_000);
     let error = |steps: u32| (stepped(law, sine, 2.0, steps) - exact).abs();
     lines.measured(
         ("sine/order", "order of the error under a sine of strain, between 40 and 80 steps", ""),

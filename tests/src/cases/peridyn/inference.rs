@@ -212,7 +212,7 @@ fn coverage(
 
 /// What is to be known before a posterior is believed.
 fn quality(lines: &Lines<'_>, inferred: &Inferred) -> Vec<Claim> {
-    let all = || inferred.posteriors.iter().flat_map(|posterior| posterior.parameters());
+    let all = || inferred.posteriors.iter().flat_map(Posterior::parameters);
     let most = |of: fn(&ParameterPosterior) -> f64| all().map(of).fold(f64::MIN, f64::max);
     let least = |of: fn(&ParameterPosterior) -> f64| all().map(of).fold(f64::MAX, f64::min);
     let noise = inferred.likelihoods.iter().filter_map(Estimate::standard_error);

@@ -104,7 +104,7 @@ impl Block {
     }
 
     fn pulled(&self, body: impl Body<f64, 3, 1>) -> Result<Pulled, CaseError> {
-        self.finished(self.simulation(body)?, 0)
+        Self::finished(self.simulation(body)?, 0)
     }
 
     /// The same, put away in the middle and taken up by another simulation.
@@ -119,14 +119,13 @@ impl Block {
         let text = serde_json::to_string(&first.save()?)?;
         let mut second = self.simulation(self.lattice()?)?;
         second.restore(&serde_json::from_str(&text)?)?;
-        let mut pulled = self.finished(second, N_STEPS / 2)?;
+        let mut pulled = Self::finished(second, N_STEPS / 2)?;
         pulled.breaks.extend(breaks);
         pulled.breaks.sort_unstable();
         Ok(pulled)
     }
 
     fn finished<B: Body<f64, 3, 1>>(
-        &self,
         mut run: Simulation<f64, B, 3, 1>,
         done: u32,
     ) -> Result<Pulled, CaseError> {

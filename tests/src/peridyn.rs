@@ -10,6 +10,8 @@ pub mod one_bond;
 pub mod plate;
 pub mod rest;
 pub mod scene;
+pub mod scene_body;
 pub mod scene_dynamics;
+pub mod scene_field;
 pub mod scene_problem;
 pub mod stationary;

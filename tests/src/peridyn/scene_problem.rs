@@ -8,11 +8,10 @@ use peridyn_sde::{
 use sde_integrators::Noise;
 use serde::Serialize;
 
-use super::scene::{
-    CrackScene, FieldScene, LoadingScene, PrecisionScene, StrainScene, StrengthScene,
-    ToughnessScene,
-};
+use super::scene::{CrackScene, LoadingScene, PrecisionScene, StrainScene};
+use super::scene_body::ToughnessScene;
 use super::scene_dynamics::StepScene;
+use super::scene_field::{FieldScene, StrengthScene};
 use crate::scene::Objection;
 
 /// A step (s) at which every body is stable; it is only asked what it is in units of the stiffest mode.

@@ -1,0 +1,120 @@
+//! What varies from place to place in a scene of cracks.
+
+use peridyn_sde::{BondValue, Correlation, CorrelationFunction, Marginal};
+use serde::{Deserialize, Serialize};
+
+use super::scene_body::named;
+
+/// How the critical stretch varies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StrengthScene {
+    /// Not at all.
+    Uniform,
+    /// As a random field with the critical stretch of the material as mean, another one in each realisation.
+    Field(FieldScene),
+}
+
+/// A random field.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldScene {
+    /// The law at one place.
+    pub marginal: MarginalScene,
+    /// Of the normal field behind it.
+    pub correlation: CorrelationScene,
+    /// How bonds have it from their nodes.
+    #[serde(default)]
+    pub between_nodes: BetweenScene,
+}
+
+/// The law of a strength or a stiffness at one place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MarginalScene {
+    /// The logarithm is normal.
+    Lognormal {
+        /// Standard deviation over mean.
+        coefficient_of_variation: f64,
+    },
+    /// Of the weakest of many.
+    Weibull {
+        /// Weibull's modulus.
+        shape: f64,
+    },
+    /// Normal; at most 1/7.9 of the mean.
+    Normal {
+        /// Standard deviation over mean.
+        coefficient_of_variation: f64,
+    },
+}
+
+impl MarginalScene {
+    /// The law of a mean.
+    #[must_use]
+    pub fn of(self, mean: f64) -> Marginal {
+        match self {
+            Self::Lognormal { coefficient_of_variation } => {
+                Marginal::Lognormal { mean, coefficient_of_variation }
+            }
+            Self::Weibull { shape } => Marginal::Weibull { mean, shape },
+            Self::Normal { coefficient_of_variation } => {
+                let standard_deviation = coefficient_of_variation * mean;
+                Marginal::Normal { mean, standard_deviation }
+            }
+        }
+    }
+
+    /// Its key and that of its parameter.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Lognormal { .. } => "lognormal.coefficient_of_variation",
+            Self::Weibull { .. } => "weibull.shape",
+            Self::Normal { .. } => "normal.coefficient_of_variation",
+        }
+    }
+}
+
+/// A correlation with its length.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrelationScene {
+    /// Matern's of smoothness 3/2 where it is not given.
+    #[serde(default)]
+    pub function: FunctionScene,
+    /// The integral scale (m).
+    pub length: f64,
+}
+
+impl From<CorrelationScene> for Correlation {
+    fn from(scene: CorrelationScene) -> Self {
+        Self { function: scene.function.into(), length: scene.length }
+    }
+}
+
+named! {
+    /// Correlation functions.
+    FunctionScene => CorrelationFunction {
+        /// `exp(-r/l)`.
+        Exponential,
+        /// `exp(-pi r^2/(4 l^2))`.
+        Gaussian,
+        /// `(1 + 2 r/l) exp(-2 r/l)`.
+        #[default]
+        Matern32,
+        /// Zero beyond three lengths.
+        WendlandC2,
+    }
+}
+
+named! {
+    /// The value of a bond from those of its nodes.
+    BetweenScene => BondValue {
+        /// The smaller one.
+        Minimum,
+        /// Half of both.
+        #[default]
+        Mean,
+    }
+}

@@ -3,7 +3,7 @@
 use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Condition, CrackRun, CrackStudy, DisorderField,
     Dynamics, Error, GaussianField, Horizon, Loading, Nodes, Notch, PathConfig, Program,
-    Simulation, SimulationConfig, Strain, Strength, critical_stretch,
+    Simulation, SimulationConfig, Stiffness, Strain, Strength, critical_stretch,
 };
 use sde_integrators::Noise;
 use serde::Serialize;
@@ -172,7 +172,9 @@ impl CrackProblem {
             bonds: &self.bonds,
             strain: self.strain,
             strength,
-            stiffness: self.stiffness.as_ref().map(|(field, value)| (field, *value)),
+            stiffness: self.stiffness.as_ref().map_or(Stiffness::Uniform, |(field, value)| {
+                Stiffness::Field { field, value: *value }
+            }),
             no_fail: &self.protected,
             notch: self.notch,
             loading: &self.loading,

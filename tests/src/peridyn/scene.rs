@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::scene_body::{BodyScene, BondsScene, MaterialScene};
 use super::scene_dynamics::{DynamicsScene, TimeScene};
-use super::scene_field::{FieldScene, StrengthScene};
+use super::scene_field::VariationScene;
 use crate::scene::{Objection, Scene};
 
 /// A plate, its bonds and notch, what pulls it, how it moves, what is random, and what is looked at.
@@ -33,10 +33,10 @@ pub struct CrackScene {
     /// By which steps, and how many.
     pub time: TimeScene,
     /// How the critical stretch varies from place to place.
-    pub strength: StrengthScene,
-    /// How the stiffness of bonds varies: a factor of mean one; not at all where it is not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stiffness: Option<FieldScene>,
+    pub strength: VariationScene,
+    /// How the stiffness of bonds varies; not at all where it is not given.
+    #[serde(default, skip_serializing_if = "VariationScene::is_uniform")]
+    pub stiffness: VariationScene,
     /// How many realisations.
     pub ensemble: EnsembleScene,
     /// What is told of them.

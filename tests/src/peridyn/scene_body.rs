@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::scene::positive;
 use crate::scene::Objection;
 
-/// A rectangle, from the origin.
+/// A rectangle, from the origin, or points inside of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyScene {
@@ -18,6 +18,59 @@ pub struct BodyScene {
     pub spacing: f64,
     /// What the plane stands for.
     pub condition: ConditionScene,
+    /// A file of points, from the folder of the scene: `.csv` or `.vtu`, with the columns `x` and `y` (m) and, if they are wanted,
+    /// `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<String>,
+    /// What is taken out of the lattice: nodes in holes are none. Bonds across a hole that is narrower than the horizon remain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<HoleScene>,
+}
+
+/// Holes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum HoleScene {
+    /// Round.
+    Circle {
+        /// m.
+        centre: [f64; 2],
+        /// m.
+        radius: f64,
+    },
+    /// With edges along the axes.
+    Box {
+        /// The lower left corner (m).
+        low: [f64; 2],
+        /// The upper right corner (m).
+        high: [f64; 2],
+    },
+}
+
+impl HoleScene {
+    /// Whether a place (m) lies in it.
+    #[must_use]
+    pub fn contains(&self, x: &[f64; 2]) -> bool {
+        match *self {
+            Self::Circle { centre, radius } => (x[0] - centre[0]).hypot(x[1] - centre[1]) < radius,
+            Self::Box { low, high } => (0..2).all(|k| x[k] > low[k] && x[k] < high[k]),
+        }
+    }
+
+    fn check(&self, path: &str) -> Result<(), Objection> {
+        match *self {
+            Self::Circle { radius, .. } => {
+                positive(&format!("{path}.circle.radius"), "the radius", radius)
+            }
+            Self::Box { low, high } => match (0..2).find(|&k| low[k] >= high[k]) {
+                Some(k) => {
+                    let message = format!("the box goes from {} m to {} m", low[k], high[k]);
+                    Err(Objection::new(format!("{path}.box.high[{k}]"), message))
+                }
+                None => Ok(()),
+            },
+        }
+    }
 }
 
 impl BodyScene {
@@ -28,7 +81,17 @@ impl BodyScene {
     pub fn check(&self) -> Result<(), Objection> {
         positive("body.spacing", "the spacing", self.spacing)?;
         self.check_size(0, "width")?;
-        self.check_size(1, "height")
+        self.check_size(1, "height")?;
+        for (i, hole) in self.holes.iter().enumerate() {
+            hole.check(&format!("body.holes[{i}]"))?;
+        }
+        if self.points.is_some() && !self.holes.is_empty() {
+            let message = "holes are taken out of a lattice, and the body is one of points";
+            return Err(
+                Objection::new("body.holes", message).with_help("leave them out of the file")
+            );
+        }
+        Ok(())
     }
 
     fn check_size(&self, k: usize, name: &str) -> Result<(), Objection> {

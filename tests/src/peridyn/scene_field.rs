@@ -5,14 +5,35 @@ use serde::{Deserialize, Serialize};
 
 use super::scene_body::named;
 
-/// How the critical stretch varies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// How the critical stretch or the stiffness varies.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum StrengthScene {
+pub enum VariationScene {
     /// Not at all.
+    #[default]
     Uniform,
-    /// As a random field with the critical stretch of the material as mean, another one in each realisation.
+    /// As a random field with the value of the material as mean, another one in each realisation.
     Field(FieldScene),
+    /// As the file of the points says, the same in each realisation: the value of the material times the column `strength_factor`,
+    /// or `stiffness_factor`.
+    Column(ColumnScene),
+}
+
+impl VariationScene {
+    /// Whether nothing varies.
+    #[must_use]
+    pub const fn is_uniform(&self) -> bool {
+        matches!(self, Self::Uniform)
+    }
+}
+
+/// Factors from the file of the points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnScene {
+    /// How bonds have them from their nodes.
+    #[serde(default)]
+    pub between_nodes: BetweenScene,
 }
 
 /// A random field.

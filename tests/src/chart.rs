@@ -174,8 +174,8 @@ pub struct PathMap {
     pub x: Vec<f64>,
     /// Edges of the cells along the vertical axis.
     pub y: Vec<f64>,
-    /// The probability in each cell, row by row from below.
-    pub values: Vec<Vec<f64>>,
+    /// The probability in each cell, row by row from below; none where there is nothing.
+    pub values: Vec<Vec<Option<f64>>>,
     /// What is there at the start, such as a notch: a name and points joined by a thick line.
     pub given: (String, Vec<[f64; 2]>),
     /// The path by its quantiles, from the lowest probability to the highest, with their names; the middle one is drawn boldly, the

@@ -9,7 +9,7 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
@@ -55,6 +55,7 @@ impl Objection {
 #[derive(Debug, Clone)]
 pub struct SceneFile {
     origin: Origin,
+    folder: PathBuf,
 }
 
 impl SceneFile {
@@ -71,7 +72,8 @@ impl SceneFile {
             path: path.display().to_string(),
             offset: error.utf8_error().valid_up_to(),
         })?;
-        Self::from_text(&path.display().to_string(), text)
+        let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+        Ok(Self { folder, ..Self::from_text(&path.display().to_string(), text)? })
     }
 
     /// Takes a text under a name for messages.
@@ -86,7 +88,13 @@ impl SceneFile {
         }
         let tree = place::parse(&origin)?;
         place::check_tree(&origin, &tree)?;
-        Ok(Self { origin })
+        Ok(Self { origin, folder: PathBuf::new() })
+    }
+
+    /// The folder of the file, from which paths in it are taken; that of the process for a text.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// The value of a text key at the top, e.g. `solver`, which names the kind of scene.

@@ -42,7 +42,9 @@ pub use correlation::{Correlation, CorrelationFunction};
 pub use crossing::Crossing;
 pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
-pub use ensemble::{CrackRun, CrackShard, CrackStudy, FinalState, Strength, merge_shards};
+pub use ensemble::{
+    CrackRun, CrackShard, CrackStudy, FinalState, Stiffness, Strength, merge_shards,
+};
 pub use error::Error;
 pub use fast::{BondList, LatticeBody, Strain};
 pub use gaussian_field::GaussianField;

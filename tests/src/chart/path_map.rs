@@ -70,7 +70,7 @@ fn check(chart: &PathMap) -> Result<(), ChartError> {
     for &value in chart.x.iter().chain(&chart.y).chain(places) {
         finite(name, "coordinate", value)?;
     }
-    for &value in chart.values.iter().flatten() {
+    for &value in chart.values.iter().flatten().flatten() {
         finite(name, "value", value)?;
     }
     if chart.x.len() < 2 || chart.y.len() < 2 || extent(&chart.x) <= 0.0 || extent(&chart.y) <= 0.0
@@ -87,7 +87,7 @@ fn extent(edges: &[f64]) -> f64 {
 fn draw_cells(canvas: &Canvas<'_>, chart: &PathMap, x: &Axis, y: &Axis) -> Drawn {
     for (k, row) in chart.values.iter().enumerate() {
         let ends = (y.place(chart.y[k]), y.place(chart.y[k + 1]));
-        let bands: Vec<_> = row.iter().map(|&value| Some(band(value))).collect();
+        let bands: Vec<_> = row.iter().map(|value| value.map(band)).collect();
         draw_row(canvas, &bands, |column| x.place(chart.x[column]), ends, colour)?;
     }
     let [left, right] = [&chart.x[0], &chart.x[chart.x.len() - 1]].map(|&edge| x.place(edge));
@@ -198,7 +198,7 @@ mod tests {
             probability: vec!["probability".into(), "of damage".into()],
             x: vec![0.0, 1.0, 2.0],
             y: vec![0.0, 1.0],
-            values: vec![vec![0.0, 1.0]],
+            values: vec![vec![Some(0.0), Some(1.0)]],
             given: ("notch".into(), vec![[0.0, 0.5], [0.5, 0.5]]),
             quantiles: vec![quantile("5 %", 0.4), quantile("median", 0.5), quantile("95 %", 0.6)],
         }
@@ -217,7 +217,7 @@ mod tests {
         for (width, height) in [(1.0, 1.0), (5.0, 1.0), (1.0, 3.0)] {
             let mut map = map();
             (map.x, map.y) = (vec![0.0, width], vec![0.0, height]);
-            map.values = vec![vec![1.0]];
+            map.values = vec![vec![Some(1.0)]];
             map.quantiles.clear();
             let svg = path_map(&map).unwrap();
             // The one cell of full probability, and not its entry in the key, is as wide over high as the body.
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn nan_is_refused_and_so_is_nothing() {
         let mut broken = map();
-        broken.values[0][0] = f64::NAN;
+        broken.values[0][0] = Some(f64::NAN);
         assert!(matches!(path_map(&broken), Err(ChartError::NotFinite { quantity: "value", .. })));
         broken = map();
         broken.x.clear();

@@ -8,8 +8,8 @@ use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
     CrackRun, CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence,
     Loading, Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
-    SimulationConfig, Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
-    merge_shards,
+    SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection, VolumeCorrection,
+    critical_stretch, merge_shards,
 };
 use sde_integrators::Noise;
 
@@ -149,7 +149,10 @@ impl NotchedPlate {
             strength: strengths.as_ref().map_or(Strength::Uniform(ready.strength), |field| {
                 Strength::Field { field, value: BondValue::Mean }
             }),
-            stiffness: stiffness.as_ref().map(|field| (field, BondValue::Mean)),
+            stiffness: stiffness.as_ref().map_or(Stiffness::Uniform, |field| Stiffness::Field {
+                field,
+                value: BondValue::Mean,
+            }),
             no_fail: &ready.protected,
             notch: Notch { mouth: [-self.spacing(), 0.0], tip: TIP },
             loading: &ready.loading,

@@ -1,13 +1,11 @@
 //! A scene of cracks as it stands in its JSON file: a notched plate that is pulled apart, again and again. All numbers are in SI
 //! units.
 
-use peridyn_sde::{
-    BondValue, Condition, Correlation, CorrelationFunction, Error, Horizon, Influence, Marginal,
-    Strain, SurfaceCorrection, VolumeCorrection,
-};
 use serde::{Deserialize, Serialize};
 
+use super::scene_body::{BodyScene, BondsScene, MaterialScene};
 use super::scene_dynamics::{DynamicsScene, TimeScene};
+use super::scene_field::VariationScene;
 use crate::scene::{Objection, Scene};
 
 /// A plate, its bonds and notch, what pulls it, how it moves, what is random, and what is looked at.
@@ -35,216 +33,15 @@ pub struct CrackScene {
     /// By which steps, and how many.
     pub time: TimeScene,
     /// How the critical stretch varies from place to place.
-    pub strength: StrengthScene,
-    /// How the stiffness of bonds varies: a factor of mean one; not at all where it is not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stiffness: Option<FieldScene>,
+    pub strength: VariationScene,
+    /// How the stiffness of bonds varies; not at all where it is not given.
+    #[serde(default, skip_serializing_if = "VariationScene::is_uniform")]
+    pub stiffness: VariationScene,
     /// How many realisations.
     pub ensemble: EnsembleScene,
     /// What is told of them.
     #[serde(default)]
     pub output: OutputScene,
-}
-
-/// A rectangle, from the origin.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BodyScene {
-    /// Width and height (m), multiples of the spacing.
-    pub size: [f64; 2],
-    /// Of the nodes (m).
-    pub spacing: f64,
-    /// What the plane stands for.
-    pub condition: ConditionScene,
-}
-
-/// Plane conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum ConditionScene {
-    /// A plate, free to contract across.
-    PlaneStress {
-        /// m.
-        thickness: f64,
-    },
-    /// A slice of a long body.
-    PlaneStrain {
-        /// m.
-        thickness: f64,
-    },
-}
-
-impl From<ConditionScene> for Condition {
-    fn from(scene: ConditionScene) -> Self {
-        match scene {
-            ConditionScene::PlaneStress { thickness } => Self::PlaneStress { thickness },
-            ConditionScene::PlaneStrain { thickness } => Self::PlaneStrain { thickness },
-        }
-    }
-}
-
-/// Constants of a material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MaterialScene {
-    /// Pa. Bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
-    pub young_modulus: f64,
-    /// kg/m^3; of inertial dynamics.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub density: Option<f64>,
-    /// When it breaks.
-    pub toughness: ToughnessScene,
-}
-
-/// When bonds break.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ToughnessScene {
-    /// `G0` (J/m^2); the critical stretch follows from it and the horizon.
-    EnergyReleaseRate(f64),
-    /// `s0`.
-    CriticalStretch(f64),
-}
-
-/// How nodes are bonded.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BondsScene {
-    /// How far a node sees.
-    pub horizon: HorizonScene,
-    /// Weight of a bond by its length; constant where it is not given.
-    #[serde(default)]
-    pub influence: InfluenceScene,
-    /// Of volumes at the horizon; none where it is not given.
-    #[serde(default)]
-    pub volume_correction: VolumeScene,
-    /// Of bonds near the surface; none where it is not given.
-    #[serde(default)]
-    pub surface_correction: SurfaceScene,
-    /// Finite where it is not given.
-    #[serde(default)]
-    pub strain: StrainKindScene,
-}
-
-/// Horizons.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum HorizonScene {
-    /// So many whole spacings and a little more: `(m + 0.015) dx`.
-    Shells(u32),
-    /// m.
-    Length(f64),
-}
-
-impl HorizonScene {
-    /// The horizon of nodes at a spacing.
-    ///
-    /// # Errors
-    /// An [`Objection`] to one below the spacing, or that ends on nodes.
-    pub fn of(self, spacing: f64) -> Result<Horizon, Objection> {
-        let (key, horizon) = match self {
-            Self::Shells(shells) => ("shells", Horizon::of_shells(shells, spacing)),
-            Self::Length(length) => ("length", Horizon::new(length, spacing)),
-        };
-        horizon.map_err(|error| {
-            let objection = Objection::new(format!("bonds.horizon.{key}"), error.to_string());
-            match error {
-                Error::HorizonTooShort { .. } => {
-                    objection.with_help("three to four shells are usual: { \"shells\": 3 }")
-                }
-                _ => objection,
-            }
-        })
-    }
-}
-
-macro_rules! named {
-    ($(#[$meta:meta])* $scene:ident => $target:ident { $($(#[$variant_meta:meta])* $variant:ident,)+ }) => {
-        $(#[$meta])*
-        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        pub enum $scene { $($(#[$variant_meta])* $variant,)+ }
-
-        impl From<$scene> for $target {
-            fn from(scene: $scene) -> Self {
-                match scene { $($scene::$variant => Self::$variant,)+ }
-            }
-        }
-    };
-}
-
-named! {
-    /// Influence functions.
-    InfluenceScene => Influence {
-        /// 1.
-        #[default]
-        Constant,
-        /// `1 - q`.
-        Conical,
-        /// `(1 - q^2)^2`.
-        Quartic,
-    }
-}
-
-named! {
-    /// Volume corrections.
-    VolumeScene => VolumeCorrection {
-        /// Nothing.
-        #[default]
-        None,
-        /// Of the last half spacing inside the horizon, as in LAMMPS.
-        Partial,
-        /// Of half a spacing on both sides of it.
-        Ramp,
-    }
-}
-
-named! {
-    /// Surface corrections.
-    SurfaceScene => SurfaceCorrection {
-        /// Nothing.
-        #[default]
-        None,
-        /// By the energy under a strain along each axis.
-        Energy,
-    }
-}
-
-named! {
-    /// How strains are measured.
-    StrainKindScene => Strain {
-        /// Of the bond as it stands.
-        #[default]
-        Finite,
-        /// Linear in displacements.
-        Linear,
-    }
-}
-
-named! {
-    /// Correlation functions.
-    FunctionScene => CorrelationFunction {
-        /// `exp(-r/l)`.
-        Exponential,
-        /// `exp(-pi r^2/(4 l^2))`.
-        Gaussian,
-        /// `(1 + 2 r/l) exp(-2 r/l)`.
-        #[default]
-        Matern32,
-        /// Zero beyond three lengths.
-        WendlandC2,
-    }
-}
-
-named! {
-    /// The value of a bond from those of its nodes.
-    BetweenScene => BondValue {
-        /// The smaller one.
-        Minimum,
-        /// Half of both.
-        #[default]
-        Mean,
-    }
 }
 
 /// A notch: a straight cut.
@@ -319,94 +116,6 @@ pub enum StrainScene {
     OverCriticalStretch(f64),
 }
 
-/// How the critical stretch varies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum StrengthScene {
-    /// Not at all.
-    Uniform,
-    /// As a random field with the critical stretch of the material as mean, another one in each realisation.
-    Field(FieldScene),
-}
-
-/// A random field.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FieldScene {
-    /// The law at one place.
-    pub marginal: MarginalScene,
-    /// Of the normal field behind it.
-    pub correlation: CorrelationScene,
-    /// How bonds have it from their nodes.
-    #[serde(default)]
-    pub between_nodes: BetweenScene,
-}
-
-/// The law of a strength or a stiffness at one place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum MarginalScene {
-    /// The logarithm is normal.
-    Lognormal {
-        /// Standard deviation over mean.
-        coefficient_of_variation: f64,
-    },
-    /// Of the weakest of many.
-    Weibull {
-        /// Weibull's modulus.
-        shape: f64,
-    },
-    /// Normal; at most 1/7.9 of the mean.
-    Normal {
-        /// Standard deviation over mean.
-        coefficient_of_variation: f64,
-    },
-}
-
-impl MarginalScene {
-    /// The law of a mean.
-    #[must_use]
-    pub fn of(self, mean: f64) -> Marginal {
-        match self {
-            Self::Lognormal { coefficient_of_variation } => {
-                Marginal::Lognormal { mean, coefficient_of_variation }
-            }
-            Self::Weibull { shape } => Marginal::Weibull { mean, shape },
-            Self::Normal { coefficient_of_variation } => {
-                let standard_deviation = coefficient_of_variation * mean;
-                Marginal::Normal { mean, standard_deviation }
-            }
-        }
-    }
-
-    /// Its key and that of its parameter.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Lognormal { .. } => "lognormal.coefficient_of_variation",
-            Self::Weibull { .. } => "weibull.shape",
-            Self::Normal { .. } => "normal.coefficient_of_variation",
-        }
-    }
-}
-
-/// A correlation with its length.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CorrelationScene {
-    /// Matern's of smoothness 3/2 where it is not given.
-    #[serde(default)]
-    pub function: FunctionScene,
-    /// The integral scale (m).
-    pub length: f64,
-}
-
-impl From<CorrelationScene> for Correlation {
-    fn from(scene: CorrelationScene) -> Self {
-        Self { function: scene.function.into(), length: scene.length }
-    }
-}
-
 /// How many realisations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -459,10 +168,7 @@ pub(super) fn positive(path: &str, name: &str, value: f64) -> Result<(), Objecti
 
 impl Scene for CrackScene {
     fn check(&self) -> Result<(), Objection> {
-        positive("body.spacing", "the spacing", self.body.spacing)?;
-        for (k, name) in ["width", "height"].into_iter().enumerate() {
-            self.check_size(k, name)?;
-        }
+        self.body.check()?;
         positive("material.young_modulus", "Young's modulus", self.material.young_modulus)?;
         self.check_grips()?;
         self.check_output()
@@ -470,19 +176,6 @@ impl Scene for CrackScene {
 }
 
 impl CrackScene {
-    fn check_size(&self, k: usize, name: &str) -> Result<(), Objection> {
-        let (path, value) = (format!("body.size[{k}]"), self.body.size[k]);
-        positive(&path, &format!("the {name}"), value)?;
-        let boxes = value / self.body.spacing;
-        if boxes < 1.5 || (boxes - boxes.round()).abs() > 1e-6 * boxes {
-            let spacing = self.body.spacing;
-            let message = format!("the {name} is {value} m, {boxes} spacings of {spacing} m");
-            let help = "it must be a whole number of spacings, two or more";
-            return Err(Objection::new(path, message).with_help(help));
-        }
-        Ok(())
-    }
-
     fn check_grips(&self) -> Result<(), Objection> {
         let (height, spacing, whole) = (self.grips.height, self.body.spacing, self.body.size[1]);
         if !(height >= spacing && height < 0.5 * whole) {

@@ -5,7 +5,7 @@ use peridyn_sde::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::scene::CorrelationScene;
+use super::scene_field::CorrelationScene;
 use crate::scene::Objection;
 
 /// Dynamics.

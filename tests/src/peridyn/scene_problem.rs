@@ -1,18 +1,17 @@
 //! A scene of cracks made into what the solver takes.
 
+use std::path::Path;
+
 use peridyn_sde::{
-    BondConfig, BondList, BondValue, Bonds, Condition, CrackRun, CrackStudy, DisorderField,
-    Dynamics, Error, GaussianField, Horizon, Loading, Nodes, Notch, PathConfig, Program,
-    Simulation, SimulationConfig, Strain, Strength, critical_stretch,
+    BondList, Bonds, CrackRun, CrackStudy, Dynamics, Error, Loading, Nodes, Notch, PathConfig,
+    Program, Simulation, SimulationConfig, Stiffness, Strain, between_nodes,
 };
 use sde_integrators::Noise;
 use serde::Serialize;
 
-use super::scene::{
-    CrackScene, FieldScene, LoadingScene, PrecisionScene, StrainScene, StrengthScene,
-    ToughnessScene,
-};
+use super::scene::{CrackScene, LoadingScene, PrecisionScene, StrainScene};
 use super::scene_dynamics::StepScene;
+use super::scene_plate::{Plate, Variation, at};
 use crate::scene::Objection;
 
 /// A step (s) at which every body is stable; it is only asked what it is in units of the stiffest mode.
@@ -24,8 +23,8 @@ pub struct CrackProblem {
     nodes: Nodes<2>,
     bonds: Bonds,
     strain: Strain,
-    strength: Option<(DisorderField, BondValue)>,
-    stiffness: Option<(DisorderField, BondValue)>,
+    strength: Variation,
+    stiffness: Variation,
     protected: Vec<usize>,
     notch: Notch,
     loading: Loading<2>,
@@ -69,18 +68,6 @@ pub struct Resolved {
     pub least_crack_length: f64,
 }
 
-/// A plate as it is before anything moves.
-struct Plate {
-    nodes: Nodes<2>,
-    bonds: Bonds,
-    strain: Strain,
-    /// m.
-    horizon: f64,
-    /// `s0`.
-    stretch: f64,
-    cut_bonds: usize,
-}
-
 /// How a plate moves.
 struct Motion {
     simulation: SimulationConfig,
@@ -96,27 +83,21 @@ struct Grips {
 }
 
 impl CrackProblem {
-    /// Builds bodies, notch, loading, dynamics and field of a scene that has been checked.
+    /// Builds bodies, notch, loading, dynamics and fields of a scene that has been checked. Files that it names are sought from a
+    /// folder.
     ///
     /// # Errors
     /// An [`Objection`] that names the key which the solver refuses.
-    pub fn new(scene: &CrackScene) -> Result<Self, Objection> {
-        let plate = Plate::new(scene)?;
-        let grips = Grips::of(scene, &plate.nodes);
+    pub fn new(scene: &CrackScene, folder: &Path) -> Result<Self, Objection> {
+        let plate = Plate::new(scene, folder)?;
+        let (strength, stiffness) = (plate.strength(scene)?, plate.stiffness(scene)?);
+        let grips = Grips::of(scene, &plate.nodes)?;
         // Which nodes are gripped does not depend on how fast.
         let still = grips.loading(scene, &plate.nodes, 0.0).map_err(at("grips"))?;
-        let motion = plate.motion(scene, still)?;
+        let motion = motion(&plate, scene, still, stiffness.stiffness())?;
         let duration = motion.simulation.dt * scene.time.steps as f64;
         let (rate, final_strain) = rate(scene, plate.stretch, duration)?;
         let loading = grips.loading(scene, &plate.nodes, rate).map_err(at("loading"))?;
-        let strength = match &scene.strength {
-            StrengthScene::Uniform => None,
-            StrengthScene::Field(of) => {
-                Some(field(of, &plate.nodes, (plate.stretch, 0), "strength.field")?)
-            }
-        };
-        let of = |of| field(of, &plate.nodes, (1.0, 1), "stiffness");
-        let stiffness = scene.stiffness.as_ref().map(of).transpose()?;
         let within = within_edges(scene, &plate.nodes, scene.grips.protected);
         let path = PathConfig::of_horizon(plate.horizon);
         let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
@@ -164,16 +145,12 @@ impl CrackProblem {
     /// The study of a scene.
     #[must_use]
     pub fn study(&self, scene: &CrackScene) -> CrackStudy<'_> {
-        let strength = match &self.strength {
-            None => Strength::Uniform(self.resolved.critical_stretch),
-            Some((field, value)) => Strength::Field { field, value: *value },
-        };
         CrackStudy {
             nodes: &self.nodes,
             bonds: &self.bonds,
             strain: self.strain,
-            strength,
-            stiffness: self.stiffness.as_ref().map(|(field, value)| (field, *value)),
+            strength: self.strength.strength(self.resolved.critical_stretch),
+            stiffness: self.stiffness.stiffness(),
             no_fail: &self.protected,
             notch: self.notch,
             loading: &self.loading,
@@ -204,93 +181,44 @@ impl CrackProblem {
     }
 }
 
-impl Plate {
-    fn new(scene: &CrackScene) -> Result<Self, Objection> {
-        let [width, height] = scene.body.size;
-        let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
-        let horizon = scene.bonds.horizon.of(spacing)?;
-        let nodes = Nodes::lattice(spacing, ([0.0; 2], [width, height]), condition, |_| true)
-            .map_err(at("body"))?;
-        let config = bond_config(scene, horizon);
-        let bonds = Bonds::new(&nodes, &config).map_err(at("bonds"))?;
-        let stretch = stretch_of(scene, &config, condition)?;
-        let cut_bonds = notched(scene, &nodes, &bonds)?;
-        let strain = Strain::from(scene.bonds.strain);
-        Ok(Self { nodes, bonds, strain, horizon: horizon.radius(), stretch, cut_bonds })
-    }
-
-    /// The dynamics, with the step as it was given; the stiffest mode is that of a simulation that is not run.
-    fn motion(&self, scene: &CrackScene, still: Loading<2>) -> Result<Motion, Objection> {
-        let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
-        let of_ratio_one = of_ratio_one(&self.bonds, &still, self.stretch);
-        let temperature = scene.dynamics.joule(of_ratio_one)?;
-        let density = scene.material.density;
-        let mut simulation = SimulationConfig {
-            dynamics: scene.dynamics.build(&self.nodes, &free, temperature, density)?,
-            dt: PROBE,
-            breaking: scene.time.breaking.into(),
-            confinement: scene.time.confinement,
-            noise: Noise::new(scene.ensemble.seed),
-        };
-        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
-        let strengths = vec![self.stretch; bonds.len()];
-        let body = BondList::<f64, 2, 1>::new(nodes, bonds, self.strain, &strengths)
-            .map_err(at("bonds"))?;
-        let probe = Simulation::new(body, still, simulation.clone(), [0])
-            .map_err(|error| of_simulation(&error))?;
-        let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
-        simulation.dt = dt;
-        Ok(Motion { simulation, z, of_ratio_one })
-    }
-}
-
-/// An objection of the solver to what stands under a key.
-fn at(path: &'static str) -> impl Fn(Error) -> Objection {
-    move |error| Objection::new(path, error.to_string())
-}
-
-fn bond_config(scene: &CrackScene, horizon: Horizon) -> BondConfig {
-    BondConfig {
-        horizon,
-        young_modulus: scene.material.young_modulus,
-        influence: scene.bonds.influence.into(),
-        volume_correction: scene.bonds.volume_correction.into(),
-        surface_correction: scene.bonds.surface_correction.into(),
-    }
-}
-
-fn stretch_of(
+/// The dynamics, with the step as it was given; the stiffest mode is that of a simulation that is not run. Stiffness that is drawn
+/// counts as its mean there.
+fn motion(
+    plate: &Plate,
     scene: &CrackScene,
-    config: &BondConfig,
-    condition: Condition,
-) -> Result<f64, Objection> {
-    match scene.material.toughness {
-        ToughnessScene::CriticalStretch(stretch) => {
-            let path = "material.toughness.critical_stretch";
-            super::scene::positive(path, "the critical stretch", stretch)?;
-            Ok(stretch)
-        }
-        ToughnessScene::EnergyReleaseRate(rate) => {
-            let BondConfig { horizon, young_modulus, influence, .. } = *config;
-            critical_stretch(rate, young_modulus, horizon.radius(), influence, condition)
-                .map_err(at("material.toughness.energy_release_rate"))
-        }
-    }
+    still: Loading<2>,
+    stiffness: Stiffness<'_>,
+) -> Result<Motion, Objection> {
+    let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
+    let of_ratio_one = of_ratio_one(&plate.bonds, &still, plate.stretch);
+    let temperature = scene.dynamics.joule(of_ratio_one)?;
+    let density = scene.material.density;
+    let mut simulation = SimulationConfig {
+        dynamics: scene.dynamics.build(&plate.nodes, &free, temperature, density)?,
+        dt: PROBE,
+        breaking: scene.time.breaking.into(),
+        confinement: scene.time.confinement,
+        noise: Noise::new(scene.ensemble.seed),
+    };
+    let body = probe(plate, stiffness).map_err(at("bonds"))?;
+    let probe = Simulation::new(body, still, simulation.clone(), [0])
+        .map_err(|error| of_simulation(&error))?;
+    let (dt, z) = step(scene, &simulation.dynamics, probe.relative_step())?;
+    simulation.dt = dt;
+    Ok(Motion { simulation, z, of_ratio_one })
 }
 
-/// How many bonds the notch cuts; its tip must be inside.
-fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize, Objection> {
-    let ([width, height], [x, y]) = (scene.body.size, scene.notch.tip);
-    let spans = format!("the body spans 0 to {width} m by 0 to {height} m");
-    let ends = (scene.notch.mouth, scene.notch.tip);
-    let cut = bonds
-        .across_segment(nodes, ends)
-        .map_err(|error| Objection::new("notch", error.to_string()).with_help(spans.clone()))?;
-    if !(x > 0.0 && x < width && y > 0.0 && y < height) {
-        let message = format!("the tip of the notch, [{x}, {y}], lies outside the body");
-        return Err(Objection::new("notch.tip", message).with_help(spans));
+/// One realisation of a plate that has not moved.
+fn probe(plate: &Plate, stiffness: Stiffness<'_>) -> Result<BondList<f64, 2, 1>, Error> {
+    let (nodes, bonds) = (plate.nodes.clone(), plate.bonds.clone());
+    let strengths = vec![plate.stretch; bonds.len()];
+    let body = BondList::new(nodes, bonds, plate.strain, &strengths)?;
+    match stiffness {
+        Stiffness::Given { values, value } => {
+            body.with_stiffness_factors(&[between_nodes(&plate.bonds, values, value)?])
+        }
+        Stiffness::Uniform | Stiffness::Field { .. } => Ok(body),
     }
-    Ok(cut.len())
 }
 
 /// One horizon before the edge that the notch points at.
@@ -320,9 +248,16 @@ fn within_edges(scene: &CrackScene, nodes: &Nodes<2>, distance: f64) -> [Vec<usi
 }
 
 impl Grips {
-    fn of(scene: &CrackScene, nodes: &Nodes<2>) -> Self {
-        let [lower, upper] = within_edges(scene, nodes, scene.grips.height);
-        Self { lower, upper }
+    fn of(scene: &CrackScene, nodes: &Nodes<2>) -> Result<Self, Objection> {
+        let height = scene.grips.height;
+        let [lower, upper] = within_edges(scene, nodes, height);
+        for (nodes, edge) in [(&lower, "lower"), (&upper, "upper")] {
+            if nodes.is_empty() {
+                let message = format!("no node lies within {height} m of the {edge} edge");
+                return Err(Objection::new("grips.height", message));
+            }
+        }
+        Ok(Self { lower, upper })
     }
 
     /// Grips that part at a rate: of the mean strain (1/s), or of each of them (m/s).
@@ -412,28 +347,4 @@ fn of_simulation(error: &Error) -> Objection {
         _ => "dynamics",
     };
     Objection::new(path, error.to_string())
-}
-
-/// A field of a mean, the one of a number in each realisation, that stands under a key.
-fn field(
-    scene: &FieldScene,
-    nodes: &Nodes<2>,
-    (mean, number): (f64, u32),
-    path: &str,
-) -> Result<(DisorderField, BondValue), Objection> {
-    let FieldScene { marginal, correlation, between_nodes } = *scene;
-    let law = marginal.of(mean);
-    let of_law = |error: Error| {
-        let path = format!("{path}.marginal.{}", marginal.key());
-        Objection::new(path, error.to_string())
-    };
-    law.check().map_err(of_law)?;
-    let gaussian = GaussianField::by_circulant_embedding(
-        nodes.positions(),
-        nodes.spacing(),
-        &correlation.into(),
-    )
-    .map_err(|error| Objection::new(format!("{path}.correlation.length"), error.to_string()))?;
-    let field = DisorderField::new(gaussian, law, number).map_err(of_law)?;
-    Ok((field, between_nodes.into()))
 }

@@ -25,7 +25,8 @@ pub(crate) const KIND: SceneKind = SceneKind { solver: "peridyn-sde", run };
 
 fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = file.parse()?;
-    let problem = CrackProblem::new(&scene).map_err(|objection| file.object_to(&objection))?;
+    let problem =
+        CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
     let clock = cpu_time::ProcessTime::now();
     let n_realisations = scene.ensemble.realisations;
     let ended = AtomicU64::new(0);

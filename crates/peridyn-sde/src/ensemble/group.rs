@@ -1,6 +1,6 @@
 //! Realisations that run side by side.
 
-use super::{CrackStudy, FinalState, Strength};
+use super::{CrackStudy, FinalState, Stiffness, Strength};
 use crate::body::Cause;
 use crate::disorder::{DisorderField, between_nodes};
 use crate::error::Error;
@@ -47,6 +47,7 @@ impl CrackStudy<'_> {
         let fields = match self.strength {
             Strength::Uniform(_) => Vec::new(),
             Strength::Field { field, .. } => self.sample(field, ids)?,
+            Strength::Given { values, .. } => vec![values.to_vec(); L],
         };
         let mut lost: Lost<L> = std::array::from_fn(|_| None);
         let (simulation, seen) = loop {
@@ -105,6 +106,10 @@ impl CrackStudy<'_> {
                 let strengths = self.protected(vec![strength; n_bonds])?;
                 BondList::new(nodes, bonds, self.strain, &strengths)?
             }
+            Strength::Given { values, value } => {
+                let strengths = self.protected(between_nodes(self.bonds, values, value)?)?;
+                BondList::new(nodes, bonds, self.strain, &strengths)?
+            }
             Strength::Field { value, .. } => {
                 let of =
                     |field: &Vec<f64>| self.protected(between_nodes(self.bonds, field, value)?);
@@ -113,10 +118,7 @@ impl CrackStudy<'_> {
                     .with_strengths(&strengths)?
             }
         };
-        if let Some((field, value)) = self.stiffness {
-            let fields = self.sample(field, ids)?;
-            let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
-            let factors = fields.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        if let Some(factors) = self.stiffness_factors(ids)? {
             body = body.with_stiffness_factors(&factors)?;
         }
         for lane in (0..L).filter(|&lane| lost[lane].is_some()) {
@@ -126,6 +128,24 @@ impl CrackStudy<'_> {
             Simulation::new(body, self.loading.clone(), self.simulation.clone(), ids)?;
         simulation.cut(cut)?;
         Ok(simulation)
+    }
+
+    /// Of the bonds, lane by lane; none where they are all one.
+    fn stiffness_factors<const L: usize>(
+        &self,
+        ids: [u64; L],
+    ) -> Result<Option<Vec<Vec<f64>>>, Error> {
+        match self.stiffness {
+            Stiffness::Uniform => Ok(None),
+            Stiffness::Given { values, value } => {
+                Ok(Some(vec![between_nodes(self.bonds, values, value)?; L]))
+            }
+            Stiffness::Field { field, value } => {
+                let fields = self.sample(field, ids)?;
+                let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
+                fields.iter().map(of).collect::<Result<_, _>>().map(Some)
+            }
+        }
     }
 
     /// Strengths with those of bonds that must not break out of reach.

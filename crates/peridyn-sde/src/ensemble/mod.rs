@@ -31,6 +31,34 @@ pub enum Strength<'a> {
         /// Between them.
         value: BondValue,
     },
+    /// From values at the nodes that are given, the same in each realisation.
+    Given {
+        /// The critical stretch at the nodes.
+        values: &'a [f64],
+        /// Between them.
+        value: BondValue,
+    },
+}
+
+/// Factors on the stiffness of bonds.
+#[derive(Debug, Clone, Copy)]
+pub enum Stiffness<'a> {
+    /// One.
+    Uniform,
+    /// From a field of its own in each realisation.
+    Field {
+        /// The factor at the nodes, of mean one.
+        field: &'a DisorderField,
+        /// Between them.
+        value: BondValue,
+    },
+    /// From factors at the nodes that are given, the same in each realisation.
+    Given {
+        /// The factor at the nodes.
+        values: &'a [f64],
+        /// Between them.
+        value: BondValue,
+    },
 }
 
 /// A notched body that is pulled apart, again and again: with other noise, or another field of strength, each time.
@@ -47,9 +75,9 @@ pub struct CrackStudy<'a> {
     pub strain: Strain,
     /// When bonds break.
     pub strength: Strength<'a>,
-    /// A factor on the stiffness of bonds, of mean one, from a field of its own in each realisation: it bends the stresses on the
-    /// length of its correlation. A smooth field of strength turns a crack only by what one horizon sees of it.
-    pub stiffness: Option<(&'a DisorderField, BondValue)>,
+    /// How stiff they are, over their mean. A field of stiffness bends the stresses on the length of its correlation; a smooth
+    /// field of strength turns a crack only by what one horizon sees of it.
+    pub stiffness: Stiffness<'a>,
     /// Nodes none of whose bonds breaks, such as those around grips.
     pub no_fail: &'a [usize],
     /// The notch that cracks are followed from; it is cut in.
@@ -99,7 +127,7 @@ pub struct FinalState {
     pub displacements: Vec<[f64; 2]>,
     /// Damage of each node.
     pub damage: Vec<f64>,
-    /// The strength at each node (a stretch), if there is a field.
+    /// The strength at each node (a stretch), if it is not the same everywhere.
     pub strength: Option<Vec<f64>>,
 }
 
@@ -111,7 +139,8 @@ impl CrackStudy<'_> {
     ///
     /// # Errors
     /// [`Error::TooFew`] for no realisation, no window or fewer steps than windows; those of
-    /// [`Simulation::new`](crate::Simulation::new), of the notch and of the field.
+    /// [`Simulation::new`](crate::Simulation::new), of the notch and of the fields; of values that are given, those of
+    /// [`between_nodes`](crate::between_nodes).
     pub fn run<T: Real, const L: usize>(
         &self,
         realisations: std::ops::Range<u64>,

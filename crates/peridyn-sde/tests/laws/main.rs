@@ -9,6 +9,7 @@ mod dynamics;
 mod fast_bits;
 mod fast_paths;
 mod forces;
+mod given;
 mod inference;
 mod mobility;
 mod paths;

@@ -45,19 +45,38 @@ fn path_map(
     let spacing = MM * scene.body.spacing;
     let [columns, rows] = scene.body.size.map(|length| boxes(MM * length / spacing));
     let probability = run.damage.probability().map_err(RunError::solver)?;
-    let cells: Vec<f64> = probability.iter().map(|estimate| estimate.value).collect();
+    let probability: Vec<f64> = probability.iter().map(|estimate| estimate.value).collect();
+    let places = problem.nodes().positions();
     let edges = |n: usize| (0..=n).map(|k| spacing * k as f64).collect();
     let threshold = scene.output.damage_threshold;
     Ok(PathMap {
-        words: words(scene, run, ensemble, [columns, rows]),
+        words: words(scene, run, ensemble, problem.resolved.nodes),
         probability: vec!["probability that".into(), format!("damage reaches {threshold}")],
         x: edges(columns),
         y: edges(rows),
-        // Nodes are counted along x first, from the lower left corner.
-        values: cells.chunks(columns).map(<[f64]>::to_vec).collect(),
+        values: by_boxes(places, &probability, scene.body.spacing, [columns, rows]),
         given: ("notch".into(), vec![mm(scene.notch.mouth), mm(scene.notch.tip)]),
         quantiles: quantiles(scene, problem, ensemble, bootstrap)?,
     })
+}
+
+/// The mean of a value over the nodes in each box of a lattice; none where there is no node.
+fn by_boxes(
+    places: &[[f64; 2]],
+    values: &[f64],
+    spacing: f64,
+    [columns, rows]: [usize; 2],
+) -> Vec<Vec<Option<f64>>> {
+    let mut sums = vec![vec![(0.0, 0_usize); columns]; rows];
+    for (place, value) in places.iter().zip(values) {
+        let [column, row] = place.map(|x| boxes((x / spacing).floor()));
+        // A point on the far edge is of the last box.
+        let (sum, count) = &mut sums[row.min(rows - 1)][column.min(columns - 1)];
+        *sum += value;
+        *count += 1;
+    }
+    let mean = |&(sum, count): &(f64, usize)| (count > 0).then(|| sum / count as f64);
+    sums.iter().map(|row| row.iter().map(mean).collect()).collect()
 }
 
 fn mm(point: [f64; 2]) -> [f64; 2] {
@@ -94,18 +113,13 @@ fn quantiles(
     Ok(QUANTILES.iter().enumerate().map(quantile).collect())
 }
 
-fn words(
-    scene: &CrackScene,
-    run: &CrackRun,
-    ensemble: &CrackEnsemble,
-    [columns, rows]: [usize; 2],
-) -> Words {
+fn words(scene: &CrackScene, run: &CrackRun, ensemble: &CrackEnsemble, nodes: usize) -> Words {
     let n = run.damage.realisations().len();
     let through = ensemble.counted().filter(|record| record.exit.is_some()).count();
     let (failed, threshold) = (ensemble.failures().count(), scene.output.damage_threshold);
     let spacing = MM * scene.body.spacing;
     let subtitle = format!(
-        "{} realisations, {columns} x {rows} nodes at {spacing} mm; {through} cracks run through, {failed} do not count",
+        "{} realisations, {nodes} nodes at {spacing} mm; {through} cracks run through, {failed} do not count",
         scene.ensemble.realisations,
     );
     let of_path = "Quantiles of the height at which cracks first pass an abscissa, of those that come there, as far as half of \

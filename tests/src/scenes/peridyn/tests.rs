@@ -1,5 +1,7 @@
 //! A small scene to its end, and its mistakes one by one.
 
+mod points;
+
 use std::path::{Path, PathBuf};
 
 use crate::scene::SceneError;
@@ -57,10 +59,18 @@ impl Drop for Ran {
 }
 
 fn run_text(name: &str, text: &str) -> Ran {
+    run_beside(name, text, &[])
+}
+
+/// A text with files in the same folder.
+fn run_beside(name: &str, text: &str, files: &[(&str, &[u8])]) -> Ran {
     let folder = std::env::temp_dir().join(format!("peridyn-scene-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
+    for (file, bytes) in files {
+        std::fs::write(folder.join(file), bytes).unwrap();
+    }
     let written = run(&TABLE, &scene, &folder.join("out"), &|_| {});
     Ran { folder, written }
 }
@@ -113,8 +123,7 @@ fn every_dynamics_mobility_and_strength_runs() {
     let inertial = "{ \"inertial\": { \"friction\": 1e6, \"temperature\": { \"joule\": 1e-12 } } }";
     let field =
         PLATE.split("\"strength\": ").nth(1).unwrap().split(",\n  \"ensemble\"").next().unwrap();
-    let bare = field.split_once("\"field\": ").unwrap().1.rsplit_once('}').unwrap().0;
-    let stiffness = format!("\"strength\": \"uniform\", \"stiffness\": {bare}");
+    let stiffness = format!("\"strength\": \"uniform\", \"stiffness\": {field}");
     let strength = format!("\"strength\": {field}");
     let cases: [&[(&str, &str)]; 10] = [
         &[(&strength, &stiffness), ("\"clamped\"", "\"clamped\", \"protected\": 0.004")],
@@ -159,7 +168,15 @@ fn a_velocity_of_the_grips_is_a_strain_at_the_end() {
 
 /// The mistake that a text is refused with.
 fn mistake(name: &str, text: &str) -> (String, String, usize, String) {
-    let ran = run_text(name, text);
+    mistake_beside(name, text, &[])
+}
+
+fn mistake_beside(
+    name: &str,
+    text: &str,
+    files: &[(&str, &[u8])],
+) -> (String, String, usize, String) {
+    let ran = run_beside(name, text, files);
     let Err(RunError::Scene(SceneError::Mistake(mistake))) = &ran.written else {
         panic!("{name}: {:?}", ran.written)
     };
@@ -267,8 +284,12 @@ fn built_in_scenes_can_be_read_and_built() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/peridyn");
     let mut n_scenes = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
-        let scene: CrackScene = SceneFile::read(&entry.unwrap().path()).unwrap().parse().unwrap();
-        assert_eq!(CrackProblem::new(&scene).unwrap().resolved.nodes, 64 * 64);
+        let file = SceneFile::read(&entry.unwrap().path()).unwrap();
+        let scene: CrackScene = file.parse().unwrap();
+        let nodes = CrackProblem::new(&scene, file.folder()).unwrap().resolved.nodes;
+        let whole = scene.body.size.iter().map(|side| side / scene.body.spacing).product::<f64>();
+        let holes = whole - nodes as f64;
+        assert!(if scene.body.holes.is_empty() { holes < 0.5 } else { holes > 0.5 });
         n_scenes += 1;
     }
     assert!(n_scenes >= 2);

@@ -1,0 +1,191 @@
+//! Strength and stiffness that are given at the nodes.
+
+use peridyn_sde::{
+    BondConfig, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction, CrackRun,
+    CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence, Loading,
+    Marginal, Mobility, Nodes, Notch, PathConfig, Program, Scheme, SimulationConfig, Stiffness,
+    Strain, Strength, SurfaceCorrection, VolumeCorrection,
+};
+use sde_integrators::Noise;
+
+const N: usize = 16;
+const SEED: u64 = 11;
+const STRETCH: f64 = 1e-3;
+const REALISATION: u64 = 5;
+const NOTCH: Notch = Notch { mouth: [0.0, 8.0], tip: [5.0, 8.0] };
+
+/// A plate of 16 by 16 nodes whose lowest and highest two rows are pulled apart.
+struct Plate {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    loading: Loading<2>,
+    simulation: SimulationConfig,
+    upper: Vec<usize>,
+}
+
+impl Plate {
+    fn new(nodes: Nodes<2>) -> Self {
+        let config = BondConfig {
+            horizon: Horizon::of_shells(2, 1.0).unwrap(),
+            young_modulus: 1.0,
+            influence: Influence::Constant,
+            volume_correction: VolumeCorrection::Ramp,
+            surface_correction: SurfaceCorrection::None,
+        };
+        let bonds = Bonds::new(&nodes, &config).unwrap();
+        let rows = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
+            (0..nodes.positions().len()).filter(|&i| wanted(nodes.positions()[i][1])).collect()
+        };
+        let (lower, upper) = (rows(&|y| y < 2.0), rows(&|y| y > 14.0));
+        let free: Vec<bool> = nodes.positions().iter().map(|x| x[1] > 2.0 && x[1] < 14.0).collect();
+        // A body that is stretched evenly by 0.9 of the critical stretch, over 400 steps.
+        let dt = 0.2;
+        let program = Program::Linear { rate: 0.9 * STRETCH / (400.0 * dt) };
+        let gradient = [[0.0, 0.0], [0.0, 1.0]];
+        let loading = Loading::new(nodes.positions().len())
+            .stretch(&nodes, &[lower, upper.clone()].concat(), [true; 2], gradient, program)
+            .unwrap();
+        let dynamics = Dynamics::Overdamped {
+            mobility: Mobility::identity(&free, 1.0).unwrap(),
+            temperature: 1e-9,
+            scheme: Scheme::EulerMaruyama,
+        };
+        let simulation = SimulationConfig {
+            dynamics,
+            dt,
+            breaking: Breaking::AtEnds,
+            confinement: 0.0,
+            noise: Noise::new(SEED),
+        };
+        Self { nodes, bonds, loading, simulation, upper }
+    }
+
+    fn lattice() -> Self {
+        let condition = Condition::PlaneStress { thickness: 1.0 };
+        Self::new(Nodes::lattice(1.0, ([0.0; 2], [N as f64; 2]), condition, |_| true).unwrap())
+    }
+
+    fn run(&self, strength: Strength<'_>, stiffness: Stiffness<'_>) -> Result<CrackRun, Error> {
+        let study = CrackStudy {
+            nodes: &self.nodes,
+            bonds: &self.bonds,
+            strain: Strain::Finite,
+            strength,
+            stiffness,
+            no_fail: &[],
+            notch: NOTCH,
+            loading: &self.loading,
+            simulation: &self.simulation,
+            n_steps: 400,
+            load: (&self.upper, 1),
+            n_windows: 10,
+            path: PathConfig::of_horizon(2.0),
+            border: 14.0,
+            damage_threshold: 0.3,
+        };
+        study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION], &|_| {})
+    }
+
+    fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {
+        let correlation = Correlation { function: CorrelationFunction::Matern32, length: 4.0 };
+        let gaussian =
+            GaussianField::by_circulant_embedding(self.nodes.positions(), 1.0, &correlation);
+        let law = Marginal::Lognormal { mean, coefficient_of_variation: 0.3 };
+        let field = DisorderField::new(gaussian.unwrap(), law, number).unwrap();
+        let mut values = vec![0.0; self.nodes.positions().len()];
+        field.sample(&Noise::new(SEED), REALISATION, &mut values).unwrap();
+        (field, values)
+    }
+}
+
+#[test]
+fn given_values_break_the_bonds_that_a_field_of_the_same_values_breaks() {
+    let plate = Plate::lattice();
+    let (strength, strengths) = plate.field(STRETCH, 0);
+    let (stiffness, factors) = plate.field(1.0, 1);
+    for value in [BondValue::Mean, BondValue::Minimum] {
+        let drawn = plate.run(
+            Strength::Field { field: &strength, value },
+            Stiffness::Field { field: &stiffness, value },
+        );
+        let given = plate.run(
+            Strength::Given { values: &strengths, value },
+            Stiffness::Given { values: &factors, value },
+        );
+        let drawn = drawn.unwrap();
+        assert!(drawn.broken[0] > 10, "{:?}", drawn.broken);
+        assert_eq!(drawn, given.unwrap());
+        // Both count: without one of them the same plate breaks otherwise.
+        let soft = plate.run(Strength::Given { values: &strengths, value }, Stiffness::Uniform);
+        assert_ne!(soft.unwrap().damage, drawn.damage);
+        let even = Stiffness::Given { values: &factors, value };
+        assert_ne!(plate.run(Strength::Uniform(STRETCH), even).unwrap().damage, drawn.damage);
+    }
+}
+
+#[test]
+fn given_values_that_are_all_one_are_those_of_a_uniform_body() {
+    let plate = Plate::lattice();
+    let n = plate.nodes.positions().len();
+    let (strengths, factors) = (vec![STRETCH; n], vec![1.0; n]);
+    let value = BondValue::Mean;
+    let given = plate.run(
+        Strength::Given { values: &strengths, value },
+        Stiffness::Given { values: &factors, value },
+    );
+    let given = given.unwrap();
+    let uniform = plate.run(Strength::Uniform(STRETCH), Stiffness::Uniform).unwrap();
+    assert_eq!((&given.records, &given.loads), (&uniform.records, &uniform.loads));
+    assert_eq!((&given.damage, &given.broken), (&uniform.damage, &uniform.broken));
+    assert_eq!(given.kept[0].strength, Some(strengths));
+}
+
+#[test]
+fn given_values_of_another_body_or_without_sign_are_refused() {
+    let plate = Plate::lattice();
+    let value = BondValue::Mean;
+    let run = |values: &[f64]| {
+        let strength = plate.run(Strength::Given { values, value }, Stiffness::Uniform);
+        let stiffness = Stiffness::Given { values, value };
+        [strength, plate.run(Strength::Uniform(STRETCH), stiffness)].map(Result::unwrap_err)
+    };
+    for refused in run(&[STRETCH; N]) {
+        assert!(matches!(refused, Error::Length { name: "the field", value: N, .. }), "{refused}");
+    }
+    let mut values = vec![STRETCH; N * N];
+    values[7] = 0.0;
+    for refused in run(&values) {
+        assert!(matches!(refused, Error::Node { node: 7, .. }), "{refused}");
+    }
+}
+
+/// Given by places and volumes, as a file of points gives them.
+#[test]
+fn points_that_stand_on_a_lattice_break_as_the_lattice_does() {
+    let lattice = Plate::lattice();
+    let nodes = &lattice.nodes;
+    let [places, volumes] = [
+        nodes.positions().iter().map(|x| format!("{},{}", x[0], x[1])).collect::<Vec<_>>(),
+        nodes.volumes().iter().map(f64::to_string).collect(),
+    ];
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let place = |text: &String| {
+        let (x, y) = text.split_once(',').unwrap();
+        [number(x), number(y)]
+    };
+    let read = Nodes::new(
+        places.iter().map(place).collect(),
+        volumes.iter().map(|text| number(text)).collect(),
+        1.0,
+        nodes.condition(),
+    );
+    let cloud = Plate::new(read.unwrap());
+    let run = |plate: &Plate| {
+        let field = plate.field(STRETCH, 0).0;
+        let strength = Strength::Field { field: &field, value: BondValue::Mean };
+        plate.run(strength, Stiffness::Uniform).unwrap()
+    };
+    let run_of_lattice = run(&lattice);
+    assert!(run_of_lattice.broken[0] > 10);
+    assert_eq!(run(&cloud), run_of_lattice);
+}

@@ -1,0 +1,200 @@
+//! Points of a body from a file, with what the file says of each.
+//!
+//! | column | what |
+//! |---|---|
+//! | `x`, `y` | where the point is (m), inside the body |
+//! | `volume` | area times thickness (m^3); the square of the spacing times the thickness where it is not there |
+//! | `strength_factor` | critical stretch over that of the material |
+//! | `stiffness_factor` | stiffness over that of the material |
+//!
+//! A `.csv` file has a head with these names, in any order. A `.vtu` file has `x` and `y` in its points and the others as arrays of
+//! the points. Other columns are left alone.
+
+mod csv;
+mod vtu;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use peridyn_sde::{Condition, Nodes};
+
+use super::scene_body::BodyScene;
+use crate::nearest::nearest;
+use crate::scene::Objection;
+
+/// The columns that are read.
+const COLUMNS: [&str; 5] = ["x", "y", "volume", "strength_factor", "stiffness_factor"];
+
+/// Where a file of points is named.
+const KEY: &str = "body.points";
+
+/// Two points as near as this (spacings) are at one place.
+const AT_ONE_PLACE: f64 = 1e-6;
+
+/// What was read of a file.
+#[derive(Debug, Clone, PartialEq)]
+struct Table {
+    /// The names of all its columns.
+    names: Vec<String>,
+    /// Those of [`COLUMNS`] that it has.
+    columns: [Option<Vec<f64>>; COLUMNS.len()],
+    /// The line of each row; none of a file without lines.
+    lines: Option<Vec<u64>>,
+}
+
+/// Points of a body, with the file that they are from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cloud {
+    file: String,
+    table: Table,
+}
+
+impl Cloud {
+    /// Reads the file that a body names, from the folder of its scene.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a file that is not there, is neither `.csv` nor `.vtu`, holds no points, lacks a column, or has a number
+    /// that cannot be, by its row and column.
+    pub fn read(file: &str, folder: &Path) -> Result<Self, Objection> {
+        let bytes = std::fs::read(folder.join(file)).map_err(|error| {
+            let message = format!("cannot read the points {file}: {error}");
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            let help =
+                format!("a path is taken from the folder of the scene, {}", folder.display());
+            Objection::new(KEY, message).with_help(help)
+        })?;
+        let extension = Path::new(file).extension().and_then(|extension| extension.to_str());
+        let table = match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("csv") => {
+                csv::read(&bytes).map_err(|wrong| Objection::new(KEY, wrong.of(file)))?
+            }
+            Some("vtu") => vtu::read(&bytes).map_err(|error| {
+                let objection = Objection::new(KEY, format!("{file}: {error}"));
+                match error.help() {
+                    Some(help) => objection.with_help(help),
+                    None => objection,
+                }
+            })?,
+            _ => {
+                let message = format!("{file} is neither a .csv nor a .vtu file");
+                return Err(Objection::new(KEY, message));
+            }
+        };
+        let cloud = Self { file: file.to_owned(), table };
+        cloud.check_names()?;
+        for (k, name) in COLUMNS.into_iter().enumerate() {
+            cloud.check_numbers(name, k < 2)?;
+        }
+        Ok(cloud)
+    }
+
+    /// The nodes of a body.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a point outside of it, two points at one place, and what [`Nodes::new`] refuses.
+    pub fn nodes(&self, body: &BodyScene) -> Result<Nodes<2>, Objection> {
+        let (x, y) = (self.required("x", KEY)?, self.required("y", KEY)?);
+        let places: Vec<[f64; 2]> = x.iter().zip(y).map(|(&x, &y)| [x, y]).collect();
+        let [width, height] = body.size;
+        let is_inside = |&[x, y]: &[f64; 2]| x >= 0.0 && x <= width && y >= 0.0 && y <= height;
+        if let Some(row) = places.iter().position(|place| !is_inside(place)) {
+            let message = format!("{}: {:?} lies outside the body", self.row(row), places[row]);
+            let help = format!("the body spans 0 to {width} m by 0 to {height} m");
+            return Err(Objection::new(KEY, message).with_help(help));
+        }
+        self.check_apart(&places, AT_ONE_PLACE * body.spacing)?;
+        let condition = Condition::from(body.condition);
+        let volumes = match self.column("volume") {
+            Some(volumes) => volumes.to_vec(),
+            None => vec![condition.across() * body.spacing * body.spacing; places.len()],
+        };
+        Nodes::new(places, volumes, body.spacing, condition)
+            .map_err(|error| Objection::new(KEY, format!("{}: {error}", self.file)))
+    }
+
+    /// A column, for what stands under a key.
+    ///
+    /// # Errors
+    /// An [`Objection`] where the file has it not.
+    pub fn required(&self, name: &str, key: &str) -> Result<&[f64], Objection> {
+        self.column(name).ok_or_else(|| {
+            let message = format!("{} has no column `{name}`", self.file);
+            Objection::new(key, message)
+                .with_help(format!("it has {}", self.table.names.join(", ")))
+        })
+    }
+
+    /// Where a row stands, e.g. `points.csv line 7`.
+    #[must_use]
+    pub fn row(&self, row: usize) -> String {
+        place(&self.file, &self.table, row)
+    }
+
+    fn column(&self, name: &str) -> Option<&[f64]> {
+        let k = COLUMNS.iter().position(|&column| column == name)?;
+        self.table.columns[k].as_deref()
+    }
+
+    /// A slip in a name would be a column that is missing in silence.
+    fn check_names(&self) -> Result<(), Objection> {
+        for (k, name) in self.table.names.iter().enumerate() {
+            if self.table.names[..k].contains(name) {
+                let message = format!("{} has the column `{name}` twice", self.file);
+                return Err(Objection::new(KEY, message));
+            }
+            let is_known = COLUMNS.contains(&name.as_str());
+            if let Some(meant) = nearest(name, COLUMNS).filter(|_| !is_known) {
+                let message = format!("{} has a column `{name}`, which is not known", self.file);
+                return Err(
+                    Objection::new(KEY, message).with_help(format!("did you mean `{meant}`?"))
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn check_numbers(&self, name: &str, any_sign: bool) -> Result<(), Objection> {
+        let values = self.column(name).unwrap_or(&[]);
+        let is_right = |value: f64| value.is_finite() && (any_sign || value > 0.0);
+        let Some(row) = values.iter().position(|&value| !is_right(value)) else { return Ok(()) };
+        let column = self.table.names.iter().position(|known| known == name);
+        let column = match (&self.table.lines, column) {
+            (Some(_), Some(column)) => format!("column {} (`{name}`)", column + 1),
+            _ => format!("`{name}`"),
+        };
+        let must = if any_sign { "finite" } else { "greater than 0 and finite" };
+        let message = format!("{} {column} is {}; it must be {must}", self.row(row), values[row]);
+        Err(Objection::new(KEY, message))
+    }
+
+    /// Points by the boxes of a grid, each compared with those of the boxes around.
+    fn check_apart(&self, places: &[[f64; 2]], least: f64) -> Result<(), Objection> {
+        let mut boxes: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
+        for (row, place) in places.iter().enumerate() {
+            #[allow(clippy::cast_possible_truncation, reason = "one too large saturates")]
+            let [i, j] = place.map(|x| (x / least).floor() as i64);
+            let around = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| [di, dj]));
+            let near = around
+                .filter_map(|[di, dj]| boxes.get(&[i.saturating_add(di), j.saturating_add(dj)]))
+                .flatten()
+                .find(|&&other| {
+                    let [dx, dy] = [0, 1].map(|k| place[k] - places[other][k]);
+                    dx.hypot(dy) <= least
+                });
+            if let Some(&other) = near {
+                let (first, second) = (self.row(other), self.row(row));
+                let message = format!("{first} and {second} are points at one place, {place:?}");
+                return Err(Objection::new(KEY, message));
+            }
+            boxes.entry([i, j]).or_default().push(row);
+        }
+        Ok(())
+    }
+}
+
+fn place(file: &str, table: &Table, row: usize) -> String {
+    match table.lines.as_ref().and_then(|lines| lines.get(row)) {
+        Some(line) => format!("{file} line {line}"),
+        None => format!("{file} point {row}"),
+    }
+}

@@ -1,0 +1,274 @@
+//! The body of a scene of cracks: its extent, what it is made of and how it is bonded.
+
+use peridyn_sde::{
+    Condition, Error, Horizon, Influence, Strain, SurfaceCorrection, VolumeCorrection,
+};
+use serde::{Deserialize, Serialize};
+
+use super::scene::positive;
+use crate::scene::Objection;
+
+/// A rectangle, from the origin, or points inside of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyScene {
+    /// Width and height (m), multiples of the spacing.
+    pub size: [f64; 2],
+    /// Of the nodes (m).
+    pub spacing: f64,
+    /// What the plane stands for.
+    pub condition: ConditionScene,
+    /// A file of points, from the folder of the scene: `.csv` or `.vtu`, with the columns `x` and `y` (m) and, if they are wanted,
+    /// `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub points: Option<String>,
+    /// What is taken out of the lattice: nodes in holes are none. Bonds across a hole that is narrower than the horizon remain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub holes: Vec<HoleScene>,
+}
+
+/// Holes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum HoleScene {
+    /// Round.
+    Circle {
+        /// m.
+        centre: [f64; 2],
+        /// m.
+        radius: f64,
+    },
+    /// With edges along the axes.
+    Box {
+        /// The lower left corner (m).
+        low: [f64; 2],
+        /// The upper right corner (m).
+        high: [f64; 2],
+    },
+}
+
+impl HoleScene {
+    /// Whether a place (m) lies in it.
+    #[must_use]
+    pub fn contains(&self, x: &[f64; 2]) -> bool {
+        match *self {
+            Self::Circle { centre, radius } => (x[0] - centre[0]).hypot(x[1] - centre[1]) < radius,
+            Self::Box { low, high } => (0..2).all(|k| x[k] > low[k] && x[k] < high[k]),
+        }
+    }
+
+    fn check(&self, path: &str) -> Result<(), Objection> {
+        match *self {
+            Self::Circle { radius, .. } => {
+                positive(&format!("{path}.circle.radius"), "the radius", radius)
+            }
+            Self::Box { low, high } => match (0..2).find(|&k| low[k] >= high[k]) {
+                Some(k) => {
+                    let message = format!("the box goes from {} m to {} m", low[k], high[k]);
+                    Err(Objection::new(format!("{path}.box.high[{k}]"), message))
+                }
+                None => Ok(()),
+            },
+        }
+    }
+}
+
+impl BodyScene {
+    /// Refuses an extent that is no whole number of spacings.
+    ///
+    /// # Errors
+    /// An [`Objection`] to the spacing or a length.
+    pub fn check(&self) -> Result<(), Objection> {
+        positive("body.spacing", "the spacing", self.spacing)?;
+        self.check_size(0, "width")?;
+        self.check_size(1, "height")?;
+        for (i, hole) in self.holes.iter().enumerate() {
+            hole.check(&format!("body.holes[{i}]"))?;
+        }
+        if self.points.is_some() && !self.holes.is_empty() {
+            let message = "holes are taken out of a lattice, and the body is one of points";
+            return Err(
+                Objection::new("body.holes", message).with_help("leave them out of the file")
+            );
+        }
+        Ok(())
+    }
+
+    fn check_size(&self, k: usize, name: &str) -> Result<(), Objection> {
+        let (path, value) = (format!("body.size[{k}]"), self.size[k]);
+        positive(&path, &format!("the {name}"), value)?;
+        let boxes = value / self.spacing;
+        if boxes < 1.5 || (boxes - boxes.round()).abs() > 1e-6 * boxes {
+            let spacing = self.spacing;
+            let message = format!("the {name} is {value} m, {boxes} spacings of {spacing} m");
+            let help = "it must be a whole number of spacings, two or more";
+            return Err(Objection::new(path, message).with_help(help));
+        }
+        Ok(())
+    }
+}
+
+/// Plane conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ConditionScene {
+    /// A plate, free to contract across.
+    PlaneStress {
+        /// m.
+        thickness: f64,
+    },
+    /// A slice of a long body.
+    PlaneStrain {
+        /// m.
+        thickness: f64,
+    },
+}
+
+impl From<ConditionScene> for Condition {
+    fn from(scene: ConditionScene) -> Self {
+        match scene {
+            ConditionScene::PlaneStress { thickness } => Self::PlaneStress { thickness },
+            ConditionScene::PlaneStrain { thickness } => Self::PlaneStrain { thickness },
+        }
+    }
+}
+
+/// Constants of a material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialScene {
+    /// Pa. Bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
+    pub young_modulus: f64,
+    /// kg/m^3; of inertial dynamics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<f64>,
+    /// When it breaks.
+    pub toughness: ToughnessScene,
+}
+
+/// When bonds break.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ToughnessScene {
+    /// `G0` (J/m^2); the critical stretch follows from it and the horizon.
+    EnergyReleaseRate(f64),
+    /// `s0`.
+    CriticalStretch(f64),
+}
+
+/// How nodes are bonded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BondsScene {
+    /// How far a node sees.
+    pub horizon: HorizonScene,
+    /// Weight of a bond by its length; constant where it is not given.
+    #[serde(default)]
+    pub influence: InfluenceScene,
+    /// Of volumes at the horizon; none where it is not given.
+    #[serde(default)]
+    pub volume_correction: VolumeScene,
+    /// Of bonds near the surface; none where it is not given.
+    #[serde(default)]
+    pub surface_correction: SurfaceScene,
+    /// Finite where it is not given.
+    #[serde(default)]
+    pub strain: StrainKindScene,
+}
+
+/// Horizons.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HorizonScene {
+    /// So many whole spacings and a little more: `(m + 0.015) dx`.
+    Shells(u32),
+    /// m.
+    Length(f64),
+}
+
+impl HorizonScene {
+    /// The horizon of nodes at a spacing.
+    ///
+    /// # Errors
+    /// An [`Objection`] to one below the spacing, or that ends on nodes.
+    pub fn of(self, spacing: f64) -> Result<Horizon, Objection> {
+        let (key, horizon) = match self {
+            Self::Shells(shells) => ("shells", Horizon::of_shells(shells, spacing)),
+            Self::Length(length) => ("length", Horizon::new(length, spacing)),
+        };
+        horizon.map_err(|error| {
+            let objection = Objection::new(format!("bonds.horizon.{key}"), error.to_string());
+            match error {
+                Error::HorizonTooShort { .. } => {
+                    objection.with_help("three to four shells are usual: { \"shells\": 3 }")
+                }
+                _ => objection,
+            }
+        })
+    }
+}
+
+/// An enum of keys that stands for one of the solver.
+macro_rules! named {
+    ($(#[$meta:meta])* $scene:ident => $target:ident { $($(#[$variant_meta:meta])* $variant:ident,)+ }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $scene { $($(#[$variant_meta])* $variant,)+ }
+
+        impl From<$scene> for $target {
+            fn from(scene: $scene) -> Self {
+                match scene { $($scene::$variant => Self::$variant,)+ }
+            }
+        }
+    };
+}
+pub(super) use named;
+
+named! {
+    /// Influence functions.
+    InfluenceScene => Influence {
+        /// 1.
+        #[default]
+        Constant,
+        /// `1 - q`.
+        Conical,
+        /// `(1 - q^2)^2`.
+        Quartic,
+    }
+}
+
+named! {
+    /// Volume corrections.
+    VolumeScene => VolumeCorrection {
+        /// Nothing.
+        #[default]
+        None,
+        /// Of the last half spacing inside the horizon, as in LAMMPS.
+        Partial,
+        /// Of half a spacing on both sides of it.
+        Ramp,
+    }
+}
+
+named! {
+    /// Surface corrections.
+    SurfaceScene => SurfaceCorrection {
+        /// Nothing.
+        #[default]
+        None,
+        /// By the energy under a strain along each axis.
+        Energy,
+    }
+}
+
+named! {
+    /// How strains are measured.
+    StrainKindScene => Strain {
+        /// Of the bond as it stands.
+        #[default]
+        Finite,
+        /// Linear in displacements.
+        Linear,
+    }
+}

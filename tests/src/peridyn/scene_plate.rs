@@ -1,0 +1,226 @@
+//! The plate of a scene of cracks: its nodes, from a lattice or a file, and their bonds.
+
+use std::path::Path;
+
+use peridyn_sde::{
+    BondConfig, BondValue, Bonds, Condition, Correlation, DisorderField, Error, GaussianField,
+    Horizon, Nodes, Stiffness, Strain, Strength, critical_stretch,
+};
+
+use super::points::Cloud;
+use super::scene::CrackScene;
+use super::scene_body::{BodyScene, ToughnessScene};
+use super::scene_field::{FieldScene, VariationScene};
+use crate::scene::Objection;
+
+/// Variance that a field on points of no lattice may leave out at a point, before it is brought to one there.
+const LEFT_OUT: f64 = 1e-2;
+
+/// A plate as it is before anything moves.
+#[derive(Debug)]
+pub(super) struct Plate {
+    pub(super) nodes: Nodes<2>,
+    pub(super) bonds: Bonds,
+    pub(super) strain: Strain,
+    /// m.
+    pub(super) horizon: f64,
+    /// `s0`.
+    pub(super) stretch: f64,
+    pub(super) cut_bonds: usize,
+    /// The file that the nodes are from.
+    cloud: Option<Cloud>,
+}
+
+/// Strength or stiffness at the nodes, ready to be lent to a study.
+#[derive(Debug)]
+pub(super) enum Variation {
+    /// The same everywhere.
+    Uniform,
+    /// Drawn in each realisation.
+    Field(DisorderField, BondValue),
+    /// From the file of points.
+    Given(Vec<f64>, BondValue),
+}
+
+impl Variation {
+    /// As stretches, with that of the material.
+    pub(super) fn strength(&self, of_material: f64) -> Strength<'_> {
+        match self {
+            Self::Uniform => Strength::Uniform(of_material),
+            Self::Field(field, value) => Strength::Field { field, value: *value },
+            Self::Given(values, value) => Strength::Given { values, value: *value },
+        }
+    }
+
+    /// As factors.
+    pub(super) fn stiffness(&self) -> Stiffness<'_> {
+        match self {
+            Self::Uniform => Stiffness::Uniform,
+            Self::Field(field, value) => Stiffness::Field { field, value: *value },
+            Self::Given(values, value) => Stiffness::Given { values, value: *value },
+        }
+    }
+}
+
+impl Plate {
+    pub(super) fn new(scene: &CrackScene, folder: &Path) -> Result<Self, Objection> {
+        let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
+        let horizon = scene.bonds.horizon.of(spacing)?;
+        let cloud = scene.body.points.as_deref().map(|file| Cloud::read(file, folder));
+        let cloud = cloud.transpose()?;
+        let nodes = match &cloud {
+            Some(cloud) => cloud.nodes(&scene.body)?,
+            None => lattice(&scene.body)?,
+        };
+        let config = bond_config(scene, horizon);
+        let bonds =
+            Bonds::new(&nodes, &config).map_err(|error| of_bonds(&error, cloud.as_ref()))?;
+        let stretch = stretch_of(scene, &config, condition)?;
+        let cut_bonds = notched(scene, &nodes, &bonds)?;
+        let strain = Strain::from(scene.bonds.strain);
+        let horizon = horizon.radius();
+        Ok(Self { nodes, bonds, strain, horizon, stretch, cut_bonds, cloud })
+    }
+
+    /// What a scene says under the key `strength`.
+    pub(super) fn strength(&self, scene: &CrackScene) -> Result<Variation, Objection> {
+        self.variation(&scene.strength, (self.stretch, 0), "strength")
+    }
+
+    /// What it says under the key `stiffness`.
+    pub(super) fn stiffness(&self, scene: &CrackScene) -> Result<Variation, Objection> {
+        self.variation(&scene.stiffness, (1.0, 1), "stiffness")
+    }
+
+    /// A variation around a mean, with the number that its field has in each realisation.
+    fn variation(
+        &self,
+        scene: &VariationScene,
+        (mean, number): (f64, u32),
+        key: &str,
+    ) -> Result<Variation, Objection> {
+        match scene {
+            VariationScene::Uniform => Ok(Variation::Uniform),
+            VariationScene::Field(scene) => {
+                let field = field(scene, &self.nodes, (mean, number), &format!("{key}.field"))?;
+                Ok(Variation::Field(field, scene.between_nodes.into()))
+            }
+            VariationScene::Column(scene) => {
+                let path = format!("{key}.column");
+                let Some(cloud) = &self.cloud else {
+                    let message = "it is a column of the file of points, and the body has none";
+                    let help = "the file is named by `body.points`";
+                    return Err(Objection::new(path, message).with_help(help));
+                };
+                let factors = cloud.required(&format!("{key}_factor"), &path)?;
+                let values = factors.iter().map(|factor| factor * mean).collect();
+                Ok(Variation::Given(values, scene.between_nodes.into()))
+            }
+        }
+    }
+}
+
+/// An objection of the solver to what stands under a key.
+pub(super) fn at(path: &'static str) -> impl Fn(Error) -> Objection {
+    move |error| Objection::new(path, error.to_string())
+}
+
+/// Nodes of a lattice, less those in holes.
+fn lattice(body: &BodyScene) -> Result<Nodes<2>, Objection> {
+    let outside = |x: &[f64; 2]| !body.holes.iter().any(|hole| hole.contains(x));
+    let corners = ([0.0; 2], body.size);
+    let all = Nodes::lattice(body.spacing, corners, body.condition.into(), |_| true);
+    let all = all.map_err(at("body"))?;
+    for (i, hole) in body.holes.iter().enumerate() {
+        if !all.positions().iter().any(|x| hole.contains(x)) {
+            let message = "the hole holds no node: it lies outside the body, or is too small";
+            return Err(Objection::new(format!("body.holes[{i}]"), message));
+        }
+    }
+    Nodes::lattice(body.spacing, corners, body.condition.into(), outside).map_err(at("body"))
+}
+
+fn of_bonds(error: &Error, cloud: Option<&Cloud>) -> Objection {
+    match (error, cloud) {
+        (Error::LooseNode { node, horizon }, Some(cloud)) => {
+            let row = cloud.row(*node);
+            let message = format!("{row}: no other point lies within the horizon, {horizon} m");
+            Objection::new("body.points", message)
+        }
+        _ => Objection::new("bonds", error.to_string()),
+    }
+}
+
+fn bond_config(scene: &CrackScene, horizon: Horizon) -> BondConfig {
+    BondConfig {
+        horizon,
+        young_modulus: scene.material.young_modulus,
+        influence: scene.bonds.influence.into(),
+        volume_correction: scene.bonds.volume_correction.into(),
+        surface_correction: scene.bonds.surface_correction.into(),
+    }
+}
+
+fn stretch_of(
+    scene: &CrackScene,
+    config: &BondConfig,
+    condition: Condition,
+) -> Result<f64, Objection> {
+    match scene.material.toughness {
+        ToughnessScene::CriticalStretch(stretch) => {
+            let path = "material.toughness.critical_stretch";
+            super::scene::positive(path, "the critical stretch", stretch)?;
+            Ok(stretch)
+        }
+        ToughnessScene::EnergyReleaseRate(rate) => {
+            let BondConfig { horizon, young_modulus, influence, .. } = *config;
+            critical_stretch(rate, young_modulus, horizon.radius(), influence, condition)
+                .map_err(at("material.toughness.energy_release_rate"))
+        }
+    }
+}
+
+/// How many bonds the notch cuts; its tip must be inside.
+fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize, Objection> {
+    let ([width, height], [x, y]) = (scene.body.size, scene.notch.tip);
+    let spans = format!("the body spans 0 to {width} m by 0 to {height} m");
+    let ends = (scene.notch.mouth, scene.notch.tip);
+    let cut = bonds
+        .across_segment(nodes, ends)
+        .map_err(|error| Objection::new("notch", error.to_string()).with_help(spans.clone()))?;
+    if !(x > 0.0 && x < width && y > 0.0 && y < height) {
+        let message = format!("the tip of the notch, [{x}, {y}], lies outside the body");
+        return Err(Objection::new("notch.tip", message).with_help(spans));
+    }
+    Ok(cut.len())
+}
+
+/// A field of a mean, the one of a number in each realisation, that stands under a key.
+fn field(
+    scene: &FieldScene,
+    nodes: &Nodes<2>,
+    (mean, number): (f64, u32),
+    path: &str,
+) -> Result<DisorderField, Objection> {
+    let FieldScene { marginal, correlation, .. } = *scene;
+    let law = marginal.of(mean);
+    let of_law = |error: Error| {
+        let path = format!("{path}.marginal.{}", marginal.key());
+        Objection::new(path, error.to_string())
+    };
+    law.check().map_err(of_law)?;
+    let gaussian = gaussian(nodes, &correlation.into())
+        .map_err(|error| Objection::new(format!("{path}.correlation.length"), error.to_string()))?;
+    DisorderField::new(gaussian, law, number).map_err(of_law)
+}
+
+/// By circulant embedding on a lattice, also where nodes are missing, and by a pivoted Cholesky factor on other points.
+fn gaussian(nodes: &Nodes<2>, correlation: &Correlation) -> Result<GaussianField, Error> {
+    let positions = nodes.positions();
+    match GaussianField::by_circulant_embedding(positions, nodes.spacing(), correlation) {
+        Err(Error::Node { .. }) => {
+            GaussianField::by_pivoted_cholesky(positions, correlation, LEFT_OUT)
+        }
+        made => made,
+    }
+}

@@ -12,4 +12,6 @@ mod forces;
 mod inference;
 mod mobility;
 mod paths;
+mod repulsion;
+mod repulsion_bits;
 mod statics;

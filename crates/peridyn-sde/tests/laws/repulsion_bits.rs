@@ -102,8 +102,8 @@ where
         let mut resumed = hot::<T, L>(way, ids, true);
         resumed.restore(&saved).unwrap();
         let end = after(&mut whole, 33);
-        assert_eq!(end, after(&mut resumed, 33), "{way:?}");
-        assert_ne!(end, after(&mut hot::<T, L>(way, ids, false), 70), "{way:?}");
+        assert!(end == after(&mut resumed, 33), "{way:?}");
+        assert!(end != after(&mut hot::<T, L>(way, ids, false), 70), "{way:?}");
     }
 }
 
@@ -128,7 +128,6 @@ fn lanes_do_not_know_of_each_other() {
         assert!(forces.iter().flatten().any(|force| force.abs() > 1e-3), "{way:?}");
         let alone = alone.repulsion_forces(0).unwrap();
         for (node, (force, alone)) in forces.iter().zip(alone).enumerate() {
-            // What is gripped cannot be set, and is where it was.
             assert_eq!(force, &alone, "{way:?} {node}");
         }
     }

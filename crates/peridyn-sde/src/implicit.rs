@@ -57,6 +57,11 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         p.clone_from(residual);
         let mut square = dots::<T, L>(residual, residual);
         let start = square;
+        if start.iter().any(|square| !square.is_finite()) {
+            // Of forces whose squares are no numbers there is nothing to solve, and nothing that would be nearer than any limit.
+            let (step, residual) = (self.step + 1, f64::INFINITY);
+            return Err(Error::NotSolved { step, residual, iterations: 0, limit });
+        }
         for _ in 0..MOST_ITERATIONS {
             let open: [bool; L] =
                 std::array::from_fn(|lane| square[lane] > limit * limit * start[lane]);

@@ -2,6 +2,7 @@
 
 mod body;
 mod bonds;
+mod contact;
 mod correlation;
 mod crossing;
 mod cut;
@@ -25,7 +26,9 @@ mod note;
 mod path;
 mod pivoted_cholesky;
 mod real;
+mod repelled;
 mod report;
+mod repulsion;
 mod resistance;
 mod saved;
 mod scheme;
@@ -62,6 +65,7 @@ pub use path::{
 };
 pub use real::Real;
 pub use report::{BrokenAt, StepReport};
+pub use repulsion::Repulsion;
 pub use saved::SavedState;
 pub use scheme::{Dynamics, Scheme};
 pub use simulation::{Breaking, Simulation, SimulationConfig};

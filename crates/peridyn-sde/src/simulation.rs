@@ -7,6 +7,7 @@ use crate::crossing::Crossing;
 use crate::error::{Error, finite, positive, same_length};
 use crate::loading::Loading;
 use crate::real::Real;
+use crate::repelled::Repelled;
 use crate::report::{BrokenAt, StepReport};
 use crate::resistance::Resistance;
 use crate::scheme::{Dynamics, Scheme, not_negative};
@@ -49,6 +50,7 @@ pub struct Simulation<T: Real, B, const D: usize, const L: usize> {
     pub(crate) unknowns: Unknowns<T>,
     pub(crate) kicks: Kicks<L>,
     crossing: Option<Crossing<L>>,
+    pub(crate) repulsion: Option<Box<Repelled<T, D, L>>>,
     pub(crate) realisations: [u64; L],
     pub(crate) level: SimdLevel,
     pub(crate) time: f64,
@@ -93,6 +95,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
             unknowns,
             kicks,
             crossing,
+            repulsion: None,
             realisations,
             level: SimdLevel::best(),
             time: 0.0,
@@ -285,7 +288,8 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         } else {
             AtStrength::Hold
         };
-        self.body.forces(u, forces, at)
+        self.body.forces(u, forces, at)?;
+        self.find_touching()
     }
 
     fn report(&mut self) -> StepReport {

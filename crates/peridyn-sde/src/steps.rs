@@ -190,7 +190,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         }
     }
 
-    /// Forces of bonds, loads and confinement, into `drift`.
+    /// Forces of bonds, repulsion, loads and confinement, into `drift`.
     pub(crate) fn total_forces(&mut self, time: f64) {
         let epsilon = T::of(self.config.confinement);
         let unknowns = &mut self.unknowns;
@@ -201,6 +201,9 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
             }
         }
         let drift = &mut unknowns.drift;
+        if let Some(repelled) = &self.repulsion {
+            repelled.contact.add(drift);
+        }
         self.loading.for_each_force(time, |node, force| {
             for k in 0..D {
                 for drift in &mut drift[(node * D + k) * L..(node * D + k + 1) * L] {

@@ -13,4 +13,6 @@ mod given;
 mod inference;
 mod mobility;
 mod paths;
+mod repulsion;
+mod repulsion_bits;
 mod statics;

@@ -236,7 +236,7 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     context.progress("reference of paths");
     // Other noise, and more of it.
     let reference =
-        plate(Scheme::LeimkuhlerMatthews, 0.45).cracks::<f32, 16>(8 * realisations, 8)?;
+        plate(Scheme::LeimkuhlerMatthews, 0.45).cracks::<f32, 16>(4 * realisations, 8)?;
     let exact = spread(&reference.heights(0.65))?;
     let line = |name: &str, scheme, steps: &[f64], runs: &Runs<'_>| {
         series(context, name, scheme, steps, exact.value, runs)
@@ -260,7 +260,7 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         ),
         format!(
             "Reference: Leimkuhler-Matthews, z = 0.45, {} other paths: {:.4} ± {:.4} widths. Errors below the bars tell nothing.",
-            8 * realisations,
+            4 * realisations,
             exact.value,
             exact.standard_error.unwrap_or(f64::NAN)
         ),

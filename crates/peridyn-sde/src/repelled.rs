@@ -18,7 +18,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// **Stability.** The step is held against one touching pair of nodes alone, `z = h (M_i + M_j) k` or
     /// `(h omega)^2 = h^2 (1/m_i + 1/m_j) k`, `k = c_s V_i V_j/delta`, which must be less than 2 or 4. The theta method is
     /// explicit in the repulsion: 2 there as well. This does not cover that the bonds of a node pull too, nor that it touches
-    /// several others: the stiffest mode of a lattice that is compressed by more than 10 % all over is 2, 4 and 6 times that of a
+    /// several others: the stiffest mode of a lattice that is compressed by 10 to 20 % all over is 2, 4 and 6 times that of a
     /// pair in one, two and three dimensions. A step for which [`relative_step`](Self::relative_step) and that multiple of
     /// [`relative_step_of_repulsion`](Self::relative_step_of_repulsion) add to less than the limit is on the safe side.
     ///

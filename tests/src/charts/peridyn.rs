@@ -164,9 +164,10 @@ fn stationary(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         format!("The same time for all, {:.0}/lambda of the stiffest mode. Bars: one standard error over the lanes.", 8000.0 * share),
         "Euler and Heun are biased, by 1/(1 - z/2) and (2 - z)/(2 - z + z^2/2) in a mode; the others err by sampling alone.".into(),
     ];
-    let subtitle =
-        "plate of 8 x 8 nodes, one edge held, 348 linear bonds: energy over kT/2 for each unknown"
-            .into();
+    let subtitle = format!(
+        "plate of 8 x 8 nodes, one edge held, {} linear bonds: energy over kT/2 for each unknown",
+        network.bonds.len()
+    );
     drawing(
         "peridyn-stationary",
         ("Error of the stationary law against cost", subtitle, "relative error of the mean energy"),

@@ -60,10 +60,10 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
         true
     }
 
-    /// `-K v`: forces under small displacements `v`, linear in them, of the bonds as they stand broken or whole.
+    /// `-K v`: forces under small displacements `v` from rest, linear in them, of the bonds as they stand broken or whole.
     ///
     /// # Errors
-    /// [`Error::NotLinear`] for a body whose law has no such.
+    /// [`Error::Length`] for columns of another body.
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error>;
 
     /// Takes bonds over a step from one displacement to another; with `crossing`, those that crossed their strength in

@@ -252,12 +252,6 @@ pub enum Error {
         /// What is asked.
         limit: f64,
     },
-    /// A law of bonds of which no linear forces can be had.
-    #[error("this body has no linear forces, which {by} needs")]
-    NotLinear {
-        /// What asked for them.
-        by: &'static str,
-    },
     /// A dimension that the conditions of the body do not have.
     #[error("{condition} has {expected} dimensions; the body has {value}")]
     Dimension {

@@ -198,8 +198,27 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
         false
     }
 
-    fn linear_forces(&mut self, _v: &[f64], _forces: &mut [f64]) -> Result<(), Error> {
-        Err(Error::NotLinear { by: "an implicit step" })
+    fn linear_forces(&mut self, v: &[f64], forces: &mut [f64]) -> Result<(), Error> {
+        same_length("displacements", v.len(), self.bonds.n_nodes() * D)?;
+        same_length("forces", forces.len(), v.len())?;
+        let (v, forces) = (v.as_chunks::<D>().0, forces.as_chunks_mut::<D>().0);
+        forces.fill([0.0; D]);
+        let x = self.nodes.positions();
+        for i in 0..self.bonds.n_nodes() {
+            for bond in self.bonds.row(i) {
+                let (j, of) = (self.bonds.partner(bond), self.bonds.all()[bond]);
+                let inverse = 1.0 / of.length;
+                let e: [f64; D] = std::array::from_fn(|k| inverse * (x[j][k] - x[i][k]));
+                let growth: f64 = (0..D).map(|k| e[k] * (v[j][k] - v[i][k])).sum();
+                let slope = self.law.slope(self.strengths[bond], &self.states[bond]);
+                let tension = of.stiffness * slope * inverse * growth;
+                for k in 0..D {
+                    forces[i][k] += tension * e[k];
+                    forces[j][k] -= tension * e[k];
+                }
+            }
+        }
+        Ok(())
     }
 
     fn advance(

@@ -112,10 +112,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     fn require_stable(&mut self) -> Result<(), Error> {
         let dt = self.config.dt;
         let (confinement, dynamics) = (self.config.confinement, self.config.dynamics.clone());
-        let Some(rate) = stiffest(&mut self.body, &self.resistance, &mut self.kicks, confinement)?
-        else {
-            return Ok(());
-        };
+        let rate = stiffest(&mut self.body, &self.resistance, &mut self.kicks, confinement)?;
         let (value, limit) = match dynamics {
             Dynamics::Overdamped { scheme, .. } => (dt * rate, scheme.stability_limit()),
             Dynamics::Inertial { .. } => (dt * dt * rate, 4.0),
@@ -131,8 +128,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         self.evaluate(AtStrength::Hold)
     }
 
-    /// `z = h M lambda` of the stiffest mode at rest; in inertial dynamics `(h omega)^2`. Zero for a body of which no linear
-    /// forces can be had: there the step is not checked.
+    /// `z = h M lambda` of the stiffest mode at rest; in inertial dynamics `(h omega)^2`.
     #[must_use]
     pub fn relative_step(&self) -> f64 {
         self.relative_step

@@ -13,13 +13,13 @@ const MOST_ITERATIONS: usize = 200;
 const SETTLED: f64 = 1e-4;
 
 /// The largest eigenvalue of `L^T (K + epsilon) L`, that is of `M (K + epsilon)`, at rest (1/time, with masses 1/time squared),
-/// from below, within about a part in a thousand. `None` for a body of which no linear forces can be had.
+/// from below, within about a part in a thousand.
 pub(crate) fn stiffest<T: Real, B: Body<T, D, L>, const D: usize, const L: usize>(
     body: &mut B,
     resistance: &Resistance<T>,
     kicks: &mut Kicks<L>,
     confinement: f64,
-) -> Result<Option<f64>, Error> {
+) -> Result<f64, Error> {
     let n = body.nodes().positions().len() * D * L;
     // Alternating from node to node and uneven: no symmetry of a body is orthogonal to it.
     let mut y: Vec<T> = Vec::new();
@@ -32,16 +32,13 @@ pub(crate) fn stiffest<T: Real, B: Body<T, D, L>, const D: usize, const L: usize
     for iteration in 0..MOST_ITERATIONS {
         let norm = norm(&y);
         if norm <= 0.0 {
-            return Ok(Some(0.0));
+            return Ok(0.0);
         }
         for y in &mut y {
             *y = T::of(y.to_f64() / norm);
         }
         kicks.forth(resistance, &mut y)?;
-        match body.linear_forces(&y, &mut image) {
-            Err(Error::NotLinear { .. }) => return Ok(None),
-            other => other?,
-        }
+        body.linear_forces(&y, &mut image)?;
         for (image, &y) in image.iter_mut().zip(&y) {
             *image = epsilon * y - *image;
         }
@@ -55,7 +52,7 @@ pub(crate) fn stiffest<T: Real, B: Body<T, D, L>, const D: usize, const L: usize
             settled = value;
         }
     }
-    Ok(Some(value))
+    Ok(value)
 }
 
 fn norm<T: Real>(values: &[T]) -> f64 {

@@ -41,4 +41,15 @@ pub trait BondLaw: Debug + Sync {
 
     /// The stretch whose first passage changes the bond for good, if there is such.
     fn threshold(&self, strength: f64, state: &Self::State) -> Option<f64>;
+
+    /// `d sigma/ds` at rest: what the step is checked against, and what an implicit step takes the bond for.
+    ///
+    /// Unless a law says otherwise, the steeper of both sides over a stretch of a millionth, or of a millionth of the strength
+    /// where that is less. A law that is steeper elsewhere than at rest is checked at rest alone.
+    fn slope(&self, strength: f64, state: &Self::State) -> f64 {
+        let s = 1e-6 * strength.min(1.0);
+        let at_rest = self.tension(strength, 0.0, state);
+        let [pulled, pushed] = [s, -s].map(|s| (self.tension(strength, s, state) - at_rest) / s);
+        if pulled.abs() >= pushed.abs() { pulled } else { pushed }
+    }
 }

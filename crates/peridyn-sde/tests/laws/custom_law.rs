@@ -1,9 +1,11 @@
 //! A law of a user's own: strings, which resist tension alone and never break.
 
 use peridyn_sde::{
-    BondConfig, BondLaw, Bonds, Condition, Horizon, Influence, Network, Nodes, SurfaceCorrection,
+    BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence, Loading,
+    Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
     VolumeCorrection,
 };
+use sde_integrators::Noise;
 
 #[derive(Debug)]
 struct Cord;
@@ -39,8 +41,8 @@ impl BondLaw for Cord {
     }
 }
 
-#[test]
-fn a_net_of_strings_pulls_and_does_not_push() {
+/// Five nodes in a row.
+fn net() -> Network<Cord, 1> {
     let nodes =
         Nodes::lattice(1.0, ([0.0], [5.0]), Condition::Bar { area: 1.0 }, |_| true).unwrap();
     let config = BondConfig {
@@ -52,7 +54,12 @@ fn a_net_of_strings_pulls_and_does_not_push() {
     };
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let strengths = vec![1.0; bonds.len()];
-    let network = Network::new(nodes, bonds, Cord, strengths).unwrap();
+    Network::new(nodes, bonds, Cord, strengths).unwrap()
+}
+
+#[test]
+fn a_net_of_strings_pulls_and_does_not_push() {
+    let network = net();
     let stiffness = network.bonds().all()[0].stiffness;
     let mut forces = [[0.0]; 5];
     for (strain, pull) in [(0.01, 0.01), (-0.01, 0.0)] {
@@ -62,4 +69,33 @@ fn a_net_of_strings_pulls_and_does_not_push() {
         assert!((forces[0][0] - stiffness * pull).abs() < 1e-15 * stiffness);
         assert!(forces[2][0].abs() < 1e-15 * stiffness);
     }
+}
+
+/// A string is as stiff as its steeper side: with two springs of `kappa/r` to a node the stiffest mode of a long row has four,
+/// of five free nodes `4 sin^2(2 pi/5)`.
+#[test]
+fn the_step_is_held_against_the_steeper_side_at_rest() {
+    let start = |scheme, z: f64| {
+        let network = net();
+        let spring = network.bonds().all()[0].stiffness / network.bonds().all()[0].length;
+        let rate = 4.0 * spring * (2.0 * std::f64::consts::PI / 5.0).sin().powi(2);
+        let mobility = Mobility::identity(&[true; 5], 1.0).unwrap();
+        let dynamics = Dynamics::Overdamped { mobility, temperature: 0.0, scheme };
+        let (breaking, confinement, noise) = (Breaking::AtEnds, 0.0, Noise::new(1));
+        let config = SimulationConfig { dynamics, dt: z / rate, breaking, confinement, noise };
+        Simulation::new(network, Loading::new(5), config, [0])
+    };
+    let z = start(Scheme::EulerMaruyama, 1.99).unwrap().relative_step();
+    assert!((z - 1.99).abs() < 2e-3, "{z}");
+    let beyond = start(Scheme::EulerMaruyama, 2.01).unwrap_err();
+    assert!(matches!(beyond, Error::Unstable { limit, .. } if limit <= 2.0), "{beyond}");
+    // An implicit step takes it for a bond that pushes too, and comes to rest.
+    let mut implicit = start(Scheme::Theta(1.0), 20.0).unwrap();
+    let stretched: Vec<[f64; 1]> = (0..5).map(|node| [0.1 * f64::from(node)]).collect();
+    implicit.set_displacements(0, &stretched).unwrap();
+    for _ in 0..200 {
+        let _ = implicit.step().unwrap();
+    }
+    let ends = implicit.displacements(0);
+    assert!((ends[4][0] - ends[0][0]).abs() < 1e-6, "{ends:?}");
 }

@@ -1,6 +1,6 @@
 //! Steps in time, whatever the body.
 
-use peridyn_sde::law::CriticalStretch;
+use peridyn_sde::law::{CriticalStretch, Memory};
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Error, Horizon,
     Influence, LatticeBody, Loading, Mobility, Network, Nodes, Program, Scheme, Simulation,
@@ -107,14 +107,41 @@ fn bodies_and_lanes_take_the_same_paths() {
         let lattice = LatticeBody::new(nodes.clone(), bonds.clone(), Strain::Finite, 0.12).unwrap();
         let (lattice, _) = end(lattice, &nodes, dynamics(), [9]);
         assert!(near(&lanes[1], &lattice[0]) < 1e-9, "{scheme:?}");
-        if matches!(scheme, Scheme::Theta(_)) {
-            continue;
-        }
         let law = CriticalStretch;
         let network = Network::new(nodes.clone(), bonds.clone(), law, vec![0.12; n]).unwrap();
         let (network, _) = end(network, &nodes, dynamics(), [9]);
         assert!(near(&lanes[1], &network[0]) < 1e-9, "{scheme:?}");
     }
+}
+
+/// The step of a law of any kind is held against the slope of its tension at rest, as that of the fast bodies is.
+#[test]
+fn bodies_have_the_same_stiffest_mode() {
+    let (nodes, bonds) = plate(6.0);
+    let strengths = vec![0.12; bonds.len()];
+    let z = |body: &mut dyn FnMut(SimulationConfig) -> Result<f64, Error>| {
+        let dynamics = overdamped(&is_free(&nodes), Scheme::EulerMaruyama, 0.0);
+        body(config(dynamics, 0.02)).unwrap()
+    };
+    let (columns, loading) = (|| (nodes.clone(), bonds.clone()), || held(&nodes));
+    let list = z(&mut |config| {
+        let (nodes, bonds) = columns();
+        let body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Finite, &strengths)?;
+        Ok(Simulation::new(body, loading(), config, [0])?.relative_step())
+    });
+    let network = z(&mut |config| {
+        let (nodes, bonds) = columns();
+        let body = Network::new(nodes, bonds, CriticalStretch, strengths.clone())?;
+        Ok(Simulation::new(body, loading(), config, [0])?.relative_step())
+    });
+    let worn = z(&mut |config| {
+        let (nodes, bonds) = columns();
+        let law = Memory::new(1.0, 1.0, (1.0, 1.0), 0.75)?;
+        let body = Network::new(nodes, bonds, law, strengths.clone())?;
+        Ok(Simulation::new(body, loading(), config, [0])?.relative_step())
+    });
+    assert!((network / list - 1.0).abs() < 1e-9, "{network} {list}");
+    assert!((worn / list - 0.75).abs() < 1e-9, "{worn} {list}");
 }
 
 /// A run that is put away in the middle goes on to the same bits.

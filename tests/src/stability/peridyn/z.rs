@@ -1,7 +1,6 @@
-//! The step against the stiffest mode: by scheme, in a body that is stretched, in a body that is not checked.
+//! The step against the stiffest mode: by scheme, in a body that is stretched.
 
 mod stretched;
-mod unchecked;
 
 use peridyn_sde::{Mobility, Scheme};
 
@@ -15,7 +14,7 @@ use crate::stability::axes::logarithmic;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-z",
-    title: "schemes of peridyn-sde over the step: variance of the stiffest mode, a body stretched, a body not checked",
+    title: "schemes of peridyn-sde over the step: variance of the stiffest mode, a body stretched",
     draw,
 };
 
@@ -29,7 +28,7 @@ const SCHEMES: [Scheme; 5] = [
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let is_quick = context.profile == Profile::Quick;
-    Ok(vec![variance(is_quick)?, stretched::map(is_quick)?, unchecked::chart(is_quick)?])
+    Ok(vec![variance(is_quick)?, stretched::map(is_quick)?])
 }
 
 /// Steps about the limit, and for implicit schemes far beyond.

@@ -8,6 +8,7 @@ mod neighbour_search;
 mod particle_store;
 mod peridyn;
 mod perturbation_moments;
+mod resume;
 mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;
@@ -105,4 +106,5 @@ pub const ALL: &[Case] = &[
     sde_ensembles::failures::CASE,
     sde_ensembles::first_passage::CASE,
     sde_ensembles::rare_events::CASE,
+    resume::CASE,
 ];

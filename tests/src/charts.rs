@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::case::{CaseError, Context, Profile, Shared};
 use crate::chart::{self, ChartError, TimeSeries, WorkPrecision};
@@ -63,7 +63,7 @@ pub struct ChartKind {
 }
 
 /// A picture or a page, and the numbers in it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Drawing {
     /// Name of the files, without their endings.
     pub name: String,
@@ -76,7 +76,7 @@ pub struct Drawing {
 }
 
 /// What is looked at.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Face {
     /// A picture, SVG.
     Picture(String),

@@ -1,11 +1,15 @@
 //! The command line: words to options, errors to exit codes.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use verification::case::Profile;
+use verification::checkpoint::Start;
+use verification::scenes::Part;
 use verification::{cases, charts, output, scenes, verify};
 
 /// Exit code of a program whose reader went away.
@@ -29,6 +33,8 @@ enum Command {
     Verify(Verify),
     /// Run a scene file
     Run(Run),
+    /// Join the shards of a scene to the result of one run
+    Merge(Merge),
     /// Draw error against cost
     Chart(Chart),
     /// Sweep methods to where they fail
@@ -61,6 +67,37 @@ struct Run {
     /// Where the results go
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Threads of parallel loops; the results are the same for any number [default: all processors]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// A seed in place of that of the scene
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Go on from the last checkpoint in DIR, to the same bits; its end may have been earlier
+    #[arg(long)]
+    resume: bool,
+    /// The least time between two checkpoints
+    #[arg(long, value_name = "SECONDS", default_value_t = scenes::Options::CHECKPOINT_EVERY.as_secs())]
+    checkpoint_every: u64,
+    /// Run shard K of N of an ensemble, which `merge` joins
+    #[arg(long, value_name = "K/N")]
+    shard: Option<scenes::Place>,
+}
+
+#[derive(Debug, Args)]
+struct Merge {
+    /// The scene that the shards are of
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Files that `run --shard` has left, all of them, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    shards: Vec<PathBuf>,
+    /// Where the results go
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// The seed that the shards were run with, where it is not that of the scene
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
 }
 
 #[derive(Debug, Args)]
@@ -116,7 +153,11 @@ pub(crate) fn main() -> ExitCode {
 fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
     match command {
         Command::Verify(arguments) => execute_verify(arguments, output),
-        Command::Run(arguments) => execute_run(&arguments, output),
+        Command::Run(arguments) => execute_run(arguments, output),
+        Command::Merge(Merge { scene, shards, out, seed }) => {
+            let part = Part::Merged(shards);
+            run_scene(&scene, &scenes::Options { seed, part, ..scenes::Options::new(out) }, output)
+        }
         Command::Chart(arguments) => execute_chart(charts::ALL, "chart", arguments, output),
         Command::Stability(arguments) => {
             execute_chart(charts::STABILITY, "stability sweep", arguments, output)
@@ -139,12 +180,30 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
     Ok(if report.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn execute_run(arguments: &Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
-    let tell = |what: &str| {
-        // Progress that cannot be shown is no reason to stop a run.
-        let _ = writeln!(io::stderr(), "{what}");
+fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        pool.build_global().map_err(miette::Report::from_err)?;
+    }
+    let options = scenes::Options {
+        out: arguments.out,
+        seed: arguments.seed,
+        start: if arguments.resume { Start::GoOn } else { Start::Anew },
+        checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
+        part: arguments.shard.map_or(Part::Whole, Part::Shard),
     };
-    let written = scenes::run(scenes::ALL, &arguments.scene, &arguments.out, &tell)?;
+    run_scene(&arguments.scene, &options, output)
+}
+
+fn run_scene(
+    scene: &Path,
+    options: &scenes::Options,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let progress = scenes::Progress::on_stderr();
+    let written = scenes::run(scenes::ALL, scene, options, &progress);
+    progress.finish();
+    let written = written?;
     for path in written {
         writeln!(output, "{}", path.display()).map_err(miette::Report::from_err)?;
     }

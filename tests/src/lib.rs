@@ -13,6 +13,7 @@ pub mod case;
 pub mod cases;
 pub mod chart;
 pub mod charts;
+pub mod checkpoint;
 pub mod claim;
 pub mod finite;
 pub mod fpk;

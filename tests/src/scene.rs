@@ -23,6 +23,11 @@ pub trait Scene: DeserializeOwned {
     /// # Errors
     /// An [`Objection`] that names the key.
     fn check(&self) -> Result<(), Objection>;
+
+    /// The seed of what it draws at random; `None` where it draws nothing.
+    fn seed(&mut self) -> Option<&mut u64> {
+        None
+    }
 }
 
 /// What is wrong with a value, and where it stands.

@@ -4,16 +4,24 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod fpk;
+mod part;
 mod peridyn;
+mod progress;
 mod smpm;
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::time::Duration;
 
-use crate::case::{CaseError, Context, Profile, Shared};
+use serde::Serialize;
+
+pub use self::part::{Part, Place};
+pub use self::progress::Progress;
+use crate::case::CaseError;
+use crate::checkpoint::{Checkpoint, CheckpointError, Head, Start};
+use crate::finite::JsonError;
 use crate::nearest::nearest;
 use crate::output::OutputError;
-use crate::scene::{Objection, SceneError, SceneFile};
+use crate::scene::{Objection, Scene, SceneError, SceneFile};
 
 /// The key that names the kind of a scene.
 pub const KIND_KEY: &str = "solver";
@@ -27,7 +35,98 @@ pub struct SceneKind {
     /// The value of the key `solver`, e.g. `fpk-sph`.
     pub solver: &'static str,
     /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
-    pub run: fn(&SceneFile, &Path, &Context<'_>) -> Result<Vec<PathBuf>, RunError>,
+    pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
+}
+
+/// How a scene is run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Where the results go.
+    pub out: PathBuf,
+    /// In place of the seed of the scene.
+    pub seed: Option<u64>,
+    /// From nothing or from a checkpoint.
+    pub start: Start,
+    /// The least time between two checkpoints.
+    pub checkpoint_every: Duration,
+    /// All of an ensemble, a shard of it, or what shards have come to.
+    pub part: Part,
+}
+
+impl Options {
+    /// The least time between two checkpoints, where nothing else is asked for.
+    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(10);
+
+    /// A run from nothing, with the seed of the scene.
+    pub fn new(out: impl Into<PathBuf>) -> Self {
+        let (seed, start) = (None, Start::Anew);
+        let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
+        Self { out: out.into(), seed, start, checkpoint_every, part }
+    }
+}
+
+/// What a kind of scene is given.
+#[derive(Debug, Clone, Copy)]
+pub struct Run<'a> {
+    /// Hears what is being done.
+    pub progress: &'a Progress,
+    solver: &'static str,
+    options: &'a Options,
+}
+
+impl Run<'_> {
+    /// Where the results go.
+    #[must_use]
+    pub fn out(&self) -> &Path {
+        &self.options.out
+    }
+
+    /// Reads a scene, with the seed that was asked for in place of its own.
+    ///
+    /// # Errors
+    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed to a scene that has none.
+    pub fn parse<T: Scene>(&self, file: &SceneFile) -> Result<T, RunError> {
+        let mut scene: T = file.parse()?;
+        if let Some(seed) = self.options.seed {
+            *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
+        }
+        Ok(scene)
+    }
+
+    /// The checkpoint of the run of a scene. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
+    /// and what only looks at the result.
+    ///
+    /// # Errors
+    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that is no JSON.
+    pub fn checkpoint(
+        &self,
+        scene: &impl Serialize,
+        aside: &[&str],
+    ) -> Result<Checkpoint, RunError> {
+        let mut identity = identity(scene, aside)?;
+        if let (Part::Shard(place), Some(identity)) = (&self.options.part, identity.as_object_mut())
+        {
+            identity.insert("shard".to_owned(), place.to_string().into());
+        }
+        let head = Head::new(self.solver, &identity);
+        let Options { ref out, start, checkpoint_every, .. } = *self.options;
+        let (checkpoint, found) = Checkpoint::open(out, head, start, checkpoint_every)?;
+        for refused in &found.refused {
+            self.progress.stage(&format!("not gone on from: {refused}"));
+        }
+        match (start, found.file) {
+            (Start::Anew, _) => {}
+            (Start::GoOn, Some(file)) => {
+                self.progress.stage(&format!("goes on from {}", file.display()));
+            }
+            (Start::GoOn, None) => {
+                let folder = out.display();
+                self.progress
+                    .stage(&format!("no checkpoint in {folder}: starts from the beginning"));
+            }
+        }
+        Ok(checkpoint)
+    }
 }
 
 /// Why a scene was not run to its end.
@@ -47,6 +146,27 @@ pub enum RunError {
     /// A result could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The checkpoint was refused, or could not be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The scene cannot be told from others.
+    #[error("the scene holds what JSON does not")]
+    Identity(#[from] JsonError),
+    /// Shards were asked for, or given, and the method of the scene has none.
+    #[error("the method of the scene samples nothing, so that there are no shards of it")]
+    #[diagnostic(help("run it without --shard; there is nothing to merge"))]
+    NoShards,
+    /// Shards that are not one ensemble.
+    #[error(transparent)]
+    Shards(#[from] part::ShardsError),
+    /// Nothing in the scene is random.
+    #[error("the seed {seed} was given, and the scene draws nothing at random")]
+    #[diagnostic(help("leave out --seed"))]
+    NoSeed {
+        /// The seed.
+        seed: u64,
+    },
 }
 
 impl RunError {
@@ -56,20 +176,30 @@ impl RunError {
     }
 }
 
-/// Runs a scene file; `tell` hears in a few words what is being done.
+/// All of a scene that its numbers depend on.
+fn identity(scene: &impl Serialize, aside: &[&str]) -> Result<serde_json::Value, RunError> {
+    let mut identity = serde_json::to_value(scene).map_err(JsonError::from)?;
+    for pointer in aside {
+        if let Some(value) = identity.pointer_mut(pointer) {
+            *value = serde_json::Value::Null;
+        }
+    }
+    Ok(identity)
+}
+
+/// Runs a scene file.
 ///
 /// # Errors
 /// [`RunError`].
 pub fn run(
     table: &[SceneKind],
     scene: &Path,
-    out: &Path,
-    tell: &(dyn Fn(&str) + Sync),
+    options: &Options,
+    progress: &Progress,
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = SceneFile::read(scene)?;
     let kind = kind_of(table, &file)?;
-    let (shared, inline) = (Shared::default(), Mutex::new(Vec::new()));
-    (kind.run)(&file, out, &Context::new(kind.solver, Profile::Default, &shared, &inline, tell))
+    (kind.run)(&file, &Run { progress, solver: kind.solver, options })
 }
 
 fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind, RunError> {
@@ -117,12 +247,12 @@ mod tests {
 
     const TABLE: [SceneKind; 1] = [SceneKind {
         solver: "decay",
-        run: |file, out, _| {
-            let scene: Decay = file.parse()?;
+        run: |file, run| {
+            let scene: Decay = run.parse(file)?;
             if scene.rate > 10.0 {
                 return Err(RunError::solver(std::io::Error::other("too stiff")));
             }
-            let path = out.join("result.json");
+            let path = run.out().join("result.json");
             crate::output::write_json(&path, &serde_json::json!({ "final": (-scene.rate).exp() }))?;
             Ok(vec![path])
         },
@@ -136,7 +266,7 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let scene = folder.join("scene.json");
         std::fs::write(&scene, text).unwrap();
-        let result = run(&TABLE, &scene, &folder.join("out"), &|_| {});
+        let result = run(&TABLE, &scene, &Options::new(folder.join("out")), &Progress::silent());
         if let Ok(paths) = &result {
             assert!(paths.iter().all(|path| path.exists()));
         }
@@ -165,7 +295,7 @@ mod tests {
             Err(RunError::Solver(_))
         ));
         assert!(matches!(
-            run(&[], Path::new("x"), Path::new("y"), &|_| {}),
+            run(&[], Path::new("x"), &Options::new("y"), &Progress::silent()),
             Err(RunError::Scene(_))
         ));
     }

@@ -14,7 +14,10 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
 
   verify [FILTER]... [--quick|--full] [--list] [--json FILE] [--out DIR]
                               run the proof; fails if a claim does not hold
-  run SCENE.json --out DIR    run a scene
+  run SCENE.json --out DIR [--seed S] [--threads N] [--resume] [--shard K/N]
+                              run a scene; killed, it goes on with --resume
+  merge SCENE.json SHARD... --out DIR
+                              join the shards of an ensemble
   chart [NAME]... [--list]    draw error against cost
   stability [NAME]...         sweep methods to where they fail
   bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
@@ -41,14 +44,14 @@ fn main() -> ExitCode {
         return ExitCode::from(USAGE);
     };
     match command.as_str() {
-        "verify" | "run" | "chart" | "stability" if checked => {
+        "verify" | "run" | "merge" | "chart" | "stability" if checked => {
             let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
             if built != ExitCode::SUCCESS {
                 return built;
             }
             start(Command::new(binary("debug")).arg(command).args(rest))
         }
-        "verify" | "run" | "chart" | "stability" => {
+        "verify" | "run" | "merge" | "chart" | "stability" => {
             if !binary("release").exists() {
                 say("building verification (release); the first time takes a few minutes ...\n");
             }

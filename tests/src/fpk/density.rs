@@ -4,6 +4,7 @@ use cpu_time::ProcessTime;
 use fpk_sph::observables::CellIntegral;
 use fpk_sph::{Config, Error, Simulation, Work};
 use sde_integrators::{GaussianMixture, NoiseClass, Sde};
+use serde::{Deserialize, Serialize};
 
 use super::scene::System;
 
@@ -53,7 +54,7 @@ impl Demand {
 }
 
 /// The three estimates of one probability of exceedance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Exceedances {
     /// Counted particles (eq 25).
     pub indicator: f64,
@@ -93,7 +94,7 @@ impl Exceedances {
 }
 
 /// What was observed at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The time.
     pub t: f64,
@@ -173,24 +174,100 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     asked: &Asked<D>,
     mut look: impl FnMut(&Simulation<S, D, M>, &Row),
 ) -> Result<DensityRun, Error> {
+    run_from(system, law, config, asked, Reached::default(), |at| {
+        if let Some(row) = at.rows.last() {
+            look(at.simulation, row);
+        }
+    })
+}
+
+/// What a run goes on from.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reached {
+    rows: Vec<Row>,
+    /// Empty at the start.
+    snapshot: Vec<u8>,
+    evaluations: u64,
+    neighbour_visits: u64,
+    cpu_seconds: f64,
+}
+
+/// A run at a time of observation.
+#[derive(Debug)]
+pub struct Standing<'a, S, const D: usize, const M: usize> {
+    /// The simulation.
+    pub simulation: &'a Simulation<S, D, M>,
+    /// What was observed so far; the last row is of this time.
+    pub rows: &'a [Row],
+    work: Work,
+}
+
+impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
+    /// What another run goes on from.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::snapshot`].
+    pub fn reached(&self) -> Result<Reached, Error> {
+        let mut snapshot = Vec::new();
+        self.simulation.snapshot(&mut snapshot)?;
+        let Work { evaluations, neighbour_visits, .. } = self.work;
+        let cpu_seconds = self.rows.last().map_or(0.0, |row| row.cpu_seconds);
+        Ok(Reached {
+            rows: self.rows.to_vec(),
+            snapshot,
+            evaluations,
+            neighbour_visits,
+            cpu_seconds,
+        })
+    }
+}
+
+/// As [`run_on`], from where another run with the same choices has come to, to the bits of a run that was never left; its times may
+/// have been fewer. `look` is not shown what that run has seen.
+///
+/// # Errors
+/// As [`run_on`], and those of [`Simulation::restore`].
+pub fn run_from<S: Sde<D, M>, const D: usize, const M: usize>(
+    system: S,
+    law: &GaussianMixture<D>,
+    config: &Config<D>,
+    asked: &Asked<D>,
+    past: Reached,
+    mut look: impl FnMut(Standing<'_, S, D, M>),
+) -> Result<DensityRun, Error> {
     let start = ProcessTime::now();
     let mut simulation = Simulation::new(system, law, config)?;
-    let mut cpu_seconds = start.elapsed().as_secs_f64();
-    let mut run = DensityRun {
-        rows: Vec::new(),
-        n_particles: simulation.n_particles(),
-        work: Work::default(),
-        stopped: None,
+    let n_particles = simulation.n_particles();
+    if !past.snapshot.is_empty() {
+        simulation.restore(past.snapshot.as_slice())?;
+    }
+    let mut cpu_seconds = past.cpu_seconds + start.elapsed().as_secs_f64();
+    // What the start took is in the work of the past already.
+    let before = if past.rows.is_empty() { Work::default() } else { simulation.work() };
+    let work = |simulation: &Simulation<S, D, M>| {
+        let Work { steps, evaluations, neighbour_visits } = simulation.work();
+        Work {
+            steps,
+            evaluations: past.evaluations + evaluations - before.evaluations,
+            neighbour_visits: past.neighbour_visits + neighbour_visits - before.neighbour_visits,
+        }
     };
-    for &t in &asked.times {
+    let mut rows = past.rows;
+    rows.truncate(asked.times.len());
+    let mut run = DensityRun { rows, n_particles, work: Work::default(), stopped: None };
+    for &t in asked.times.iter().skip(run.rows.len()) {
         let start = ProcessTime::now();
         let outcome = simulation.advance_to(t);
         cpu_seconds += start.elapsed().as_secs_f64();
         let row = outcome.and_then(|()| observe(&simulation, asked, cpu_seconds));
         match row {
             Ok(row) => {
-                look(&simulation, &row);
                 run.rows.push(row);
+                look(Standing {
+                    simulation: &simulation,
+                    rows: &run.rows,
+                    work: work(&simulation),
+                });
             }
             Err(error) => {
                 run.stopped = Some(error);
@@ -198,7 +275,7 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
             }
         }
     }
-    run.work = simulation.work();
+    run.work = work(&simulation);
     Ok(run)
 }
 

@@ -1,11 +1,14 @@
 //! The rival: Monte Carlo on the same system and initial law.
 
+use std::ops::Range;
+
 use cpu_time::ProcessTime;
-use sde_integrators::{EnsembleConfig, Estimate, GaussianMixture, Observable};
+use sde_integrators::{EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge};
+use serde::{Deserialize, Serialize};
 
 use super::density::Asked;
 use super::method_scene::IntegratorScene;
-use super::paths::{Paths, PathsError};
+use super::paths::{PathEnsemble, Paths, PathsError};
 use super::scene::System;
 
 /// What is sampled, and how.
@@ -91,6 +94,65 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     sampling: &Sampling,
     asked: &Asked<D>,
 ) -> Result<SampledRun, PathsError> {
+    let so_far = SampledSoFar::default();
+    sample(system, law, sampling, asked, (0..1, 1), so_far, |_| Ok::<(), PathsError>(()))?
+        .run(asked)
+}
+
+/// Shards of an ensemble that are done.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SampledSoFar {
+    shards: Vec<ShardRecord>,
+    cpu_seconds: f64,
+}
+
+impl SampledSoFar {
+    /// How many.
+    #[must_use]
+    pub fn n_shards(&self) -> u64 {
+        self.shards.len() as u64
+    }
+
+    /// Takes in the shards of another part.
+    pub fn append(&mut self, other: Self) {
+        self.shards.extend(other.shards);
+        self.cpu_seconds += other.cpu_seconds;
+    }
+
+    /// What all shards have come to.
+    ///
+    /// # Errors
+    /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed.
+    pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
+        let ensemble = merge(&self.shards)?.ensemble()?;
+        let n_moments = asked.powers.len();
+        let row = |(&t, estimates): (&f64, &Vec<Estimate>)| SampledRow {
+            t,
+            moments: estimates[..n_moments].to_vec(),
+            exceedances: estimates[n_moments..].to_vec(),
+        };
+        Ok(SampledRun {
+            rows: ensemble.times.iter().zip(&ensemble.estimates).map(row).collect(),
+            path_steps: ensemble.path_steps,
+            cpu_seconds: self.cpu_seconds,
+        })
+    }
+}
+
+/// Samples a range of the shards of an ensemble one after the other, of which the first may be done. `look` sees them after each, and
+/// may end the run.
+///
+/// # Errors
+/// As [`run_on`], and those of `look`.
+pub fn sample<S: Paths<D, M>, E: From<PathsError>, const D: usize, const M: usize>(
+    system: &S,
+    law: &GaussianMixture<D>,
+    sampling: &Sampling,
+    asked: &Asked<D>,
+    (range, n_shards): (Range<u64>, u64),
+    mut so_far: SampledSoFar,
+    mut look: impl FnMut(&SampledSoFar) -> Result<(), E>,
+) -> Result<SampledSoFar, E> {
     let Asked { times, powers, demand, thresholds, .. } = asked;
     let monomials: Vec<_> =
         powers.iter().map(|&powers| move |_: f64, x: &[f64; D]| monomial(powers, x)).collect();
@@ -107,20 +169,14 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
         dt: sampling.step,
         times: times.clone(),
     };
-    let start = ProcessTime::now();
-    let ensemble = system.sample(sampling.integrator, law, &config, &observables)?;
-    let cpu_seconds = start.elapsed().as_secs_f64();
-    let rows = ensemble
-        .times
-        .iter()
-        .zip(&ensemble.estimates)
-        .map(|(&t, estimates)| SampledRow {
-            t,
-            moments: estimates[..powers.len()].to_vec(),
-            exceedances: estimates[powers.len()..].to_vec(),
-        })
-        .collect();
-    Ok(SampledRun { rows, path_steps: ensemble.path_steps, cpu_seconds })
+    let paths = PathEnsemble { law, config: &config, observables: &observables };
+    for shard in range.start + so_far.n_shards()..range.end {
+        let start = ProcessTime::now();
+        so_far.shards.push(system.shard(sampling.integrator, &paths, (shard, n_shards))?);
+        so_far.cpu_seconds += start.elapsed().as_secs_f64();
+        look(&so_far)?;
+    }
+    Ok(so_far)
 }
 
 fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {

@@ -6,8 +6,8 @@ use fpk_sph::systems::{
     ViscousDamper,
 };
 use sde_integrators::{
-    Ensemble, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, Observable, Sde,
-    SemiImplicitEuler, Shark, StrangOscillator, simulate,
+    EnsembleConfig, Error, EulerMaruyama, GaussianMixture, Integrator, Observable, Sampling, Sde,
+    SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
 };
 
 use super::density::Erased;
@@ -18,17 +18,41 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
     /// The integrators that step it.
     const INTEGRATORS: &'static [IntegratorScene];
 
-    /// An ensemble by one of [`INTEGRATORS`](Self::INTEGRATORS).
+    /// Part `place.0` of `place.1` of an ensemble by one of [`INTEGRATORS`](Self::INTEGRATORS).
     ///
     /// # Errors
     /// [`PathsError`].
-    fn sample(
+    fn shard(
         &self,
         integrator: IntegratorScene,
-        law: &GaussianMixture<D>,
-        config: &EnsembleConfig,
-        observables: &[Observable<'_, D>],
-    ) -> Result<Ensemble, PathsError>;
+        ensemble: &PathEnsemble<'_, D>,
+        place: (u64, u64),
+    ) -> Result<ShardRecord, PathsError>;
+}
+
+/// What is sampled of a system.
+#[derive(Debug, Clone, Copy)]
+pub struct PathEnsemble<'a, const D: usize> {
+    /// The law of the initial state.
+    pub law: &'a GaussianMixture<D>,
+    /// How many paths, how finely, until when.
+    pub config: &'a EnsembleConfig,
+    /// What is observed.
+    pub observables: &'a [Observable<'a, D>],
+}
+
+impl<const D: usize> PathEnsemble<'_, D> {
+    fn shard<S: Sync, I: Integrator<S, D, M>, const M: usize>(
+        &self,
+        system: &S,
+        integrator: &I,
+        (shard, n_shards): (u64, u64),
+    ) -> Result<ShardRecord, PathsError> {
+        let Self { law, config, observables } = *self;
+        let (name, sampling, level) = ("", Sampling::Independent, SimdLevel::best());
+        let study = Study { name, system, integrator, law, config, observables, sampling, level };
+        Ok(study.shard::<M>(shard, n_shards)?)
+    }
 }
 
 /// Why there is no ensemble.
@@ -49,16 +73,15 @@ macro_rules! compiled_paths {
         impl Paths<$d, $m> for $system {
             const INTEGRATORS: &'static [IntegratorScene] = &[$(IntegratorScene::$integrator),+];
 
-            fn sample(
+            fn shard(
                 &self,
                 integrator: IntegratorScene,
-                law: &GaussianMixture<$d>,
-                config: &EnsembleConfig,
-                observables: &[Observable<'_, $d>],
-            ) -> Result<Ensemble, PathsError> {
+                ensemble: &PathEnsemble<'_, $d>,
+                place: (u64, u64),
+            ) -> Result<ShardRecord, PathsError> {
                 match integrator {
                     $(IntegratorScene::$integrator => {
-                        Ok(simulate(self, &$integrator, law, config, observables)?)
+                        ensemble.shard::<_, _, $m>(self, &$integrator, place)
                     })+
                     other => Err(PathsError::NotOffered(other)),
                 }
@@ -73,17 +96,16 @@ macro_rules! erased_paths {
         impl Paths<$d, $m> for $system {
             const INTEGRATORS: &'static [IntegratorScene] = &[IntegratorScene::$integrator];
 
-            fn sample(
+            fn shard(
                 &self,
                 integrator: IntegratorScene,
-                law: &GaussianMixture<$d>,
-                config: &EnsembleConfig,
-                observables: &[Observable<'_, $d>],
-            ) -> Result<Ensemble, PathsError> {
+                ensemble: &PathEnsemble<'_, $d>,
+                place: (u64, u64),
+            ) -> Result<ShardRecord, PathsError> {
                 match integrator {
                     IntegratorScene::$integrator => {
                         let system = Erased::<_, $d, $m>(self);
-                        Ok(simulate(&system, &$integrator, law, config, observables)?)
+                        ensemble.shard::<_, _, $m>(&system, &$integrator, place)
                     }
                     other => Err(PathsError::NotOffered(other)),
                 }

@@ -219,6 +219,13 @@ impl Scene for FpkScene {
         }
         Ok(())
     }
+
+    fn seed(&mut self) -> Option<&mut u64> {
+        match &mut self.method {
+            MethodScene::MonteCarlo { seed, .. } => Some(seed),
+            _ => None,
+        }
+    }
 }
 
 impl FpkScene {

@@ -173,6 +173,10 @@ impl Scene for CrackScene {
         self.check_grips()?;
         self.check_output()
     }
+
+    fn seed(&mut self) -> Option<&mut u64> {
+        Some(&mut self.ensemble.seed)
+    }
 }
 
 impl CrackScene {

@@ -1,5 +1,7 @@
 //! A scene of cracks made into what the solver takes.
 
+use std::ops::Range;
+
 use std::path::Path;
 
 use peridyn_sde::{
@@ -164,19 +166,39 @@ impl CrackProblem {
         }
     }
 
-    /// Runs all realisations of a scene; `finished` hears how many more have ended.
+    /// Runs a range of the realisations of a scene, or those of it after `past`, as many at a time as threads run side by side; the bits do not depend
+    /// on it. `ended` sees what has come so far, and may end the run.
     ///
     /// # Errors
-    /// Those of [`CrackStudy::run`].
-    pub fn run(
+    /// Those of [`CrackStudy::run`] and of `ended`.
+    pub fn run<E: From<Error>>(
         &self,
         scene: &CrackScene,
-        finished: &(dyn Fn(u64) + Sync),
-    ) -> Result<CrackRun, Error> {
-        let (study, all) = (self.study(scene), 0..scene.ensemble.realisations);
-        match scene.ensemble.precision {
-            PrecisionScene::F64 => study.run::<f64, 8>(all, &scene.output.vtu, finished),
-            PrecisionScene::F32 => study.run::<f32, 16>(all, &scene.output.vtu, finished),
+        range: Range<u64>,
+        past: Option<CrackRun>,
+        mut ended: impl FnMut(&CrackRun) -> Result<(), E>,
+    ) -> Result<CrackRun, E> {
+        let (study, n, keep) = (self.study(scene), range.end, &scene.output.vtu);
+        let threads = rayon::current_num_threads() as u64;
+        let next = |from: u64| match scene.ensemble.precision {
+            PrecisionScene::F64 => {
+                study.run::<f64, 8>(from..n.min(from + 8 * threads), keep, &|_| ())
+            }
+            PrecisionScene::F32 => {
+                study.run::<f32, 16>(from..n.min(from + 16 * threads), keep, &|_| ())
+            }
+        };
+        let mut run = match past {
+            Some(past) => past,
+            None => next(range.start)?,
+        };
+        loop {
+            ended(&run)?;
+            let from = range.start + run.records.len() as u64;
+            if from >= n {
+                return Ok(run);
+            }
+            run.append(next(from)?)?;
         }
     }
 }

@@ -5,25 +5,25 @@ mod pictures;
 mod tests;
 mod two_resolutions;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use sde_integrators::{Estimate, GaussianMixture, Uncertainty};
-use serde::Serialize;
+use sde_integrators::{Estimate, GaussianMixture, Sde, Uncertainty};
+use serde::{Deserialize, Serialize};
 
-use crate::case::Context;
 use crate::chart::{Line, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
-use crate::fpk::density::{self, Asked, Erased, Exceedances, Row};
+use crate::checkpoint::Checkpoint;
+use crate::fpk::density::{self, Asked, DensityRun, Erased, Exceedances, Reached, Row, Standing};
 use crate::fpk::method_scene::MethodScene;
-use crate::fpk::monte_carlo::{self, Sampling};
-use crate::fpk::paths::Paths;
+use crate::fpk::monte_carlo::{self, SampledSoFar, Sampling};
+use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::SceneFile;
-use crate::scenes::{RunError, SceneKind};
-use pictures::Pictures;
+use crate::scenes::{Part, Run, RunError, SceneKind};
+use pictures::{Pictures, Seen};
 use two_resolutions::{TwoResolutions, Unknown};
 
 pub(crate) const KIND: SceneKind = SceneKind { solver: "fpk-sph", run };
@@ -112,19 +112,24 @@ struct Outcome {
     files: Vec<PathBuf>,
 }
 
-fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: FpkScene = file.parse()?;
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: FpkScene = run.parse(file)?;
     let system = scene.system.build().map_err(RunError::solver)?;
     let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files } =
         if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
-            context.progress("Monte Carlo");
+            run.progress.stage("Monte Carlo");
             let sampling = Sampling { paths, step, integrator, seed };
-            system.visit(Sampled { scene: &scene, system: &system, sampling })?
+            system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
         } else {
-            system.visit(Solved { scene: &scene, system: &system, out, context })?
+            run.no_shards()?;
+            let checkpoint = run.checkpoint(&scene, &["/title", "/times/until"])?;
+            system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
         };
+    if let Part::Shard(_) = run.part() {
+        return Ok(files);
+    }
     for Unknown { what, reason } in &unknown {
-        context.progress(&format!("unknown: {what}: {reason}"));
+        run.progress.stage(&format!("unknown: {what}: {reason}"));
     }
     let drawings = drawings(&scene, &system, &quantities)?;
     let result = RunResult {
@@ -139,12 +144,12 @@ fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBu
         unknown,
         quantities,
     };
-    let path = out.join("result.json");
+    let path = run.out().join("result.json");
     write_json(&path, &result)?;
     let mut written = vec![path];
     written.extend(files);
     for drawing in drawings.into_iter().chain(planes) {
-        written.push(drawing.write(out).map_err(RunError::solver)?);
+        written.push(drawing.write(run.out()).map_err(RunError::solver)?);
     }
     // What was reached is written; that it was not all is the run's outcome.
     stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
@@ -208,19 +213,83 @@ fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
     Some(Unknown { what: "exceedance-cell, cell-mass and distrusted-cells".to_owned(), reason })
 }
 
+impl From<PathsError> for RunError {
+    fn from(error: PathsError) -> Self {
+        Self::solver(error)
+    }
+}
+
 /// The density solver at two resolutions.
 struct Solved<'a> {
     scene: &'a FpkScene,
     system: &'a SceneSystem,
-    out: &'a Path,
-    context: &'a Context<'a>,
+    run: &'a Run<'a>,
+    checkpoint: Checkpoint,
+}
+
+/// What a checkpoint holds of a density run: how far it has come, and what was seen of it.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Kept {
+    reached: Reached,
+    seen: Seen,
+}
+
+impl Solved<'_> {
+    /// A run from where the part of the checkpoint has come to, and the pictures of it.
+    fn density<S: Sde<D, M>, const D: usize, const M: usize>(
+        &self,
+        part: &str,
+        density: Density<'_, S, D>,
+        mut pictures: Option<&mut Pictures<'_>>,
+    ) -> Result<Result<DensityRun, fpk_sph::Error>, RunError> {
+        let Density { system, law, config, asked, past } = density;
+        let n_times = asked.times.len();
+        let mut failure = None;
+        let look = |standing: Standing<'_, S, D, M>| {
+            if let Some(pictures) = &mut pictures {
+                pictures.look(&standing);
+            }
+            self.tell(standing.rows, n_times);
+            let is_last = standing.rows.len() == n_times;
+            if failure.is_none() && (is_last || self.checkpoint.is_due()) {
+                let seen = pictures.as_ref().map_or_else(Seen::default, |p| p.seen().clone());
+                let kept = standing.reached().map(|reached| Kept { reached, seen });
+                failure = match kept {
+                    Ok(kept) => self.checkpoint.keep(part, &kept).err().map(RunError::from),
+                    Err(error) => Some(RunError::solver(error)),
+                };
+            }
+        };
+        let run = density::run_from(system, law, config, asked, past, look);
+        failure.map_or(Ok(run), Err)
+    }
+
+    /// The first moment that the scene asks for, at the last time.
+    fn tell(&self, rows: &[Row], n_times: usize) {
+        let Some(row) = rows.last() else { return };
+        let moment = self.scene.moments.first().zip(row.moments.first());
+        let words = moment.map_or_else(String::new, |(powers, value)| {
+            format!(", {} = {value:.5e}", moment_words(powers, self.system.states()))
+        });
+        let done = (rows.len() as u64, n_times as u64);
+        self.run.progress.at(done, &format!("t = {:.4}{words}", row.t));
+    }
+}
+
+/// What a density run is given.
+struct Density<'a, S, const D: usize> {
+    system: S,
+    law: &'a GaussianMixture<D>,
+    config: &'a fpk_sph::Config<D>,
+    asked: &'a Asked<D>,
+    past: Reached,
 }
 
 impl Visitor for Solved<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let Self { scene, system: named, out, context } = self;
+        let Self { scene, system: named, run, .. } = self;
         let law = law::<D>(scene, named)?;
         let no_cells = no_cells(&scene.method, D);
         let asked = asked::<D>(scene, named, no_cells.is_none())?;
@@ -229,16 +298,24 @@ impl Visitor for Solved<'_> {
         let Some(whole) = config(1.0) else {
             return Err(RunError::solver(OtherDimension { states: D }));
         };
-        context.progress("density");
-        let mut pictures = Pictures::new(scene, named.states(), &whole, out);
-        let fine = density::run_on(Erased(system), &law, &whole, &asked, |simulation, row| {
-            pictures.look(simulation, row);
-        })
-        .map_err(RunError::solver)?;
-        context.progress("density at the coarser resolution, for its error");
-        let both = TwoResolutions::new(fine, config, |config| {
-            density::run_on(Erased(system), &law, config, &asked, |_, _| ())
-        });
+        run.progress.stage("density");
+        let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
+        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), kept.seen);
+        let (law, asked) = (&law, &asked);
+        let fine = self
+            .density(
+                "density",
+                Density { system: Erased(system), law, config: &whole, asked, past: kept.reached },
+                Some(&mut pictures),
+            )?
+            .map_err(RunError::solver)?;
+        run.progress.stage("density at the coarser resolution, for its error");
+        let both = TwoResolutions::new(fine, config, |part, config| {
+            let name = format!("density at {part:.3} of the resolution");
+            let Kept { reached, .. } = self.checkpoint.part(&name)?.unwrap_or_default();
+            let density = Density { system: Erased(system), law, config, asked, past: reached };
+            self.density(&name, density, None)
+        })?;
         let quantities = series(&both, scene, named);
         let unknown = no_cells.into_iter().chain(both.unknown()).collect();
         let fine = both.fine;
@@ -323,15 +400,54 @@ struct Sampled<'a> {
     scene: &'a FpkScene,
     system: &'a SceneSystem,
     sampling: Sampling,
+    run: &'a Run<'a>,
 }
+
+/// Paths of one shard, about: enough for every thread to have some of its blocks.
+const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
+/// What a checkpoint calls the shards that are done.
+const SHARDS: &str = "shards";
 
 impl Visitor for Sampled<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let Self { scene, system: named, sampling } = self;
+        let Self { scene, system: named, sampling, run } = self;
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
-        let run = monte_carlo::run_on(system, &law, &sampling, &asked).map_err(RunError::solver)?;
+        let so_far = match run.part() {
+            Part::Merged(files) => {
+                let mut all = SampledSoFar::default();
+                for shard in run.read_shards(scene, files)? {
+                    all.append(shard);
+                }
+                all
+            }
+            Part::Whole | Part::Shard(_) => {
+                let checkpoint = run.checkpoint(scene, &["/title"])?;
+                let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
+                // Shards that are run apart are whole numbers of those that are run one after the other.
+                let parts = match run.part() {
+                    Part::Shard(place) => place.n_shards(),
+                    Part::Whole | Part::Merged(_) => 1,
+                };
+                let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
+                let (range, n_shards) = (run.range(each * parts), each * parts);
+                let n = range.end - range.start;
+                let shards = (range, n_shards);
+                monte_carlo::sample(system, &law, &sampling, &asked, shards, past, |so_far| {
+                    run.progress.at((so_far.n_shards(), n), "shards of paths");
+                    if so_far.n_shards() == n || checkpoint.is_due() {
+                        checkpoint.keep(SHARDS, so_far)?;
+                    }
+                    Ok::<(), RunError>(())
+                })?
+            }
+        };
+        if let Part::Shard(place) = run.part() {
+            let files = vec![run.write_shard(scene, *place, &so_far)?];
+            return Ok(Outcome { files, ..Outcome::default() });
+        }
+        let run = so_far.run(&asked)?;
         let values = |pick: &dyn Fn(&monte_carlo::SampledRow) -> Estimate| -> Vec<Observed> {
             run.rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
         };

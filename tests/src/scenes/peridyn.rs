@@ -6,62 +6,158 @@ mod record;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::PathBuf;
 
+use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
-use sde_integrators::Noise;
+use sde_integrators::{Accumulator, Noise, Uncertainty};
 
 use self::record::{Record, RunResult, WorkRecord};
-use crate::case::Context;
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
-use crate::scenes::{RunError, SceneKind};
+use crate::scenes::{Part, Run, RunError, SceneKind};
 
 pub(crate) const KIND: SceneKind = SceneKind { solver: "peridyn-sde", run };
 
-fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: CrackScene = file.parse()?;
+/// What a checkpoint calls the realisations that have ended.
+const ENDED: &str = "realisations";
+
+/// What the numbers of realisations do not depend on: how many there are, and what is made of them.
+const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
+
+/// A checkpoint of more than is asked for.
+#[derive(Debug, thiserror::Error)]
+#[error("the checkpoint holds {found} realisations; the scene asks for {asked}")]
+struct TooManyKept {
+    found: u64,
+    asked: u64,
+}
+
+/// More shards than there is work for.
+#[derive(Debug, thiserror::Error)]
+#[error("there are more shards than the {realisations} realisations")]
+struct TooManyShards {
+    realisations: u64,
+}
+
+impl From<peridyn_sde::Error> for RunError {
+    fn from(error: peridyn_sde::Error) -> Self {
+        Self::solver(error)
+    }
+}
+
+/// The realisations of a checkpoint, and how long they took (s).
+type Ended = (CrackRun, f64);
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: CrackScene = run.parse(file)?;
     let problem =
         CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
-    let clock = cpu_time::ProcessTime::now();
-    let n_realisations = scene.ensemble.realisations;
-    let ended = AtomicU64::new(0);
-    let finished = |more: u64| {
-        let ended = ended.fetch_add(more, Ordering::Relaxed) + more;
-        context.progress(&format!("{ended} of {n_realisations} realisations"));
+    let (crack_run, cpu_seconds) = match run.part() {
+        Part::Whole => realisations(&scene, &problem, run)?,
+        Part::Shard(place) => {
+            let shard = realisations(&scene, &problem, run)?;
+            return Ok(vec![run.write_shard(&scene, *place, &shard)?]);
+        }
+        Part::Merged(files) => joined(run.read_shards(&scene, files)?)?,
     };
-    context.progress(&format!("{n_realisations} realisations"));
-    let run = problem.run(&scene, &finished).map_err(RunError::solver)?;
-    let cpu_seconds = clock.elapsed().as_secs_f64();
-    let ensemble = CrackEnsemble::new(n_realisations, run.records.iter().cloned())
+    write(&scene, &problem, (&crack_run, cpu_seconds), run)
+}
+
+/// Shards in their order.
+fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
+    let mut shards = shards.into_iter();
+    let Some((mut all, mut cpu_seconds)) = shards.next() else { return Err(RunError::NoShards) };
+    for (shard, seconds) in shards {
+        all.append(shard)?;
+        cpu_seconds += seconds;
+    }
+    Ok((all, cpu_seconds))
+}
+
+/// All realisations that are to be run, those of a checkpoint among them.
+fn realisations(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    run: &Run<'_>,
+) -> Result<Ended, RunError> {
+    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let range = run.range(scene.ensemble.realisations);
+    let asked = range.end - range.start;
+    if asked == 0 {
+        return Err(RunError::solver(TooManyShards { realisations: scene.ensemble.realisations }));
+    }
+    run.progress.stage(&format!("{asked} realisations"));
+    let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();
+    let found = past.as_ref().map_or(0, |past| past.records.len() as u64);
+    if found > asked {
+        return Err(RunError::solver(TooManyKept { found, asked }));
+    }
+    let clock = cpu_time::ProcessTime::now();
+    let seconds = || past_seconds.unwrap_or(0.0) + clock.elapsed().as_secs_f64();
+    let ended = problem.run(scene, range, past, |so_far| {
+        let done = so_far.records.len() as u64;
+        run.progress.at((done, asked), &load_words(so_far));
+        if done == asked || checkpoint.is_due() {
+            checkpoint.keep(ENDED, &(so_far, seconds()))?;
+        }
+        Ok::<(), RunError>(())
+    })?;
+    Ok((ended, seconds()))
+}
+
+/// The failure load so far, with its standard error.
+fn load_words(run: &CrackRun) -> String {
+    let mut loads = Accumulator::default();
+    for load in run.records.iter().filter_map(|record| record.failure_load) {
+        loads.push(load);
+    }
+    match loads.estimate() {
+        Ok(estimate) => match estimate.uncertainty {
+            Uncertainty::StandardError(error) => {
+                format!("failure load {:.4} +- {:.1e} N", estimate.value, error)
+            }
+            _ => format!("failure load {:.4} N", estimate.value),
+        },
+        Err(_) => String::new(),
+    }
+}
+
+fn write(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    (crack_run, cpu_seconds): (&CrackRun, f64),
+    run: &Run<'_>,
+) -> Result<Vec<PathBuf>, RunError> {
+    let n_realisations = scene.ensemble.realisations;
+    let ensemble = CrackEnsemble::new(n_realisations, crack_run.records.iter().cloned())
         .map_err(RunError::solver)?;
     let bootstrap = Bootstrap::new(Noise::new(scene.ensemble.seed));
-    let record = Record::new(&scene, &problem, &run, &ensemble, &bootstrap)?;
+    let record = Record::new(scene, problem, crack_run, &ensemble, &bootstrap)?;
     for unknown in &record.unknown {
-        context.progress(&format!("unknown: {}: {}", unknown.what, unknown.reason));
+        run.progress.stage(&format!("unknown: {}: {}", unknown.what, unknown.reason));
     }
-    let drawings = pictures::drawings(&scene, &problem, &run, &ensemble, &record, &bootstrap)?;
+    let drawings = pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
     let result = RunResult {
         schema: "crack-ensemble/1",
         version: env!("CARGO_PKG_VERSION"),
         commit: commit(),
         machine: Machine::read(),
-        scene: &scene,
+        scene,
         resolved: &problem.resolved,
         seed: scene.ensemble.seed,
-        work: WorkRecord::new(&scene, &problem.resolved, cpu_seconds),
+        work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
         record: &record,
     };
-    let path = out.join("result.json");
+    let path = run.out().join("result.json");
     write_json(&path, &result)?;
     let mut written = vec![path];
     for drawing in drawings {
-        written.push(drawing.write(out).map_err(RunError::solver)?);
+        written.push(drawing.write(run.out()).map_err(RunError::solver)?);
     }
-    written.extend(fields::write(&scene, &problem, &run, out).map_err(RunError::Solver)?);
+    written.extend(fields::write(scene, problem, crack_run, run.out()).map_err(RunError::Solver)?);
     Ok(written)
 }

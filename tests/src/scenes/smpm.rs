@@ -5,20 +5,19 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 
 use self::fields::Fields;
-use self::solve::{Answer, Response};
-use crate::case::Context;
+use self::solve::{Answer, Response, SolveError, Solved};
 use crate::chart::{Band, Line, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::{Objection, SceneFile};
-use crate::scenes::{RunError, SceneKind};
+use crate::scenes::{Run, RunError, SceneKind};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
@@ -71,36 +70,43 @@ struct QuantityResult {
     values: Vec<Response>,
 }
 
-fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: SmpmScene = file.parse()?;
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: SmpmScene = run.parse(file)?;
+    if !matches!(scene.method, MethodScene::MonteCarlo { .. }) {
+        run.no_shards()?;
+    }
     match scene.dimension {
-        1 => run_in::<1>(file, &scene, out, context),
-        2 => run_in::<2>(file, &scene, out, context),
-        _ => run_in::<3>(file, &scene, out, context),
+        1 => run_in::<1>(file, &scene, run),
+        2 => run_in::<2>(file, &scene, run),
+        _ => run_in::<3>(file, &scene, run),
     }
 }
 
 fn run_in<const D: usize>(
     file: &SceneFile,
     scene: &SmpmScene,
-    out: &Path,
-    context: &Context<'_>,
+    run: &Run<'_>,
 ) -> Result<Vec<PathBuf>, RunError> {
     let object = |objection: Objection| RunError::from(file.object_to(&objection));
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
-    let mut fields = Fields::new(scene, out);
+    let mut fields = Fields::new(scene, run.out());
     // A scene with fewer parameters has more lanes for probes.
     let answer = match scene.random.len() {
-        0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, context),
-        4 | 5 => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, context),
-        _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, context),
+        0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
+        4 | 5 => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
+        _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, run),
     };
-    let answer = answer.map_err(|error| in_the_scene(file, scene, error))?;
+    let answer = match answer {
+        Ok(Solved::Whole(answer)) => answer,
+        Ok(Solved::Shard(file)) => return Ok(vec![file]),
+        Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
+        Err(SolveError::Run(error)) => return Err(error),
+    };
     let mut written = fields.finish().map_err(RunError::Solver)?;
     let gauges = by_gauge(scene, &plan, &answer);
     for drawing in drawings(scene, &plan, &gauges)? {
-        written.push(drawing.write(out).map_err(RunError::solver)?);
+        written.push(drawing.write(run.out()).map_err(RunError::solver)?);
     }
     let failure =
         |(sample, reason): &(u64, String)| Failure { sample: *sample, reason: reason.clone() };
@@ -119,7 +125,7 @@ fn run_in<const D: usize>(
         failures: answer.failures.iter().map(failure).collect(),
         gauges,
     };
-    let path = out.join("result.json");
+    let path = run.out().join("result.json");
     write_json(&path, &result)?;
     written.insert(0, path);
     Ok(written)

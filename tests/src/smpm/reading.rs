@@ -11,8 +11,8 @@ use smpm::{
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::region::Region;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, OrderScene, ShapeScene,
-    SideScene, SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, MethodScene, OrderScene,
+    ShapeScene, SideScene, SmpmScene, TransferScene,
 };
 use crate::nearest::nearest;
 use crate::scene::{Objection, Scene};
@@ -313,6 +313,13 @@ impl Scene for SmpmScene {
                 let message = format!("{other} dimensions; there must be 1 to 3");
                 Err(Objection::new("dimension", message))
             }
+        }
+    }
+
+    fn seed(&mut self) -> Option<&mut u64> {
+        match &mut self.method {
+            MethodScene::MonteCarlo { seed, .. } => Some(seed),
+            _ => None,
         }
     }
 }

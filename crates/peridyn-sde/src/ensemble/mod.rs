@@ -131,6 +131,21 @@ pub struct FinalState {
     pub strength: Option<Vec<f64>>,
 }
 
+impl CrackRun {
+    /// Takes in realisations that come after all that are in.
+    ///
+    /// # Errors
+    /// Those of [`DamageMap::merge`]; nothing is taken in then.
+    pub fn append(&mut self, later: Self) -> Result<(), Error> {
+        self.damage.merge(&later.damage)?;
+        self.records.extend(later.records);
+        self.loads.extend(later.loads);
+        self.broken.extend(later.broken);
+        self.kept.extend(later.kept);
+        Ok(())
+    }
+}
+
 impl CrackStudy<'_> {
     /// Runs the realisations of a range, `L` side by side and groups of them in parallel. `keep` are the numbers of those whose
     /// final state is wanted; `finished` is told how many more have ended.

@@ -67,11 +67,7 @@ pub fn merge_shards(mut shards: Vec<CrackShard>) -> Result<CrackRun, Error> {
         if !same(&shard) {
             return Err(Error::ForeignShard { shard: shard.place.0 });
         }
-        whole.damage.merge(&shard.run.damage)?;
-        whole.records.extend(shard.run.records);
-        whole.loads.extend(shard.run.loads);
-        whole.broken.extend(shard.run.broken);
-        whole.kept.extend(shard.run.kept);
+        whole.append(shard.run)?;
     }
     let n_realisations = first.n_realisations;
     for (expected, record) in (0..first.n_realisations).zip(&whole.records) {

@@ -1,5 +1,9 @@
 //! The judge: whole runs at sampled parameters.
 
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::ops::Range;
+
 use perturbation_moments::{ControlledSamples, Estimate, Moments, MonteCarlo, SampledMoments};
 
 use super::range::upper_tail;
@@ -11,31 +15,69 @@ use crate::parallel::map_in_order;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
     seed: u64,
-    /// Normals and responses of the samples that could be run, in order.
-    samples: Vec<([f64; N], Vec<f64>)>,
+    /// Those that could be run, in order.
+    samples: Vec<Sample<N>>,
     /// Samples that could not be run and why: parameters out of range, or a run that left its own. They are not in any
     /// moment.
     pub failures: Vec<(u64, Error)>,
+}
+
+/// A sample that could be run.
+#[derive(Debug, Clone, PartialEq)]
+struct Sample<const N: usize> {
+    realisation: u64,
+    normals: [f64; N],
+    responses: Vec<f64>,
 }
 
 impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
     /// Runs the samples of a judge, on all threads; the same for any number of them.
     #[must_use]
     pub fn monte_carlo(&self, judge: MonteCarlo) -> Sampled<N> {
-        let realisations: Vec<u64> = (0..judge.n_samples).collect();
+        let (all, known) = (0..judge.n_samples, BTreeMap::new());
+        let Ok(sampled) = self
+            .monte_carlo_from(judge, all, &known, judge.n_samples, |_, _| Ok::<(), Infallible>(()));
+        sampled
+    }
+
+    /// As [`monte_carlo`](Self::monte_carlo), for a range of the samples, `each` at a time, and without those whose responses are known
+    /// from [`Sampled::responses`] of another run: the same bits. `seen` is shown what has come so far, with the number of samples
+    /// that were tried, and may end the run.
+    ///
+    /// # Errors
+    /// Those of `seen`.
+    pub fn monte_carlo_from<E>(
+        &self,
+        judge: MonteCarlo,
+        range: Range<u64>,
+        known: &BTreeMap<u64, Vec<f64>>,
+        each: u64,
+        mut seen: impl FnMut(&Sampled<N>, u64) -> Result<(), E>,
+    ) -> Result<Sampled<N>, E> {
         let run = |&realisation: &u64| {
-            let t = judge.normals::<N>(realisation);
-            (t, self.run(&t))
+            let normals = judge.normals::<N>(realisation);
+            let responses = match known.get(&realisation) {
+                Some(responses) => Ok(responses.clone()),
+                None => self.run(&normals),
+            };
+            responses.map(|responses| Sample { realisation, normals, responses })
         };
         let mut sampled = Sampled { seed: judge.seed, samples: vec![], failures: vec![] };
-        for (realisation, (t, outcome)) in realisations.iter().zip(map_in_order(&realisations, run))
-        {
-            match outcome {
-                Ok(values) => sampled.samples.push((t, values)),
-                Err(error) => sampled.failures.push((*realisation, error)),
+        let mut from = range.start;
+        while from < range.end {
+            let end = range.end.min(from.saturating_add(each.max(1)));
+            let realisations: Vec<u64> = (from..end).collect();
+            for (&realisation, outcome) in realisations.iter().zip(map_in_order(&realisations, run))
+            {
+                match outcome {
+                    Ok(sample) => sampled.samples.push(sample),
+                    Err(error) => sampled.failures.push((realisation, error)),
+                }
             }
+            from = end;
+            seen(&sampled, end - range.start)?;
         }
-        sampled
+        Ok(sampled)
     }
 }
 
@@ -44,6 +86,13 @@ impl<const N: usize> Sampled<N> {
     #[must_use]
     pub fn n_samples(&self) -> usize {
         self.samples.len()
+    }
+
+    /// The responses of each sample that could be run, by its number.
+    #[must_use]
+    pub fn responses(&self) -> BTreeMap<u64, Vec<f64>> {
+        let of = |sample: &Sample<N>| (sample.realisation, sample.responses.clone());
+        self.samples.iter().map(of).collect()
     }
 
     /// The first `n` of its samples.
@@ -90,7 +139,8 @@ impl<const N: usize> Sampled<N> {
         surrogate: impl Fn(&[f64; N]) -> f64,
     ) -> Result<Vec<[f64; 2]>, Error> {
         let values = self.values(response)?;
-        Ok(values.iter().zip(&self.samples).map(|(y, (t, _))| [*y, surrogate(t)]).collect())
+        let pair = |(y, sample): (&f64, &Sample<N>)| [*y, surrogate(&sample.normals)];
+        Ok(values.iter().zip(&self.samples).map(pair).collect())
     }
 
     /// A response of every sample.
@@ -98,11 +148,11 @@ impl<const N: usize> Sampled<N> {
     /// # Errors
     /// [`Error::NoSuchResponse`].
     pub fn values(&self, response: usize) -> Result<Vec<f64>, Error> {
-        let limit = self.samples.first().map_or(0, |(_, values)| values.len());
+        let limit = self.samples.first().map_or(0, |sample| sample.responses.len());
         if response >= limit {
             return Err(Error::NoSuchResponse { value: response, limit });
         }
-        Ok(self.samples.iter().map(|(_, values)| values[response]).collect())
+        Ok(self.samples.iter().map(|sample| sample.responses[response]).collect())
     }
 
     /// The share of samples in which a response exceeds a level; see [`Estimate::probability`] for its error.

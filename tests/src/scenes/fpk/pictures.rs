@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use fpk_sph::{Config, InitialLattice, Simulation};
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use sde_integrators::Sde;
+use serde::{Deserialize, Serialize};
 
 use crate::case::CaseError;
 use crate::chart::{Plane, Words};
 use crate::charts::Drawing;
-use crate::fpk::density::Row;
+use crate::fpk::density::{Row, Standing};
 use crate::fpk::plane_density::plane_density;
 use crate::fpk::scene::FpkScene;
 use crate::machine::Machine;
@@ -29,10 +30,17 @@ pub(super) struct Pictures<'a> {
     planes: Vec<[usize; 2]>,
     bandwidth: f64,
     folder: PathBuf,
-    n_seen: usize,
-    drawings: Vec<Drawing>,
-    frames: Vec<(f64, String)>,
+    seen: Seen,
     failure: Option<CaseError>,
+}
+
+/// What was seen so far.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Seen {
+    n_times: usize,
+    drawings: Vec<Drawing>,
+    /// Time and file.
+    frames: Vec<(f64, String)>,
 }
 
 impl<'a> Pictures<'a> {
@@ -41,6 +49,7 @@ impl<'a> Pictures<'a> {
         states: &'a [&'static str],
         config: &Config<D>,
         out: &Path,
+        seen: Seen,
     ) -> Self {
         Self {
             scene,
@@ -48,9 +57,7 @@ impl<'a> Pictures<'a> {
             planes: scene.plane_states(states).unwrap_or_default(),
             bandwidth: BANDWIDTH_OVER_SPACING * spacing(&config.lattice),
             folder: out.join("cloud"),
-            n_seen: 0,
-            drawings: Vec::new(),
-            frames: Vec::new(),
+            seen,
             failure: None,
         }
     }
@@ -58,10 +65,10 @@ impl<'a> Pictures<'a> {
     /// Looks at a time of observation.
     pub(super) fn look<S: Sde<D, M>, const D: usize, const M: usize>(
         &mut self,
-        simulation: &Simulation<S, D, M>,
-        row: &Row,
+        standing: &Standing<'_, S, D, M>,
     ) {
-        self.n_seen += 1;
+        let (simulation, Some(row)) = (standing.simulation, standing.rows.last()) else { return };
+        self.seen.n_times += 1;
         if self.failure.is_some() {
             return;
         }
@@ -70,20 +77,25 @@ impl<'a> Pictures<'a> {
         self.failure = seen.err();
     }
 
+    /// What a checkpoint holds of it.
+    pub(super) const fn seen(&self) -> &Seen {
+        &self.seen
+    }
+
     /// The pictures, and the files that were written.
     pub(super) fn finish(self) -> Result<(Vec<Drawing>, Vec<PathBuf>), RunError> {
         if let Some(failure) = self.failure {
             return Err(RunError::Solver(failure));
         }
         let mut files = Vec::new();
-        if !self.frames.is_empty() {
+        if !self.seen.frames.is_empty() {
             let path = self.folder.join("cloud.pvd");
-            let frames = self.frames.iter().map(|(t, name)| (*t, name.as_str()));
+            let frames = self.seen.frames.iter().map(|(t, name)| (*t, name.as_str()));
             let file = File::create(&path).map_err(RunError::solver)?;
             write_pvd(frames, BufWriter::new(file)).map_err(RunError::solver)?;
             files.push(path);
         }
-        Ok((self.drawings, files))
+        Ok((self.seen.drawings, files))
     }
 
     fn draw_planes<S: Sde<D, M>, const D: usize, const M: usize>(
@@ -114,7 +126,7 @@ impl<'a> Pictures<'a> {
             };
             let chart = Plane { words, x: density.x, y: density.y, values: density.values };
             let name = format!("plane-{across}-{up}-t{:.3}", row.t);
-            self.drawings.push(Drawing::plane(&name, &chart)?);
+            self.seen.drawings.push(Drawing::plane(&name, &chart)?);
         }
         Ok(())
     }
@@ -126,7 +138,7 @@ impl<'a> Pictures<'a> {
         row: &Row,
     ) -> Result<(), CaseError> {
         let Some(cloud) = self.scene.cloud else { return Ok(()) };
-        if !self.n_seen.is_multiple_of(cloud.every_observations) {
+        if !self.seen.n_times.is_multiple_of(cloud.every_observations) {
             return Ok(());
         }
         let positions = simulation.positions();
@@ -141,9 +153,9 @@ impl<'a> Pictures<'a> {
         }
         store.set_attribute("time", Attribute::Real(row.t));
         std::fs::create_dir_all(&self.folder)?;
-        let name = format!("cloud-{:04}.vtu", self.frames.len());
+        let name = format!("cloud-{:04}.vtu", self.seen.frames.len());
         store.write_vtu(places, BufWriter::new(File::create(self.folder.join(&name))?))?;
-        self.frames.push((row.t, name));
+        self.seen.frames.push((row.t, name));
         Ok(())
     }
 }

@@ -222,7 +222,13 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
     std::fs::create_dir_all(&folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, SMALL).unwrap();
-    let written = crate::scenes::run(crate::scenes::ALL, &scene, &folder, &|_| {}).unwrap();
+    let written = crate::scenes::run(
+        crate::scenes::ALL,
+        &scene,
+        &crate::scenes::Options::new(&folder),
+        &crate::scenes::Progress::silent(),
+    )
+    .unwrap();
     let names: Vec<String> = written
         .iter()
         .map(|path| path.strip_prefix(&folder).unwrap().display().to_string())

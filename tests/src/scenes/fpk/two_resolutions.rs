@@ -38,11 +38,14 @@ struct Coarser {
 impl TwoResolutions {
     /// Runs coarser ones by `solve` until they have seen every time that the fine one has. `config` is that of a part of
     /// the particles along a length. What a coarser run cannot do says nothing against the fine one.
-    pub(super) fn new<const D: usize>(
+    ///
+    /// # Errors
+    /// Those of `solve` that are no word of the solver.
+    pub(super) fn new<E, const D: usize>(
         fine: DensityRun,
         config: impl Fn(f64) -> Option<Config<D>>,
-        solve: impl Fn(&Config<D>) -> Result<DensityRun, Error>,
-    ) -> Self {
+        solve: impl Fn(f64, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
+    ) -> Result<Self, E> {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
         let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
         for part in COARSER {
@@ -52,7 +55,7 @@ impl TwoResolutions {
                 failed.push(format!("at {part:.2} of the resolution the lattice is the same"));
                 continue;
             }
-            match solve(&config) {
+            match solve(part, &config)? {
                 Ok(run) => {
                     let complete = run.rows.len() >= fine.rows.len();
                     if let Some(error) = &run.stopped {
@@ -66,7 +69,7 @@ impl TwoResolutions {
                 Err(error) => failed.push(format!("at {part:.2} of the resolution: {error}")),
             }
         }
-        Self { fine, coarser, failed }
+        Ok(Self { fine, coarser, failed })
     }
 
     /// The errors that no coarser run shows.
@@ -151,10 +154,15 @@ mod tests {
         1.0 / per_length(&config.lattice)
     }
 
+    fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> TwoResolutions {
+        let solve = |_: f64, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
+        TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, solve).unwrap()
+    }
+
     #[test]
     fn an_error_of_second_order_is_found_as_it_is_by_whichever_coarser_run_has_come_so_far() {
         // The value at spacing h is 1 + 0.1 h^2; lattices coarser than 1.3 end at t = 1.
-        let both = TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, |config| {
+        let both = of(|config| {
             let h = spacing(config);
             let times = if h > 1.3 { &[1.0][..] } else { &[1.0, 2.0] };
             Ok(run(1.0 + 0.1 * h * h, times))
@@ -169,7 +177,7 @@ mod tests {
 
     #[test]
     fn what_no_coarser_run_shows_is_unknown_and_says_since_when_and_why() {
-        let both = TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, |config| {
+        let both = of(|config| {
             if spacing(config) > 1.3 {
                 return Err(Error::NotPositive { name: "a name", value: 0.0 });
             }

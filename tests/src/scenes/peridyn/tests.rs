@@ -5,7 +5,7 @@ mod points;
 use std::path::{Path, PathBuf};
 
 use crate::scene::SceneError;
-use crate::scenes::{RunError, SceneKind, run};
+use crate::scenes::{Options, Progress, RunError, SceneKind, run};
 
 /// The one kind that is tested here.
 const TABLE: [SceneKind; 1] = [super::KIND];
@@ -71,7 +71,7 @@ fn run_beside(name: &str, text: &str, files: &[(&str, &[u8])]) -> Ran {
     for (file, bytes) in files {
         std::fs::write(folder.join(file), bytes).unwrap();
     }
-    let written = run(&TABLE, &scene, &folder.join("out"), &|_| {});
+    let written = run(&TABLE, &scene, &Options::new(folder.join("out")), &Progress::silent());
     Ran { folder, written }
 }
 

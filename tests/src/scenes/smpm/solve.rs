@@ -1,14 +1,26 @@
 //! The methods of a scene, one by one.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
 use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
 use serde::Serialize;
-use smpm::uncertainty::{Exceedance, FrozenForm, Study, Switch};
+use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
-use crate::case::Context;
+use crate::scenes::{Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
+
+/// What a run ends with.
+#[derive(Debug)]
+pub(super) enum Solved {
+    /// All that was asked for.
+    Whole(Answer),
+    /// The file of a shard.
+    Shard(PathBuf),
+}
 
 /// What came of a scene.
 #[derive(Debug)]
@@ -83,12 +95,12 @@ pub(super) fn solve<const D: usize, const N: usize>(
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
     fields: &mut Fields,
-    context: &Context<'_>,
-) -> Result<Answer, Error> {
+    run: &Run<'_>,
+) -> Result<Solved, SolveError> {
     let clock = cpu_time::ProcessTime::now();
     // The check of the scene has built these inputs with more certain parameters.
     let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
-    context.progress("mean run");
+    run.progress.stage("mean run");
     let study = Study::<_, D, N>::new(experiment, inputs, plan.clone())?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs) = (Vec::new(), 1);
@@ -98,7 +110,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             table.each(|_, response| Ok(response))?
         }
         MethodScene::Frozen { as_printed } => {
-            context.progress("local formulas");
+            run.progress.stage("local formulas");
             n_runs += 1;
             let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
             let moments = study.frozen(form)?;
@@ -108,7 +120,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             })?
         }
         MethodScene::Propagated => {
-            context.progress("run with derivatives");
+            run.progress.stage("run with derivatives");
             n_runs += 1;
             let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
                 fields.of_jets(time, run, scene.random.len());
@@ -119,13 +131,13 @@ pub(super) fn solve<const D: usize, const N: usize>(
             })?
         }
         MethodScene::FiniteDifference { step } => {
-            context.progress("differences of whole runs");
+            run.progress.stage("differences of whole runs");
             n_runs += 2 * N as u64;
             let moments = study.finite_difference(step)?;
             table.each(|i, response| table.taylor(i, response, &moments[i], None))?
         }
         MethodScene::SigmaPoints => {
-            context.progress("sigma points");
+            run.progress.stage("sigma points");
             n_runs += 2 * N as u64;
             let points = study.sigma_points()?;
             table.each(|i, response| {
@@ -135,13 +147,17 @@ pub(super) fn solve<const D: usize, const N: usize>(
         MethodScene::MonteCarlo { samples, seed, control } => {
             n_runs += samples + u64::from(control);
             let surrogate = if control {
-                context.progress("run with derivatives, for the control variate");
+                run.progress.stage("run with derivatives, for the control variate");
                 Some(study.propagated()?)
             } else {
                 None
             };
-            context.progress("samples");
-            let sampled = study.monte_carlo(MonteCarlo { seed, n_samples: samples });
+            run.progress.stage("samples");
+            let judge = MonteCarlo { seed, n_samples: samples };
+            let sampled = match sampled(&study, judge, scene, run)? {
+                Ok(sampled) => sampled,
+                Err(file) => return Ok(Solved::Shard(file)),
+            };
             failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
             table.each(|i, response| {
                 let found = match &surrogate {
@@ -163,7 +179,84 @@ pub(super) fn solve<const D: usize, const N: usize>(
         }
     };
     let cpu_seconds = clock.elapsed().as_secs_f64();
-    Ok(Answer { responses, n_steps: study.schedule().n_steps(), n_runs, cpu_seconds, failures })
+    let n_steps = study.schedule().n_steps();
+    Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+}
+
+/// Why a scene has no answer.
+#[derive(Debug)]
+pub(super) enum SolveError {
+    /// The solver refused or stopped.
+    Solver(Error),
+    /// What is around it did.
+    Run(RunError),
+}
+
+impl From<Error> for SolveError {
+    fn from(error: Error) -> Self {
+        Self::Solver(error)
+    }
+}
+
+impl From<RunError> for SolveError {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}
+
+/// What a checkpoint calls the samples that were run.
+const SAMPLES: &str = "samples";
+/// What samples do not depend on.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+/// Samples of a thread between two looks.
+const SAMPLES_OF_THREAD: usize = 4;
+
+/// All samples that are to be run, those of a checkpoint among them, or those of shards. `None` for a shard, which leaves a file.
+fn sampled<const D: usize, const N: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, N>,
+    judge: MonteCarlo,
+    scene: &SmpmScene,
+    run: &Run<'_>,
+) -> Result<Result<Sampled<N>, PathBuf>, RunError> {
+    let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
+    let range = run.range(judge.n_samples);
+    if let Part::Merged(files) = run.part() {
+        let shards: Vec<Responses> = run.read_shards(scene, files)?;
+        let known = shards.into_iter().flatten().collect();
+        return study.monte_carlo_from(judge, range, &known, each, |_, _| Ok(())).map(Ok);
+    }
+    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
+    let n = range.end - range.start;
+    let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
+        run.progress.at((tried, n), &words(study, so_far));
+        if tried == n || checkpoint.is_due() {
+            checkpoint.keep(SAMPLES, &so_far.responses())?;
+        }
+        Ok::<(), RunError>(())
+    })?;
+    match run.part() {
+        Part::Shard(place) => Ok(Err(run.write_shard(scene, *place, &sampled.responses())?)),
+        Part::Whole | Part::Merged(_) => Ok(Ok(sampled)),
+    }
+}
+
+/// Responses by the number of their sample.
+type Responses = BTreeMap<u64, Vec<f64>>;
+
+/// The last response so far, with its standard error.
+fn words<const D: usize, const N: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, N>,
+    so_far: &Sampled<N>,
+) -> String {
+    let plan = study.plan();
+    let last = plan.n_responses().saturating_sub(1);
+    let Ok(moments) = so_far.raw(last) else { return String::new() };
+    let (gauge, quantity, _) = plan.parts(last);
+    let error =
+        error_of(&moments.mean).map_or_else(String::new, |error| format!(" +- {error:.1e}"));
+    let name = &plan.gauges[gauge].name;
+    format!("{} at {name} {:.4e}{error}", plan.quantities[quantity], moments.mean.value)
 }
 
 fn error_of(estimate: &Estimate) -> Option<f64> {

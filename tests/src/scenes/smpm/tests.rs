@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::scenes::{ALL, RunError, run};
+use crate::scenes::{ALL, Options, Progress, RunError, run};
 
 /// A plate of steel runs into a wall, in uniaxial strain.
 const PLATE: &str = r#"{
@@ -31,7 +31,7 @@ fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>)
     std::fs::create_dir_all(&folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
-    let result = run(ALL, &scene, &folder.join("out"), &|_| {});
+    let result = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
     (folder, result)
 }
 

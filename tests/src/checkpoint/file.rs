@@ -1,0 +1,158 @@
+//! One file of a checkpoint: `SPCHECK1`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
+//! before.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use twox_hash::XxHash64;
+
+use super::Parts;
+use super::error::{CheckpointError, Reason, Refusal};
+
+const MAGIC: &[u8; 8] = b"SPCHECK1";
+/// Magic and length.
+const BEFORE: usize = 16;
+/// The hash.
+const BEHIND: usize = 8;
+
+/// Whose checkpoint it is: a run goes on only where all of it is the same.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Head {
+    version: String,
+    simd: String,
+    solver: String,
+    scene: String,
+}
+
+impl Head {
+    /// Of a scene of a solver, by this version and the instructions of this machine. `scene` is all that the numbers depend on:
+    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one.
+    #[must_use]
+    pub fn new(solver: &str, scene: &serde_json::Value) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            simd: sde_integrators::SimdLevel::best().name().to_owned(),
+            solver: solver.to_owned(),
+            scene: format!("{:016x}", hash(scene.to_string().as_bytes())),
+        }
+    }
+
+    /// The same for what is joined from several machines: numbers are the same bits whatever their instructions are.
+    #[must_use]
+    pub fn of_shards(solver: &str, scene: &serde_json::Value) -> Self {
+        Self { simd: "any".to_owned(), ..Self::new(solver, scene) }
+    }
+
+    /// The first difference.
+    fn foreign(&self, found: &Self) -> Option<Reason> {
+        let fields = [
+            ("version", &self.version, &found.version),
+            ("solver", &self.solver, &found.solver),
+            ("scene (hash)", &self.scene, &found.scene),
+            ("instruction set", &self.simd, &found.simd),
+        ];
+        fields.into_iter().find(|(_, expected, found)| expected != found).map(
+            |(what, expected, found)| Reason::Foreign {
+                what,
+                found: found.clone(),
+                expected: expected.clone(),
+            },
+        )
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct Content {
+    head: Head,
+    sequence: u64,
+    parts: Parts,
+}
+
+/// The files of a folder.
+pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
+    ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name))
+}
+
+/// Number and parts of a file, or why it is refused; `None` where there is no such file.
+pub(super) fn read(
+    path: &Path,
+    head: &Head,
+) -> Result<Option<Result<(u64, Parts), Refusal>>, CheckpointError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(
+            content(&bytes, head).map_err(|reason| Refusal { path: path.to_owned(), reason }),
+        )),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(CheckpointError::Io { path: path.to_owned(), source }),
+    }
+}
+
+fn content(bytes: &[u8], head: &Head) -> Result<(u64, Parts), Reason> {
+    let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
+        return Err(Reason::NoCheckpoint);
+    };
+    if magic != MAGIC {
+        return Err(Reason::NoCheckpoint);
+    }
+    let found = bytes.len() as u64;
+    let Some((length, rest)) = rest.split_first_chunk::<8>() else {
+        return Err(Reason::CutOff { found, expected: (BEFORE + BEHIND) as u64 });
+    };
+    let expected = u64::from_le_bytes(*length).saturating_add((BEFORE + BEHIND) as u64);
+    let whole = (found == expected).then(|| rest.split_last_chunk::<BEHIND>()).flatten();
+    let Some((body, written)) = whole else {
+        return Err(Reason::CutOff { found, expected });
+    };
+    let (written, of_bytes) = (u64::from_le_bytes(*written), hash(&bytes[..BEFORE + body.len()]));
+    if written != of_bytes {
+        return Err(Reason::Damaged { found: of_bytes, expected: written });
+    }
+    // What has the right hash and cannot be read was written by another program.
+    let content: Content = postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)?;
+    match head.foreign(&content.head) {
+        Some(reason) => Err(reason),
+        None => Ok((content.sequence, content.parts)),
+    }
+}
+
+/// Writes a file beside its place and moves it there, so that it is old or new, and never half.
+pub(super) fn write(
+    path: &Path,
+    head: &Head,
+    sequence: u64,
+    parts: &Parts,
+) -> Result<(), CheckpointError> {
+    #[derive(Serialize)]
+    struct Borrowed<'a> {
+        head: &'a Head,
+        sequence: u64,
+        parts: &'a Parts,
+    }
+    let body = postcard::to_stdvec(&Borrowed { head, sequence, parts })
+        .map_err(|source| CheckpointError::Part { name: "head".to_owned(), source })?;
+    let mut bytes = Vec::with_capacity(BEFORE + body.len() + BEHIND);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(&body);
+    let hash = hash(&bytes);
+    bytes.extend_from_slice(&hash.to_le_bytes());
+    replace(path, &bytes).map_err(|source| CheckpointError::Io { path: path.to_owned(), source })
+}
+
+/// On the disk before it has its name.
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)?;
+    }
+    let beside = path.with_extension("tmp");
+    let mut file = File::create(&beside)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    std::fs::rename(&beside, path)
+}
+
+fn hash(bytes: &[u8]) -> u64 {
+    XxHash64::oneshot(0, bytes)
+}

@@ -1,0 +1,96 @@
+use super::error::Reason;
+use super::*;
+
+const OFTEN: Duration = Duration::ZERO;
+
+/// A folder of its own, taken away at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        Self(std::env::temp_dir().join(format!("checkpoint-{name}-{}", std::process::id())))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn head(scene: &str) -> Head {
+    Head::new("a-solver", &serde_json::json!({ "what": scene }))
+}
+
+fn open(folder: &Folder, start: Start) -> Result<(Checkpoint, Found), CheckpointError> {
+    Checkpoint::open(&folder.0, head("a scene"), start, OFTEN)
+}
+
+/// Two checkpoints, the second with the number 2 in it.
+fn written(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    let (checkpoint, _) = open(&folder, Start::Anew).unwrap();
+    checkpoint.keep("number", &1_u64).unwrap();
+    checkpoint.keep("number", &2_u64).unwrap();
+    folder
+}
+
+fn refusals(error: CheckpointError) -> Vec<Reason> {
+    let CheckpointError::Refused(refused) = error else { panic!("{error}") };
+    refused.into_iter().map(|refusal| refusal.reason).collect()
+}
+
+#[test]
+fn a_run_goes_on_from_the_newer_file_and_starts_anew_where_it_is_told_to_or_nothing_is_there() {
+    let folder = written("newer");
+    let (checkpoint, found) = open(&folder, Start::GoOn).unwrap();
+    assert_eq!(checkpoint.part("number").unwrap(), Some(2_u64));
+    assert!(found.file.unwrap().ends_with("checkpoint-0.bin"));
+    let (anew, _) = open(&folder, Start::Anew).unwrap();
+    assert_eq!(anew.part::<u64>("number").unwrap(), None);
+    let (empty, found) = open(&Folder::new("empty"), Start::GoOn).unwrap();
+    assert_eq!((empty.part::<u64>("number").unwrap(), found.file), (None, None));
+}
+
+#[test]
+fn a_file_that_is_cut_off_or_has_one_bit_turned_is_refused_by_name_and_the_older_one_is_taken() {
+    let folder = written("bits");
+    let newer = folder.0.join("checkpoint-0.bin");
+    let whole = std::fs::read(&newer).unwrap();
+    let mut spoilt: Vec<Vec<u8>> = (0..whole.len()).map(|n| whole[..n].to_vec()).collect();
+    spoilt.extend((0..8 * whole.len()).map(|bit| {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        bytes
+    }));
+    for bytes in spoilt {
+        std::fs::write(&newer, &bytes).unwrap();
+        let (checkpoint, found) = open(&folder, Start::GoOn).unwrap();
+        assert_eq!(checkpoint.part("number").unwrap(), Some(1_u64));
+        assert_eq!(found.refused.len(), 1);
+        assert!(found.refused[0].to_string().contains("checkpoint-0.bin is "));
+    }
+}
+
+#[test]
+fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
+    let folder = written("foreign");
+    let error =
+        Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap_err().to_string();
+    assert!(error.contains("checkpoint-1.bin is of another scene (hash)"), "{error}");
+    std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
+    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK1".as_slice(), &[255; 8]].concat())
+        .unwrap();
+    let reasons = refusals(open(&folder, Start::GoOn).unwrap_err());
+    assert_eq!(reasons[0], Reason::NoCheckpoint);
+    assert_eq!(reasons[1], Reason::CutOff { found: 16, expected: u64::MAX });
+}
+
+#[test]
+fn a_checkpoint_is_due_when_the_last_was_long_ago() {
+    let folder = Folder::new("due");
+    let hour = Duration::from_secs(3600);
+    let (rarely, _) = Checkpoint::open(&folder.0, head("x"), Start::Anew, hour).unwrap();
+    let (often, _) = Checkpoint::open(&folder.0, head("x"), Start::Anew, OFTEN).unwrap();
+    assert!(often.is_due() && !rarely.is_due());
+}

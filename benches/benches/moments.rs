@@ -4,8 +4,6 @@
 //! inputs; every result is kept from the compiler's knowledge, so that nothing is left out and states are not done several
 //! at a time. All run in one dispatch to the widest registers. The plain value is the faster of two ways to write it.
 //! Rivals: the same formula over num-dual's `Dual2_64`, once per input; 11-point central differences.
-//!
-//! `--features perturbation-moments/avx512` measures AVX-512 instead of AVX2.
 
 use std::hint::black_box;
 

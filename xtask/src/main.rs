@@ -3,6 +3,8 @@
 //! Each starts cargo, or bash for `ci`, and hands back its exit code. Nothing of the workspace is linked,
 //! so that this builds in a moment.
 
+mod audit;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, ExitStatus};
@@ -23,11 +25,14 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
                               to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it
+  audit [NAME]... [--list]    checks that take longer or need tools that may be absent:
+                              licences, features, interfaces, coverage, mutants, oldest
+                              Rust, packages; one that cannot run is skipped
 
 `cargo xtask --checked COMMAND ...` runs verify, run, chart and stability as the tests are built:
 slower, with checks of overflow, and without another build of everything after `cargo test`.
 
-`cargo xtask COMMAND --help` says more about verify, run, chart and stability.
+`cargo xtask COMMAND --help` says more about verify, run, chart, stability and audit.
 ";
 
 /// Exit code for a command line that means nothing.
@@ -59,10 +64,8 @@ fn main() -> ExitCode {
         }
         "bench" => start(cargo().args(bench_arguments(rest))),
         "ci" => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
-        "help" | "-h" | "--help" => match std::io::stdout().write_all(HELP.as_bytes()) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(_) => ExitCode::FAILURE,
-        },
+        "audit" => audit::run(rest),
+        "help" | "-h" | "--help" => print(HELP),
         unknown => {
             say(&format!("error: there is no command `{unknown}`\n\n{HELP}"));
             ExitCode::from(USAGE)
@@ -114,6 +117,14 @@ fn start(command: &mut Command) -> ExitCode {
 /// The exit code of the program that was started; 1 if a signal ended it.
 fn forward(status: ExitStatus) -> ExitCode {
     status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from)
+}
+
+/// Text on standard output; fails if there is none.
+fn print(text: &str) -> ExitCode {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::FAILURE,
+    }
 }
 
 fn say(text: &str) {

@@ -302,7 +302,7 @@ impl Div<f64> for Jet {
 }
 
 /// Runs `work` compiled for the widest registers of this machine, chosen at run time: what is `#[inline(always)]` in it, such
-/// as every operation of a [`Jet`], is compiled anew for them. AVX2 and portable; AVX-512 with the feature `avx512`.
+/// as every operation of a [`Jet`], is compiled anew for them: AVX-512, AVX2 or portable.
 ///
 /// A whole loop belongs inside, not one evaluation: a call costs a few nanoseconds. The closures that are passed on inside
 /// should be `#[inline(always)]` too.

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use verification::case::Profile;
+use verification::record::Recording;
 use verification::{cases, charts, output, scenes, verify};
 
 /// Exit code of a program whose reader went away.
@@ -45,6 +46,12 @@ struct Verify {
     /// List the cases instead of running them
     #[arg(long)]
     list: bool,
+    /// Write docs/verification.md too; from a commit alone, and whole
+    #[arg(long)]
+    record: bool,
+    /// Say whether docs/verification.md is older than cases, scenes and references, instead of running them
+    #[arg(long, conflicts_with_all = ["list", "record"])]
+    stale: bool,
     /// Write a second copy of the report here
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -129,8 +136,14 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
         verify::list(cases::ALL, &arguments.filters, output)?;
         return Ok(ExitCode::SUCCESS);
     }
+    if arguments.stale {
+        verify::stale(cases::ALL, &output::workspace(), output)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let profile = arguments.extent.profile();
     let options = verify::Options {
-        profile: arguments.extent.profile(),
+        recording: recording(arguments.record, profile)?,
+        profile,
         filters: arguments.filters,
         out: arguments.out.unwrap_or_else(|| output::default_folder("verify")),
         json: arguments.json,
@@ -172,6 +185,11 @@ fn execute_chart(
     Ok(ExitCode::SUCCESS)
 }
 
+/// What the flag asks for, if it may be.
+fn recording(is_asked: bool, profile: Profile) -> miette::Result<Recording> {
+    Ok(if is_asked { Recording::on(profile)? } else { Recording::Off })
+}
+
 fn is_broken_pipe(report: &miette::Report) -> bool {
     let broken = |error: &io::Error| error.kind() == io::ErrorKind::BrokenPipe;
     report.chain().any(|error| error.downcast_ref::<io::Error>().is_some_and(broken))
@@ -194,5 +212,7 @@ mod tests {
         let cli = Cli::try_parse_from(["x", "verify", "fpk-sph", "--quick"]).unwrap();
         let Command::Verify(arguments) = cli.command else { panic!("not verify") };
         assert_eq!((arguments.extent.profile(), arguments.filters.len()), (Profile::Quick, 1));
+        assert!(recording(true, arguments.extent.profile()).is_err());
+        assert_eq!(recording(false, Profile::Quick).unwrap(), Recording::Off);
     }
 }

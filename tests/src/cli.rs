@@ -80,6 +80,9 @@ struct Chart {
     /// List the names instead of drawing
     #[arg(long)]
     list: bool,
+    /// Write into docs/charts too, with a page of all pictures there; from a commit alone
+    #[arg(long)]
+    record: bool,
     /// Where the pictures go [default: target/chart, target/stability]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -175,10 +178,12 @@ fn execute_chart(
         return Ok(ExitCode::SUCCESS);
     }
     let folder = if what == "chart" { "chart" } else { "stability" };
+    let profile = arguments.extent.profile();
     let options = charts::Options {
         what,
         names: arguments.names,
-        profile: arguments.extent.profile(),
+        recording: recording(arguments.record, profile)?,
+        profile,
         out: arguments.out.unwrap_or_else(|| output::default_folder(folder)),
     };
     charts::draw(table, &options, output)?;

@@ -25,6 +25,12 @@ pub enum Profile {
 }
 
 impl Profile {
+    /// The profile of that name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::Quick, Self::Default, Self::Full].into_iter().find(|profile| profile.name() == name)
+    }
+
     /// The word used in the report.
     #[must_use]
     pub const fn name(self) -> &'static str {

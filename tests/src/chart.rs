@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod cheapest;
 mod curve;
 mod curves;
 mod field;
@@ -19,6 +20,7 @@ mod work_precision;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::cheapest::{Candidate, Choice, Verdict, choices, choices_table, settled};
 pub use self::curve::{Curve, CurvePoint, Curves, Direction, Height, Style, Threshold};
 pub use self::curves::curves;
 pub use self::field::field;
@@ -49,8 +51,39 @@ pub struct Words {
 pub struct WorkPrecision {
     /// Words around it.
     pub words: Words,
+    /// What its axes mean.
+    pub reading: Reading,
     /// The methods.
     pub series: Vec<Method>,
+}
+
+/// What may be read from two logarithmic axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Reading {
+    /// Across is a cost and upwards an error: the chart has a cheapest method for a tolerance.
+    Cost {
+        /// Unit of the cost, e.g. `s`.
+        unit: String,
+        /// How the errors were formed.
+        errors: Measure,
+        /// The error of the reference, formed so too; 0 for a closed form. Below it nothing is told.
+        reference_error: f64,
+    },
+    /// Across is a parameter, of which none is cheaper than another.
+    Parameter,
+}
+
+/// How the errors of a chart were formed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Over the size of what is sought: 0.1 is 10 %.
+    Relative,
+    /// The decimal logarithm of measured over sought: 0.041 is 10 %.
+    Log10,
+    /// In the unit of the vertical axis.
+    Absolute,
 }
 
 /// A method and its runs, in the order in which they are joined.

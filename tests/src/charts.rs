@@ -5,6 +5,7 @@
 pub(crate) mod fpk;
 mod fpk_choice;
 mod kernels;
+mod overview;
 mod peridyn;
 mod sde;
 mod smpm;
@@ -21,8 +22,12 @@ use crate::case::{CaseError, Context, Profile, Shared};
 use crate::chart::{self, ChartError, TimeSeries, WorkPrecision};
 use crate::finite::{self, JsonError};
 use crate::nearest::nearest;
+use crate::number::counted;
 use crate::output::write_text;
+use crate::record::Recording;
 use crate::stability;
+
+pub use self::overview::OverviewError;
 
 /// Every chart of `chart`.
 pub const ALL: &[ChartKind] = &[
@@ -75,6 +80,14 @@ pub struct Drawing {
     pub table: String,
 }
 
+/// A chart as it stands in its file.
+#[derive(Serialize)]
+struct Chosen<'a> {
+    #[serde(flatten)]
+    chart: &'a WorkPrecision,
+    cheapest: Vec<chart::Choice>,
+}
+
 /// What is looked at.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Face {
@@ -97,17 +110,26 @@ pub enum DrawingError {
 }
 
 impl Drawing {
-    /// Error against cost.
+    /// Error against cost, with the cheapest method for a tolerance in its numbers and as its table.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn work_precision(name: &str, data: &WorkPrecision) -> Result<Self, DrawingError> {
+        let cheapest = chart::choices(data);
+        let table = chart::choices_table(&cheapest, &data.reading);
         Ok(Self {
             name: name.into(),
             face: Face::Picture(chart::work_precision(data)?),
-            data: finite::to_json(data)?,
-            table: String::new(),
+            data: finite::to_json(&Chosen { chart: data, cheapest })?,
+            table: table.trim_end().to_owned(),
         })
+    }
+
+    /// Prints `rows` as well, before what it prints by itself.
+    #[must_use]
+    pub fn with_rows(self, rows: &str) -> Self {
+        let table = [rows, &self.table].into_iter().filter(|part| !part.is_empty());
+        Self { table: table.collect::<Vec<_>>().join("\n"), ..self }
     }
 
     /// Values over time.
@@ -232,6 +254,9 @@ pub enum ChartsError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The page of all recorded pictures could not be made.
+    #[error("the page of recorded charts cannot be made")]
+    Overview(#[from] OverviewError),
 }
 
 /// What is to be drawn, and where it goes.
@@ -245,6 +270,8 @@ pub struct Options {
     pub profile: Profile,
     /// Where the files go.
     pub out: PathBuf,
+    /// Whether they go into the documents too.
+    pub recording: Recording,
 }
 
 /// Draws what `options` names and prints the path of each picture.
@@ -259,6 +286,7 @@ pub fn draw(
     let what = options.what;
     let to_file = |source| ChartsError::Write { what, source };
     let (shared, inline) = (Shared::default(), Mutex::new(Vec::new()));
+    let recorded = options.recording.charts();
     let tell = |text: &str| {
         // Progress that cannot be shown is no reason to stop a run.
         let _ = writeln!(std::io::stderr(), "{text}");
@@ -274,10 +302,18 @@ pub fn draw(
         for drawing in drawings {
             let picture = drawing.write(&options.out).map_err(to_file)?;
             writeln!(output, "{}", picture.display()).map_err(to_file)?;
+            if let Some(folder) = &recorded {
+                drawing.write(folder).map_err(to_file)?;
+            }
             if !drawing.table.is_empty() {
                 writeln!(output, "{}", drawing.table).map_err(to_file)?;
             }
         }
+    }
+    if let Some(folder) = &recorded {
+        let page = folder.join(overview::PAGE);
+        write_text(&page, &overview::overview(folder)?).map_err(to_file)?;
+        writeln!(output, "{}", page.display()).map_err(to_file)?;
     }
     Ok(())
 }
@@ -295,8 +331,7 @@ pub fn list(
     for kind in table {
         writeln!(output, "{:16}  {}", kind.name, kind.title).map_err(to_terminal)?;
     }
-    let plural = if table.len() == 1 { "" } else { "s" };
-    writeln!(output, "{} {what}{plural}", table.len()).map_err(to_terminal)
+    writeln!(output, "{}", counted(table.len(), what)).map_err(to_terminal)
 }
 
 fn select<'a>(
@@ -345,7 +380,8 @@ mod tests {
 
     fn options(names: &[&str], out: PathBuf) -> Options {
         let names = names.iter().map(|&name| name.to_owned()).collect();
-        Options { what: "chart", names, profile: Profile::Default, out }
+        let recording = Recording::Off;
+        Options { what: "chart", names, profile: Profile::Default, out, recording }
     }
 
     #[test]
@@ -356,12 +392,42 @@ mod tests {
         let svg = std::fs::read_to_string(folder.join("sample_cost.svg")).unwrap();
         let json = std::fs::read_to_string(folder.join("sample_cost.json")).unwrap();
         assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        let mut numbers: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let cheapest = numbers.as_object_mut().unwrap().remove("cheapest").unwrap();
+        let sample = chart::samples::work_precision();
+        assert_eq!(serde_json::from_value::<WorkPrecision>(numbers).unwrap(), sample);
         assert_eq!(
-            serde_json::from_str::<WorkPrecision>(&json).unwrap(),
-            chart::samples::work_precision()
+            serde_json::from_value::<Vec<chart::Choice>>(cheapest).unwrap(),
+            chart::choices(&sample)
         );
-        assert!(String::from_utf8(output).unwrap().contains("sample_cost.svg"));
+        let output = String::from_utf8(output).unwrap();
+        assert!(output.contains("sample_cost.svg") && output.contains("| error within |"));
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn what_is_recorded_goes_to_the_documents_too_with_a_page_of_all() {
+        let root = std::env::temp_dir().join(format!("chart-record-{}", std::process::id()));
+        let mut options = options(&["sample"], root.join("target"));
+        let documents = root.join("docs/charts");
+        draw(&TABLE, &options, &mut Vec::new()).unwrap();
+        assert!(!documents.exists());
+        options.recording = Recording::On(root.clone());
+        draw(&TABLE, &options, &mut Vec::new()).unwrap();
+        for name in ["sample_cost.svg", "sample_cost.json"] {
+            let read = |folder: &Path| std::fs::read_to_string(folder.join(name)).unwrap();
+            assert_eq!(read(&documents), read(&options.out));
+        }
+        let page = std::fs::read_to_string(documents.join("README.md")).unwrap();
+        assert!(page.contains("(sample_cost.svg)"), "{page}");
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+
+    #[test]
+    fn rows_of_a_chart_stand_before_its_choices() {
+        let drawing = Drawing::work_precision("a", &chart::samples::work_precision()).unwrap();
+        let table = drawing.table.clone();
+        assert_eq!(drawing.with_rows("  row").table, format!("  row\n{table}"));
     }
 
     #[test]

@@ -8,6 +8,9 @@ mod tests;
 
 use crate::report::{Claim, ErrorKind};
 
+/// Begins the reason of a claim that is held to where it was seen.
+const BAND: &str = "as measured, ";
+
 /// A Monte Carlo claim passes within this many standard errors of its bias bound.
 pub const STANDARD_ERRORS: f64 = 4.0;
 
@@ -163,10 +166,7 @@ impl Claim {
             error_kind: ErrorKind::Absolute,
             tolerance: None,
             passed: objection.is_none(),
-            reason: with_objection(
-                format!("as measured, value in [{from}, {to}]: {reason}"),
-                objection,
-            ),
+            reason: with_objection(format!("{BAND}value in [{from}, {to}]: {reason}"), objection),
         }
     }
 
@@ -190,6 +190,27 @@ impl Claim {
             claim.passed = false;
         }
         claim
+    }
+
+    /// Whether it is held to where it was seen: it says how wrong a method is.
+    #[must_use]
+    pub fn is_band(&self) -> bool {
+        self.reason.starts_with(BAND)
+    }
+
+    /// Whether it says that an aim was missed: a band, or a tolerance wider than what was wanted.
+    #[must_use]
+    pub fn falls_short(&self) -> bool {
+        self.is_band() || self.reason.contains("not reached")
+    }
+
+    /// The part of the tolerance that the error takes; none without an error and a tolerance.
+    #[must_use]
+    pub fn used(&self) -> Option<f64> {
+        let (error, tolerance) = (self.error?.abs(), self.tolerance?);
+        let one = if self.error_kind == ErrorKind::Ratio { 1.0 } else { 0.0 };
+        // No error is none of a tolerance of zero.
+        if error <= one { Some(0.0) } else { Some((error - one) / (tolerance - one)) }
     }
 
     /// The row that stands for a case that ended in an error.
@@ -289,7 +310,7 @@ impl Criterion<'_> {
                 let outside = !(from <= error && error <= to);
                 let objection = no_reason(reason)
                     .or_else(|| outside.then(|| format!("the error {error:.3e} is outside")));
-                let reason = format!("as measured, error in [{from}, {to}]: {reason}");
+                let reason = format!("{BAND}error in [{from}, {to}]: {reason}");
                 Verdict { tolerance: from.abs().max(to.abs()), reason, objection }
             }
         }

@@ -9,6 +9,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand};
 use verification::case::Profile;
 use verification::checkpoint::Start;
+use verification::record::Recording;
 use verification::scenes::Part;
 use verification::{cases, charts, output, scenes, verify};
 
@@ -51,6 +52,12 @@ struct Verify {
     /// List the cases instead of running them
     #[arg(long)]
     list: bool,
+    /// Write docs/verification.md too; from a commit alone, and whole
+    #[arg(long)]
+    record: bool,
+    /// Say whether docs/verification.md is older than cases, scenes and references, instead of running them
+    #[arg(long, conflicts_with_all = ["list", "record"])]
+    stale: bool,
     /// Write a second copy of the report here
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -110,6 +117,9 @@ struct Chart {
     /// List the names instead of drawing
     #[arg(long)]
     list: bool,
+    /// Write into docs/charts too, with a page of all pictures there; from a commit alone
+    #[arg(long)]
+    record: bool,
     /// Where the pictures go [default: target/chart, target/stability]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -170,8 +180,14 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
         verify::list(cases::ALL, &arguments.filters, output)?;
         return Ok(ExitCode::SUCCESS);
     }
+    if arguments.stale {
+        verify::stale(cases::ALL, &output::workspace(), output)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let profile = arguments.extent.profile();
     let options = verify::Options {
-        profile: arguments.extent.profile(),
+        recording: recording(arguments.record, profile)?,
+        profile,
         filters: arguments.filters,
         out: arguments.out.unwrap_or_else(|| output::default_folder("verify")),
         json: arguments.json,
@@ -221,14 +237,21 @@ fn execute_chart(
         return Ok(ExitCode::SUCCESS);
     }
     let folder = if what == "chart" { "chart" } else { "stability" };
+    let profile = arguments.extent.profile();
     let options = charts::Options {
         what,
         names: arguments.names,
-        profile: arguments.extent.profile(),
+        recording: recording(arguments.record, profile)?,
+        profile,
         out: arguments.out.unwrap_or_else(|| output::default_folder(folder)),
     };
     charts::draw(table, &options, output)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the flag asks for, if it may be.
+fn recording(is_asked: bool, profile: Profile) -> miette::Result<Recording> {
+    Ok(if is_asked { Recording::on(profile)? } else { Recording::Off })
 }
 
 fn is_broken_pipe(report: &miette::Report) -> bool {
@@ -253,5 +276,7 @@ mod tests {
         let cli = Cli::try_parse_from(["x", "verify", "fpk-sph", "--quick"]).unwrap();
         let Command::Verify(arguments) = cli.command else { panic!("not verify") };
         assert_eq!((arguments.extent.profile(), arguments.filters.len()), (Profile::Quick, 1));
+        assert!(recording(true, arguments.extent.profile()).is_err());
+        assert_eq!(recording(false, Profile::Quick).unwrap(), Recording::Off);
     }
 }

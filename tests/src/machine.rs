@@ -39,6 +39,12 @@ impl Machine {
     /// One line for the foot of a chart: processor, threads, load, commit.
     #[must_use]
     pub fn caption(&self) -> String {
+        format!("{}, {}", self.hardware(), commit_words(commit().as_deref()))
+    }
+
+    /// Processor, threads, load.
+    #[must_use]
+    pub fn hardware(&self) -> String {
         let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
         let threads = if self.threads == 1 {
             "1 thread".to_owned()
@@ -48,18 +54,68 @@ impl Machine {
         let load = self
             .load_average
             .map_or_else(|| "load unknown".to_owned(), |load| format!("load {load:.1}"));
-        let commit = commit()
-            .map_or_else(|| "no commit".to_owned(), |commit| format!("commit {}", short(&commit)));
-        format!("{cpu}, {threads} of {} cores, {load}, {commit}", self.cores)
+        format!("{cpu}, {threads} of {} cores, {load}", self.cores)
     }
 }
 
-/// The commit of the working tree, with `-dirty` if a tracked file differs from it; `None` outside git.
+/// The commit of the working tree, with `-dirty` if a tracked file outside `docs` differs from it; `None` outside git.
+///
+/// Documents decide no number, and those that are recorded change while others are still being made.
 #[must_use]
 pub fn commit() -> Option<String> {
-    let hash = answer("git", &["rev-parse", "HEAD"])?;
-    let changes = answer("git", &["status", "--porcelain", "--untracked-files=no"])?;
-    Some(if changes.is_empty() { hash } else { format!("{hash}-dirty") })
+    let hash = git(&["rev-parse", "HEAD"])?;
+    let is_clean = differing(&status()?).all(|file| file.state == State::Untracked);
+    Some(if is_clean { hash } else { format!("{hash}-dirty") })
+}
+
+/// The files outside `docs` that are not as committed, untracked ones too; `None` outside git.
+#[must_use]
+pub fn uncommitted() -> Option<Vec<String>> {
+    Some(differing(&status()?).map(|file| file.path.to_owned()).collect())
+}
+
+fn status() -> Option<String> {
+    git(&["status", "--porcelain", "--untracked-files=all"])
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let root = crate::output::workspace();
+    // An empty folder leaves git where it is.
+    answer("git", &[&["-C", root.to_str()?], arguments].concat())
+}
+
+/// Whether git knows a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Tracked,
+    Untracked,
+}
+
+/// A file that is not as committed.
+#[derive(Debug, PartialEq, Eq)]
+struct Differing<'a> {
+    state: State,
+    path: &'a str,
+}
+
+/// Reads what `git status --porcelain` says, less documents.
+fn differing(status: &str) -> impl Iterator<Item = Differing<'_>> {
+    status.lines().filter_map(differing_line)
+}
+
+/// A line is two letters, a space and a path, or the two paths of a file that was moved.
+fn differing_line(line: &str) -> Option<Differing<'_>> {
+    let (letters, paths) = line.trim_start().split_once(' ')?;
+    let state = if letters == "??" { State::Untracked } else { State::Tracked };
+    let is_document = |path: &&str| path.trim_matches('"').starts_with("docs/");
+    let path = paths.trim_start().split(" -> ").find(|path| !is_document(path))?;
+    Some(Differing { state, path })
+}
+
+/// `commit 0123456789ab`, or that there is none.
+#[must_use]
+pub fn commit_words(commit: Option<&str>) -> String {
+    commit.map_or_else(|| "no commit".to_owned(), |commit| format!("commit {}", short(commit)))
 }
 
 /// Today, as `2026-11-21` in Greenwich; `None` where the system does not say.
@@ -119,6 +175,20 @@ mod tests {
             Some("Some OS 12")
         );
         assert_eq!(value_of(text, "cache", ':'), None);
+    }
+
+    #[test]
+    fn documents_may_differ_and_untracked_files_are_told_apart() {
+        let status = "M docs/charts/a.svg\n M tests/src/claim.rs\nR  docs/a.md -> tests/a.md\n?? docs/new.md\n?? notes.txt";
+        let files: Vec<_> = differing(status).map(|file| (file.state, file.path)).collect();
+        assert_eq!(
+            files,
+            [
+                (State::Tracked, "tests/src/claim.rs"),
+                (State::Tracked, "tests/a.md"),
+                (State::Untracked, "notes.txt")
+            ]
+        );
     }
 
     #[test]

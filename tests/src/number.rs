@@ -35,6 +35,12 @@ pub fn error(value: Option<f64>, kind: ErrorKind) -> String {
     format!("{sign}{}", digits(value, 3))
 }
 
+/// `1 case`, `2 cases`.
+#[must_use]
+pub fn counted(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
 fn digits(value: f64, n_digits: usize) -> String {
     if value == 0.0 {
         return "0".into();
@@ -67,6 +73,11 @@ mod tests {
         assert_eq!(short(Some(2e-4)), "2.00e-4");
         assert_eq!(short(None), "-");
         assert_eq!(with_uncertainty(Some(0.5), Some(0.00123)), "0.500000 ± 1.2e-3");
+    }
+
+    #[test]
+    fn one_is_not_many() {
+        assert_eq!([0, 1, 2].map(|n| counted(n, "case")), ["0 cases", "1 case", "2 cases"]);
     }
 
     #[test]

@@ -45,6 +45,9 @@ pub struct CaseRecord {
     pub source: String,
     /// Wall time (s).
     pub seconds: f64,
+    /// CPU time of all threads (s); what several cases share counts in the first that asks. 0 in reports without it.
+    #[serde(default)]
+    pub cpu_seconds: f64,
     /// What was claimed.
     pub claims: Vec<Claim>,
 }
@@ -157,6 +160,7 @@ mod tests {
             title: "an approximation".into(),
             source: "Archimedes".into(),
             seconds: 0.25,
+            cpu_seconds: 0.5,
             claims: vec![claim],
         };
         Report::new(Profile::Quick, Machine::read(), vec![case])
@@ -176,6 +180,7 @@ mod tests {
             "title",
             "source",
             "seconds",
+            "cpu_seconds",
             "claims",
             "id",
             "quantity",

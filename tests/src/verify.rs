@@ -1,7 +1,9 @@
 //! The proof: runs the cases, prints their claims, writes the report.
 
+mod fingerprint;
 mod page;
 mod progress;
+mod recorded;
 mod run;
 mod select;
 mod table;
@@ -9,13 +11,17 @@ mod table;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+pub use self::fingerprint::{Change, Fingerprint, SourceError};
 pub use self::page::render_page;
+pub use self::recorded::render_record;
 pub use self::run::{Outcome, run_cases};
 pub use self::select::{TableError, check_table, select};
 pub use self::table::{Style, write_failures, write_summary};
 
 use crate::case::{Case, Profile};
 use crate::finite::{self, JsonError};
+use crate::number;
+use crate::record::{self, RecordError, Recording};
 use crate::report::Report;
 
 /// What is to be run, and where the report goes.
@@ -29,6 +35,8 @@ pub struct Options {
     pub out: PathBuf,
     /// A second copy of the report.
     pub json: Option<PathBuf>,
+    /// Whether it goes into the documents too.
+    pub recording: Recording,
 }
 
 /// Why there is no report. Claims that fail are in the report instead.
@@ -72,6 +80,21 @@ pub enum VerifyError {
     /// The page could not be made.
     #[error("the page of the report cannot be made")]
     Page(#[from] minijinja::Error),
+    /// The report cannot be recorded.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Record(#[from] RecordError),
+    /// What the report is made from cannot be read.
+    #[error("what the proof is made from cannot be read")]
+    Source(#[from] SourceError),
+    /// The recorded page cannot be read.
+    #[error("cannot read {}", .path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A file or the terminal could not be written.
     #[error("cannot write {}", .path.display())]
     Write {
@@ -93,6 +116,8 @@ pub fn verify(
 ) -> Result<Report, VerifyError> {
     check_table(cases)?;
     let selected = select(cases, &options.filters, options.profile)?;
+    // What is run was built from what is there now.
+    let recorded = recorded(cases, options)?;
     let style = Style::of_terminal();
     let outcome = run_cases(&selected, options.profile, style, output).map_err(to_terminal)?;
     let report = outcome.report;
@@ -101,11 +126,59 @@ pub fn verify(
     if let Some(path) = &options.json {
         write_file(path, &finite::to_json(&report)?)?;
     }
+    if let Some((path, fingerprint)) = &recorded {
+        write_file(path, &render_record(&report, fingerprint))?;
+    }
     write_failures(&report, output).map_err(to_terminal)?;
     writeln!(output, "report: {}", options.out.join("index.html").display())
         .map_err(to_terminal)?;
     write_summary(&report, output).map_err(to_terminal)?;
     Ok(report)
+}
+
+/// Where the report is recorded, and what it is made from.
+fn recorded(
+    cases: &[Case],
+    options: &Options,
+) -> Result<Option<(PathBuf, Fingerprint)>, VerifyError> {
+    let Recording::On(root) = &options.recording else { return Ok(None) };
+    if let Some(filter) = options.filters.first() {
+        return Err(RecordError::Part { filter: filter.clone() }.into());
+    }
+    Ok(Some((record::verification(root), Fingerprint::read(root, cases, options.profile)?)))
+}
+
+/// Prints whether the recorded proof of the workspace at `root` was made from other cases, scenes or references than there are.
+///
+/// # Errors
+/// [`VerifyError`] if the page or what it is made from cannot be read.
+pub fn stale(cases: &[Case], root: &Path, output: &mut dyn Write) -> Result<(), VerifyError> {
+    let path = record::verification(root);
+    let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
+    let verdict = match std::fs::read_to_string(&path) {
+        Ok(page) => verdict(&page, &name, cases, root)?,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            format!("warning: {name} does not exist; `cargo xtask verify --record` writes it")
+        }
+        Err(source) => return Err(VerifyError::Read { path, source }),
+    };
+    writeln!(output, "{verdict}").map_err(to_terminal)
+}
+
+fn verdict(page: &str, name: &str, cases: &[Case], root: &Path) -> Result<String, SourceError> {
+    /// More than these are counted.
+    const NAMED: usize = 12;
+    let Some(recorded) = Fingerprint::find(page) else {
+        return Ok(format!("warning: {name} is stale: it does not say what it was made from"));
+    };
+    let changes = recorded.changes(&Fingerprint::read(root, cases, recorded.profile())?);
+    if changes.is_empty() {
+        return Ok(format!("{name} is up to date with cases, scenes and references"));
+    }
+    let named: Vec<String> = changes.iter().take(NAMED).map(ToString::to_string).collect();
+    let rest = changes.len().saturating_sub(NAMED);
+    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
+    Ok(format!("warning: {name} is stale: {}{more}", named.join(", ")))
 }
 
 /// Prints id, smallest profile and title of what `filters` select in any profile.
@@ -124,8 +197,7 @@ pub fn list(cases: &[Case], filters: &[String], output: &mut dyn Write) -> Resul
         writeln!(output, "{:width$}  {:7}  {}", case.id, case.cost.name(), case.title)
             .map_err(to_terminal)?;
     }
-    let noun = if selected.len() == 1 { "case" } else { "cases" };
-    writeln!(output, "{} {noun}", selected.len()).map_err(to_terminal)
+    writeln!(output, "{}", number::counted(selected.len(), "case")).map_err(to_terminal)
 }
 
 fn to_terminal(source: std::io::Error) -> VerifyError {
@@ -197,6 +269,7 @@ mod tests {
             profile: Profile::Quick,
             out: out.clone(),
             json: Some(json.clone()),
+            recording: Recording::Off,
         };
         let mut output = Vec::new();
         let report = verify(&CASES, &options, &mut output).unwrap();
@@ -210,6 +283,56 @@ mod tests {
         std::fs::remove_dir_all(&out).unwrap();
         // For the eye: `cargo test -p verification rows -- --nocapture`.
         print!("{text}");
+    }
+
+    fn recording(root: &Path, filters: &[&str]) -> Options {
+        Options {
+            filters: filters.iter().map(|&filter| filter.to_owned()).collect(),
+            profile: Profile::Quick,
+            out: root.join("target"),
+            json: None,
+            recording: Recording::On(root.into()),
+        }
+    }
+
+    fn said_of(root: &Path, cases: &[Case]) -> String {
+        let mut output = Vec::new();
+        stale(cases, root, &mut output).unwrap();
+        String::from_utf8(output).unwrap()
+    }
+
+    #[test]
+    fn a_recorded_proof_is_stale_as_soon_as_what_it_is_made_from_changes() {
+        let root = fingerprint::tests::workspace("verify-stale");
+        assert_eq!(
+            said_of(&root, &CASES),
+            "warning: docs/verification.md does not exist; `cargo xtask verify --record` writes it\n"
+        );
+        verify(&CASES, &recording(&root, &[]), &mut Vec::new()).unwrap();
+        let page = std::fs::read_to_string(root.join("docs/verification.md")).unwrap();
+        assert!(page.contains("4 passed, 1 failed"), "{page}");
+        assert_eq!(
+            said_of(&root, &CASES),
+            "docs/verification.md is up to date with cases, scenes and references\n"
+        );
+        fingerprint::tests::write(&root, "scenes/a.json", "{ }");
+        assert_eq!(
+            said_of(&root, &CASES[..1]),
+            "warning: docs/verification.md is stale: case self-check/stops removed, tests/scenes/a.json changed\n"
+        );
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+
+    #[test]
+    fn a_part_of_the_proof_is_not_recorded() {
+        let root = fingerprint::tests::workspace("verify-part");
+        let error = verify(&CASES, &recording(&root, &["damper"]), &mut Vec::new()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the proof is recorded as a whole, not the part that `damper` selects"
+        );
+        assert!(!root.join("docs").exists());
+        std::fs::remove_dir_all(&root).unwrap();
     }
 
     #[test]

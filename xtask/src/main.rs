@@ -16,12 +16,16 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
 
   verify [FILTER]... [--quick|--full] [--list] [--json FILE] [--out DIR]
                               run the proof; fails if a claim does not hold
+  verify --record [--full]    the same, and write docs/verification.md
+  verify --stale              say whether that page is older than cases, scenes and references
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume] [--shard K/N]
                               run a scene; killed, it goes on with --resume
   merge SCENE.json SHARD... --out DIR
                               join the shards of an ensemble
-  chart [NAME]... [--list]    draw error against cost
-  stability [NAME]...         sweep methods to where they fail
+  chart [NAME]... [--list] [--record]
+                              draw error against cost; --record writes into docs/charts too
+  stability [NAME]... [--record]
+                              sweep methods to where they fail
   bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
                               to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it

@@ -1,8 +1,8 @@
 //! Made-up charts: for the tests, and for the eye.
 
 use super::{
-    Line, Method, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries, Words,
-    WorkPrecision,
+    Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
+    TimeSeries, Words, WorkPrecision,
 };
 
 fn words(title: &str, subtitle: &str, y_label: &str, x_label: &str) -> Words {
@@ -79,6 +79,7 @@ pub(crate) fn work_precision() -> WorkPrecision {
     let subtitle = "Nonlinear viscous damper, P(|q| > 1) at t = 6";
     WorkPrecision {
         words: words("Error against cost", subtitle, "|error of log10 P|", "CPU time (s)"),
+        reading: Reading::Cost { unit: "s".into(), errors: Measure::Log10, reference_error: 1e-3 },
         series,
     }
 }

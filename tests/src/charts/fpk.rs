@@ -8,8 +8,8 @@ use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule
 use crate::case::{CaseError, Context, Profile};
 use crate::cases::papers_config;
 use crate::chart::{
-    Line, Method, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries, Words,
-    WorkPrecision,
+    Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
+    TimeSeries, Words, WorkPrecision,
 };
 use crate::charts::{ChartKind, Drawing};
 use crate::claim::Reference;
@@ -98,17 +98,30 @@ pub(crate) fn work_precision(
     };
     let moments = WorkPrecision {
         words: words("Second moment E[q^2] at t = 6 s", "relative error of E[q^2]", moment),
+        reading: cost_in_seconds(
+            Measure::Relative,
+            moment.error.unwrap_or(0.0) / moment.value.abs(),
+        ),
         series: series(&ladders, |values| relative_error(values.second_moment, moment.value)),
     };
     let title = format!("Probability P(|q| > 1) at t = 6 s: {:.1e}", tail.value);
     let tails = WorkPrecision {
         words: words(&title, "error of log10 P", tail),
+        reading: cost_in_seconds(
+            Measure::Log10,
+            tail.error.unwrap_or(0.0) / (tail.value * std::f64::consts::LN_10),
+        ),
         series: series(&ladders, |values| log10_error(values.probability, tail.value)),
     };
     Ok(vec![
         Drawing::work_precision(&format!("{name}-second-moment"), &moments)?,
         Drawing::work_precision(&format!("{name}-tail"), &tails)?,
     ])
+}
+
+/// CPU seconds across.
+pub(super) fn cost_in_seconds(errors: Measure, reference_error: f64) -> Reading {
+    Reading::Cost { unit: "s".into(), errors, reference_error }
 }
 
 /// Size of an error with its standard error, or why there is none.
@@ -306,7 +319,7 @@ fn monte_carlo(
 }
 
 /// Beyond this time a run is not repeated.
-const LONG: Duration = Duration::from_secs(3);
+pub(super) const LONG: Duration = Duration::from_secs(3);
 
 /// The result with its median CPU time and half the range: three runs where one is short.
 pub(super) fn timed<T>(

@@ -1,13 +1,13 @@
 //! Error against cost for the schemes of peridyn-sde: of the stationary law, of the rate of breaking, of crack paths.
 
-use cpu_time::ProcessTime;
 use peridyn_sde::statistics::Bootstrap;
 use peridyn_sde::{Breaking, Dynamics, Mobility, Real, Scheme, Simulation, SimulationConfig};
 use rayon::ThreadPoolBuilder;
 use sde_integrators::Noise;
 
+use super::fpk::{LONG, cost_in_seconds, timed};
 use crate::case::{CaseError, Context, Profile};
-use crate::chart::{Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::chart::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::{ChartKind, Drawing};
 use crate::claim::Measured;
 use crate::machine::Machine;
@@ -22,10 +22,11 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// What a run found, and what it cost (CPU seconds).
+/// What a run found, and what it cost (CPU seconds) with the scatter of that.
 struct Priced {
     found: Measured,
     seconds: f64,
+    scatter: f64,
     label: String,
 }
 
@@ -45,13 +46,12 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
-fn timed(
+fn priced(
     label: String,
-    run: impl FnOnce() -> Result<Measured, CaseError>,
+    run: impl FnMut() -> Result<Measured, CaseError>,
 ) -> Result<Priced, CaseError> {
-    let start = ProcessTime::now();
-    let found = run()?;
-    Ok(Priced { found, seconds: start.elapsed().as_secs_f64(), label })
+    let (found, seconds, scatter) = timed(LONG, run)?;
+    Ok(Priced { found, seconds, scatter, label })
 }
 
 /// A series of a scheme over steps: the relative errors of what it finds.
@@ -66,10 +66,10 @@ fn series(
     let mut points = Vec::new();
     for &z in steps {
         context.progress(&format!("{name}, z = {z}"));
-        let Priced { found, seconds, label } = runs(scheme, z)?;
+        let Priced { found, seconds, scatter, label } = runs(scheme, z)?;
         points.push(Run {
             cost: seconds,
-            cost_error: None,
+            cost_error: (scatter > 0.0).then_some(scatter),
             outcome: RunOutcome::Error {
                 value: (found.value / exact - 1.0).abs(),
                 standard_error: found.standard_error.map(|error| error / exact),
@@ -84,8 +84,12 @@ fn drawing(
     name: &str,
     (title, subtitle, y_label): (&str, String, &str),
     mut caption: Vec<String>,
-    series: Vec<Method>,
+    (series, reference_error): (Vec<Method>, f64),
 ) -> Result<Drawing, CaseError> {
+    caption.push(
+        "Across: median CPU time of three runs, the bar half their range (one run beyond 3 s)."
+            .into(),
+    );
     caption.push(Machine::read().caption());
     let words = Words {
         title: title.into(),
@@ -94,7 +98,8 @@ fn drawing(
         y_label: y_label.into(),
         caption,
     };
-    Ok(Drawing::work_precision(name, &WorkPrecision { words, series })?)
+    let reading = cost_in_seconds(Measure::Relative, reference_error);
+    Ok(Drawing::work_precision(name, &WorkPrecision { words, reading, series })?)
 }
 
 /// The mean energy of a network over `kT/2` for each unknown, over the same time by every scheme and step.
@@ -145,9 +150,9 @@ fn stationary(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     let time = 8000.0 * share / rate(&network, &overdamped(Scheme::EulerMaruyama))?;
     let of = |z: f64| format!("z = {z}");
     let in_f64 =
-        |scheme, z| timed(of(z), || energy::<f64, 8>(&network, &overdamped(scheme), z, time));
+        |scheme, z| priced(of(z), || energy::<f64, 8>(&network, &overdamped(scheme), z, time));
     let in_f32 =
-        |scheme, z| timed(of(z), || energy::<f32, 16>(&network, &overdamped(scheme), z, time));
+        |scheme, z| priced(of(z), || energy::<f32, 16>(&network, &overdamped(scheme), z, time));
     let (coarse, fine) = ([1.6, 0.8, 0.4], [1.6, 0.8, 0.4, 0.2, 0.1, 0.05]);
     let line = |name: &str, scheme, steps: &[f64], runs: &Runs<'_>| {
         series(context, name, scheme, steps, 1.0, runs)
@@ -172,7 +177,7 @@ fn stationary(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         "peridyn-stationary",
         ("Error of the stationary law against cost", subtitle, "relative error of the mean energy"),
         caption,
-        all,
+        (all, 0.0),
     )
 }
 
@@ -181,11 +186,11 @@ fn breaking(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     let of = |z: f64| format!("z = {z}");
     let runs = |breaking: Breaking| {
         move |scheme: Scheme, z: f64| {
-            timed(of(z), || seen::<f64, 8>(scheme, breaking, (ratio, z, times)))
+            priced(of(z), || seen::<f64, 8>(scheme, breaking, (ratio, z, times)))
         }
     };
     let in_f32 = |scheme: Scheme, z: f64| {
-        timed(of(z), || seen::<f32, 16>(scheme, Breaking::Bridge, (ratio, z, times)))
+        priced(of(z), || seen::<f32, 16>(scheme, Breaking::Bridge, (ratio, z, times)))
     };
     let (bridge, ends) = (runs(Breaking::Bridge), runs(Breaking::AtEnds));
     let steps = [0.4, 0.2, 0.1, 0.05];
@@ -210,7 +215,7 @@ fn breaking(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         "peridyn-breaking",
         ("Error of the rate of breaking against cost", subtitle, "relative error of the rate"),
         caption,
-        all,
+        (all, 0.0),
     )
 }
 
@@ -229,10 +234,12 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     };
     let of = |z: f64| format!("z = {z}");
     let in_f32 = |scheme, z| {
-        timed(of(z), || spread(&plate(scheme, z).cracks::<f32, 16>(realisations, 7)?.heights(0.65)))
+        priced(of(z), || {
+            spread(&plate(scheme, z).cracks::<f32, 16>(realisations, 7)?.heights(0.65))
+        })
     };
     let in_f64 = |scheme, z| {
-        timed(of(z), || spread(&plate(scheme, z).cracks::<f64, 8>(realisations, 7)?.heights(0.65)))
+        priced(of(z), || spread(&plate(scheme, z).cracks::<f64, 8>(realisations, 7)?.heights(0.65)))
     };
     context.progress("reference of paths");
     // Other noise, and more of it.
@@ -276,6 +283,6 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
             "relative error of the standard deviation",
         ),
         caption,
-        all,
+        (all, exact.standard_error.unwrap_or(0.0) / exact.value),
     )
 }

@@ -11,8 +11,8 @@ use sde_integrators::{
 use crate::case::{CaseError, Context, Profile};
 use crate::cases::viscous_damper_at_rest;
 use crate::chart::{
-    Line, Method as Series, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries,
-    Words, WorkPrecision,
+    Line, Measure, Method as Series, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome,
+    Scale, TimeSeries, Words, WorkPrecision,
 };
 use crate::charts::{ChartKind, Drawing};
 use crate::machine::Machine;
@@ -267,7 +267,14 @@ where
             .collect(),
         };
         let name = format!("{}-{kind}", problem.name);
-        Ok::<_, CaseError>(Drawing::work_precision(&name, &WorkPrecision { words, series })?)
+        let reading = Reading::Cost {
+            unit: "µs a path".into(),
+            errors: Measure::Absolute,
+            // That of a finer reference is not known; the subtitle says how fine it is.
+            reference_error: 0.0,
+        };
+        let chart = WorkPrecision { words, reading, series };
+        Ok::<_, CaseError>(Drawing::work_precision(&name, &chart)?)
     };
     let y_label = format!("error of {what}");
     Ok(vec![

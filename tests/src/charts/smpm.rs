@@ -6,10 +6,10 @@ use cpu_time::ProcessTime;
 use perturbation_moments::{ControlledSamples, Moments, MonteCarlo, SampledMoments, SigmaPoints};
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
 
-use super::fpk::{group_thousands_u64, timed};
+use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
 use crate::case::{CaseError, Context, Profile};
 use crate::cases::quantile;
-use crate::chart::{Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::chart::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::{ChartKind, Drawing};
 use crate::machine::Machine;
 use crate::smpm::experiment::SceneExperiment;
@@ -27,6 +27,8 @@ pub(crate) const CHART: ChartKind = ChartKind {
 const LADDER: [usize; 5] = [10, 30, 100, 300, 1000];
 /// Beyond this time a run is not repeated.
 const LONG: Duration = Duration::from_secs(3);
+/// Parts of the samples that are timed apart.
+const THIRDS: usize = 3;
 /// Of the samples that are judged, and of those that judge.
 const SEEDS: [u64; 2] = [11, 2019];
 
@@ -61,7 +63,8 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
     context.progress("shock");
     let experiment = experiment::<1>(&scene)?;
     let solved = Solved::<3>::of(&experiment, &scene, ladder(context))?;
-    let question = Question { responses: vec![0], truth: vec![shock.variance(strength)] };
+    let truth = vec![shock.variance(strength)];
+    let question = Question { responses: vec![0], truth, truth_error: 0.0 };
     let words = Words {
         title: "Variance of the pressure behind a plane shock in steel, against cost".into(),
         subtitle: format!(
@@ -103,6 +106,7 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
             truth.push(found.value);
             errors.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
         }
+        let truth_error = quantile(&errors, 0.5);
         let words = Words {
             title: format!("Variance of {letter} behind a contact explosion, against cost"),
             subtitle: format!(
@@ -111,12 +115,11 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
             x_label: "CPU time on one thread (s)".into(),
             y_label: format!("relative error of Var {letter}"),
             caption: vec![format!(
-                "Against {} other samples with control variate, whose own standard error is {:.1e} (median).",
+                "Against {} other samples with control variate, whose own standard error is {truth_error:.1e} (median).",
                 judge.n_samples(),
-                quantile(&errors, 0.5)
             )],
         };
-        let question = Question { responses, truth };
+        let question = Question { responses, truth, truth_error };
         let name = format!("smpm-cost-{id}-{}", format!("{strength:.2}").replace('.', ""));
         drawings.push(solved.drawing(&name, words, &question)?);
     }
@@ -128,6 +131,8 @@ struct Question {
     responses: Vec<usize>,
     /// The variance of each.
     truth: Vec<f64>,
+    /// The relative error of these, in the median.
+    truth_error: f64,
 }
 
 impl Question {
@@ -158,6 +163,8 @@ struct Solved<const N: usize> {
     ladder: Vec<usize>,
     /// CPU time of the mean run, the run with jets, a sample (s).
     costs: [f64; 3],
+    /// Half the range of the last over thirds of the samples.
+    sample_spread: f64,
 }
 
 impl<const N: usize> Solved<N> {
@@ -198,17 +205,30 @@ impl<const N: usize> Solved<N> {
         let n_samples = ladder.last().copied().unwrap_or(0);
         let judged = MonteCarlo { seed: SEEDS[0], n_samples: n_samples as u64 };
         let (mut samples, mut n_failed) = (Vec::new(), 0);
-        let clock = ProcessTime::now();
-        for realisation in 0..judged.n_samples {
-            let t = judged.normals::<N>(realisation);
-            match study.run(&t) {
-                Ok(values) => samples.push((t, values)),
-                Err(_) => n_failed += 1,
+        let mut times = [0.0; THIRDS];
+        for (third, time) in (0..).zip(&mut times) {
+            let place = |third: u64| third * judged.n_samples / THIRDS as u64;
+            let clock = ProcessTime::now();
+            for realisation in place(third)..place(third + 1) {
+                let t = judged.normals::<N>(realisation);
+                match study.run(&t) {
+                    Ok(values) => samples.push((t, values)),
+                    Err(_) => n_failed += 1,
+                }
             }
+            *time = clock.elapsed().as_secs_f64() / (place(third + 1) - place(third)) as f64;
         }
-        let costs = [mean_run, jets, clock.elapsed().as_secs_f64() / n_samples as f64];
-        let ladder = ladder.to_vec();
-        Ok(Self { singles, surrogate: propagated, samples, n_failed, ladder, costs })
+        times.sort_by(f64::total_cmp);
+        let [fastest, median, slowest] = times;
+        Ok(Self {
+            singles,
+            surrogate: propagated,
+            samples,
+            n_failed,
+            ladder: ladder.to_vec(),
+            costs: [mean_run, jets, median],
+            sample_spread: 0.5 * (slowest - fastest),
+        })
     }
 
     /// Raw or controlled moments of a response by some of the samples.
@@ -265,7 +285,7 @@ impl<const N: usize> Solved<N> {
         let control = if is_controlled { jets } else { 0.0 };
         Ok(Run {
             cost: mean_run + control + sample * n as f64,
-            cost_error: None,
+            cost_error: Some(self.sample_spread * n as f64).filter(|&spread| spread > 0.0),
             outcome: RunOutcome::Error { value, standard_error: Some(standard_error) },
             label: Some(group_thousands_u64(n as u64)),
         })
@@ -295,13 +315,14 @@ impl<const N: usize> Solved<N> {
             series.push(Method { name: name.into(), runs: runs.collect::<Result<_, _>>()? });
         }
         words.caption.push(format!(
-            "A Monte Carlo point is the mean error of as many ensembles as {} samples hold, the bar its standard error (of one ensemble: its own). {} samples failed. Across: median CPU time of three runs, the bar half their range.",
+            "A Monte Carlo point is the mean error of as many ensembles as {} samples hold, the bar its standard error (of one ensemble: its own). {} samples failed. Across: median CPU time of three runs, the bar half their range; of a sample, of three thirds of all.",
             self.samples.len(), self.n_failed
         ));
         words.caption.push(Machine::read().caption());
         let table = table(&series);
-        let drawing = Drawing::work_precision(name, &WorkPrecision { words, series })?;
-        Ok(Drawing { table, ..drawing })
+        let reading = cost_in_seconds(Measure::Relative, question.truth_error);
+        let chart = WorkPrecision { words, reading, series };
+        Ok(Drawing::work_precision(name, &chart)?.with_rows(&table))
     }
 }
 

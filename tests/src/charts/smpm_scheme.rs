@@ -1,17 +1,17 @@
 //! Which scheme should be the usual one: FLIP, FLIP that damps and APIC with every shape function, on a plane shock and on the
 //! energy of an explosion, against CPU time.
 
-use std::fmt::Write;
 use std::time::Duration;
 
 use serde::Serialize;
 
-use super::fpk::timed;
+use super::fpk::{cost_in_seconds, timed};
 use super::smpm::{outcome, table};
 use crate::case::{CaseError, Context, Profile};
-use crate::chart::{Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::chart::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::{ChartKind, Drawing};
 use crate::machine::Machine;
+use crate::markdown;
 use crate::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use crate::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
 use crate::stability::{Work, words_of};
@@ -291,10 +291,24 @@ impl Picture<'_> {
         };
         let name = format!("smpm-scheme-{}-{}", self.id, format!("{linear:.2}").replace('.', ""));
         let rows = table(&series);
-        let drawing = Drawing::work_precision(&name, &WorkPrecision { words, series })?;
-        Ok(Drawing { table: rows, ..drawing })
+        let reading = cost_in_seconds(Measure::Relative, 0.0);
+        let chart = WorkPrecision { words, reading, series };
+        Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows))
     }
 }
+
+/// Of the page.
+const HEADS: [&str; 9] = [
+    "scheme",
+    "linear viscosity",
+    "pressure",
+    "ripple",
+    "dp/dS1, mean over a window",
+    "dp/dS1 at an instant",
+    "CPU, shock (s)",
+    "energy of the explosion",
+    "CPU, explosion (s)",
+];
 
 /// Everything at one cell of each problem.
 fn page(shocks: &[Measured], explosions: &[Measured]) -> Result<Drawing, CaseError> {
@@ -304,8 +318,6 @@ fn page(shocks: &[Measured], explosions: &[Measured]) -> Result<Drawing, CaseErr
         10.0 * TABLED.1,
         Machine::read().caption()
     );
-    text.push_str("| scheme | linear viscosity | pressure | ripple | dp/dS1, mean over a window | dp/dS1 at an instant | CPU, shock (s) | energy of the explosion | CPU, explosion (s) |\n");
-    text.push_str("|---|---|---|---|---|---|---|---|---|\n");
     let at = |rows: &'_ [Measured], cell: f64| -> Vec<Measured> {
         rows.iter().filter(|row| row.cell.total_cmp(&cell).is_eq()).cloned().collect()
     };
@@ -313,22 +325,22 @@ fn page(shocks: &[Measured], explosions: &[Measured]) -> Result<Drawing, CaseErr
     let percent = |value: Option<f64>| {
         value.map_or_else(|| "ended".to_owned(), |value| format!("{:+.2} %", 100.0 * value))
     };
-    for (shock, explosion) in shocks_at.iter().zip(&explosions_at) {
+    let row = |(shock, explosion): (&Measured, &Measured)| {
         let of = |reading: fn(ShockErrors) -> f64| percent(shock.shock.map(reading));
-        writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {} | {:.3} | {} | {:.2} |",
-            shock.scheme,
-            shock.linear_viscosity,
+        vec![
+            shock.scheme.clone(),
+            shock.linear_viscosity.to_string(),
             of(|errors| errors.pressure),
-            of(|errors| errors.ripple).trim_start_matches('+'),
+            of(|errors| errors.ripple).trim_start_matches('+').to_owned(),
             of(|errors| errors.slope),
             of(|errors| errors.slope_at_an_instant),
-            shock.cpu_seconds,
+            format!("{:.3}", shock.cpu_seconds),
             percent(explosion.energy),
-            explosion.cpu_seconds
-        )?;
-    }
+            format!("{:.2}", explosion.cpu_seconds),
+        ]
+    };
+    let rows: Vec<Vec<String>> = shocks_at.iter().zip(&explosions_at).map(row).collect();
+    text.push_str(&markdown::table(&HEADS.map(str::to_owned), &rows));
     let all: Vec<Measured> = shocks.iter().chain(explosions).cloned().collect();
     Ok(Drawing::page("smpm-scheme", text, &all)?)
 }

@@ -136,3 +136,21 @@ fn equal_bits_need_something_to_compare() {
     assert!(!Claim::same_bits(subject(), 1, 10, WHY).passed);
     assert!(!Claim::same_bits(subject(), 0, 0, WHY).passed);
 }
+
+#[test]
+fn the_part_of_a_tolerance_that_the_error_takes() {
+    close(within(ErrorKind::Relative, 0.99, 1.0, 0.1).used(), 0.1);
+    close(within(ErrorKind::Ratio, 2.0, 1.0, 3.0).used(), 0.5);
+    close(within(ErrorKind::Absolute, 1.0, 1.0, 0.0).used(), 0.0);
+    assert_eq!(Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY).used(), None);
+}
+
+#[test]
+fn bands_and_missed_aims_fall_short() {
+    let band = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
+    assert!(band.is_band() && band.falls_short());
+    let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
+    assert!(!held.is_band() && !held.falls_short());
+    let missed = Claim { reason: "1 % is not reached: switches".into(), ..held };
+    assert!(!missed.is_band() && missed.falls_short());
+}

@@ -98,6 +98,7 @@ mod tests {
             title: "a page & its <claims>".into(),
             source: "none".into(),
             seconds: 1.5,
+            cpu_seconds: 2.5,
             claims: vec![
                 claim("good", 1.001),
                 claim("bad", 1.5),
@@ -144,6 +145,7 @@ mod tests {
             title: title.into(),
             source: "A paper, Journal 12 (2013) 34-56, section 4.1, eqs 26 and 27".into(),
             seconds: 1.23,
+            cpu_seconds: 2.1,
             claims: claims(id).into_iter().chain(extra).collect(),
         };
         let failed = Claim::case_error(

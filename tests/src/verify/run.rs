@@ -6,6 +6,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use cpu_time::ProcessTime;
+
 use super::progress::Progress;
 use super::select::well_formed;
 use super::table::{Style, write_case, write_header};
@@ -54,10 +56,10 @@ pub fn run_cases(
 
 /// Runs one case; `seen` holds the ids of all claims so far.
 fn run_case(case: &Case, context: &Context<'_>, seen: &mut BTreeSet<String>) -> CaseRecord {
-    let start = Instant::now();
+    let (start, cpu) = (Instant::now(), ProcessTime::now());
     // Whatever a panicking case leaves half done is its own: shared results are stored only when complete.
     let result = catch_unwind(AssertUnwindSafe(|| (case.run)(context)));
-    let seconds = start.elapsed().as_secs_f64();
+    let (seconds, cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     let mut claims = match result {
         Ok(Ok(claims)) if claims.is_empty() => {
             vec![Claim::case_error(case.id, "the case claims nothing")]
@@ -78,6 +80,7 @@ fn run_case(case: &Case, context: &Context<'_>, seen: &mut BTreeSet<String>) -> 
         title: case.title.into(),
         source: case.source.into(),
         seconds,
+        cpu_seconds,
         claims,
     }
 }

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
-use crate::chart::{Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::chart::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::charts::fpk::cost_in_seconds;
 use crate::charts::{Drawing, DrawingError};
 use crate::machine::Machine;
 
@@ -128,7 +129,8 @@ pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
             ],
         };
         let name = format!("{}-{}", scene.name, quantity.name);
-        drawings.push(Drawing::work_precision(&name, &WorkPrecision { words, series })?);
+        let reading = cost_in_seconds(Measure::Relative, quantity.reference_error);
+        drawings.push(Drawing::work_precision(&name, &WorkPrecision { words, reading, series })?);
     }
     Ok(drawings)
 }

@@ -4,8 +4,10 @@ use serde::Serialize;
 
 use super::Scene;
 use super::records::{Outcome, Record, methods};
+use crate::chart::settled;
 use crate::charts::{Drawing, DrawingError};
 use crate::machine::{Machine, date};
+use crate::markdown::{table, text};
 
 /// Relative errors for which a method is chosen.
 const TOLERANCES: [f64; 5] = [0.1, 0.03, 0.01, 0.003, 0.001];
@@ -54,8 +56,8 @@ fn cost(records: &[&Record], tolerance: f64) -> Option<Cost> {
         let cpu_seconds = scaled.max(runs[0].cpu_seconds);
         return Some(Cost { method, cpu_seconds, projected: cpu_seconds > last.cpu_seconds });
     }
-    let within = |record: &&&Record| record.error().is_some_and(|error| error <= tolerance);
-    let first = runs.iter().rev().take_while(within).last()?;
+    let within = |record: &Record| record.error().is_some_and(|error| error <= tolerance);
+    let first = settled(runs, |record| record.cpu_seconds, within)?;
     Some(Cost { method, cpu_seconds: first.cpu_seconds, projected: false })
 }
 
@@ -114,18 +116,17 @@ fn markdown(recorded: &Recorded<'_>) -> String {
          No entry below the error of the reference. The pictures and `fpk-choice.json` hold every run."
             .to_owned(),
     ];
-    let mut scene = "";
-    for choice in &recorded.choices {
-        if choice.scene != scene {
-            scene = choice.scene;
-            lines.push(format!("\n## {scene}\n"));
-            let heads: Vec<String> =
-                TOLERANCES.iter().map(|tolerance| format!("{} %", 100.0 * tolerance)).collect();
-            lines.push(format!("| question | {} |", heads.join(" | ")));
-            lines.push(format!("|---|{}", "---|".repeat(TOLERANCES.len())));
-        }
-        let cells: Vec<String> = choice.by_tolerance.iter().map(|(_, costs)| cell(costs)).collect();
-        lines.push(format!("| {} | {} |", choice.title.replace('|', "\\|"), cells.join(" | ")));
+    let heads: Vec<String> = std::iter::once("question".to_owned())
+        .chain(TOLERANCES.iter().map(|tolerance| format!("{} %", 100.0 * tolerance)))
+        .collect();
+    for of_scene in recorded.choices.chunk_by(|a, b| a.scene == b.scene) {
+        let row = |choice: &Choice<'_>| {
+            let cells = choice.by_tolerance.iter().map(|(_, costs)| cell(costs));
+            std::iter::once(text(choice.title)).chain(cells).collect()
+        };
+        let rows: Vec<Vec<String>> = of_scene.iter().map(row).collect();
+        let scene = of_scene.first().map_or("", |choice| choice.scene);
+        lines.push(format!("\n## {scene}\n\n{}", table(&heads, &rows).trim_end()));
     }
     lines.push(String::new());
     lines.join("\n")

@@ -6,8 +6,8 @@ use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
 
 use crate::case::{CaseError, Context, Profile};
 use crate::chart::{
-    Line, Method, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries, Words,
-    WorkPrecision,
+    Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries,
+    Words, WorkPrecision,
 };
 use crate::charts::Drawing;
 use crate::smpm::problems::{Problem, experiment};
@@ -310,8 +310,9 @@ fn over_variation(
     let mut rows = vec![format!("  {what}: {}", METHODS.join(" | "))];
     rows.extend(judged.iter().map(row));
     let name = format!("smpm-breakdown-{name}");
-    let drawing = Drawing::work_precision(&name, &WorkPrecision { words, series })?;
-    Ok(Drawing { table: rows.join("\n"), ..drawing })
+    // Every method is asked at the same coefficients.
+    let chart = WorkPrecision { words, reading: Reading::Parameter, series };
+    Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows.join("\n")))
 }
 
 /// The error of every method over time, and where it is warned of.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::case::CaseError;
-use crate::chart::{Method, Run, RunOutcome, Words, WorkPrecision};
+use crate::chart::{Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::Drawing;
 use crate::smpm::scene::{OrderScene, SchemeScene, ShapeScene, TransferScene};
 use crate::smpm::schemes::{Explosion, FLIP, ORDERS, SHAPES, scheme};
@@ -84,13 +84,11 @@ pub(super) fn chart(n: u32) -> Result<Drawing, CaseError> {
                 "A plus marks a gain, a cross above a typed error: beyond 1 a wave crosses a cell and the number is refused; within it the energy grew by 20 %, or a particle became faster in the step than it was allowed for.".into(),
             ],
         },
+        reading: Reading::Parameter,
         series: series.collect(),
     };
     let table: Vec<String> = rows.iter().map(|(name, points)| line(name, points)).collect();
-    Ok(Drawing {
-        table: table.join("\n"),
-        ..Drawing::work_precision("smpm-energy-courant", &chart)?
-    })
+    Ok(Drawing::work_precision("smpm-energy-courant", &chart)?.with_rows(&table.join("\n")))
 }
 
 fn line(name: &str, points: &[Point]) -> String {

@@ -1,0 +1,156 @@
+//! The rows of a case: all claims where they are few, the worst of each family where they are many.
+
+use crate::markdown::{self, text};
+use crate::number;
+use crate::report::{CaseRecord, Claim, ErrorKind};
+
+/// Of more claims than this the worst are shown.
+pub(super) const MOST_ROWS: usize = 12;
+
+/// The table of a case and what it refers to.
+pub(super) struct Rows {
+    /// Markdown.
+    pub(super) table: String,
+    /// What is not in it.
+    pub(super) left_out: Option<String>,
+    /// The methods that its column `by` numbers, from 1.
+    pub(super) methods: Vec<String>,
+    /// The reasons that its column `why` numbers, from 1.
+    pub(super) reasons: Vec<String>,
+}
+
+/// A claim that stands for `count` of them.
+struct Shown<'a> {
+    claim: &'a Claim,
+    count: usize,
+}
+
+pub(super) fn of_case(case: &CaseRecord) -> Rows {
+    let (shown, left_out) = shown(case);
+    let is_grouped = shown.iter().any(|shown| shown.count > 1);
+    let (mut methods, mut reasons) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
+    for Shown { claim, count } in &shown {
+        let by = number_of(&mut methods, &claim.method);
+        let why = number_of(&mut reasons, &claim.reason);
+        let mut row = cells(claim, &case.id);
+        row.splice(6..6, [by, why]);
+        if is_grouped {
+            row.insert(1, count.to_string());
+        }
+        rows.push(row);
+    }
+    let heads = [
+        "claim",
+        "quantity",
+        "measured",
+        "reference",
+        "error",
+        "tolerance",
+        "by",
+        "why",
+        "used",
+        "",
+    ];
+    let mut heads: Vec<String> = heads.map(str::to_owned).to_vec();
+    if is_grouped {
+        heads.insert(1, "of".to_owned());
+    }
+    Rows { table: markdown::table(&heads, &rows), left_out, methods, reasons }
+}
+
+/// What is shown of a case, and what is said of the rest.
+fn shown(case: &CaseRecord) -> (Vec<Shown<'_>>, Option<String>) {
+    if case.claims.len() <= MOST_ROWS {
+        return (case.claims.iter().map(|claim| Shown { claim, count: 1 }).collect(), None);
+    }
+    let mut families = families(&case.claims);
+    families.sort_by(|a, b| urgency(b.claim).total_cmp(&urgency(a.claim)));
+    // What failed or falls short is never left out.
+    let must = families.iter().filter(|shown| urgency(shown.claim) > 1.0).count();
+    let rest = families.split_off(families.len().min(must.max(MOST_ROWS)));
+    let n_rest: usize = rest.iter().map(|shown| shown.count).sum();
+    let left_out = rest.first().map(|worst| {
+        let used = percent(worst.claim.used());
+        format!("{n_rest} more in {} families, of which the worst used {used}", rest.len())
+    });
+    (families, left_out)
+}
+
+/// The worst claim of each family in the order in which they begin: what differs in the last part of its id alone, with one
+/// method and one way to take the error. A claim that failed or falls short stands for itself.
+fn families(claims: &[Claim]) -> Vec<Shown<'_>> {
+    let mut families: Vec<Shown<'_>> = Vec::new();
+    for claim in claims {
+        let is_of = |shown: &&mut Shown<'_>| {
+            shown.claim.error_kind == claim.error_kind
+                && shown.claim.method == claim.method
+                && parent(&shown.claim.id) == parent(&claim.id)
+                && urgency(shown.claim) <= 1.0
+        };
+        let family = if urgency(claim) > 1.0 { None } else { families.iter_mut().find(is_of) };
+        match family {
+            Some(shown) => {
+                shown.count += 1;
+                if urgency(claim) > urgency(shown.claim) {
+                    shown.claim = claim;
+                }
+            }
+            None => families.push(Shown { claim, count: 1 }),
+        }
+    }
+    families
+}
+
+fn parent(id: &str) -> &str {
+    id.rsplit_once('/').map_or(id, |(parent, _)| parent)
+}
+
+/// Failed claims come before those that fall short, these before those that hold, and of these the one that used most of its
+/// tolerance first; those that hold have at most 1.
+fn urgency(claim: &Claim) -> f64 {
+    if !claim.passed {
+        3.0
+    } else if claim.falls_short() {
+        2.0
+    } else {
+        claim.used().unwrap_or(0.0).min(1.0)
+    }
+}
+
+/// Name, quantity, measured, reference, error, tolerance, used, verdict.
+fn cells(claim: &Claim, case_id: &str) -> Vec<String> {
+    let name = claim.id.strip_prefix(case_id).unwrap_or(&claim.id).trim_start_matches('/');
+    let unit = claim.unit.as_ref().map_or_else(String::new, |unit| format!(" ({unit})"));
+    let kind = match (claim.error, claim.error_kind) {
+        // A factor has its x.
+        (None, _) | (_, ErrorKind::Ratio) => String::new(),
+        (Some(_), kind) => format!(" {}", kind.name()),
+    };
+    vec![
+        text(name),
+        text(&format!("{}{unit}", claim.quantity)),
+        number::with_uncertainty(claim.measured, claim.standard_error),
+        number::with_uncertainty(claim.reference, claim.reference_error),
+        format!("{}{kind}", number::error(claim.error, claim.error_kind)),
+        number::short(claim.tolerance),
+        if claim.is_band() { "band".to_owned() } else { percent(claim.used()) },
+        if claim.passed { "passed".to_owned() } else { "**failed**".to_owned() },
+    ]
+}
+
+fn percent(used: Option<f64>) -> String {
+    used.map_or_else(|| "-".to_owned(), |used| format!("{:.0} %", 100.0 * used))
+}
+
+/// The number of `words` in `list`, which takes them in if they are new.
+fn number_of(list: &mut Vec<String>, words: &str) -> String {
+    if words.is_empty() {
+        return String::new();
+    }
+    let place = list.iter().position(|known| known == words).unwrap_or_else(|| {
+        list.push(words.to_owned());
+        list.len() - 1
+    });
+    (place + 1).to_string()
+}

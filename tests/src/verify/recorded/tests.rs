@@ -1,0 +1,126 @@
+use super::rows::MOST_ROWS;
+use super::*;
+use crate::case::Case;
+use crate::claim::{Criterion, Measured, Reference, Subject};
+use crate::machine::Machine;
+use crate::report::{Claim, ErrorKind};
+use crate::verify::fingerprint::tests::workspace;
+
+const METHOD: &str = "log-density fit";
+const TRUNCATION: &str = "truncation < 1 %";
+
+/// A claim whose error is this part of its tolerance.
+fn claim(name: &str, used: f64) -> Claim {
+    Claim::judge(
+        Subject::new(format!("self-check/page/{name}"), "P(|q| > 1)", "m^2", METHOD),
+        ErrorKind::Relative,
+        Measured::exact(1.0 + 0.01 * used),
+        Reference::uncertain(1.0, 1e-4),
+        Criterion::Within { tolerance: 0.01, reason: TRUNCATION },
+    )
+}
+
+fn band(name: &str) -> Claim {
+    Claim::judge(
+        Subject::new(format!("self-check/page/{name}"), "x", "", "the paper's method"),
+        ErrorKind::Relative,
+        Measured::exact(1.3),
+        Reference::exact(1.0),
+        Criterion::AsMeasured { from: 0.2, to: 0.4, reason: "it loses particles" },
+    )
+}
+
+fn report(claims: Vec<Claim>) -> Report {
+    let case = CaseRecord {
+        id: "self-check/page".into(),
+        title: "a page & its <claims>".into(),
+        source: "A paper, eq 26.".into(),
+        seconds: 1.5,
+        cpu_seconds: 2.5,
+        claims,
+    };
+    Report::new(Profile::Default, Machine::read(), vec![case])
+}
+
+fn page(name: &str, claims: Vec<Claim>) -> String {
+    let root = workspace(name);
+    let case = Case {
+        id: "self-check/page",
+        title: "",
+        source: "",
+        cost: Profile::Quick,
+        run: |_| Ok(Vec::new()),
+    };
+    let fingerprint = Fingerprint::read(&root, &[case], Profile::Default).unwrap();
+    std::fs::remove_dir_all(&root).unwrap();
+    let page = render_record(&report(claims), &fingerprint);
+    assert!(page.contains(&fingerprint.hash()) && page.ends_with(&fingerprint.comment()));
+    page
+}
+
+#[test]
+fn a_claim_stands_with_value_reference_tolerance_reason_verdict_and_command() {
+    let page = page("recorded-few", vec![claim("good", 0.4), claim("bad", 1.4), band("paper")]);
+    for expected in [
+        "profile default, 1 case, 3 claims, 2 passed, 1 failed",
+        "| [self-check](#self-check) | 1 | 3 | 2 | 1 | 1 | 2.50 |",
+        "- **failed** `self-check/page/bad`: truncation \\< 1 % [failed: the error 1.400e-2 exceeds",
+        "### self-check/page\n\na page & its \\<claims>. Source: A paper, eq 26.",
+        "`cargo xtask verify self-check/page`: 3 claims, **1 failed**, CPU 2.50 s.",
+        "| good | P(\\|q\\| > 1) (m^2) | 1.00400 | 1 ± 1.0e-4 | +0.00400 relative | 0.0100 | 1 | 1 | 40 % | passed |",
+        "| 140 % | **failed** |",
+        "| 2 | 3 | band | passed |",
+        "By:\n\n1. log-density fit\n2. the paper's method\n",
+        "3. as measured, error in [0.2, 0.4]: it loses particles\n",
+    ] {
+        assert!(page.contains(expected), "{expected} is missing from\n{page}");
+    }
+}
+
+#[test]
+fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or_falls_short() {
+    let family = |k: u32| {
+        (0..3).map(move |t| claim(&format!("moment-{k}/t{t}"), 0.01 * f64::from(10 * k + t)))
+    };
+    let mut claims: Vec<Claim> = (0..8).flat_map(family).collect();
+    // Of one family, and yet all there.
+    claims.extend((0..9).map(|t| band(&format!("paper/t{t}"))));
+    claims.push(claim("moment-0/t9", 1.4));
+    let page = page("recorded-many", claims);
+    let names: Vec<&str> = page
+        .lines()
+        .filter(|line| line.starts_with("| moment-") || line.starts_with("| paper"))
+        .map(|line| line.split('|').nth(1).unwrap().trim())
+        .collect();
+    let bands: Vec<String> = (0..9).map(|t| format!("paper/t{t}")).collect();
+    let mut expected = vec!["moment-0/t9"];
+    expected.extend(bands.iter().map(String::as_str));
+    expected.extend(["moment-7/t2", "moment-6/t2"]);
+    assert_eq!(names, expected);
+    assert_eq!(names.len(), MOST_ROWS);
+    assert!(page.contains("| moment-7/t2 | 3 |"), "{page}");
+    assert!(
+        page.contains("18 more in 6 families, of which the worst used 52 %: `cargo xtask verify self-check/page --json FILE` has all."),
+        "{page}"
+    );
+}
+
+#[test]
+fn what_falls_short_is_never_left_out() {
+    let page = page("recorded-bands", (0..20).map(|t| band(&format!("paper/t{t}"))).collect());
+    assert_eq!(page.matches("| band |").count(), 20);
+    assert!(!page.contains("more in"), "{page}");
+}
+
+/// Writes the page of a report for the eye: `SAMPLE_FOLDER=dir cargo test -p verification recorded`, where `dir` has its `report.json`.
+#[test]
+fn recorded_page_for_the_eye() {
+    let Some(folder) = std::env::var_os("SAMPLE_FOLDER").map(std::path::PathBuf::from) else {
+        return;
+    };
+    let Ok(report) = std::fs::read_to_string(folder.join("report.json")) else { return };
+    let report: Report = serde_json::from_str(&report).unwrap();
+    let root = crate::output::workspace();
+    let fingerprint = Fingerprint::read(&root, &[], report.profile).unwrap();
+    std::fs::write(folder.join("verification.md"), render_record(&report, &fingerprint)).unwrap();
+}

@@ -10,6 +10,8 @@ mod smpm;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use schemars::Schema;
+
 use crate::case::{CaseError, Context, Profile, Shared};
 use crate::nearest::nearest;
 use crate::output::OutputError;
@@ -26,6 +28,8 @@ pub const ALL: &[SceneKind] = &[fpk::KIND, smpm::KIND, peridyn::KIND];
 pub struct SceneKind {
     /// The value of the key `solver`, e.g. `fpk-sph`.
     pub solver: &'static str,
+    /// The schema of its scenes, by `schemars::schema_for!`.
+    pub schema: fn() -> Schema,
     /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
     pub run: fn(&SceneFile, &Path, &Context<'_>) -> Result<Vec<PathBuf>, RunError>,
 }
@@ -92,12 +96,13 @@ fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind
 
 #[cfg(test)]
 mod tests {
+    use schemars::{JsonSchema, schema_for};
     use serde::Deserialize;
 
     use super::*;
     use crate::scene::Scene;
 
-    #[derive(Deserialize)]
+    #[derive(Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     struct Decay {
         #[serde(rename = "solver")]
@@ -117,6 +122,7 @@ mod tests {
 
     const TABLE: [SceneKind; 1] = [SceneKind {
         solver: "decay",
+        schema: || schema_for!(Decay),
         run: |file, out, _| {
             let scene: Decay = file.parse()?;
             if scene.rate > 10.0 {

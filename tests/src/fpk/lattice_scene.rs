@@ -146,3 +146,21 @@ fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<
     let limit = "such that the box around the ball holds at most 4e6 particles";
     must(&path, spacing, particles <= MOST_PARTICLES, limit)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::defaults;
+
+    #[test]
+    fn the_defaults_that_the_schema_tells_are_those_of_the_methods() {
+        let mut told = defaults::<LatticeScene>();
+        assert!(!told.is_empty());
+        told.insert("reach".to_owned(), 5.into());
+        let told: LatticeScene = serde_json::from_value(told.into()).unwrap();
+        for method in [Method::LogDensityFit, Method::FlowMapFit] {
+            assert_eq!(told.method::<2>(method), Method::Custom(method.combination_in(2)));
+            assert_eq!(told.method::<5>(method), Method::Custom(method.combination_in(5)));
+        }
+    }
+}

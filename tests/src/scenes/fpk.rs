@@ -26,7 +26,8 @@ use crate::scenes::{RunError, SceneKind};
 use pictures::Pictures;
 use two_resolutions::{TwoResolutions, Unknown};
 
-pub(crate) const KIND: SceneKind = SceneKind { solver: "fpk-sph", run };
+pub(crate) const KIND: SceneKind =
+    SceneKind { solver: "fpk-sph", schema: || schemars::schema_for!(FpkScene), run };
 
 /// Everything that came of a run: the schema `run-result/1`.
 #[derive(Debug, Serialize)]

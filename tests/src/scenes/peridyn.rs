@@ -21,7 +21,8 @@ use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
 use crate::scenes::{RunError, SceneKind};
 
-pub(crate) const KIND: SceneKind = SceneKind { solver: "peridyn-sde", run };
+pub(crate) const KIND: SceneKind =
+    SceneKind { solver: "peridyn-sde", schema: || schemars::schema_for!(CrackScene), run };
 
 fn run(file: &SceneFile, out: &Path, context: &Context<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = file.parse()?;

@@ -50,10 +50,15 @@ pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// `target/<name>` of the workspace, or of the current folder where cargo did not start the program.
+/// The root of the workspace; the current folder where cargo did not start the program.
+#[must_use]
+pub fn workspace() -> PathBuf {
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    package.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default()
+}
+
+/// `target/<name>` of the workspace.
 #[must_use]
 pub fn default_folder(name: &str) -> PathBuf {
-    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-    let root = package.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
-    root.join("target").join(name)
+    workspace().join("target").join(name)
 }

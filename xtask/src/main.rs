@@ -17,15 +17,20 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   run SCENE.json --out DIR    run a scene
   chart [NAME]... [--list]    draw error against cost
   stability [NAME]...         sweep methods to where they fail
+  schema [--record]           write the schemas of scenes and the page of their keys into
+                              target/schema, or into docs
   bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
                               to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it
 
-`cargo xtask --checked COMMAND ...` runs verify, run, chart and stability as the tests are built:
-slower, with checks of overflow, and without another build of everything after `cargo test`.
+`cargo xtask --checked COMMAND ...` runs verify, run, chart, stability and schema as the tests are
+built: slower, with checks of overflow, and without another build of everything after `cargo test`.
 
-`cargo xtask COMMAND --help` says more about verify, run, chart and stability.
+`cargo xtask COMMAND --help` says more about verify, run, chart, stability and schema.
 ";
+
+/// Commands that the binary of `verification` runs.
+const OF_VERIFICATION: [&str; 5] = ["verify", "run", "chart", "stability", "schema"];
 
 /// Exit code for a command line that means nothing.
 const USAGE: u8 = 2;
@@ -41,14 +46,14 @@ fn main() -> ExitCode {
         return ExitCode::from(USAGE);
     };
     match command.as_str() {
-        "verify" | "run" | "chart" | "stability" if checked => {
+        command if checked && OF_VERIFICATION.contains(&command) => {
             let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
             if built != ExitCode::SUCCESS {
                 return built;
             }
             start(Command::new(binary("debug")).arg(command).args(rest))
         }
-        "verify" | "run" | "chart" | "stability" => {
+        command if OF_VERIFICATION.contains(&command) => {
             if !binary("release").exists() {
                 say("building verification (release); the first time takes a few minutes ...\n");
             }

@@ -11,7 +11,7 @@ use verification::case::Profile;
 use verification::checkpoint::Start;
 use verification::record::Recording;
 use verification::scenes::Part;
-use verification::{cases, charts, output, scenes, verify};
+use verification::{cases, charts, output, scenes, schema, verify};
 
 /// Exit code of a program whose reader went away.
 const BROKEN_PIPE: u8 = 141;
@@ -40,6 +40,8 @@ enum Command {
     Chart(Chart),
     /// Sweep methods to where they fail
     Stability(Chart),
+    /// Write the schemas of scenes and the page of all their keys
+    Schema(Schema),
 }
 
 #[derive(Debug, Args)]
@@ -125,6 +127,13 @@ struct Chart {
     out: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+struct Schema {
+    /// Write into docs instead of target/schema
+    #[arg(long)]
+    record: bool,
+}
+
 #[derive(Debug, Clone, Copy, Args)]
 #[group(multiple = false)]
 struct Extent {
@@ -172,6 +181,7 @@ fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode>
         Command::Stability(arguments) => {
             execute_chart(charts::STABILITY, "stability sweep", arguments, output)
         }
+        Command::Schema(arguments) => execute_schema(&arguments, output),
     }
 }
 
@@ -246,6 +256,14 @@ fn execute_chart(
         out: arguments.out.unwrap_or_else(|| output::default_folder(folder)),
     };
     charts::draw(table, &options, output)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    let workspace = output::workspace();
+    let out =
+        if arguments.record { workspace.join("docs") } else { output::default_folder("schema") };
+    schema::write(scenes::ALL, &workspace.join("tests/scenes"), &out, output)?;
     Ok(ExitCode::SUCCESS)
 }
 

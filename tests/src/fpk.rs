@@ -17,6 +17,7 @@ pub mod problem;
 pub mod reference;
 mod remap;
 pub mod scene;
+mod scene_examples;
 pub mod scene_system;
 pub mod scheme_scene;
 pub mod structure_scene;

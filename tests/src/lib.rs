@@ -29,6 +29,7 @@ pub mod record;
 pub mod report;
 pub mod scene;
 pub mod scenes;
+pub mod schema;
 pub mod sde;
 pub mod smpm;
 pub mod stability;

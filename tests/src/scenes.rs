@@ -12,6 +12,7 @@ mod smpm;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use schemars::Schema;
 use serde::Serialize;
 
 pub use self::part::{Part, Place};
@@ -34,6 +35,8 @@ pub const ALL: &[SceneKind] = &[fpk::KIND, smpm::KIND, peridyn::KIND];
 pub struct SceneKind {
     /// The value of the key `solver`, e.g. `fpk-sph`.
     pub solver: &'static str,
+    /// The schema of its scenes, by `schemars::schema_for!`.
+    pub schema: fn() -> Schema,
     /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
     pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
 }
@@ -222,12 +225,13 @@ fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind
 
 #[cfg(test)]
 mod tests {
+    use schemars::{JsonSchema, schema_for};
     use serde::Deserialize;
 
     use super::*;
     use crate::scene::Scene;
 
-    #[derive(Deserialize)]
+    #[derive(Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     struct Decay {
         #[serde(rename = "solver")]
@@ -247,6 +251,7 @@ mod tests {
 
     const TABLE: [SceneKind; 1] = [SceneKind {
         solver: "decay",
+        schema: || schema_for!(Decay),
         run: |file, run| {
             let scene: Decay = run.parse(file)?;
             if scene.rate > 10.0 {

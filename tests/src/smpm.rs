@@ -2,7 +2,9 @@
 
 pub mod experiment;
 pub mod material_scene;
+mod material_schema;
 pub mod problems;
+pub mod quantity_name;
 pub mod reading;
 mod region;
 pub mod riemann;

@@ -3,8 +3,9 @@
 //! They are tested from outside: a unit test that names a table compiles every case in it a second time.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
-use verification::{cases, charts, scenes, verify};
+use verification::{cases, charts, scenes, schema, verify};
 
 #[test]
 fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableError> {
@@ -19,5 +20,20 @@ fn names_of_charts_sweeps_and_scenes_are_unique() {
         let names: Vec<&str> = names;
         assert!(!names.is_empty());
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+    }
+}
+
+/// Also that every number states its unit and every key has an example, and that the built-in scenes fit their schemas: else there
+/// are no pages.
+#[test]
+fn the_recorded_pages_of_scenes_are_those_that_the_types_and_scenes_make() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let documents = schema::documents(scenes::ALL, &root.join("tests/scenes"));
+    let documents = documents.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(documents.len(), scenes::ALL.len() + 1);
+    for schema::Document { path, text } in documents {
+        let recorded = std::fs::read_to_string(root.join("docs").join(&path)).unwrap_or_default();
+        let path = path.display();
+        assert!(recorded == text, "docs/{path} is behind; run: cargo xtask schema --record");
     }
 }

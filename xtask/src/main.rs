@@ -26,6 +26,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               draw error against cost; --record writes into docs/charts too
   stability [NAME]... [--record]
                               sweep methods to where they fail
+  schema [--record]           write the schemas of scenes and the page of their keys into
+                              target/schema, or into docs
   bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
                               to criterion, a first word there is a filter on names
   ci                          all that must hold before a merge, as .ci/run does it
@@ -33,11 +35,14 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               licences, features, interfaces, coverage, mutants, oldest
                               Rust, packages; one that cannot run is skipped
 
-`cargo xtask --checked COMMAND ...` runs verify, run, chart and stability as the tests are built:
-slower, with checks of overflow, and without another build of everything after `cargo test`.
+`cargo xtask --checked COMMAND ...` runs verify, run, merge, chart, stability and schema as the tests
+are built: slower, with checks of overflow, and without another build of everything after `cargo test`.
 
-`cargo xtask COMMAND --help` says more about verify, run, chart, stability and audit.
+`cargo xtask COMMAND --help` says more about verify, run, merge, chart, stability, schema and audit.
 ";
+
+/// Commands that the binary of `verification` runs.
+const OF_VERIFICATION: [&str; 6] = ["verify", "run", "merge", "chart", "stability", "schema"];
 
 /// Exit code for a command line that means nothing.
 const USAGE: u8 = 2;
@@ -53,14 +58,14 @@ fn main() -> ExitCode {
         return ExitCode::from(USAGE);
     };
     match command.as_str() {
-        "verify" | "run" | "merge" | "chart" | "stability" if checked => {
+        command if checked && OF_VERIFICATION.contains(&command) => {
             let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
             if built != ExitCode::SUCCESS {
                 return built;
             }
             start(Command::new(binary("debug")).arg(command).args(rest))
         }
-        "verify" | "run" | "merge" | "chart" | "stability" => {
+        command if OF_VERIFICATION.contains(&command) => {
             if !binary("release").exists() {
                 say("building verification (release); the first time takes a few minutes ...\n");
             }

@@ -1,6 +1,7 @@
 //! The lattice of a scene: where particles start, and when they are laid anew.
 
 use fpk_sph::{Combination, InitialLattice, Method, Remapping, StepRule};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene::{check_length, must};
@@ -8,37 +9,39 @@ use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
 /// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeScene {
-    /// A box: particles along each axis.
+    /// A box: particles along each axis (no unit). Either this or `spacing`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<Vec<usize>>,
-    /// A ball: the spacing.
+    /// A ball: the distance of neighbours in standard deviations of the initial law (no unit). Either this or `count`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
-    /// Half the edge of the box, or the radius of the ball.
+    /// Half the edge of the box, or the radius of the ball, in standard deviations of the initial law (no unit).
     pub reach: f64,
-    /// Fresh lattices, laid over the cloud where the flow has made it uneven; none without the key.
+    /// Fresh lattices, laid over the cloud where the flow has made it uneven; without it none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fresh_lattices: Option<FreshLatticesScene>,
-    /// Steps per natural period at the least; 40 without the key.
+    /// Steps per natural period at the least (no unit).
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 40))]
     pub steps_per_period: Option<f64>,
-    /// The scheme in time; Runge-Kutta 4 without the key.
+    /// The scheme in time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = SchemeScene::RungeKutta4))]
     pub scheme: Option<SchemeScene>,
 }
 
-/// When a fresh lattice is laid and what it may change; a key that is left out has the measured value.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// When a fresh lattice is laid and what it may change; `{}` takes the measured values.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FreshLatticesScene {
-    /// The unevenness above which one is laid.
+    /// The unevenness of the cloud above which one is laid (no unit).
     pub most_uneven: f64,
-    /// The probability below which its outermost layer must come.
+    /// The probability below which its outermost layer must come (no unit).
     pub outermost_mass: f64,
-    /// Most change of mass, mean and covariance that it may make before they are restored.
+    /// Most change of mass, mean and covariance that it may make before they are restored (no unit).
     pub most_change: f64,
 }
 
@@ -142,4 +145,22 @@ fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<
         (2.0 * reach / spacing + 1.0).powi(i32::try_from(dimension).unwrap_or(i32::MAX));
     let limit = "such that the box around the ball holds at most 4e6 particles";
     must(&path, spacing, particles <= MOST_PARTICLES, limit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::defaults;
+
+    #[test]
+    fn the_defaults_that_the_schema_tells_are_those_of_the_methods() {
+        let mut told = defaults::<LatticeScene>();
+        assert!(!told.is_empty());
+        told.insert("reach".to_owned(), 5.into());
+        let told: LatticeScene = serde_json::from_value(told.into()).unwrap();
+        for method in [Method::LogDensityFit, Method::FlowMapFit] {
+            assert_eq!(told.method::<2>(method), Method::Custom(method.combination_in(2)));
+            assert_eq!(told.method::<5>(method), Method::Custom(method.combination_in(5)));
+        }
+    }
 }

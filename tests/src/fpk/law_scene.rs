@@ -1,30 +1,33 @@
 //! The initial law of a scene.
 
+use schemars::JsonSchema;
 use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::paths::Paths;
 use super::scene::must;
+use super::scene_examples;
 use super::scene_system::{SceneSystem, Visitor};
 use super::system_scene::{SystemError, list, square};
 use crate::scene::Objection;
 
 /// The initial law.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = scene_examples::mixture())]
 pub enum LawScene {
     /// Independent Gaussian states.
     Gaussian {
-        /// Means of the states.
+        /// Mean of each state (unit of each state).
         mean: Vec<f64>,
-        /// Standard deviations of the states.
+        /// Standard deviation of each state (unit of each state).
         standard_deviation: Vec<f64>,
     },
     /// A structure of independent Gaussian states behind a filter in its stationary law.
     StationaryFilter {
-        /// Means of the structure's states.
+        /// Mean of each state of the structure (unit of each state).
         mean: Vec<f64>,
-        /// Standard deviations of the structure's states.
+        /// Standard deviation of each state of the structure (unit of each state).
         standard_deviation: Vec<f64>,
     },
     /// A mixture of Gaussians.
@@ -32,14 +35,14 @@ pub enum LawScene {
 }
 
 /// One Gaussian of a mixture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComponentScene {
-    /// Its weight; the weights sum to 1.
+    /// Its weight; the weights sum to 1 (no unit).
     pub weight: f64,
-    /// Its mean.
+    /// Its mean (unit of each state).
     pub mean: Vec<f64>,
-    /// Its covariance, row by row.
+    /// Its covariance, row by row (product of the units of both states).
     pub covariance: Vec<Vec<f64>>,
 }
 

@@ -1,54 +1,60 @@
 //! The method of a scene.
 
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
 use super::law_scene::LawScene;
 use super::paths::Paths;
 use super::scene::{check_length, must};
+use super::scene_examples;
 use super::scene_system::{SceneSystem, Visitor};
 use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
 /// The method, by its name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = scene_examples::paper())]
+#[schemars(example = scene_examples::sampled())]
+#[schemars(example = scene_examples::fit())]
 pub enum MethodScene {
-    /// Whitened log-density fit.
+    /// Whitened log-density fit: local polynomials over the particles near.
     LogDensityFit(LatticeScene),
-    /// Flow-map fit over the lattice of the start.
+    /// Flow-map fit: local polynomials over the lattice of the start, without a search.
     FlowMapFit(LatticeScene),
-    /// The paper's method.
+    /// The method of Canor & Denoël 2013 as printed.
     #[serde(rename = "canor_denoel_2013")]
     CanorDenoel2013 {
-        /// Particles along each axis.
+        /// Particles along each axis (no unit).
         count: Vec<usize>,
-        /// Half the edges of the lattice, in the units of the state.
+        /// Half the edges of the lattice (unit of each state).
         half_width: Vec<f64>,
-        /// Courant number.
+        /// Courant number (no unit).
         courant: f64,
-        /// `support_radius / spacing` at the start.
+        /// `support_radius / spacing` at the start (no unit).
         support_over_spacing: f64,
-        /// The scheme in time; the paper's forward Euler without the key.
+        /// The scheme in time.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("default" = SchemeScene::ForwardEuler))]
         scheme: Option<SchemeScene>,
     },
     /// The rival: sampled paths.
     MonteCarlo {
-        /// Number of paths.
+        /// Number of paths (no unit).
         paths: u64,
         /// Longest step (s).
         step: f64,
         /// How a path is stepped.
         integrator: IntegratorScene,
-        /// Seed.
+        /// Seed of all that is drawn (no unit).
         seed: u64,
     },
 }
 
 /// How a path is stepped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum IntegratorScene {
     /// Forward Euler, the paper's.

@@ -1,6 +1,7 @@
 //! A density scene as it stands in its JSON file.
 
 use fpk_sph::systems::{LinearOscillator, ViscousDamper};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::density::Demand;
@@ -9,8 +10,8 @@ use super::method_scene::MethodScene;
 use super::system_scene::SystemScene;
 use crate::scene::{Objection, Scene};
 
-/// What is modelled, what is asked, and with which method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// The density of a system under noise over time: what is modelled, what is asked, and with which method.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FpkScene {
     /// Always `fpk-sph`.
@@ -23,25 +24,25 @@ pub struct FpkScene {
     pub initial: LawScene,
     /// How it is solved.
     pub method: MethodScene,
-    /// When it is observed.
+    /// When it is observed: at equal intervals.
     pub times: Times,
-    /// Raw moments `E[x_1^a_1 .. x_D^a_D]`, as `[a_1, .., a_D]`.
+    /// Raw moments `E[x_1^a_1 .. x_D^a_D]`, each as its powers `[a_1, .., a_D]`, one for each state (no unit).
     pub moments: Vec<Vec<u32>>,
-    /// What exceeds the thresholds; the first state where it is not given.
+    /// What exceeds the thresholds; without it the first state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub demand: Option<DemandScene>,
-    /// Thresholds `T` of `P(|y| > T)`, in the unit of the demand `y`.
+    /// Thresholds `T` of `P(|y| > T)`, rising (unit of the demand `y`).
     pub thresholds: Vec<f64>,
-    /// Planes on which the density is drawn.
+    /// Planes on which the density is drawn; without it none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planes: Option<PlanesScene>,
-    /// The particles as files for ParaView.
+    /// The particles as files for ParaView; without it none are written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<CloudScene>,
 }
 
 /// What exceeds the thresholds in magnitude.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DemandScene {
     /// A state, by its name.
@@ -50,31 +51,31 @@ pub enum DemandScene {
     Combination {
         /// Its name.
         name: String,
-        /// A weight for each state.
+        /// A weight for each state (unit of the demand over that of the state).
         weights: Vec<f64>,
     },
 }
 
 /// Marginal densities of pairs of states.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanesScene {
     /// Pairs of states, by their names: across and up.
     pub states: Vec<[String; 2]>,
-    /// When; each must be a time of observation (s).
+    /// When, at times of observation (s).
     pub times: Vec<f64>,
 }
 
 /// Files of the particles over time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CloudScene {
-    /// One file for each so many observations.
+    /// One file for each so many observations (no unit).
     pub every_observations: usize,
 }
 
 /// Equal intervals of observation, from `every` to `until`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Times {
     /// The last time (s).

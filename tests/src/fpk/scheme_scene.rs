@@ -1,6 +1,7 @@
 //! The scheme in time of a scene, and the systems that it serves.
 
 use fpk_sph::Scheme;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::law_scene::LawScene;
@@ -9,7 +10,7 @@ use super::scene_system::{SceneSystem, Visitor};
 use crate::scene::Objection;
 
 /// The scheme in time, by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SchemeScene {
     /// One stage, order 1.

@@ -5,104 +5,106 @@ use fpk_sph::systems::{
     BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, TabulatedWindow,
     TwoStorey, TwoStoreyParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A structure in its first mode.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureScene {
-    /// `w` (rad/s).
+    /// `w`, the natural circular frequency (rad/s).
     pub natural_frequency: f64,
-    /// `xi`.
+    /// `xi`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `S_0`, the diffusion of the velocity at `a = 1`.
+    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`.
+    /// `a(t)`, the window by which the noise rises and falls.
     pub window: WindowScene,
 }
 
 /// A structure with a nonlinear viscous damper.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DamperScene {
-    /// The structure.
+    /// The structure without the damper.
     pub structure: StructureScene,
-    /// `eta`.
+    /// `eta`, the force of the damper over the mass (m/s^2 per (m/s)^alpha).
     pub damper_coefficient: f64,
-    /// `alpha`.
+    /// `alpha`, the power of the velocity in that force (no unit).
     pub damper_exponent: f64,
 }
 
 /// A hysteretic oscillator.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoucWenScene {
-    /// `omega_0` (rad/s).
+    /// `omega_0`, the natural circular frequency before yielding (rad/s).
     pub natural_frequency: f64,
-    /// `xi`.
+    /// `xi`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `alpha`, the share of the linear stiffness.
+    /// `alpha`, the share of the linear stiffness, from 0 to 1 (no unit).
     pub hardening: f64,
-    /// `A`.
+    /// `A`, the slope of `z` over `q` at `z = 0` (no unit).
     pub initial_slope: f64,
-    /// `beta`.
+    /// `beta`, which makes the loop wide (1/m^n).
     pub beta: f64,
-    /// `gamma`.
+    /// `gamma`, which bends the loop (1/m^n).
     pub gamma: f64,
-    /// `n`.
+    /// `n`, how sharply it yields (no unit).
     pub exponent: f64,
-    /// `S_0`.
+    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`.
+    /// `a(t)`, the window by which the noise rises and falls.
     pub window: WindowScene,
 }
 
 /// A building of two storeys; lists hold the lower storey first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TwoStoreyScene {
-    /// `m_1, m_2`.
+    /// `m_1, m_2`, the masses of the floors (kg).
     pub mass: [f64; 2],
-    /// `k_1, k_2`.
+    /// `k_1, k_2`, the stiffness of the storeys (N/m).
     pub stiffness: [f64; 2],
-    /// `c_1, c_2`.
+    /// `c_1, c_2`, the damping of the storeys (N s/m).
     pub damping: [f64; 2],
-    /// `eta_1, eta_2`; 0 for none.
+    /// `eta_1, eta_2`, the dampers in the storeys, 0 for none (N per (m/s)^alpha).
     pub damper_coefficient: [f64; 2],
-    /// `alpha`.
+    /// `alpha`, the power of the velocity in their force (no unit).
     pub damper_exponent: f64,
-    /// `S_0` of the ground acceleration.
+    /// `S_0`, the intensity of the ground acceleration (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`.
+    /// `a(t)`, the window by which the noise rises and falls.
     pub window: WindowScene,
 }
 
-/// The window of the noise.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// The window `a(t)` of a noise.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Tabulated(vec![[0.0, 0.0], [2.0, 1.0], [6.0, 0.2]]))]
 pub enum WindowScene {
-    /// `a = 1`.
+    /// `a = 1` at all times.
     #[default]
     Stationary,
-    /// Canor & Denoël 2013, eq 27.
+    /// Rise, plateau, exponential decay (Canor & Denoël 2013, eq 27).
     RisePlateauDecay {
-        /// `n_1`.
+        /// `n_1`, the power of the rise (no unit).
         rise_exponent: f64,
-        /// `t_1` (s).
+        /// `t_1`, the end of the rise (s).
         rise_end: f64,
-        /// `n_2` (1/s).
+        /// `n_2`, the rate of the decay (1/s).
         decay_rate: f64,
-        /// `t_2` (s).
+        /// `t_2`, the begin of the decay (s).
         decay_start: f64,
     },
-    /// Canor & Denoël 2013, eq 29.
+    /// Rise to one peak, and decay (Canor & Denoël 2013, eq 29).
     SinglePeak {
-        /// `f_max`.
+        /// `f_max`, the value at the peak (no unit).
         peak: f64,
-        /// `t_max` (s).
+        /// `t_max`, the time of the peak (s).
         peak_time: f64,
     },
-    /// Linear between rows `[t, a]`.
+    /// Linear between rows `[t, a]`, `t` rising (s and no unit).
     Tabulated(Vec<[f64; 2]>),
 }
 

@@ -7,8 +7,10 @@ use fpk_sph::systems::{
     GeometricBrownianMotion, KanaiTajimiParameters, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
     VanDerPolRayleigh, VanDerPolRayleighParameters, Window,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::scene_examples;
 use super::scene_system::SceneSystem;
 use super::structure_scene::{
     BoucWenScene, DamperScene, StructureScene, TwoStoreyScene, WindowScene,
@@ -16,8 +18,14 @@ use super::structure_scene::{
 use crate::scene::Objection;
 
 /// The system, by its name.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = scene_examples::clough_penzien())]
+#[schemars(example = scene_examples::kanai_tajimi())]
+#[schemars(example = scene_examples::ornstein_uhlenbeck())]
+#[schemars(example = Self::Bistable { growth: 1.0, cubic: 1.0, diffusion: 0.25 })]
+#[schemars(example = Self::CoxIngersollRoss { rate: 1.0, mean: 1.0, volatility: 0.3 })]
+#[schemars(example = Self::GeometricBrownianMotion { growth: 0.1, volatility: 0.3 })]
 pub enum SystemScene {
     /// `q'' + 2 xi w q' + w^2 q = a(t) W`.
     LinearOscillator(StructureScene),
@@ -29,31 +37,31 @@ pub enum SystemScene {
     Duffing {
         /// The oscillator without its cubic spring.
         structure: StructureScene,
-        /// `epsilon`.
+        /// `epsilon`, the cubic part of the spring (1/m^2).
         cubic_stiffness: f64,
     },
-    /// `q'' + (-a + b (w^2 q^2 + q'^2)) q' + w^2 q = W`.
+    /// `q'' + (-a + b (w^2 q^2 + q'^2)) q' + w^2 q = W` (van der Pol, Rayleigh).
     VanDerPol {
-        /// `w` (rad/s).
+        /// `w`, the natural circular frequency (rad/s).
         natural_frequency: f64,
-        /// `a` (1/s).
+        /// `a`, the negative damping at rest (1/s).
         self_excitation: f64,
-        /// `b`.
+        /// `b`, the damping that grows with the energy (s/m^2).
         energy_damping: f64,
-        /// `S_0`.
+        /// `S_0`, the diffusion of the velocity (m^2/s^3).
         noise_intensity: f64,
         /// The window of the noise.
         window: WindowScene,
     },
-    /// A shear frame of two storeys.
+    /// A shear frame of two storeys, with dampers between its floors.
     TwoStorey(TwoStoreyScene),
     /// A structure behind the filter of Kanai and Tajimi.
     KanaiTajimi {
         /// The structure; its window modulates the ground motion.
         structure: ShakenScene,
-        /// `omega_g` (rad/s).
+        /// `omega_g`, the circular frequency of the soil; 15.6 is firm (rad/s).
         ground_frequency: f64,
-        /// `zeta_g`.
+        /// `zeta_g`, the damping ratio of the soil; 0.6 is firm (no unit).
         ground_damping: f64,
         /// The window of the white noise below the ground.
         #[serde(default)]
@@ -63,13 +71,13 @@ pub enum SystemScene {
     CloughPenzien {
         /// The structure; its window modulates the ground motion.
         structure: ShakenScene,
-        /// `omega_g` (rad/s).
+        /// `omega_g`, the circular frequency of the soil; 15.6 is firm (rad/s).
         ground_frequency: f64,
-        /// `zeta_g`.
+        /// `zeta_g`, the damping ratio of the soil; 0.6 is firm (no unit).
         ground_damping: f64,
-        /// `omega_f` (rad/s).
+        /// `omega_f`, below which the ground does not shake (rad/s).
         low_cut_frequency: f64,
-        /// `zeta_f`.
+        /// `zeta_f`, the damping ratio of that (no unit).
         low_cut_damping: f64,
         /// The window of the white noise below the ground.
         #[serde(default)]
@@ -77,47 +85,47 @@ pub enum SystemScene {
     },
     /// `dX = -Theta (X - m) dt + G dB` in one to four dimensions.
     OrnsteinUhlenbeck {
-        /// `Theta`, row by row.
+        /// `Theta`, the rates of return, row by row (1/s).
         rates: Vec<Vec<f64>>,
-        /// `m`.
+        /// `m`, where it returns to (unit of each state).
         mean: Vec<f64>,
-        /// `G`, row by row.
+        /// `G`, row by row (unit of each state per s^0.5).
         noise: Vec<Vec<f64>>,
     },
-    /// `dX = (a X - b X^3) dt + sqrt(2 D) dB`.
+    /// `dX = (a X - b X^3) dt + sqrt(2 D) dB`, with two wells for `a > 0`; `u` is the unit of `X`.
     Bistable {
-        /// `a`.
+        /// `a`, the growth at the origin (1/s).
         growth: f64,
-        /// `b`.
+        /// `b`, the cubic restoring force (1/(u^2 s)).
         cubic: f64,
-        /// `D`.
+        /// `D`, the diffusion (u^2/s).
         diffusion: f64,
     },
-    /// `dX = kappa (theta - X) dt + sigma sqrt(X) dB`.
+    /// `dX = kappa (theta - X) dt + sigma sqrt(X) dB`; `u` is the unit of `X`.
     CoxIngersollRoss {
-        /// `kappa`.
+        /// `kappa`, the rate of return (1/s).
         rate: f64,
-        /// `theta`.
+        /// `theta`, where it returns to (u).
         mean: f64,
-        /// `sigma`.
+        /// `sigma`, the intensity of the noise (u^0.5/s^0.5).
         volatility: f64,
     },
     /// `dX = mu X dt + sigma X dB`.
     GeometricBrownianMotion {
-        /// `mu`.
+        /// `mu`, the growth (1/s).
         growth: f64,
-        /// `sigma`.
+        /// `sigma`, the intensity of the noise (1/s^0.5).
         volatility: f64,
     },
 }
 
 /// A structure behind a filter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShakenScene {
     /// A linear oscillator.
     LinearOscillator(StructureScene),
-    /// With a viscous damper.
+    /// One with a viscous damper.
     ViscousDamper(DamperScene),
     /// A hysteretic oscillator.
     BoucWen(BoucWenScene),

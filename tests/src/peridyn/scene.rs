@@ -1,6 +1,7 @@
 //! A scene of cracks as it stands in its JSON file: a notched plate that is pulled apart, again and again. All numbers are in SI
 //! units.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene_body::{BodyScene, BondsScene, MaterialScene};
@@ -8,8 +9,8 @@ use super::scene_dynamics::{DynamicsScene, TimeScene};
 use super::scene_field::VariationScene;
 use crate::scene::{Objection, Scene};
 
-/// A plate, its bonds and notch, what pulls it, how it moves, what is random, and what is looked at.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A notched plate that is pulled apart, again and again: its bonds, what pulls it, how it moves, what is random, what is told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrackScene {
     /// Always `peridyn-sde`.
@@ -34,8 +35,9 @@ pub struct CrackScene {
     pub time: TimeScene,
     /// How the critical stretch varies from place to place.
     pub strength: VariationScene,
-    /// How the stiffness of bonds varies; not at all where it is not given.
+    /// How the stiffness of bonds varies from place to place.
     #[serde(default, skip_serializing_if = "VariationScene::is_uniform")]
+    #[schemars(extend("default" = VariationScene::default()), example = VariationScene::COLUMN)]
     pub stiffness: VariationScene,
     /// How many realisations.
     pub ensemble: EnsembleScene,
@@ -45,31 +47,32 @@ pub struct CrackScene {
 }
 
 /// A notch: a straight cut.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NotchScene {
-    /// Where it begins (m), on the left or right edge.
+    /// Where it begins, on the left or right edge (m).
     pub mouth: [f64; 2],
-    /// Where cracks begin (m), inside the body.
+    /// Where cracks begin, inside the body (m).
     pub tip: [f64; 2],
 }
 
 /// What holds the plate: rows of nodes at the lower and the upper edge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GripsScene {
-    /// Of each (m).
+    /// Height of each (m).
     pub height: f64,
     /// In which directions.
     #[serde(default)]
     pub hold: HoldScene,
-    /// No bond breaks of a node within so much of the lower and upper edge (m); all may where it is not given.
+    /// No bond breaks of a node within so much of the lower and upper edge (m).
     #[serde(default)]
+    #[schemars(example = 0.006)]
     pub protected: f64,
 }
 
 /// How a grip holds.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HoldScene {
     /// In both directions.
@@ -91,64 +94,68 @@ impl HoldScene {
 }
 
 /// What the grips do, along the vertical.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Velocity { speed: 0.5 })]
 pub enum LoadingScene {
     /// The body is stretched evenly with time; nodes between the grips are moved along, and relaxation makes the difference.
     Stretch {
-        /// At the end of the run.
+        /// The mean strain at the end of the run.
         strain: StrainScene,
     },
     /// Each grip moves away from the other, and only grips feel it.
     Velocity {
-        /// Of each grip (m/s).
+        /// Speed of each grip (m/s).
         speed: f64,
     },
 }
 
 /// A mean strain.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Value(2e-4))]
 pub enum StrainScene {
-    /// The number itself.
+    /// The number itself (no unit).
     Value(f64),
-    /// In units of the critical stretch.
+    /// Over the critical stretch (no unit).
     OverCriticalStretch(f64),
 }
 
 /// How many realisations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleScene {
-    /// How many.
+    /// How many (no unit).
     pub realisations: u64,
-    /// Of all that is random.
+    /// All that is random follows from it (no unit).
     pub seed: u64,
-    /// Of the numbers in a step.
+    /// Precision of the numbers in a step.
     pub precision: PrecisionScene,
 }
 
 /// Precision.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PrecisionScene {
-    /// Eight realisations side by side.
+    /// Double: eight realisations side by side.
     F64,
-    /// Sixteen realisations side by side.
+    /// Single: sixteen realisations side by side.
     F32,
 }
 
 /// What is told.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputScene {
-    /// Numbers of realisations, from 0, whose end is written for ParaView.
+    /// Numbers of realisations, from 0, whose end is written for ParaView (no unit).
     pub vtu: Vec<u64>,
-    /// Where the path is looked at (m); from the tip of the notch on at every fourth spacing where there are none.
+    /// Where along the first axis the path is looked at (m); without any, from the tip of the notch on at every fourth spacing.
+    #[schemars(example = vec![0.024, 0.032, 0.048])]
     pub abscissae: Vec<f64>,
-    /// The load is averaged over so many windows of equal length.
+    /// The load is averaged over so many windows of equal length (no unit).
     pub windows: u64,
-    /// Damage from which a node counts as damaged in the map.
+    /// Damage from which a node counts as damaged in the map, between 0 and 1 (no unit).
+    #[schemars(example = 0.4)]
     pub damage_threshold: f64,
 }
 

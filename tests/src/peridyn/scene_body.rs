@@ -3,39 +3,42 @@
 use peridyn_sde::{
     Condition, Error, Horizon, Influence, Strain, SurfaceCorrection, VolumeCorrection,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene::positive;
 use crate::scene::Objection;
 
 /// A rectangle, from the origin, or points inside of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyScene {
-    /// Width and height (m), multiples of the spacing.
+    /// Width and height, multiples of the spacing (m).
     pub size: [f64; 2],
-    /// Of the nodes (m).
+    /// Distance of neighbouring nodes (m).
     pub spacing: f64,
     /// What the plane stands for.
     pub condition: ConditionScene,
     /// A file of points, from the folder of the scene: `.csv` or `.vtu`, with the columns `x` and `y` (m) and, if they are wanted,
-    /// `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one.
+    /// `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one. Without it a lattice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = "points.csv")]
     pub points: Option<String>,
-    /// What is taken out of the lattice: nodes in holes are none. Bonds across a hole that is narrower than the horizon remain.
+    /// What is taken out of the lattice; without it nothing. Bonds across a hole that is narrower than the horizon remain.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holes: Vec<HoleScene>,
 }
 
 /// Holes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::BOX)]
 pub enum HoleScene {
     /// Round.
     Circle {
-        /// m.
+        /// Its centre (m).
         centre: [f64; 2],
-        /// m.
+        /// Its radius (m).
         radius: f64,
     },
     /// With edges along the axes.
@@ -48,6 +51,8 @@ pub enum HoleScene {
 }
 
 impl HoleScene {
+    const BOX: Self = Self::Box { low: [0.03, 0.01], high: [0.04, 0.02] };
+
     /// Whether a place (m) lies in it.
     #[must_use]
     pub fn contains(&self, x: &[f64; 2]) -> bool {
@@ -109,17 +114,18 @@ impl BodyScene {
 }
 
 /// Plane conditions.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::PlaneStrain { thickness: 1.0 })]
 pub enum ConditionScene {
     /// A plate, free to contract across.
     PlaneStress {
-        /// m.
+        /// Thickness of the body (m).
         thickness: f64,
     },
     /// A slice of a long body.
     PlaneStrain {
-        /// m.
+        /// Thickness of the body (m).
         thickness: f64,
     },
 }
@@ -134,12 +140,12 @@ impl From<ConditionScene> for Condition {
 }
 
 /// Constants of a material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialScene {
-    /// Pa. Bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
+    /// Young's modulus (Pa). Bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
     pub young_modulus: f64,
-    /// kg/m^3; of inertial dynamics.
+    /// Mass per volume (kg/m^3); inertial dynamics need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
     /// When it breaks.
@@ -147,42 +153,47 @@ pub struct MaterialScene {
 }
 
 /// When bonds break.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::CriticalStretch(1.5e-4))]
 pub enum ToughnessScene {
-    /// `G0` (J/m^2); the critical stretch follows from it and the horizon.
+    /// `G0`, from which with the horizon the critical stretch follows (J/m^2).
     EnergyReleaseRate(f64),
-    /// `s0`.
+    /// `s0`, the stretch at which a bond breaks (no unit).
     CriticalStretch(f64),
 }
 
 /// How nodes are bonded.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsScene {
     /// How far a node sees.
     pub horizon: HorizonScene,
-    /// Weight of a bond by its length; constant where it is not given.
+    /// Weight of a bond by its length.
     #[serde(default)]
+    #[schemars(example = InfluenceScene::Conical)]
     pub influence: InfluenceScene,
-    /// Of volumes at the horizon; none where it is not given.
+    /// Correction of volumes that the horizon cuts.
     #[serde(default)]
     pub volume_correction: VolumeScene,
-    /// Of bonds near the surface; none where it is not given.
+    /// Correction of bonds near the surface.
     #[serde(default)]
+    #[schemars(example = SurfaceScene::Energy)]
     pub surface_correction: SurfaceScene,
-    /// Finite where it is not given.
+    /// How the strain of a bond is measured.
     #[serde(default)]
+    #[schemars(example = StrainKindScene::Linear)]
     pub strain: StrainKindScene,
 }
 
 /// Horizons.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Length(0.0031))]
 pub enum HorizonScene {
-    /// So many whole spacings and a little more: `(m + 0.015) dx`.
+    /// So many whole spacings and a little more: `(m + 0.015) dx` (no unit).
     Shells(u32),
-    /// m.
+    /// The length itself (m).
     Length(f64),
 }
 
@@ -212,7 +223,7 @@ impl HorizonScene {
 macro_rules! named {
     ($(#[$meta:meta])* $scene:ident => $target:ident { $($(#[$variant_meta:meta])* $variant:ident,)+ }) => {
         $(#[$meta])*
-        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum $scene { $($(#[$variant_meta])* $variant,)+ }
 
@@ -226,9 +237,9 @@ macro_rules! named {
 pub(super) use named;
 
 named! {
-    /// Influence functions.
+    /// Influence functions of `q`, the length of a bond over the horizon.
     InfluenceScene => Influence {
-        /// 1.
+        /// `1`.
         #[default]
         Constant,
         /// `1 - q`.

@@ -3,20 +3,21 @@
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene_field::CorrelationScene;
 use crate::scene::Objection;
 
 /// Dynamics.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DynamicsScene {
     /// `du = -M grad V dt + sqrt(2 kT) L dB`, `M = L L^T`.
     Overdamped {
-        /// `M`.
+        /// `M`, the mobility of the nodes.
         mobility: MobilityScene,
-        /// `kT`.
+        /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
         /// By which steps.
         scheme: SchemeScene,
@@ -25,21 +26,22 @@ pub enum DynamicsScene {
     Inertial {
         /// Rate at which velocities decay (1/s). Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it finds rest soonest.
         friction: f64,
-        /// `kT`.
+        /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
     },
 }
 
 /// The intensity of noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Joule(1e-9))]
 pub enum TemperatureScene {
     /// No noise.
     Zero,
-    /// `kT` (J).
+    /// `kT` itself (J).
     Joule(f64),
-    /// By the critical stretch over the standard deviation that noise gives the stretch of a shortest bond; 8 and more leave the
-    /// body whole.
+    /// The critical stretch over the standard deviation that noise gives the stretch of a shortest bond; 8 and more leave the
+    /// body whole (no unit).
     Ratio(f64),
 }
 
@@ -54,8 +56,9 @@ impl TemperatureScene {
 }
 
 /// Schemes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Theta(0.5))]
 pub enum SchemeScene {
     /// One evaluation, biased at large steps.
     EulerMaruyama,
@@ -63,7 +66,7 @@ pub enum SchemeScene {
     LeimkuhlerMatthews,
     /// Two evaluations.
     Heun,
-    /// Linearly implicit, with this theta.
+    /// Linearly implicit, with this theta (no unit).
     Theta(f64),
 }
 
@@ -79,73 +82,79 @@ impl From<SchemeScene> for Scheme {
 }
 
 /// Mobilities. `value` (m/(N s)) is the unit of time alone where the step is given by `z` and the load by a strain.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Dense { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1 })]
+#[schemars(example = Self::LowRank { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1, tolerance: 0.01 })]
+#[schemars(example = Self::Compact { value: 1.0, length: 0.003, nugget: 0.1 })]
 pub enum MobilityScene {
     /// Every node for itself.
     Identity {
-        /// m/(N s).
+        /// Of a node (m/(N s)).
         value: f64,
     },
     /// Correlated, by a full factor: some thousand nodes at most.
     Dense {
-        /// m/(N s).
+        /// Of a node (m/(N s)).
         value: f64,
-        /// Between nodes.
+        /// Correlation between nodes.
         correlation: CorrelationScene,
-        /// What each node has of its own, as a part of what it shares.
+        /// What each node has of its own, as a part of what it shares (no unit).
         nugget: f64,
     },
     /// Correlated over many spacings, by a factor of few columns.
     LowRank {
-        /// m/(N s).
+        /// Of a node (m/(N s)).
         value: f64,
-        /// Between nodes.
+        /// Correlation between nodes.
         correlation: CorrelationScene,
-        /// As above, greater than zero.
+        /// What each node has of its own, as a part of what it shares, greater than zero (no unit).
         nugget: f64,
-        /// Part of the trace that is left out.
+        /// Part of the trace that is left out (no unit).
         tolerance: f64,
     },
     /// Correlated over a few spacings, by an average of noise.
     Compact {
-        /// m/(N s).
+        /// Of a node (m/(N s)).
         value: f64,
-        /// The integral scale of the correlation, a Gaussian (m).
+        /// The integral scale of the correlation, which is Gaussian (m).
         length: f64,
-        /// As above, greater than zero.
+        /// What each node has of its own, as a part of what it shares, greater than zero (no unit).
         nugget: f64,
     },
 }
 
 /// Steps.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeScene {
     /// How long one is.
     pub step: StepScene,
-    /// How many.
+    /// How many (no unit).
     pub steps: u64,
-    /// When bonds are looked after; at the ends of steps where it is not given.
+    /// When bonds are looked after.
     #[serde(default)]
+    #[schemars(example = BreakingScene::Bridge)]
     pub breaking: BreakingScene,
-    /// Stiffness of a spring that holds each free node where it was (N/m); none where it is not given.
+    /// Stiffness of a spring that holds each free node where it was (N/m).
     #[serde(default)]
+    #[schemars(example = 1e3)]
     pub confinement: f64,
 }
 
 /// The length of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Dt(1e-7))]
 pub enum StepScene {
-    /// By the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega`. Explicit schemes are stable below 2.
+    /// By the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega` (no unit). Explicit schemes are stable below 2.
     Z(f64),
-    /// s.
+    /// The time itself (s).
     Dt(f64),
 }
 
 /// When bonds are looked after.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BreakingScene {
     /// At the ends of steps.

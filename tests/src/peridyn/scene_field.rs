@@ -1,12 +1,13 @@
 //! What varies from place to place in a scene of cracks.
 
 use peridyn_sde::{BondValue, Correlation, CorrelationFunction, Marginal};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene_body::named;
 
 /// How the critical stretch or the stiffness varies.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum VariationScene {
     /// Not at all.
@@ -20,6 +21,9 @@ pub enum VariationScene {
 }
 
 impl VariationScene {
+    pub(super) const COLUMN: Self =
+        Self::Column(ColumnScene { between_nodes: BetweenScene::Minimum });
+
     /// Whether nothing varies.
     #[must_use]
     pub const fn is_uniform(&self) -> bool {
@@ -28,7 +32,7 @@ impl VariationScene {
 }
 
 /// Factors from the file of the points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnScene {
     /// How bonds have them from their nodes.
@@ -37,12 +41,12 @@ pub struct ColumnScene {
 }
 
 /// A random field.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldScene {
     /// The law at one place.
     pub marginal: MarginalScene,
-    /// Of the normal field behind it.
+    /// Correlation of the normal field behind it.
     pub correlation: CorrelationScene,
     /// How bonds have it from their nodes.
     #[serde(default)]
@@ -50,22 +54,24 @@ pub struct FieldScene {
 }
 
 /// The law of a strength or a stiffness at one place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Weibull { shape: 10.0 })]
+#[schemars(example = Self::Normal { coefficient_of_variation: 0.1 })]
 pub enum MarginalScene {
     /// The logarithm is normal.
     Lognormal {
-        /// Standard deviation over mean.
+        /// Standard deviation over mean (no unit).
         coefficient_of_variation: f64,
     },
-    /// Of the weakest of many.
+    /// Weibull's law, that of the weakest of many.
     Weibull {
-        /// Weibull's modulus.
+        /// Weibull's modulus (no unit).
         shape: f64,
     },
-    /// Normal; at most 1/7.9 of the mean.
+    /// Normal; its deviation is at most 1/7.9 of the mean.
     Normal {
-        /// Standard deviation over mean.
+        /// Standard deviation over mean (no unit).
         coefficient_of_variation: f64,
     },
 }
@@ -98,14 +104,18 @@ impl MarginalScene {
 }
 
 /// A correlation with its length.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationScene {
-    /// Matern's of smoothness 3/2 where it is not given.
+    /// How it falls with the distance `r`.
     #[serde(default)]
     pub function: FunctionScene,
     /// The integral scale (m).
     pub length: f64,
+}
+
+impl CorrelationScene {
+    pub(super) const SHORT: Self = Self { function: FunctionScene::Matern32, length: 0.003 };
 }
 
 impl From<CorrelationScene> for Correlation {
@@ -115,7 +125,7 @@ impl From<CorrelationScene> for Correlation {
 }
 
 named! {
-    /// Correlation functions.
+    /// Correlation functions of the distance `r`, with the length `l`.
     FunctionScene => CorrelationFunction {
         /// `exp(-r/l)`.
         Exponential,

@@ -26,7 +26,8 @@ use crate::scenes::{Part, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
 use two_resolutions::{TwoResolutions, Unknown};
 
-pub(crate) const KIND: SceneKind = SceneKind { solver: "fpk-sph", run };
+pub(crate) const KIND: SceneKind =
+    SceneKind { solver: "fpk-sph", schema: || schemars::schema_for!(FpkScene), run };
 
 /// Everything that came of a run: the schema `run-result/1`.
 #[derive(Debug, Serialize)]

@@ -20,7 +20,8 @@ use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
 use crate::scenes::{Part, Run, RunError, SceneKind};
 
-pub(crate) const KIND: SceneKind = SceneKind { solver: "peridyn-sde", run };
+pub(crate) const KIND: SceneKind =
+    SceneKind { solver: "peridyn-sde", schema: || schemars::schema_for!(CrackScene), run };
 
 /// What a checkpoint calls the realisations that have ended.
 const ENDED: &str = "realisations";

@@ -21,7 +21,8 @@ use crate::scenes::{Run, RunError, SceneKind};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
-pub(crate) const KIND: SceneKind = SceneKind { solver: "smpm", run };
+pub(crate) const KIND: SceneKind =
+    SceneKind { solver: "smpm", schema: || schemars::schema_for!(SmpmScene), run };
 
 /// Everything that came of a run: the schema `response-moments/1`.
 #[derive(Debug, Serialize)]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::material::{
     Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters,
@@ -12,76 +13,83 @@ use smpm::material::{
 };
 use smpm::{Body, Error, Fill, Number};
 
+use super::material_schema;
 use crate::nearest::nearest;
 use crate::scene::Objection;
 
 /// A material: an equation of state, and what bears shear.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialScene {
-    /// Pressure.
+    /// What gives the pressure.
     pub equation: EquationScene,
-    /// Deviator; a fluid without it.
+    /// What gives the deviator; without it a fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthScene>,
-    /// Damage by Johnson and Cook, for their flow stress only.
+    /// Damage by Johnson and Cook, for the strength `johnson_cook` only; without it none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "material_schema::damage", example = ParameterScene::of_library("steel"))]
     pub damage: Option<ParameterScene>,
-    /// The largest tension that it bears (stress); any where it is not given. For fluids.
+    /// The largest tension that a fluid bears (stress of `units`); without it any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension_limit: Option<f64>,
-    /// Where and over how many cells an explosive burns; needed with `jwl`.
+    /// Where and over how many cells an explosive burns; needed with `jwl`, and with it only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detonation: Option<DetonationScene>,
 }
 
 /// An equation of state with its parameters.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = material_schema::air())]
+#[schemars(example = material_schema::bulk())]
+#[schemars(example = material_schema::rubber())]
 pub enum EquationScene {
-    /// Mie and Grueneisen.
-    MieGruneisen(ParameterScene),
+    /// Mie and Grueneisen: a solid or a liquid by its shock Hugoniot.
+    MieGruneisen(#[schemars(schema_with = "material_schema::mie_gruneisen")] ParameterScene),
     /// A stiffened gas; an ideal one with `stiffness` 0.
-    StiffenedGas(ParameterScene),
-    /// Jones, Wilkins and Lee, with programmed burn.
-    Jwl(ParameterScene),
-    /// A constant bulk modulus.
-    ElasticBulk(ParameterScene),
+    StiffenedGas(#[schemars(schema_with = "material_schema::stiffened_gas")] ParameterScene),
+    /// Jones, Wilkins and Lee, with programmed burn: an explosive.
+    Jwl(#[schemars(schema_with = "material_schema::jwl")] ParameterScene),
+    /// A constant bulk modulus; with the strength `elastic`.
+    ElasticBulk(#[schemars(schema_with = "material_schema::elastic_bulk")] ParameterScene),
     /// A compressible neo-Hookean solid: pressure and deviator at once.
-    NeoHookean(ParameterScene),
+    NeoHookean(#[schemars(schema_with = "material_schema::neo_hookean")] ParameterScene),
 }
 
 /// A strength with its parameters.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = material_schema::shear())]
+#[schemars(example = material_schema::hardening())]
 pub enum StrengthScene {
     /// Elastic.
-    Elastic(ParameterScene),
-    /// Linear hardening.
-    VonMises(ParameterScene),
-    /// Johnson and Cook.
-    JohnsonCook(ParameterScene),
+    Elastic(#[schemars(schema_with = "material_schema::elastic")] ParameterScene),
+    /// A flow stress that grows linearly with the plastic strain.
+    VonMises(#[schemars(schema_with = "material_schema::von_mises")] ParameterScene),
+    /// Johnson and Cook: a metal by its strain, rate and temperature.
+    JohnsonCook(#[schemars(schema_with = "material_schema::johnson_cook")] ParameterScene),
 }
 
 /// Parameters by name: those of a library in the units of the scene, and what is set anew.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterScene {
-    /// `steel`, `steel_as_published`, `copper`, `aluminium`, `water` or `tnt`.
+    /// An entry of the library whose parameters are taken; without it all must be set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub library: Option<String>,
-    /// Parameters that the library does not have, or has otherwise, in the units of the scene.
+    /// Parameters that the library does not have, or has otherwise.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub set: BTreeMap<String, f64>,
 }
 
 /// A programmed burn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DetonationScene {
-    /// Where it begins (length).
+    /// Where it begins (length of `units`).
     pub point: Vec<f64>,
-    /// Over how many cells the front is spread.
+    /// Over how many cells the front is spread (no unit).
     pub cells: f64,
 }
 
@@ -104,8 +112,12 @@ impl Part {
 /// The numbers of a material.
 pub type Numbers = BTreeMap<(Part, &'static str), f64>;
 
-type Names = &'static [&'static str];
-type Library = Vec<(&'static str, f64)>;
+pub(super) type Names = &'static [&'static str];
+pub(super) type Library = Vec<(&'static str, f64)>;
+
+/// Entries of the library; each has some of the models.
+pub(super) const LIBRARY: [&str; 6] =
+    ["steel", "steel_as_published", "copper", "aluminium", "water", "tnt"];
 
 macro_rules! entries {
     ($parameters:expr) => {{
@@ -133,7 +145,7 @@ impl EquationScene {
         }
     }
 
-    fn library(&self, name: &str, units: Units) -> Option<Library> {
+    pub(super) fn library(&self, name: &str, units: Units) -> Option<Library> {
         match (self, name) {
             (Self::MieGruneisen(_), "steel") => entries!(library::steel_equation(units)),
             (Self::MieGruneisen(_), "copper") => entries!(library::copper_equation(units)),
@@ -162,7 +174,7 @@ impl StrengthScene {
         }
     }
 
-    fn library(&self, name: &str, units: Units) -> Option<Library> {
+    pub(super) fn library(&self, name: &str, units: Units) -> Option<Library> {
         match (self, name) {
             (Self::JohnsonCook(_), "steel") => entries!(library::steel_strength(units)),
             (Self::JohnsonCook(_), "steel_as_published") => {
@@ -174,7 +186,25 @@ impl StrengthScene {
     }
 }
 
+pub(super) fn damage_library(name: &str, units: Units) -> Option<Library> {
+    match name {
+        "steel" => entries!(library::steel_damage(units)),
+        _ => None,
+    }
+}
+
 impl ParameterScene {
+    pub(super) const NONE: Self = Self { library: None, set: BTreeMap::new() };
+
+    pub(super) fn of_numbers(numbers: &[(&str, f64)]) -> Self {
+        let set = numbers.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+        Self { set, ..Self::NONE }
+    }
+
+    fn of_library(name: &str) -> Self {
+        Self { library: Some(name.to_owned()), ..Self::NONE }
+    }
+
     /// Every parameter of a part, by name.
     fn read(
         &self,
@@ -235,10 +265,7 @@ impl MaterialScene {
         }
         if let Some(given) = &self.damage {
             let names = JohnsonCookDamageParameters::<f64>::NAMES;
-            let from = |name: &str| match name {
-                "steel" => entries!(library::steel_damage(units)),
-                _ => None,
-            };
+            let from = |name: &str| damage_library(name, units);
             let at = format!("{path}.damage");
             given.read(Part::Damage, names, from, &at, &mut numbers)?;
         }

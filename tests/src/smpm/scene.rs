@@ -2,72 +2,78 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::material::Units;
 use smpm::{Quantity, Window};
 
 use super::material_scene::MaterialScene;
+use super::quantity_name::QuantityName;
 
-/// Bodies, their materials, what is random, and what is looked at.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Bodies that move and deform on a background grid: their materials, what is random, what is looked at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmpmScene {
     /// Always `smpm`.
     pub solver: String,
     /// One line for the reader.
     pub title: String,
-    /// In which units all numbers are.
+    /// In which units all numbers of the scene are.
     pub units: UnitsScene,
-    /// 1 (uniaxial strain), 2 (plane strain, or axisymmetric) or 3.
+    /// 1 for uniaxial strain, 2 for plane strain or axisymmetric, or 3 (no unit).
     pub dimension: usize,
-    /// Two dimensions only: the first axis is the radius.
+    /// Whether the first of two axes is the radius; without it not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub axisymmetric: bool,
     /// The background grid and its particles.
     pub grid: GridScene,
-    /// How a step is done.
+    /// How a step is done; a key that is left out has its usual value.
     #[serde(default)]
     pub scheme: SchemeScene,
-    /// Planes at which the motion is prescribed.
+    /// Planes at which the motion is prescribed; without it none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boundaries: Vec<BoundaryScene>,
     /// What bodies that meet do to each other.
     #[serde(default, skip_serializing_if = "ContactScene::is_bonded")]
+    #[schemars(extend("default" = ContactScene::default()), example = ContactScene::Friction { coefficient: 0.3 })]
     pub contact: ContactScene,
-    /// Acceleration of all particles along each axis (length per time squared); none where it is not given.
+    /// Acceleration of all particles along each axis (length/time^2 of `units`); without it none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![0.0, -9.81])]
     pub gravity: Vec<f64>,
-    /// Materials by name.
+    /// Materials, each under a name of your choice.
     pub materials: BTreeMap<String, MaterialScene>,
     /// The bodies.
     pub bodies: Vec<BodyScene>,
-    /// Random parameters, eight at most.
+    /// Random parameters, eight at most; without it none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub random: Vec<RandomScene>,
-    /// Correlations between them; zero where none is given.
+    /// Correlations between them; without it none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![CorrelationScene::between_steel_parameters()])]
     pub correlations: Vec<CorrelationScene>,
     /// How mean and variance are found.
     pub method: MethodScene,
-    /// Where it is looked at.
+    /// Where it is looked at, one at least.
     pub gauges: Vec<GaugeScene>,
-    /// What is looked at: `pressure`, `flow_stress`, `deviator_11`, and others.
+    /// What is looked at, one at least.
+    #[schemars(with = "Vec<QuantityName>")]
     pub quantities: Vec<String>,
-    /// When: instants, or `[from, to]` for the mean over a span.
+    /// When, one at least: instants, or `[from, to]` for the mean over a span.
     pub times: Vec<TimeScene>,
-    /// Levels whose exceedance is asked for, by quantity.
+    /// Levels whose exceedance is asked for, by the name of a quantity (unit of that quantity); without it none.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub levels: BTreeMap<String, Vec<f64>>,
-    /// Whether fields are written for ParaView at every time: mean and, with `propagated`, standard deviation.
+    /// Whether fields are written for ParaView at every time: mean and, with `propagated`, standard deviation; without it not.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fields: bool,
 }
 
 /// Systems of units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UnitsScene {
-    /// Metre, kilogram, second.
+    /// Metre, kilogram, second; stress in pascal.
     Si,
     /// Centimetre, gram, microsecond; stress in megabar.
     CmGUs,
@@ -112,48 +118,53 @@ impl UnitsScene {
 }
 
 /// The background grid.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GridScene {
-    /// The edge of a cell (length).
+    /// The edge of a cell (length of `units`).
     pub cell: f64,
-    /// Particles along the edge of a cell.
+    /// Particles along the edge of a cell (no unit).
     pub particles_per_cell: u32,
 }
 
-/// How a step is done; what is not given is as in `Config::with_cell`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// How a step is done.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SchemeScene {
     /// Shape function.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = ShapeScene::QuadraticBSpline))]
     pub shape: Option<ShapeScene>,
     /// When the stress is updated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = OrderScene::ModifiedStressLast), example = OrderScene::StressLast)]
     pub update_order: Option<OrderScene>,
-    /// How velocities come back.
+    /// How velocities come back from the grid to the particles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = TransferScene::Flip { damping_time: None }))]
     pub transfer: Option<TransferScene>,
     /// Coefficients of the bulk viscosity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = ViscosityScene { quadratic: 1.5, linear: 0.06 }))]
     pub viscosity: Option<ViscosityScene>,
-    /// The Courant number.
+    /// The Courant number (no unit).
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 0.4), example = 0.2)]
     pub courant_number: Option<f64>,
 }
 
 /// Coefficients of the bulk viscosity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViscosityScene {
-    /// Of the square of the rate.
+    /// Of the square of the rate: spreads strong shocks over a few cells (no unit).
     pub quadratic: f64,
-    /// Of the rate.
+    /// Of the rate: damps the ripple behind them (no unit).
     pub linear: f64,
 }
 
 /// Shape functions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeScene {
     /// Linear, the paper's.
@@ -167,33 +178,34 @@ pub enum ShapeScene {
 }
 
 /// Update orders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderScene {
-    /// USF.
+    /// First in a step (USF).
     StressFirst,
-    /// USL.
+    /// Last in a step (USL).
     StressLast,
-    /// MUSL.
+    /// Last, from what the particles give to the grid once more (MUSL).
     ModifiedStressLast,
 }
 
 /// Transfers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Flip { damping_time: Some(2.0) })]
 pub enum TransferScene {
-    /// Affine.
+    /// The velocity and its gradient (APIC): keeps angular momentum.
     Apic,
-    /// The change of velocity.
+    /// The change of the velocity (FLIP): keeps energy.
     Flip {
-        /// The time over which it goes over to the velocity itself (time); never where it is not given.
+        /// The time over which it goes over to the velocity itself (time of `units`); without it never.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         damping_time: Option<f64>,
     },
 }
 
 /// What bodies that meet do to each other.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ContactScene {
     /// They share one velocity and stick, as the paper's do.
@@ -201,7 +213,7 @@ pub enum ContactScene {
     Bonded,
     /// They slide and part. The normal is that of the body that is given first: the flatter or stiffer one.
     Friction {
-        /// Coulomb's coefficient.
+        /// Coulomb's coefficient (no unit).
         coefficient: f64,
     },
 }
@@ -213,21 +225,21 @@ impl ContactScene {
 }
 
 /// A plane.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoundaryScene {
-    /// The axis it is normal to, from 1.
+    /// The axis it is normal to, from 1 (no unit).
     pub axis: usize,
-    /// Its coordinate (length).
+    /// Its coordinate (length of `units`).
     pub position: f64,
-    /// Where the bodies are.
+    /// On which side of it the bodies are.
     pub side: SideScene,
     /// What it does.
     pub kind: BoundaryKindScene,
 }
 
 /// Sides of a plane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SideScene {
     /// At larger coordinates.
@@ -237,8 +249,9 @@ pub enum SideScene {
 }
 
 /// What a plane does.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Absorbing { longitudinal: 0.6, shear: 0.32 })]
 pub enum BoundaryKindScene {
     /// Mirrors.
     Symmetry,
@@ -248,15 +261,15 @@ pub enum BoundaryKindScene {
     Rigid,
     /// Lets waves out.
     Absorbing {
-        /// Speed of longitudinal waves.
+        /// Speed of longitudinal waves (length/time of `units`).
         longitudinal: f64,
-        /// Speed of shear waves.
+        /// Speed of shear waves (length/time of `units`).
         shear: f64,
     },
 }
 
 /// A body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyScene {
     /// Its name, for gauges.
@@ -265,57 +278,58 @@ pub struct BodyScene {
     pub material: String,
     /// What it fills.
     pub shape: SolidScene,
-    /// What is cut out of that.
+    /// What is cut out of that; without it nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<SolidScene>,
-    /// Its velocity; at rest where none is given.
+    /// Its velocity along each axis (length/time of `units`); without it at rest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<f64>,
 }
 
 /// A region of space.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Ball { centre: vec![0.0, 0.0], radius: 1.5 })]
 pub enum SolidScene {
     /// A box.
     Box {
-        /// The lowest corner.
+        /// The lowest corner (length of `units`).
         from: Vec<f64>,
-        /// The highest corner.
+        /// The highest corner (length of `units`).
         to: Vec<f64>,
     },
     /// A ball; a disk in two dimensions.
     Ball {
-        /// Its centre.
+        /// Its centre (length of `units`).
         centre: Vec<f64>,
-        /// Its radius.
+        /// Its radius (length of `units`).
         radius: f64,
     },
     /// A circular cylinder in three dimensions along the third axis.
     Cylinder {
-        /// The centre of its lower end.
+        /// The centre of its lower end (length of `units`).
         base: Vec<f64>,
-        /// Its radius.
+        /// Its radius (length of `units`).
         radius: f64,
-        /// Its height.
+        /// Its height (length of `units`).
         height: f64,
     },
 }
 
 /// A random parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomScene {
     /// `material.part.name`, e.g. `steel.strength.a`; its mean is the number in the scene.
     pub parameter: String,
     /// Its law.
     pub law: LawScene,
-    /// Standard deviation over the mean.
+    /// Standard deviation over the mean (no unit).
     pub coefficient_of_variation: f64,
 }
 
 /// Laws of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LawScene {
     /// Normal; refused where it would leave the range too often.
@@ -325,24 +339,34 @@ pub enum LawScene {
 }
 
 /// A correlation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationScene {
     /// Two of the random parameters.
     pub between: [String; 2],
-    /// From -1 to 1.
+    /// From -1 to 1 (no unit).
     pub value: f64,
 }
 
+impl CorrelationScene {
+    fn between_steel_parameters() -> Self {
+        let between = ["steel.strength.a", "steel.strength.b"].map(str::to_owned);
+        Self { between, value: 0.5 }
+    }
+}
+
 /// How mean and variance are found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Frozen { as_printed: true })]
+#[schemars(example = Self::FiniteDifference { step: 0.01 })]
+#[schemars(example = Self::MonteCarlo { samples: 400, seed: 1, control: true })]
 pub enum MethodScene {
     /// One run at the centre of the parameters, no variance.
     Deterministic,
     /// The paper's derivatives at the local state: a baseline.
     Frozen {
-        /// As printed, errors included.
+        /// As printed in the paper, errors included.
         #[serde(default)]
         as_printed: bool,
     },
@@ -350,45 +374,45 @@ pub enum MethodScene {
     Propagated,
     /// Central differences of whole runs.
     FiniteDifference {
-        /// How far, in standard deviations.
+        /// How far, in standard deviations (no unit).
         step: f64,
     },
-    /// `2N + 1` runs, three deviations wide.
+    /// `2N + 1` whole runs, three deviations wide, for `N` random parameters.
     SigmaPoints,
     /// Whole runs at sampled parameters.
     MonteCarlo {
-        /// How many.
+        /// How many (no unit).
         samples: u64,
-        /// Everything that is drawn follows from it.
+        /// Everything that is drawn follows from it (no unit).
         seed: u64,
-        /// With the surrogate of one run with derivatives as control variate.
+        /// Whether the surrogate of one run with derivatives is the control variate.
         control: bool,
     },
 }
 
 /// A gauge; it goes with the material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GaugeScene {
     /// Its name.
     pub name: String,
     /// The name of its body.
     pub body: String,
-    /// The point whose nearest particles are averaged.
+    /// The point whose nearest particles are averaged (length of `units`). Either this or `within`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<Vec<f64>>,
-    /// Or the box, from its lowest to its highest corner, whose particles are averaged.
+    /// The box, from its lowest to its highest corner, whose particles are averaged (length of `units`). Either this or `at`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<[Vec<f64>; 2]>,
 }
 
 /// When.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum TimeScene {
-    /// An instant.
+    /// An instant (time of `units`).
     At(f64),
-    /// The mean over a span.
+    /// The mean over a span, from and to (time of `units`).
     Mean([f64; 2]),
 }
 

@@ -11,16 +11,19 @@
 
 /// A plain struct of parameters over a number type, with their names.
 macro_rules! parameters {
-    ($(#[$about:meta])* $name:ident { $($(#[$about_field:meta])* $field:ident),+ $(,)? }) => {
+    ($(#[$about:meta])* $name:ident { $($(#[doc = $meaning:literal])+ $field:ident),+ $(,)? }) => {
         $(#[$about])*
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct $name<S> {
-            $($(#[$about_field])* pub $field: S),+
+            $($(#[doc = $meaning])+ pub $field: S),+
         }
 
         impl<S> $name<S> {
             /// The names of the parameters.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
+
+            /// What each of them is, with its unit by quantity, as documented here, in the order of [`NAMES`](Self::NAMES).
+            pub const MEANINGS: &'static [&'static str] = &[$(concat!($($meaning),+)),+];
 
             /// Every parameter by a function of its name, in the order of [`NAMES`](Self::NAMES).
             ///

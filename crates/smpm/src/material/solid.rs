@@ -144,7 +144,7 @@ parameters! {
         density,
         /// `E > 0`, Young's modulus (stress).
         young_modulus,
-        /// `nu`, Poisson's ratio, above -1 and below 1/2.
+        /// `nu`, Poisson's ratio, above -1 and below 1/2 (no unit).
         poisson_ratio,
     }
 }

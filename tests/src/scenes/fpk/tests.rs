@@ -154,6 +154,9 @@ fn each_method_takes_its_own_scheme_unless_another_is_asked_for() {
         )
     };
     assert_eq!(scheme(&paper("")), Scheme::ForwardEuler);
+    let schema = serde_json::Value::from(schemars::schema_for!(MethodScene));
+    let told = schema.pointer("/oneOf/2/properties/canor_denoel_2013/properties/scheme/default");
+    assert_eq!(told, Some(&"forward_euler".into()));
     assert_eq!(scheme(&paper(", \"scheme\": \"runge_kutta_4\"")), Scheme::RungeKutta4);
     let fit = |lattice: &str| format!("\"flow_map_fit\": {{ {lattice} }}");
     assert_eq!(scheme(&fit(LATTICE)), Scheme::RungeKutta4);

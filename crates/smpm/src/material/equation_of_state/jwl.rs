@@ -15,11 +15,11 @@ parameters! {
         a,
         /// `B` (stress).
         b,
-        /// `R1 > 0`.
+        /// `R1 > 0` (no unit).
         r1,
-        /// `R2 > 0`.
+        /// `R2 > 0` (no unit).
         r2,
-        /// `omega > 0`.
+        /// `omega > 0` (no unit).
         omega,
         /// `E_0 > 0`, the chemical energy per reference volume (stress).
         energy,

@@ -12,15 +12,15 @@ parameters! {
         density,
         /// `C > 0`, the speed of sound in the bulk (length per time).
         sound_speed,
-        /// `S1`, the slope of the shock velocity by the particle velocity.
+        /// `S1`, the slope of the shock velocity by the particle velocity (no unit).
         s1,
-        /// `S2`, its quadratic term.
+        /// `S2`, its quadratic term (no unit).
         s2,
-        /// `S3`, its cubic term.
+        /// `S3`, its cubic term (no unit).
         s3,
-        /// `gamma_0 >= 0`, the Grueneisen coefficient of the reference state.
+        /// `gamma_0 >= 0`, the Grueneisen coefficient of the reference state (no unit).
         gruneisen,
-        /// `a`, its first-order correction by the compression.
+        /// `a`, its first-order correction by the compression (no unit).
         gruneisen_slope,
     }
 }

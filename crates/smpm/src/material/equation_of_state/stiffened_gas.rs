@@ -10,7 +10,7 @@ parameters! {
     StiffenedGasParameters {
         /// `rho_0 > 0` (mass per volume).
         density,
-        /// `gamma > 1`, the ratio of specific heats.
+        /// `gamma > 1`, the ratio of specific heats (no unit).
         exponent,
         /// `p_inf >= 0` (stress); zero for an ideal gas.
         stiffness,

@@ -16,21 +16,21 @@ parameters! {
         a,
         /// `B >= 0`, the hardening (stress).
         b,
-        /// `n > 0`, its exponent.
+        /// `n > 0`, its exponent (no unit).
         n,
-        /// `C >= 0`, the sensitivity to the rate.
+        /// `C >= 0`, the sensitivity to the rate (no unit).
         c,
-        /// `m > 0`, the exponent of thermal softening.
+        /// `m > 0`, the exponent of thermal softening (no unit).
         m,
         /// The rate at which `ln` of the relative rate is zero, above zero: 1/s in the unit system (1 per time).
         reference_rate,
-        /// The least relative rate that counts, above zero. One, unless a table was made otherwise.
+        /// The least relative rate that counts, above zero. One, unless a table was made otherwise (no unit).
         rate_floor,
         /// The temperature of the reference state (K).
         room_temperature,
         /// The temperature of melting, above that of the room (K).
         melting_temperature,
-        /// `chi` from 0 to 1, Taylor and Quinney's share of plastic work that heats.
+        /// `chi` from 0 to 1, Taylor and Quinney's share of plastic work that heats (no unit).
         taylor_quinney,
         /// `rho_0 > 0` (mass per volume).
         density,

@@ -10,15 +10,15 @@ use crate::tensor::Symmetric;
 parameters! {
     /// What a [`JohnsonCookDamage`] needs besides a flow stress.
     JohnsonCookDamageParameters {
-        /// `D1 >= 0`.
+        /// `D1 >= 0` (no unit).
         d1,
-        /// `D2 >= 0`; `D1 + D2` above zero.
+        /// `D2 >= 0`; `D1 + D2` above zero (no unit).
         d2,
-        /// `D3`, negative where tension embrittles.
+        /// `D3`, negative where tension embrittles (no unit).
         d3,
-        /// `D4`, the effect of the rate.
+        /// `D4`, the effect of the rate (no unit).
         d4,
-        /// `D5`, that of the temperature.
+        /// `D5`, that of the temperature (no unit).
         d5,
         /// The tension at which a particle spalls, above zero (stress).
         spall_strength,

@@ -1,0 +1,180 @@
+//! Examples: for each key the first one that a built-in scene has, else that of its type.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::error::SchemaError;
+use super::rows::{Row, is_list_of_words, join, label, rows};
+use super::tree::{Holds, Tree};
+use crate::scene::SceneFile;
+
+/// A scene of the workspace.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltIn {
+    /// Folder and name, e.g. `fpk/duffing`.
+    pub(super) name: String,
+    pub(super) value: Value,
+}
+
+/// A value, and the scene that has it; none for an example of a type.
+pub(super) struct Example {
+    pub(super) value: Value,
+    pub(super) scene: Option<String>,
+}
+
+/// Examples by type and path in it.
+#[derive(Default)]
+pub(super) struct Examples(BTreeMap<(String, String), Example>);
+
+/// The scenes in the folders of a folder, by name.
+pub(super) fn built_in(folder: &Path) -> Result<Vec<BuiltIn>, SchemaError> {
+    let mut scenes = Vec::new();
+    for group in sorted(folder)?.into_iter().filter(|path| path.is_dir()) {
+        let is_scene = |path: &PathBuf| path.extension().is_some_and(|end| end == "json");
+        for path in sorted(&group)?.into_iter().filter(is_scene) {
+            let part =
+                |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let value = SceneFile::read(&path)?.parse_unchecked()?;
+            scenes.push(BuiltIn { name: format!("{}/{}", part(&group), part(&path)), value });
+        }
+    }
+    Ok(scenes)
+}
+
+fn sorted(folder: &Path) -> Result<Vec<PathBuf>, SchemaError> {
+    let entries = std::fs::read_dir(folder)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>());
+    let mut paths =
+        entries.map_err(|source| SchemaError::Folder { path: folder.into(), source })?;
+    paths.sort();
+    Ok(paths)
+}
+
+impl Examples {
+    pub(super) fn find(tree: &Tree, scenes: &[BuiltIn]) -> Result<Self, SchemaError> {
+        let mut examples = Self::default();
+        for scene in scenes {
+            let mut walk = Walk { tree, scene: Some(&scene.name), found: &mut examples };
+            walk.value(&tree.root().name, "", &tree.root().holds, &scene.value)?;
+        }
+        for named in &tree.types {
+            let mut walk = Walk { tree, scene: None, found: &mut examples };
+            for example in &named.examples {
+                walk.value(&named.name, "", &named.holds, example)?;
+            }
+            for Row { path, holds, examples, .. } in rows(named) {
+                for example in examples {
+                    walk.note(&named.name, &path, example);
+                    holds.map_or(Ok(()), |holds| walk.value(&named.name, &path, holds, example))?;
+                }
+            }
+        }
+        Ok(examples)
+    }
+
+    pub(super) fn of(&self, named: &str, path: &str) -> Option<&Example> {
+        self.0.get(&(named.to_owned(), path.to_owned()))
+    }
+}
+
+/// A value beside its schema.
+struct Walk<'a> {
+    tree: &'a Tree,
+    scene: Option<&'a str>,
+    found: &'a mut Examples,
+}
+
+impl Walk<'_> {
+    /// Notes what stands at a path of a type, and all below it.
+    fn value(
+        &mut self,
+        named: &str,
+        path: &str,
+        holds: &Holds,
+        value: &Value,
+    ) -> Result<(), SchemaError> {
+        match (holds, value) {
+            (Holds::Named(name), _) => match self.tree.get(name) {
+                Some(inner) => self.value(name, "", &inner.holds, value),
+                None => Err(self.misfit(named, path, value)),
+            },
+            (Holds::Object(keys), Value::Object(map)) => {
+                map.iter().try_for_each(|(name, value)| {
+                    let path = join(path, name);
+                    let key = keys.iter().find(|key| key.name == *name);
+                    let key = key.ok_or_else(|| self.misfit(named, &path, value))?;
+                    self.note(named, &path, value);
+                    self.value(named, &path, &key.holds, value)
+                })
+            }
+            (Holds::Choice(_), _) => self.choice(named, path, holds, value),
+            (Holds::List(of, count), Value::Array(list))
+                if count.is_none_or(|count| count == list.len() as u64) =>
+            {
+                list.iter().try_for_each(|value| self.value(named, path, of, value))
+            }
+            (Holds::Map(of), Value::Object(map)) => {
+                map.values().try_for_each(|value| self.value(named, path, of, value))
+            }
+            (Holds::Text, Value::String(_))
+            | (Holds::Number, Value::Number(_))
+            | (Holds::Flag, Value::Bool(_)) => Ok(()),
+            (Holds::Whole, Value::Number(number)) if number.is_u64() => Ok(()),
+            _ => Err(self.misfit(named, path, value)),
+        }
+    }
+
+    fn choice(
+        &mut self,
+        named: &str,
+        path: &str,
+        holds: &Holds,
+        value: &Value,
+    ) -> Result<(), SchemaError> {
+        let Holds::Choice(variants) = holds else { return Err(self.misfit(named, path, value)) };
+        let word = match value {
+            Value::String(word) => Some(word),
+            Value::Object(map) => map.keys().next().filter(|_| map.len() == 1),
+            _ => None,
+        };
+        let chosen = variants.iter().find(|variant| match (&variant.name, &variant.holds) {
+            (Some(name), None) => value.as_str() == Some(name),
+            (Some(name), Some(_)) => value.is_object() && word == Some(name),
+            (None, holds) => matches!(
+                (holds, value),
+                (Some(Holds::Number), Value::Number(_)) | (Some(Holds::List(..)), Value::Array(_))
+            ),
+        });
+        let chosen = chosen.ok_or_else(|| self.misfit(named, path, value))?;
+        if is_list_of_words(variants) {
+            return Ok(());
+        }
+        let path = join(path, &label(chosen));
+        self.note(named, &path, value);
+        match (&chosen.holds, word) {
+            (Some(holds), Some(word)) => self.value(named, &path, holds, &value[word]),
+            (Some(holds), None) => self.value(named, &path, holds, value),
+            (None, _) => Ok(()),
+        }
+    }
+
+    /// Keeps the first value that is met.
+    fn note(&mut self, named: &str, path: &str, value: &Value) {
+        let scene = self.scene.map(str::to_owned);
+        let place = (named.to_owned(), path.to_owned());
+        self.found.0.entry(place).or_insert_with(|| Example { value: value.clone(), scene });
+    }
+
+    fn misfit(&self, named: &str, path: &str, value: &Value) -> SchemaError {
+        SchemaError::Misfit {
+            source_of_it: self.scene.map_or_else(
+                || format!("an example of {named}"),
+                |scene| format!("the scene {scene}"),
+            ),
+            place: join(named, path),
+            value: value.to_string(),
+        }
+    }
+}

@@ -81,13 +81,12 @@ impl Checkpoint {
         if start == Start::GoOn {
             for path in file::names(folder) {
                 match file::read(&path, &head)? {
-                    None => {}
                     Some(Err(refusal)) => found.refused.push(refusal),
                     Some(Ok((number, of_file))) if number > sequence => {
                         (parts, sequence) = (of_file, number);
                         found.file = Some(path);
                     }
-                    Some(Ok(_)) => {}
+                    Some(Ok(_)) | None => {}
                 }
             }
             if found.file.is_none() && !found.refused.is_empty() {

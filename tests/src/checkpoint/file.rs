@@ -70,6 +70,9 @@ struct Content {
     parts: Parts,
 }
 
+/// How many files were written before, and the parts.
+pub(super) type Numbered = (u64, Parts);
+
 /// The files of a folder.
 pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
     ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name))
@@ -79,7 +82,7 @@ pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
 pub(super) fn read(
     path: &Path,
     head: &Head,
-) -> Result<Option<Result<(u64, Parts), Refusal>>, CheckpointError> {
+) -> Result<Option<Result<Numbered, Refusal>>, CheckpointError> {
     match std::fs::read(path) {
         Ok(bytes) => Ok(Some(
             content(&bytes, head).map_err(|reason| Refusal { path: path.to_owned(), reason }),
@@ -89,7 +92,7 @@ pub(super) fn read(
     }
 }
 
-fn content(bytes: &[u8], head: &Head) -> Result<(u64, Parts), Reason> {
+fn content(bytes: &[u8], head: &Head) -> Result<Numbered, Reason> {
     let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
         return Err(Reason::NoCheckpoint);
     };

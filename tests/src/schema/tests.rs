@@ -46,7 +46,7 @@ struct WithoutUnit {
 const DECAY: SceneKind = SceneKind {
     solver: "decay",
     schema: || schema_for!(Decay),
-    run: |_, _, _| Err(crate::scenes::RunError::NoKinds),
+    run: |_, _| Err(crate::scenes::RunError::NoKinds),
 };
 
 /// A folder of scenes, gone at the end.

@@ -5,6 +5,7 @@ use sde_integrators::{
     Additive, EnsembleConfig, EulerMaruyama, GaussianMixture, Observable, Sde, simulate,
 };
 
+// docs: system
 #[derive(Debug, Clone, Copy)]
 struct Pendulum {
     friction: f64,
@@ -22,7 +23,9 @@ impl Sde<2, 1> for Pendulum {
         [[0.0], [self.wind]]
     }
 }
+// docs: end
 
+// docs: test
 #[test]
 fn a_users_system_runs_in_the_density_solver_and_in_monte_carlo_alike() {
     let pendulum = Pendulum { friction: 0.5, wind: 0.3 };
@@ -51,3 +54,4 @@ fn a_users_system_runs_in_the_density_solver_and_in_monte_carlo_alike() {
         assert!(error < tolerance, "moment {powers:?}: {error:e} above {tolerance:e}");
     }
 }
+// docs: end

@@ -5,6 +5,7 @@ use sde_integrators::{
     StepError, simulate,
 };
 
+// docs: integrator
 /// Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling:
 /// `x + h f + g (w_{n-1} + w_n)/2`. For additive noise that does not change in time.
 struct LeimkuhlerMatthews;
@@ -38,6 +39,7 @@ where
         Ok(())
     }
 }
+// docs: end
 
 /// `dX = -X dt + sqrt(2) dB`: `E X^2` tends to 1.
 struct OrnsteinUhlenbeck;
@@ -65,6 +67,7 @@ fn variance<I: Integrator<OrnsteinUhlenbeck, 1, 1>>(
     Ok((estimate.value, estimate.standard_error().expect("a mean has a standard error")))
 }
 
+// docs: test
 /// With the memory `E X^2` is 1 at any step; without, by Euler-Maruyama, `1/(1 - h/2) = 4/3` at `h = 1/2`. What is left
 /// of the start after 20 units is below 1e-12. |z| < 4.
 #[test]
@@ -77,6 +80,7 @@ fn a_method_with_memory_has_the_stationary_variance_it_was_made_for() {
         assert!(standard_error < 0.01);
     }
 }
+// docs: end
 
 #[test]
 fn a_step_that_a_method_refuses_is_an_error_that_names_the_path() {

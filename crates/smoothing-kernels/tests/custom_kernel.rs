@@ -2,6 +2,7 @@
 
 use smoothing_kernels::{Kernel, power, unit_sphere_surface};
 
+// docs: kernel
 /// Poly6 of Mueller, Charypar & Gross 2003: `w(q) = (1 - q^2)^3` on one smoothing length.
 #[derive(Debug)]
 struct Poly6;
@@ -26,6 +27,7 @@ impl<const D: usize> Kernel<D> for Poly6 {
         1.0 / (unit_sphere_surface::<D>() * integral)
     }
 }
+// docs: end
 
 /// Density at the origin as a solver computes it: generic in the kernel, the particle itself included.
 fn density<const D: usize, K: Kernel<D>>(
@@ -38,12 +40,14 @@ fn density<const D: usize, K: Kernel<D>>(
     points.iter().map(|x| mass * kernel.value(distance(x), h)).sum()
 }
 
+// docs: test
 #[test]
 fn users_kernel_has_its_published_constant() {
     // Mueller, Charypar & Gross 2003, eq 20: 315/(64 pi h^9) (h^2 - r^2)^3, that is 315/(64 pi h^3) (1 - q^2)^3.
     let published = 315.0 / (64.0 * std::f64::consts::PI * power::<3>(0.4));
     assert!((Kernel::<3>::value(&Poly6, 0.0, 0.4) / published - 1.0).abs() < 1e-13);
 }
+// docs: end
 
 #[test]
 fn users_kernel_gets_its_gradient_for_nothing() {

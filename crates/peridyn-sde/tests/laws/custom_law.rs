@@ -7,6 +7,7 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
+// docs: law
 #[derive(Debug)]
 struct Cord;
 
@@ -40,6 +41,7 @@ impl BondLaw for Cord {
         None
     }
 }
+// docs: end
 
 /// Five nodes in a row.
 fn net() -> Network<Cord, 1> {
@@ -57,6 +59,7 @@ fn net() -> Network<Cord, 1> {
     Network::new(nodes, bonds, Cord, strengths).unwrap()
 }
 
+// docs: test
 #[test]
 fn a_net_of_strings_pulls_and_does_not_push() {
     let network = net();
@@ -70,6 +73,7 @@ fn a_net_of_strings_pulls_and_does_not_push() {
         assert!(forces[2][0].abs() < 1e-15 * stiffness);
     }
 }
+// docs: end
 
 /// A string is as stiff as its steeper side: with two springs of `kappa/r` to a node the stiffest mode of a long row has four,
 /// of five free nodes `4 sin^2(2 pi/5)`.

@@ -5,6 +5,7 @@ use smpm::Fault;
 use smpm::material::{EquationOfState, Line, Material, Now, Observed, Solid, Start, Strength};
 use smpm::tensor::Symmetric;
 
+// docs: equation
 /// Murnaghan 1944: `p = K/n (J^-n - 1)`.
 #[derive(Debug)]
 struct Murnaghan<S> {
@@ -34,7 +35,9 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Murnaghan
         Line { a, b: S::constant(0.0) }
     }
 }
+// docs: end
 
+// docs: strength
 /// `S = 2 eta dev D`.
 #[derive(Debug)]
 struct Newtonian<S> {
@@ -66,7 +69,9 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for Newtonian<S> {
         Observed::of_energy(S::constant(0.0))
     }
 }
+// docs: end
 
+// docs: material
 /// A material that bears nothing.
 #[derive(Debug)]
 struct Dust;
@@ -92,6 +97,7 @@ impl<S: Scalar> Material<S> for Dust {
         Observed::of_energy(S::constant(0.0))
     }
 }
+// docs: end
 
 /// A squeeze along x to `J = 0.9`.
 fn squeezed<S: Scalar>() -> Now<S> {
@@ -108,6 +114,7 @@ fn squeezed<S: Scalar>() -> Now<S> {
     }
 }
 
+// docs: test
 #[test]
 fn own_pressure_and_strength_make_a_material() {
     let oil = Solid {
@@ -130,6 +137,7 @@ fn own_pressure_and_strength_make_a_material() {
     let speed = oil.wave_speed(Jet::constant(0.9), &state);
     assert!((speed.value - (3.0 * 0.9_f64.powi(-4) / (0.9 / 0.9)).sqrt()).abs() < 1e-14);
 }
+// docs: end
 
 #[test]
 fn a_whole_material_is_five_methods() {

@@ -46,7 +46,7 @@ where
     M::State: 'static,
 {
     let cell = 2.0 / f64::from(edge);
-    let fill = Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true);
+    let fill = Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap();
     let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
     body.set_velocities(|[x, y]| {
         let (x, y) = (3.0 * (x - 0.5), 3.0 * (y - 0.5));

@@ -52,9 +52,9 @@ impl Experiment<2, 5> for ContactExplosion {
             Boundary { axis: 1, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
         let config = Config { boundaries: vec![symmetry], ..Config::with_cell(self.cell) };
         let bodies = vec![
-            Body::new(tnt, &fill(&charge), [0.0; 2])?,
-            Body::new(steel, &fill(&plate), [0.0; 2])?,
-            Body::new(water, &fill(&|x| !charge(x) && !plate(x)), [0.0; 2])?,
+            Body::new(tnt, &fill(&charge)?, [0.0; 2])?,
+            Body::new(steel, &fill(&plate)?, [0.0; 2])?,
+            Body::new(water, &fill(&|x| !charge(x) && !plate(x))?, [0.0; 2])?,
         ];
         Simulation::new(config, bodies)
     }

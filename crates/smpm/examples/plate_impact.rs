@@ -26,7 +26,7 @@ impl Experiment<1, 3> for PlateImpact {
         let certain = library::steel_equation(Units::CM_G_US).map(|_, value| S::constant(value));
         let parameters = MieGruneisenParameters { s1, gruneisen, gruneisen_slope, ..certain };
         let steel = Solid { equation: MieGruneisen::new(parameters)?, strength: Fluid };
-        let fill = Fill::of([0.025], ([0.0], [8.0]), |_| true);
+        let fill = Fill::of([0.025], ([0.0], [8.0]), |_| true)?;
         let wall = BoundaryKind::Symmetry;
         let config = Config {
             shape: Shape::CubicBSpline,

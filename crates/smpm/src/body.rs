@@ -56,27 +56,45 @@ pub struct Fill<const D: usize> {
 }
 
 impl<const D: usize> Fill<D> {
+    /// Most places of a lattice: particles have numbers of 32 bits.
+    pub const MOST_PLACES: u32 = u32::MAX;
+
     /// Places at the centres of the boxes of a lattice from `low` to `high` that lie inside a shape.
     ///
     /// ```
     /// use smpm::Fill;
     ///
-    /// let disk = Fill::of([0.5, 0.5], ([-1.0, -1.0], [1.0, 1.0]), |[x, y]| x * x + y * y < 1.0);
+    /// let disk = Fill::of([0.5, 0.5], ([-1.0, -1.0], [1.0, 1.0]), |[x, y]| x * x + y * y < 1.0)?;
     /// assert_eq!(disk.positions.len(), 12); // of 16, the four corners lie outside
+    /// # Ok::<(), smpm::Error>(())
     /// ```
-    #[must_use]
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for a spacing, [`Error::NotFinite`] for a corner; [`Error::TooManyPlaces`] for a lattice of more than
+    /// [`Fill::MOST_PLACES`], inside or not.
     pub fn of(
         spacing: [f64; D],
         (low, high): ([f64; D], [f64; D]),
         inside: impl Fn(&[f64; D]) -> bool,
-    ) -> Self {
+    ) -> Result<Self, Error> {
+        for k in 0..D {
+            positive("spacing of particles", spacing[k])?;
+            finite("corner of a body", low[k])?;
+            finite("corner of a body", high[k])?;
+        }
+        let along: [f64; D] =
+            std::array::from_fn(|k| ((high[k] - low[k]) / spacing[k]).round().max(0.0));
+        let (value, limit) = (along.iter().product::<f64>(), Self::MOST_PLACES);
+        // A product that is no number has a factor beyond all limits.
+        if value.is_nan() || value > limit as f64 || along.iter().any(|&n| n > limit as f64) {
+            return Err(Error::TooManyPlaces { value, limit });
+        }
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a count of boxes; what is not finite gives none"
+            reason = "a count of boxes, within its limit"
         )]
-        let count: [usize; D] =
-            std::array::from_fn(|k| ((high[k] - low[k]) / spacing[k]).round().max(0.0) as usize);
+        let count = along.map(|n| n as usize);
         let total: usize = count.iter().product();
         let positions = (0..total)
             .map(|index| {
@@ -89,7 +107,7 @@ impl<const D: usize> Fill<D> {
             })
             .filter(|place| inside(place))
             .collect();
-        Self { positions, spacing }
+        Ok(Self { positions, spacing })
     }
 
     /// The places in three dimensions, refused where they, or the spacing, cannot be.

@@ -58,6 +58,16 @@ pub enum Error {
         /// The spacing of its particles.
         spacing: f64,
     },
+    /// A lattice with more places than particles can have numbers.
+    #[error(
+        "the lattice of a body has {value} places; there must be {limit} at most: take a larger spacing"
+    )]
+    TooManyPlaces {
+        /// How many.
+        value: f64,
+        /// The limit.
+        limit: u32,
+    },
     /// A simulation without bodies.
     #[error("there is no body; at least one is needed")]
     NoBody,

@@ -21,7 +21,7 @@ fn blocks<S: Number>(change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
             equation: MieGruneisen::new(equation).unwrap(),
             strength: JohnsonCook::new(strength).unwrap(),
         };
-        let fill = Fill::of([0.05, 0.05], (low, high), |_| true);
+        let fill = Fill::of([0.05, 0.05], (low, high), |_| true).unwrap();
         Body::new(steel, &fill, [speed, 0.0]).unwrap()
     };
     let bodies =

@@ -219,9 +219,9 @@ impl SmpmScene {
         let cuts: Vec<Region<D>> =
             scene.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
         let spacing = [self.grid.cell / f64::from(self.grid.particles_per_cell); D];
-        Ok(Fill::of(spacing, whole.bounds(), |x| {
-            whole.holds(x) && !cuts.iter().any(|cut| cut.holds(x))
-        }))
+        let inside = |x: &[f64; D]| whole.holds(x) && !cuts.iter().any(|cut| cut.holds(x));
+        Fill::of(spacing, whole.bounds(), inside)
+            .map_err(|error| Objection::new("grid.cell", format!("{path}: {error}")))
     }
 }
 

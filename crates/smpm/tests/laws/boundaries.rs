@@ -26,7 +26,8 @@ fn piston(speed: f64, axis_side: Side) -> f64 {
         viscosity: BulkViscosity { quadratic: 1.5, linear: 0.3 },
         ..Config::with_cell(0.1)
     };
-    let body = Body::new(steel, &Fill::of([0.05], ends, |_| true), [-inward * speed]).unwrap();
+    let body =
+        Body::new(steel, &Fill::of([0.05], ends, |_| true).unwrap(), [-inward * speed]).unwrap();
     let mut simulation = Simulation::new(config, vec![body]).unwrap();
     simulation.advance_to(8.0).unwrap();
     let body = &simulation.bodies()[0];
@@ -64,7 +65,7 @@ fn elastic() -> LinearElasticSolid<f64> {
 fn a_body_leaves_a_rigid_wall_freely_and_slides_along_it() {
     let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Rigid };
     let config = Config { boundaries: vec![wall], ..Config::with_cell(0.1) };
-    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0; 2]), |_| true);
+    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap();
     let body = Body::new(elastic(), &fill, [0.3, 0.2]).unwrap();
     let mut simulation = Simulation::new(config, vec![body]).unwrap();
     simulation.advance_to(0.2).unwrap();
@@ -86,7 +87,7 @@ fn left_over(kind: Option<BoundaryKind>, n_cells: u32) -> f64 {
         update_order: UpdateOrder::StressLast,
         ..Config::with_cell(cell)
     };
-    let fill = Fill::of([0.5 * cell], ([0.0], [1.0]), |_| true);
+    let fill = Fill::of([0.5 * cell], ([0.0], [1.0]), |_| true).unwrap();
     let mut body = Body::new(elastic(), &fill, [0.0]).unwrap();
     body.set_velocities(|[x]| [1e-4 * (-((x - 0.5) / 0.08).powi(2)).exp()]).unwrap();
     let mut simulation = Simulation::new(config, vec![body]).unwrap();

@@ -24,7 +24,7 @@ fn disks() -> Simulation<f64, 2> {
     let disk = |centre: f64, speed: f64| {
         let within = |x: &[f64; 2]| (x[0] - centre).hypot(x[1] - centre) < 0.2;
         let corner = |reach: f64| [centre + reach; 2];
-        let fill = Fill::of([0.0125; 2], (corner(-0.2), corner(0.2)), within);
+        let fill = Fill::of([0.0125; 2], (corner(-0.2), corner(0.2)), within).unwrap();
         Body::new(elastic(1000.0, 1000.0, 0.3), &fill, [speed; 2]).unwrap()
     };
     let config = Config { contact, viscosity: NO_VISCOSITY, ..Config::with_cell(0.025) };
@@ -66,7 +66,7 @@ const DURATION: f64 = 0.2;
 /// A block on a slab, both inclined by `angle`: what its mean velocity along the slab grows by, and its place less what the
 /// velocity at the beginning accounts for.
 fn slide(angle: f64, coefficient: f64) -> (f64, f64) {
-    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true);
+    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let slab = Body::new(elastic(1.0, 1e4, 0.0), &fill([0.0, 0.0], [4.0, 0.5]), [0.0; 2]).unwrap();
     let block = Body::new(elastic(1.0, 1e4, 0.0), &fill([1.0, 0.5], [2.0, 1.0]), [0.0; 2]).unwrap();
     let ground =
@@ -128,7 +128,7 @@ fn a_coefficient_below_zero_is_refused() {
         Config::<2> { contact: Contact::Friction { coefficient: -0.1 }, ..Config::with_cell(0.1) };
     let body = Body::new(
         elastic(1.0, 1.0, 0.0),
-        &Fill::of([0.1; 2], ([0.0; 2], [1.0; 2]), |_| true),
+        &Fill::of([0.1; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap(),
         [0.0; 2],
     );
     let error = Simulation::new(refused, vec![body.unwrap()]).unwrap_err();

@@ -69,7 +69,7 @@ fn clamped(axis: usize, position: f64, side: Side) -> Boundary {
 /// A bar between clamped ends in its first mode, `v = v_0 sin(pi x / L)`, after half a period.
 fn bar(shape: Shape, n_cells: u32) -> Simulation<f64, 1> {
     let cell = 1.0 / f64::from(n_cells);
-    let fill = Fill::of([0.5 * cell], ([0.0], [1.0]), |_| true);
+    let fill = Fill::of([0.5 * cell], ([0.0], [1.0]), |_| true).unwrap();
     let mut body = Body::new(rod(1.0), &fill, [0.0]).unwrap();
     body.set_velocities(|x| [1e-4 * (std::f64::consts::PI * x[0]).sin()]).unwrap();
     let config = Config {
@@ -104,7 +104,8 @@ fn a_clamped_bar_comes_back_with_the_opposite_velocity_at_second_order() {
 /// Two blocks that meet, in two dimensions.
 fn blocks<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
     let block = |low: [f64; 2], high: [f64; 2], velocity: [f64; 2]| {
-        Body::new(rod(scale), &Fill::of([0.05, 0.05], (low, high), |_| true), velocity).unwrap()
+        Body::new(rod(scale), &Fill::of([0.05, 0.05], (low, high), |_| true).unwrap(), velocity)
+            .unwrap()
     };
     let bodies = vec![
         block([0.0, -0.5], [1.0, 0.5], [0.2, 0.01]),
@@ -154,7 +155,7 @@ fn mass_and_momentum_are_kept_by_every_shape_order_and_transfer() {
 #[test]
 fn half_a_body_at_a_plane_of_symmetry_moves_as_the_whole_does() {
     let block = |low: f64| {
-        let fill = Fill::of([0.05, 0.05], ([0.0, low], [1.0, 0.5]), |_| true);
+        let fill = Fill::of([0.05, 0.05], ([0.0, low], [1.0, 0.5]), |_| true).unwrap();
         let mut body = Body::new(rod(1.0), &fill, [0.0; 2]).unwrap();
         body.set_velocities(|x| [0.1 * x[1] * x[1], -0.3 * x[1]]).unwrap();
         body
@@ -237,7 +238,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn an_axisymmetric_ring_that_expands_has_its_hoop_strain() {
     // A thin disk, clamped along its axis, every radius growing at the same rate: J = (1 + rate t)^2 for a while.
-    let fill = Fill::of([0.05, 0.05], ([1.0, 0.0], [1.5, 0.5]), |_| true);
+    let fill = Fill::of([0.05, 0.05], ([1.0, 0.0], [1.5, 0.5]), |_| true).unwrap();
     let mut body = Body::new(rod(1.0), &fill, [0.0; 2]).unwrap();
     body.set_velocities(|x| [0.1 * x[0], 0.0]).unwrap();
     let config = Config {
@@ -259,7 +260,7 @@ fn an_axisymmetric_ring_that_expands_has_its_hoop_strain() {
 
 #[test]
 fn what_cannot_be_is_refused_with_its_value() {
-    let fill = Fill::of([0.05], ([0.0], [1.0]), |_| true);
+    let fill = Fill::of([0.05], ([0.0], [1.0]), |_| true).unwrap();
     let body = || Body::new(rod(1.0), &fill, [0.0]).unwrap();
     let refused = |change: fn(&mut Config<1>)| {
         let mut config = Config::with_cell(0.1);

@@ -21,7 +21,7 @@ fn plateau<S: Number>(speed: f64, slope: S, change: impl FnOnce(&mut Config<1>))
     let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
     let mut config = Config { boundaries: vec![wall], ..Config::with_cell(0.1) };
     change(&mut config);
-    let fill = Fill::of([0.5 * config.cell], ([0.0], [8.0]), |_| true);
+    let fill = Fill::of([0.5 * config.cell], ([0.0], [8.0]), |_| true).unwrap();
     let body = Body::new(steel, &fill, [-speed]).unwrap();
     let mut simulation = Simulation::new(config, vec![body]).unwrap();
     simulation.advance_to(8.0).unwrap();

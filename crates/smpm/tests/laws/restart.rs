@@ -16,7 +16,7 @@ const UNITS: Units = Units::CM_G_US;
 
 /// Explosive between steel and water; `scale` is that of the yield stress.
 fn explosion<S: Stored>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
-    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true);
+    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let of = |_: &'static str, value| S::constant(value);
     let burn = Detonation { point: [0.5, 0.5, 0.0], cells: 2.0 };
     let tnt =
@@ -152,7 +152,7 @@ fn strip<M: Material<f64> + 'static>(material: M) -> Simulation<f64, 2>
 where
     M::State: 'static,
 {
-    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.3]), |_| true);
+    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.3]), |_| true).unwrap();
     let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
     body.set_velocities(|x| [0.02 * x[0], 0.01 * x[0] * x[0]]).unwrap();
     Simulation::new(Config::with_cell(0.1), vec![body]).unwrap()
@@ -214,7 +214,7 @@ impl Material<f64> for Silent {
 
 #[test]
 fn a_material_that_does_not_say_what_it_remembers_has_no_snapshot() {
-    let fill = Fill::of([0.1], ([0.0], [1.0]), |_| true);
+    let fill = Fill::of([0.1], ([0.0], [1.0]), |_| true).unwrap();
     let body = Body::new(Silent, &fill, [0.0]).unwrap();
     let simulation = Simulation::new(Config::with_cell(0.2), vec![body]).unwrap();
     assert_eq!(simulation.snapshot(vec![]).unwrap_err(), Error::MaterialNotStored { body: 0 });

@@ -32,7 +32,7 @@ impl Experiment<1, 3> for PlateImpact {
             viscosity: BulkViscosity { quadratic: 1.5, linear: 1.0 },
             ..Config::with_cell(0.1)
         };
-        let fill = Fill::of([0.05], ([0.0], [6.0]), |_| true);
+        let fill = Fill::of([0.05], ([0.0], [6.0]), |_| true).unwrap();
         Simulation::new(config, vec![Body::new(steel, &fill, [-self.speed])?])
     }
 }

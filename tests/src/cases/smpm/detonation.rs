@@ -54,12 +54,12 @@ fn charge<S: Number>(cell: f64, slope: Option<S>) -> Result<Simulation<S, 1>, Ca
     let tnt = library::tnt(UNITS).map(|_, value| <S as Scalar>::constant(value));
     let tnt = Solid { equation: Jwl::new(tnt, detonation)?, strength: Fluid };
     let fill = |from, to| Fill::of([0.5 * cell], ([from], [to]), |_| true);
-    let mut bodies = vec![Body::new(tnt, &fill(0.0, length), [velocity])?];
+    let mut bodies = vec![Body::new(tnt, &fill(0.0, length)?, [velocity])?];
     if let Some(slope) = slope {
         let steel = library::steel_equation(UNITS)
             .map(|name, value| if name == "s1" { slope } else { <S as Scalar>::constant(value) });
         let steel = Solid { equation: MieGruneisen::new(steel)?, strength: Fluid };
-        bodies.push(Body::new(steel, &fill(length, length + 4.0), [velocity])?);
+        bodies.push(Body::new(steel, &fill(length, length + 4.0)?, [velocity])?);
     }
     Ok(Simulation::new(config, bodies)?)
 }

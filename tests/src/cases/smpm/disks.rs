@@ -58,7 +58,7 @@ fn disks(config: Config<2>) -> Result<Simulation<f64, 2>, Error> {
     let disk = |centre: f64, speed: f64| {
         let within = |x: &[f64; 2]| (x[0] - centre).hypot(x[1] - centre) < RADIUS;
         let corners = ([centre - RADIUS; 2], [centre + RADIUS; 2]);
-        Body::new(material, &Fill::of([0.5 * config.cell; 2], corners, within), [speed; 2])
+        Body::new(material, &Fill::of([0.5 * config.cell; 2], corners, within)?, [speed; 2])
     };
     let bodies = vec![disk(0.2, SPEED)?, disk(0.8, -SPEED)?];
     let viscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };

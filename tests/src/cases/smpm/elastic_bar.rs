@@ -105,7 +105,7 @@ fn vibrate(config: &Config<1>, reference: &Vibration) -> Result<Vibrated, CaseEr
         poisson_ratio: 0.0,
     })?;
     let mode = |x: f64| (std::f64::consts::PI * x / (2.0 * length)).sin();
-    let fill = Fill::of([0.5 * config.cell], ([0.0], [length]), |_| true);
+    let fill = Fill::of([0.5 * config.cell], ([0.0], [length]), |_| true)?;
     let mut body = Body::new(material, &fill, [0.0])?;
     body.set_velocities(|x| [SPEED * mode(x[0])])?;
     let fixed = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Clamped };
@@ -187,7 +187,7 @@ fn strike(config: &Config<1>, reference: &WallImpact) -> Result<Struck, CaseErro
         young_modulus: 9.0 * k * g / (3.0 * k + g),
         poisson_ratio: (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g)),
     })?;
-    let fill = Fill::of([0.5 * config.cell], ([0.0], [1.0]), |_| true);
+    let fill = Fill::of([0.5 * config.cell], ([0.0], [1.0]), |_| true)?;
     let bar = Body::new(material, &fill, [-SPEED])?;
     let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Rigid };
     let config = Config { boundaries: vec![wall], viscosity: NO_VISCOSITY, ..config.clone() };
@@ -273,7 +273,7 @@ fn momentum(lines: &Lines<'_>, method: &Method) -> Result<Claim, CaseError> {
         poisson_ratio: 0.3,
     })?;
     let rod = |from: f64, to: f64, velocity: [f64; 2]| {
-        Body::new(material, &Fill::of([0.25; 2], ([from, 0.0], [to, 2.0]), |_| true), velocity)
+        Body::new(material, &Fill::of([0.25; 2], ([from, 0.0], [to, 2.0]), |_| true)?, velocity)
     };
     let bodies = vec![rod(0.0, 5.0, [0.3, 0.1])?, rod(5.5, 9.0, [-0.2, 0.0])?];
     let mut run = Simulation::new(method.config::<2>(0.5), bodies)?;

@@ -66,7 +66,7 @@ fn errors(tube: &Tube, n_cells: u32) -> Result<[f64; 2], CaseError> {
             stiffness: gas.stiffness,
             pressure: gas.pressure,
         })?;
-        let fill = Fill::of([0.5 * cell], ([from], [to]), |_| true);
+        let fill = Fill::of([0.5 * cell], ([from], [to]), |_| true)?;
         Ok(Body::new(Solid { equation, strength: Fluid }, &fill, [gas.velocity])?)
     };
     // Room for what moves, and walls that no wave reaches.

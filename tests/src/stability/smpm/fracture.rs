@@ -52,7 +52,7 @@ fn stretch(shape: Shape, transfer: Transfer, per_cell: f64) -> Result<Stretched,
         stiffness: 0.0,
         pressure: 1e-6,
     })?;
-    let fill = Fill::of([1.0 / per_cell], ([-20.0], [20.0]), |_| true);
+    let fill = Fill::of([1.0 / per_cell], ([-20.0], [20.0]), |_| true)?;
     let mut gas = Body::new(Solid { equation, strength: Fluid }, &fill, [0.0])?;
     gas.set_velocities(|x| *x)?;
     let config = Config::<1> { shape, transfer, ..Config::with_cell(1.0) };

@@ -1,0 +1,149 @@
+//! Whatever numbers come in, bodies, simulations and their first steps end in a result or a typed error: no panic, no hang, no memory
+//! beyond [`MOST_BYTES`]. `PROPTEST_CASES` says how many are tried.
+
+#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
+
+use std::alloc::System;
+
+use cap::Cap;
+use peridyn_sde::law::CriticalStretch;
+use peridyn_sde::{
+    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
+    Mobility, Network, Nodes, Program, Repulsion, Scheme, Simulation, SimulationConfig, Strain,
+    SurfaceCorrection, VolumeCorrection,
+};
+use proptest::prelude::*;
+use sde_integrators::Noise;
+
+/// An allocation beyond it ends the program.
+const MOST_BYTES: usize = 1 << 30;
+
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, MOST_BYTES);
+
+/// Lattices up to this are laid; larger ones take what they need, up to [`TOO_MANY`].
+const MOST_NODES: f64 = 300.0;
+/// Lattices beyond this must be refused.
+const TOO_MANY: f64 = 5e9;
+
+/// Any double: ordinary ones, those at the ends of the range, infinities and NaN.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        6 => 0.0..2.0,
+        2 => -10.0..10.0,
+        1 => any::<f64>(),
+        1 => prop::sample::select(vec![
+            0.0, -0.0, 1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN_POSITIVE,
+            5e-324, 1e-300, 1e300, -1e300,
+        ]),
+    ]
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    spacing: f64,
+    edge: f64,
+    thickness: f64,
+    shells: u32,
+    young_modulus: f64,
+    influence: Influence,
+}
+
+fn body() -> impl Strategy<Value = Body> {
+    let shells = prop_oneof![8 => 0_u32..4, 1 => any::<u32>()];
+    let edge = prop_oneof![4 => 2.0..8.0, 1 => number()];
+    let spacing = prop_oneof![4 => 0.5..1.5, 1 => number()];
+    let influence = prop::sample::select(Influence::ALL.to_vec());
+    (spacing, edge, number(), shells, number(), influence)
+        .prop_map(|(spacing, edge, thickness, shells, young_modulus, influence)| Body {
+            spacing,
+            edge,
+            thickness,
+            shells,
+            young_modulus,
+            influence,
+        })
+        .prop_filter("a lattice that is laid, and only slow", |body| {
+            !(MOST_NODES..TOO_MANY).contains(&(body.edge / body.spacing).abs().powi(2))
+        })
+}
+
+impl Body {
+    fn build(self) -> Result<(Nodes<2>, Bonds), peridyn_sde::Error> {
+        let condition = Condition::PlaneStress { thickness: self.thickness };
+        let nodes = Nodes::lattice(self.spacing, ([0.0; 2], [self.edge; 2]), condition, |_| true)?;
+        let config = BondConfig {
+            horizon: Horizon::of_shells(self.shells, self.spacing)?,
+            young_modulus: self.young_modulus,
+            influence: self.influence,
+            volume_correction: VolumeCorrection::Ramp,
+            surface_correction: SurfaceCorrection::None,
+        };
+        let bonds = Bonds::new(&nodes, &config)?;
+        Ok((nodes, bonds))
+    }
+}
+
+fn scheme() -> impl Strategy<Value = Scheme> {
+    prop_oneof![
+        Just(Scheme::EulerMaruyama),
+        Just(Scheme::LeimkuhlerMatthews),
+        Just(Scheme::Heun),
+        number().prop_map(Scheme::Theta),
+    ]
+}
+
+/// Mobility or density, temperature, friction.
+fn dynamics() -> impl Strategy<Value = (Option<Scheme>, [f64; 3])> {
+    (prop::option::of(scheme()), prop::array::uniform3(number()))
+}
+
+proptest! {
+    #[test]
+    fn a_plate_starts_or_says_why_not(
+        body in body(),
+        (scheme, [value, temperature, friction]) in dynamics(),
+        (dt, strength, confinement, rate) in (number(), number(), number(), number()),
+        (breaking, seed) in (prop::sample::select(vec![Breaking::AtEnds, Breaking::Bridge]), any::<u64>()),
+        repulsion in prop::option::of(prop::array::uniform4(number())),
+    ) {
+        let Ok((nodes, bonds)) = body.build() else { return Ok(()) };
+        let n = nodes.positions().len();
+        let free: Vec<bool> = (0..n).map(|node| node > 0).collect();
+        let dynamics = match scheme {
+            Some(scheme) => match Mobility::identity(&free, value) {
+                Ok(mobility) => Dynamics::Overdamped { mobility, temperature, scheme },
+                Err(_) => return Ok(()),
+            },
+            None => Dynamics::Inertial { density: value, friction, temperature },
+        };
+        let noise = Noise::new(seed);
+        let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
+        let loading = Loading::new(n).displace(&[0], [true; 2], [1.0, 0.0], Program::Linear { rate });
+        let Ok(loading) = loading else { return Ok(()) };
+        let strengths = vec![strength; bonds.len()];
+        if let Ok(network) =
+            Network::new(nodes.clone(), bonds.clone(), CriticalStretch, strengths.clone())
+            && let Ok(mut run) = Simulation::new(network, loading.clone(), config.clone(), [0])
+        {
+            // An error is an answer.
+            let _ = run.step();
+        }
+        let list = BondList::<f32, 2, 16>::new(nodes, bonds, Strain::Finite, &strengths);
+        let ids = std::array::from_fn(|lane| lane as u64);
+        if let Ok(list) = list
+            && let Ok(run) = Simulation::new(list, loading, config, ids)
+        {
+            let repelled = match repulsion {
+                Some([stiffness, horizon, rest_factor, spacing_factor]) => {
+                    run.with_repulsion(Repulsion { stiffness, horizon, rest_factor, spacing_factor })
+                }
+                None => Ok(run),
+            };
+            if let Ok(mut run) = repelled {
+                let _ = run.step();
+                prop_assert!(run.displacements(0).iter().flatten().all(|u| !u.is_nan()) || run.step().is_err());
+            }
+        }
+    }
+}

@@ -10,6 +10,8 @@ use crate::report::{Claim, ErrorKind};
 
 /// Begins the reason of a claim that is held to where it was seen.
 const BAND: &str = "as measured, ";
+/// Begins the reason of a Monte Carlo claim; a colon ends it.
+const BIAS_BOUND: &str = "bias bound ";
 
 /// A Monte Carlo claim passes within this many standard errors of its bias bound.
 pub const STANDARD_ERRORS: f64 = 4.0;
@@ -204,6 +206,13 @@ impl Claim {
         self.is_band() || self.reason.contains("not reached")
     }
 
+    /// The reason as the case gives it, without the numbers of a Monte Carlo claim before it.
+    #[must_use]
+    pub fn grounds(&self) -> &str {
+        let numbers = self.reason.strip_prefix(BIAS_BOUND).and_then(|rest| rest.split_once(": "));
+        numbers.map_or(&self.reason, |(_, grounds)| grounds)
+    }
+
     /// The part of the tolerance that the error takes; none without an error and a tolerance.
     #[must_use]
     pub fn used(&self) -> Option<f64> {
@@ -302,7 +311,7 @@ impl Criterion<'_> {
                     .then(|| "a Monte Carlo value without its standard error".into());
                 let objection = no_reason(reason).or(missing).or_else(|| beyond(error, tolerance));
                 let reason = format!(
-                    "bias bound {bias_bound} + {STANDARD_ERRORS} s.e. of {spread:.2e}: {reason}"
+                    "{BIAS_BOUND}{bias_bound} + {STANDARD_ERRORS} s.e. of {spread:.2e}: {reason}"
                 );
                 Verdict { tolerance, reason, objection }
             }

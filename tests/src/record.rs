@@ -44,16 +44,18 @@ pub enum RecordError {
         root: PathBuf,
     },
     /// The commit is not what runs.
-    #[error(
-        "{count} files are not as committed, the first is {first}: the recorded commit would be wrong"
-    )]
+    #[error("not as committed: {first}{}; the recorded commit would be wrong", more(*.rest))]
     #[diagnostic(help("commit them or put them away; what lies in docs may differ"))]
     Uncommitted {
-        /// How many.
-        count: usize,
         /// The first of them.
         first: String,
+        /// How many others.
+        rest: usize,
     },
+}
+
+fn more(rest: usize) -> String {
+    if rest == 0 { String::new() } else { format!(" and {rest} more") }
 }
 
 /// How the program was built.
@@ -115,7 +117,7 @@ fn check(
     match uncommitted.first() {
         None => Ok(()),
         Some(first) => {
-            Err(RecordError::Uncommitted { count: uncommitted.len(), first: first.clone() })
+            Err(RecordError::Uncommitted { first: first.clone(), rest: uncommitted.len() - 1 })
         }
     }
 }
@@ -146,7 +148,7 @@ mod tests {
         let error = checked(Profile::Full, Release, Some(&["tests/src/claim.rs", "b"]));
         assert_eq!(
             error.unwrap_err().to_string(),
-            "2 files are not as committed, the first is tests/src/claim.rs: the recorded commit would be wrong"
+            "not as committed: tests/src/claim.rs and 1 more; the recorded commit would be wrong"
         );
     }
 

@@ -146,6 +146,16 @@ fn the_part_of_a_tolerance_that_the_error_takes() {
 }
 
 #[test]
+fn the_grounds_of_a_monte_carlo_claim_are_without_its_numbers() {
+    let (measured, reference) = (Measured::sampled(1.0, 0.1), Reference::exact(1.0));
+    let criterion = Criterion::MonteCarlo { bias_bound: 0.01, reason: "step: 0.1" };
+    let claim = Claim::judge(subject(), ErrorKind::Absolute, measured, reference, criterion);
+    assert!(claim.reason.starts_with("bias bound 0.01 + 4 s.e."), "{}", claim.reason);
+    assert_eq!(claim.grounds(), "step: 0.1");
+    assert_eq!(within(ErrorKind::Absolute, 1.0, 1.0, 0.1).grounds(), WHY);
+}
+
+#[test]
 fn bands_and_missed_aims_fall_short() {
     let band = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
     assert!(band.is_band() && band.falls_short());

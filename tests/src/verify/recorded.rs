@@ -12,7 +12,7 @@ use crate::report::{CaseRecord, Claim, Report};
 
 const HOW_TO_READ: &str = "How to read it. A claim holds if its error is within its tolerance, if it is within its bias bound and four \
 standard errors, or, where a method is known to be wrong, if the error is where it was seen: a *band*. *used* is the part of the \
-tolerance that the error takes. A case of many claims shows the worst of each family, the worst first, and *of* how many; what \
+tolerance that the error takes. A case of many claims shows the worst of each quantity and reason, the worst first, and *of* how many; what \
 failed, is a band or misses an aim comes before them and is all there. *by* and *why* are numbers in the lists below a table. CPU \
 time is that of all threads; what several cases share is counted in the first that asks.\n";
 

@@ -1,7 +1,7 @@
 //! The rows of a case: all claims where they are few, the worst of each family where they are many.
 
 use crate::markdown::{self, text};
-use crate::number;
+use crate::number::{self, counted};
 use crate::report::{CaseRecord, Claim, ErrorKind};
 
 /// Of more claims than this the worst are shown.
@@ -72,22 +72,19 @@ fn shown(case: &CaseRecord) -> (Vec<Shown<'_>>, Option<String>) {
     let n_rest: usize = rest.iter().map(|shown| shown.count).sum();
     let left_out = rest.first().map(|worst| {
         let used = percent(worst.claim.used());
-        format!("{n_rest} more in {} families, of which the worst used {used}", rest.len())
+        let (n_rest, n_families) = (counted(n_rest, "claim"), rest.len());
+        format!("{n_rest} more, of {n_families} quantities or reasons; the worst used {used}")
     });
     (families, left_out)
 }
 
-/// The worst claim of each family in the order in which they begin: what differs in the last part of its id alone, with one
-/// method and one way to take the error. A claim that failed or falls short stands for itself.
+/// The worst claim of each family, in the order in which they begin: one quantity, held for one reason, whatever the method.
+/// A claim that failed or falls short stands for itself.
 fn families(claims: &[Claim]) -> Vec<Shown<'_>> {
     let mut families: Vec<Shown<'_>> = Vec::new();
     for claim in claims {
-        let is_of = |shown: &&mut Shown<'_>| {
-            shown.claim.error_kind == claim.error_kind
-                && shown.claim.method == claim.method
-                && parent(&shown.claim.id) == parent(&claim.id)
-                && urgency(shown.claim) <= 1.0
-        };
+        let is_of =
+            |shown: &&mut Shown<'_>| is_family(shown.claim, claim) && urgency(shown.claim) <= 1.0;
         let family = if urgency(claim) > 1.0 { None } else { families.iter_mut().find(is_of) };
         match family {
             Some(shown) => {
@@ -102,8 +99,9 @@ fn families(claims: &[Claim]) -> Vec<Shown<'_>> {
     families
 }
 
-fn parent(id: &str) -> &str {
-    id.rsplit_once('/').map_or(id, |(parent, _)| parent)
+fn is_family(a: &Claim, b: &Claim) -> bool {
+    let same_measure = a.error_kind == b.error_kind && a.unit == b.unit;
+    same_measure && a.quantity == b.quantity && a.grounds() == b.grounds()
 }
 
 /// Failed claims come before those that fall short, these before those that hold, and of these the one that used most of its
@@ -140,7 +138,11 @@ fn cells(claim: &Claim, case_id: &str) -> Vec<String> {
 }
 
 fn percent(used: Option<f64>) -> String {
-    used.map_or_else(|| "-".to_owned(), |used| format!("{:.0} %", 100.0 * used))
+    match used {
+        None => "-".to_owned(),
+        Some(used) if used > 0.0 && used < 0.01 => "under 1 %".to_owned(),
+        Some(used) => format!("{:.0} %", 100.0 * used),
+    }
 }
 
 /// The number of `words` in `list`, which takes them in if they are new.

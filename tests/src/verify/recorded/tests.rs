@@ -80,7 +80,11 @@ fn a_claim_stands_with_value_reference_tolerance_reason_verdict_and_command() {
 #[test]
 fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or_falls_short() {
     let family = |k: u32| {
-        (0..3).map(move |t| claim(&format!("moment-{k}/t{t}"), 0.01 * f64::from(10 * k + t)))
+        (0..3).map(move |t| {
+            let claim = claim(&format!("moment-{k}/t{t}"), 0.01 * f64::from(10 * k + t));
+            // By another method each, and of one quantity.
+            Claim { quantity: format!("moment {k}"), method: format!("method {t}"), ..claim }
+        })
     };
     let mut claims: Vec<Claim> = (0..8).flat_map(family).collect();
     // Of one family, and yet all there.
@@ -100,7 +104,7 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
     assert_eq!(names.len(), MOST_ROWS);
     assert!(page.contains("| moment-7/t2 | 3 |"), "{page}");
     assert!(
-        page.contains("18 more in 6 families, of which the worst used 52 %: `cargo xtask verify self-check/page --json FILE` has all."),
+        page.contains("18 claims more, of 6 quantities or reasons; the worst used 52 %: `cargo xtask verify self-check/page --json FILE` has all."),
         "{page}"
     );
 }
@@ -109,7 +113,7 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
 fn what_falls_short_is_never_left_out() {
     let page = page("recorded-bands", (0..20).map(|t| band(&format!("paper/t{t}"))).collect());
     assert_eq!(page.matches("| band |").count(), 20);
-    assert!(!page.contains("more in"), "{page}");
+    assert!(!page.contains("claims more"), "{page}");
 }
 
 /// Writes the page of a report for the eye: `SAMPLE_FOLDER=dir cargo test -p verification recorded`, where `dir` has its `report.json`.

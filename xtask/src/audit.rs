@@ -36,7 +36,7 @@ struct Check {
     plan: fn(&Surroundings) -> Plan,
 }
 
-const CHECKS: [Check; 8] = [
+const CHECKS: [Check; 10] = [
     Check {
         name: "deny",
         purpose: "licences, sources, bans and advisories of all dependencies",
@@ -66,6 +66,18 @@ const CHECKS: [Check; 8] = [
         purpose: "tests of the small crates notice changed code",
         tool: Some("mutants"),
         plan: plans::mutants,
+    },
+    Check {
+        name: "any-input",
+        purpose: "a million inputs of each kind make no solver panic, hang or eat memory",
+        tool: None,
+        plan: plans::any_input,
+    },
+    Check {
+        name: "resume",
+        purpose: "runs killed 52 times go on to the same bits",
+        tool: None,
+        plan: plans::resume,
     },
     Check {
         name: "fuzz",

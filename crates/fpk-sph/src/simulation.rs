@@ -108,6 +108,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let combination = config.method.combination_in(D);
         combination.check()?;
         positive("reference_period", config.reference_period)?;
+        // Shorter periods have no shortest step.
+        positive("a millionth of reference_period", COLLAPSED_STEP * config.reference_period)?;
         estimator.check_resolution(combination.support_over_spacing)?;
         let start = Start::new(law, &config.lattice)?;
         let spacing = initial_spacing(&start, combination.metric)?;

@@ -3,7 +3,7 @@
 use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 
-use crate::error::{Error, positive};
+use crate::error::{Error, finite, positive};
 use crate::metric::{Metric, Whitening};
 
 /// The lattice on which the particles start, centred on the mean of the initial law.
@@ -96,7 +96,9 @@ impl<const D: usize> Start<D> {
                 dimension: D,
             });
         }
-        Ok(Self::on(&map, lattice, law))
+        let start = Self::on(&map, lattice, law);
+        finite("the sum of the masses on the lattice", start.masses.iter().sum())?;
+        Ok(start)
     }
 
     fn on(map: &Whitening<D>, lattice: Lattice<D>, law: &GaussianMixture<D>) -> Self {

@@ -62,6 +62,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let part = 1.0 - (-report.dt / (SETTLING_PERIODS * self.reference_period)).exp();
         let Stages { x, k: [before, ..], .. } = &mut self.stages;
         self.field.estimator.settle(x, before, part);
+        check_finite(x, &[], (self.state.n_steps, report.time))?;
         self.state.positions.copy_from_slice(x);
         self.state.update_smoothing_lengths(&self.stages.volume);
         self.state.n_steps += 1;

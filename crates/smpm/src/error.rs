@@ -68,6 +68,16 @@ pub enum Error {
         /// The limit.
         limit: u32,
     },
+    /// A particle too many cells from the origin of the grid for its nodes to have numbers.
+    #[error(
+        "a particle stands at node {node} along an axis, or beyond; nodes have numbers to {limit} on either side of the origin"
+    )]
+    FarFromOrigin {
+        /// Its node; the end of the range where it has none.
+        node: i32,
+        /// The limit.
+        limit: i32,
+    },
     /// A simulation without bodies.
     #[error("there is no body; at least one is needed")]
     NoBody,

@@ -120,7 +120,8 @@ impl ShapeFunction for CubicBSpline {
 
     #[inline(always)]
     fn base(s: f64, _: f64) -> i32 {
-        floor(s) - 1
+        // Round the end of the type it is as far away, and refused.
+        floor(s).wrapping_sub(1)
     }
 
     #[inline(always)]

@@ -110,6 +110,9 @@ pub(crate) fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
     tile
 }
 
+/// Nodes of blocks and halos around it still have numbers.
+const FARTHEST_NODE: i32 = i32::MAX / 2;
+
 /// A length within a block: far below the range of the type.
 #[inline(always)]
 pub(crate) fn signed(length: usize) -> i32 {
@@ -180,6 +183,13 @@ impl<const D: usize> Tiles<D> {
             for k in 0..D {
                 low[k] = low[k].min(base[k]);
                 high[k] = high[k].max(base[k]);
+            }
+        }
+        // A place too far away for a number ends up at the ends of the type.
+        for (&low, &high) in low.iter().zip(&high) {
+            let farthest = if i64::from(high) > -i64::from(low) { high } else { low };
+            if low <= high && i64::from(farthest).abs() > i64::from(FARTHEST_NODE) {
+                return Err(Error::FarFromOrigin { node: farthest, limit: FARTHEST_NODE });
             }
         }
         // One more tile above: halos belong to it.

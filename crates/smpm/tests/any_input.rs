@@ -99,8 +99,11 @@ fn config() -> impl Strategy<Value = Config<2>> {
 }
 
 fn fill() -> impl Strategy<Value = ([f64; 2], [f64; 2], [f64; 2])> {
-    let pair = prop::array::uniform2::<_>;
-    (pair(factor()), pair(number()), pair(number()))
+    (
+        prop::array::uniform2(factor()),
+        prop::array::uniform2(number()),
+        prop::array::uniform2(number()),
+    )
         .prop_map(|(spacing, low, size)| {
             (spacing.map(|s| 0.5 * s), low, [low[0] + 3.0 * size[0], low[1] + 3.0 * size[1]])
         })

@@ -40,8 +40,16 @@ pub(super) fn mutants(_: &Surroundings) -> Plan {
     start("cargo mutants --output target", &packages(&SMALL_CRATES.map(str::to_owned)))
 }
 
+pub(super) fn any_input(_: &Surroundings) -> Plan {
+    start("cargo --config env.PROPTEST_CASES='1000000' test --release --test any_input", &[])
+}
+
+pub(super) fn resume(_: &Surroundings) -> Plan {
+    start("cargo xtask verify run/resume --full", &[])
+}
+
 pub(super) fn fuzz(_: &Surroundings) -> Plan {
-    Plan::Skip("there are no fuzz targets yet".to_owned())
+    Plan::Skip("there are no targets of cargo-fuzz yet; `any-input` is what there is".to_owned())
 }
 
 pub(super) fn msrv(surroundings: &Surroundings) -> Plan {

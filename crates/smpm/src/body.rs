@@ -86,7 +86,8 @@ impl<const D: usize> Fill<D> {
             std::array::from_fn(|k| ((high[k] - low[k]) / spacing[k]).round().max(0.0));
         let (value, limit) = (along.iter().product::<f64>(), Self::MOST_PLACES);
         // A product that is no number has a factor beyond all limits.
-        if value.is_nan() || value > limit as f64 || along.iter().any(|&n| n > limit as f64) {
+        if value.is_nan() || value > f64::from(limit) || along.iter().any(|&n| n > f64::from(limit))
+        {
             return Err(Error::TooManyPlaces { value, limit });
         }
         #[allow(

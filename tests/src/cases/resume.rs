@@ -1,4 +1,4 @@
-//! What is claimed of runs that were killed: that they go on to the same bits.
+//! What is claimed of runs that were killed, were shorter, or were divided: that they come to the same bits.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,13 +10,12 @@ use sde_integrators::{Noise, Purpose};
 use serde_json::{Value, json};
 
 use crate::case::{Case, CaseError, Context, Profile};
-use crate::checkpoint::Start;
-use crate::claim::{Criterion, Measured, Reference};
+use crate::claim::{Criterion, Measured, Reference, Subject};
 use crate::report::{Claim, ErrorKind};
 
 pub(super) const CASE: Case = Case {
     id: "run/resume",
-    title: "Runs of scenes that are killed at random moments and go on from their checkpoint",
+    title: "Runs of scenes that are killed at random moments, made longer, or divided into shards",
     source: "a run of the same scene that nobody disturbs",
     cost: Profile::Default,
     run,
@@ -35,8 +34,14 @@ struct Scene {
     name: &'static str,
     text: &'static str,
     /// JSON pointers and what stands there instead.
-    changes: Vec<(&'static str, Value)>,
+    changes: Vec<Change>,
+    /// What makes it shorter, where a longer run goes on from a shorter one.
+    shorter: Option<Change>,
+    /// Whether it can be divided.
+    shards: bool,
 }
+
+type Change = (&'static str, Value);
 
 fn scenes() -> Vec<Scene> {
     let damper = include_str!("../../scenes/fpk/viscous_damper.json");
@@ -52,16 +57,22 @@ fn scenes() -> Vec<Scene> {
                 ("/planes", json!({ "states": [["q", "v"]], "times": [1, 2] })),
                 ("/cloud", json!({ "every_observations": 10 })),
             ],
+            shorter: Some(("/times/until", json!(3))),
+            shards: false,
         },
         Scene {
             name: "paths",
             text: damper,
             changes: vec![("/method", json!({ "monte_carlo": sampled }))],
+            shorter: None,
+            shards: true,
         },
         Scene {
             name: "samples-of-a-plate",
             text: include_str!("../../scenes/smpm/plate_impact.json"),
             changes: vec![("/method", json!({ "monte_carlo": judge }))],
+            shorter: Some(("/method/monte_carlo/samples", json!(150))),
+            shards: true,
         },
         Scene {
             name: "cracks",
@@ -69,24 +80,26 @@ fn scenes() -> Vec<Scene> {
             changes: vec![
                 ("/ensemble/realisations", json!(32)),
                 ("/time/steps", json!(600)),
-                ("/output/vtu", json!([0, 20])),
+                ("/output/vtu", json!([0, 12])),
             ],
+            shorter: Some(("/ensemble/realisations", json!(20))),
+            shards: true,
         },
     ]
 }
 
 impl Scene {
-    /// The scene as a file in a folder.
-    fn write(&self, folder: &Path) -> Result<PathBuf, CaseError> {
+    /// The scene, with one more change, as a file in a folder.
+    fn write(&self, folder: &Path, more: Option<&Change>) -> Result<PathBuf, CaseError> {
         let mut scene: Value = serde_json::from_str(self.text)?;
-        for (pointer, value) in &self.changes {
+        for (pointer, value) in self.changes.iter().chain(more) {
             let (parent, key) = pointer.rsplit_once('/').ok_or("a pointer without a key")?;
             let object = scene.pointer_mut(parent).and_then(Value::as_object_mut);
-            object
-                .ok_or_else(|| format!("no object at {parent}"))?
-                .insert(key.into(), value.clone());
+            let object = object.ok_or_else(|| format!("no object at {parent}"))?;
+            object.insert(key.into(), value.clone());
         }
-        let path = folder.join(format!("{}.json", self.name));
+        let end = if more.is_some() { "-shorter" } else { "" };
+        let path = folder.join(format!("{}{end}.json", self.name));
         crate::output::write_json(&path, &scene)?;
         Ok(path)
     }
@@ -97,65 +110,132 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let claims = scenes()
         .iter()
         .enumerate()
-        .map(|(number, scene)| killed(context, scene, (number as u64, &folder)))
+        .map(|(number, scene)| of_scene(context, scene, (number as u64, &folder)))
         .collect::<Result<Vec<_>, _>>();
     std::fs::remove_dir_all(&folder)?;
     Ok(claims?.concat())
 }
 
-/// A scene undisturbed, and killed.
-fn killed(
+/// A scene undisturbed, and what else comes to the same.
+fn of_scene(
     context: &Context<'_>,
     scene: &Scene,
     (number, folder): (u64, &Path),
 ) -> Result<Vec<Claim>, CaseError> {
-    let file = scene.write(folder)?;
+    let file = scene.write(folder, None)?;
     let undisturbed = folder.join(format!("{}-undisturbed", scene.name));
     let start = Instant::now();
-    finish(started(&file, &undisturbed, Start::Anew)?)?;
-    let duration = start.elapsed();
-    let expected = outcome(&undisturbed)?;
-    let mut moments = Noise::new(2026).stream(Purpose::MarkovChain, number);
-    let (mut different, mut compared, mut n_resumed) = (0, 0, 0_u32);
-    let n = n_kills(context.profile);
-    for kill in 0..n {
-        context.progress(&format!("{}: kill {} of {n}", scene.name, kill + 1));
-        let out = folder.join(format!("{}-{kill}", scene.name));
-        kill_at_random(&file, &out, duration.mul_f64(0.8 * moments.next_uniform()))?;
-        let told = finish(started(&file, &out, Start::GoOn)?)?;
-        n_resumed += u32::from(told.contains("goes on from"));
-        let found = outcome(&out)?;
-        different += expected.symmetric_difference(&found).count();
-        compared += expected.len();
-        std::fs::remove_dir_all(&out)?;
-    }
-    let subject = |name: &str, quantity: &str| {
-        context.subject(&format!("{}/{name}", scene.name), quantity, "", "SIGKILL, then --resume")
+    finish(started(&file, &undisturbed, &[])?)?;
+    let of = Undisturbed {
+        context,
+        scene,
+        folder,
+        file,
+        duration: start.elapsed(),
+        entries: outcome(&undisturbed)?,
     };
-    Ok(vec![
-        Claim::same_bits(
-            subject("bits", "entries of results and files of series that differ"),
-            different,
-            compared,
-            "a checkpoint holds all that the numbers of a run depend on",
-        ),
-        Claim::judge(
-            subject("resumed", "runs that were killed and went on from a checkpoint"),
-            ErrorKind::Absolute,
-            Measured::exact(f64::from(n_resumed)),
-            Reference::exact(f64::from(n)),
-            Criterion::Within { tolerance: 0.0, reason: "a kill is repeated until it hits a run" },
-        ),
-    ])
+    let mut claims = of.killed(number)?;
+    if let Some(shorter) = &scene.shorter {
+        claims.push(of.longer(shorter)?);
+    }
+    if scene.shards {
+        claims.push(of.divided()?);
+    }
+    Ok(claims)
+}
+
+/// A run that nobody disturbed.
+struct Undisturbed<'a> {
+    context: &'a Context<'a>,
+    scene: &'a Scene,
+    folder: &'a Path,
+    file: PathBuf,
+    duration: Duration,
+    entries: BTreeSet<String>,
+}
+
+impl Undisturbed<'_> {
+    fn out(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("{}-{name}", self.scene.name))
+    }
+
+    fn subject(&self, name: &str, quantity: &str, method: &str) -> Subject {
+        self.context.subject(&format!("{}/{name}", self.scene.name), quantity, "", method)
+    }
+
+    /// Entries that are not in both.
+    fn n_different(&self, out: &Path) -> Result<usize, CaseError> {
+        Ok(self.entries.symmetric_difference(&outcome(out)?).count())
+    }
+
+    fn same(&self, name: &str, method: &str, different: usize, runs: usize, reason: &str) -> Claim {
+        let quantity = "entries of results and files of series that differ";
+        let subject = self.subject(name, quantity, method);
+        Claim::same_bits(subject, different, runs * self.entries.len(), reason)
+    }
+
+    fn killed(&self, number: u64) -> Result<Vec<Claim>, CaseError> {
+        let mut moments = Noise::new(2026).stream(Purpose::MarkovChain, number);
+        let (mut different, mut n_resumed) = (0, 0_u32);
+        let n = n_kills(self.context.profile);
+        for kill in 1..=n {
+            self.context.progress(&format!("{}: kill {kill} of {n}", self.scene.name));
+            let out = self.out("killed");
+            kill_at_random(&self.file, &out, self.duration.mul_f64(0.8 * moments.next_uniform()))?;
+            let told = finish(started(&self.file, &out, &["--resume"])?)?;
+            n_resumed += u32::from(told.contains("goes on from"));
+            different += self.n_different(&out)?;
+        }
+        let (method, reason) =
+            ("SIGKILL, --resume", "a checkpoint holds all that the numbers of a run depend on");
+        Ok(vec![
+            self.same("killed", method, different, n as usize, reason),
+            Claim::judge(
+                self.subject("resumed", "runs that went on from a checkpoint", method),
+                ErrorKind::Absolute,
+                Measured::exact(f64::from(n_resumed)),
+                Reference::exact(f64::from(n)),
+                Criterion::Within {
+                    tolerance: 0.0,
+                    reason: "a kill is repeated until it hits a run",
+                },
+            ),
+        ])
+    }
+
+    /// A shorter run, and the rest of it.
+    fn longer(&self, shorter: &Change) -> Result<Claim, CaseError> {
+        let (file, out) = (self.scene.write(self.folder, Some(shorter))?, self.out("longer"));
+        finish(started(&file, &out, &[])?)?;
+        finish(started(&self.file, &out, &["--resume"])?)?;
+        let reason = "the end of a scene changes nothing before it";
+        Ok(self.same("longer", "a shorter run, --resume", self.n_different(&out)?, 1, reason))
+    }
+
+    /// Two shards, joined in the wrong order.
+    fn divided(&self) -> Result<Claim, CaseError> {
+        let (shards, out) = (self.out("shards"), self.out("merged"));
+        for shard in ["1/2", "2/2"] {
+            finish(started(&self.file, &shards, &["--shard", shard])?)?;
+        }
+        let mut merge = Command::new(std::env::current_exe()?);
+        merge.arg("merge").arg(&self.file).arg(shards.join("shard-2-of-2.bin"));
+        merge.arg(shards.join("shard-1-of-2.bin")).arg("--out").arg(&out);
+        finish(piped(merge)?)?;
+        let reason = "realisations do not know of each other, and sums have one shape";
+        Ok(self.same("merged", "two shards, merge", self.n_different(&out)?, 1, reason))
+    }
 }
 
 /// This program, at a scene.
-fn started(scene: &Path, out: &Path, start: Start) -> Result<Child, CaseError> {
+fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
     let mut command = Command::new(std::env::current_exe()?);
-    command.arg("run").arg(scene).arg("--out").arg(out).args(["--checkpoint-every", "0"]);
-    if start == Start::GoOn {
-        command.arg("--resume");
-    }
+    command.arg("run").arg(scene).arg("--out").arg(out);
+    command.args(["--checkpoint-every", "0"]).args(more);
+    piped(command)
+}
+
+fn piped(mut command: Command) -> Result<Child, CaseError> {
     Ok(command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
 }
 
@@ -175,7 +255,7 @@ fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> Result<(), CaseE
         if out.exists() {
             std::fs::remove_dir_all(out)?;
         }
-        let mut child = started(scene, out, Start::Anew)?;
+        let mut child = started(scene, out, &[])?;
         // Nobody reads what it tells, and a full pipe would hold it up.
         drop(child.stderr.take());
         let mut running = true;

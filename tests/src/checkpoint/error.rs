@@ -9,7 +9,7 @@ pub enum CheckpointError {
     /// There are files, and none can be gone on from.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     #[diagnostic(help(
-        "a checkpoint is not needed: without --resume a run starts anew and writes over it"
+        "without --resume a run starts anew and writes over its checkpoint; shards are joined by the scene that made them"
     ))]
     Refused(Vec<Refusal>),
     /// A part that is not what its name says.

@@ -10,10 +10,11 @@ use std::path::PathBuf;
 
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
-use sde_integrators::{Accumulator, Noise, Uncertainty};
+use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Record, RunResult, WorkRecord};
 use crate::machine::{Machine, commit};
+use crate::number::with_uncertainty;
 use crate::output::write_json;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
@@ -116,15 +117,8 @@ fn load_words(run: &CrackRun) -> String {
     for load in run.records.iter().filter_map(|record| record.failure_load) {
         loads.push(load);
     }
-    match loads.estimate() {
-        Ok(estimate) => match estimate.uncertainty {
-            Uncertainty::StandardError(error) => {
-                format!("failure load {:.4} +- {:.1e} N", estimate.value, error)
-            }
-            _ => format!("failure load {:.4} N", estimate.value),
-        },
-        Err(_) => String::new(),
-    }
+    let Ok(load) = loads.estimate() else { return String::new() };
+    format!("failure load {} N", with_uncertainty(Some(load.value), load.standard_error()))
 }
 
 fn write(

@@ -9,6 +9,7 @@ use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
+use crate::number::with_uncertainty;
 use crate::scenes::{Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
@@ -253,10 +254,8 @@ fn words<const D: usize, const N: usize>(
     let last = plan.n_responses().saturating_sub(1);
     let Ok(moments) = so_far.raw(last) else { return String::new() };
     let (gauge, quantity, _) = plan.parts(last);
-    let error =
-        error_of(&moments.mean).map_or_else(String::new, |error| format!(" +- {error:.1e}"));
-    let name = &plan.gauges[gauge].name;
-    format!("{} at {name} {:.4e}{error}", plan.quantities[quantity], moments.mean.value)
+    let mean = with_uncertainty(Some(moments.mean.value), error_of(&moments.mean));
+    format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
 }
 
 fn error_of(estimate: &Estimate) -> Option<f64> {

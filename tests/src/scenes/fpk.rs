@@ -1,13 +1,14 @@
 //! Runs a density scene: two resolutions for the error, or Monte Carlo with its standard error.
 
 mod pictures;
+mod sampled;
 #[cfg(test)]
 mod tests;
 mod two_resolutions;
 
 use std::path::PathBuf;
 
-use sde_integrators::{Estimate, GaussianMixture, Sde, Uncertainty};
+use sde_integrators::{GaussianMixture, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::chart::{Line, Scale, TimeSeries, Words};
@@ -15,7 +16,7 @@ use crate::charts::Drawing;
 use crate::checkpoint::Checkpoint;
 use crate::fpk::density::{self, Asked, DensityRun, Erased, Exceedances, Reached, Row, Standing};
 use crate::fpk::method_scene::MethodScene;
-use crate::fpk::monte_carlo::{self, SampledSoFar, Sampling};
+use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
@@ -24,6 +25,7 @@ use crate::output::write_json;
 use crate::scene::SceneFile;
 use crate::scenes::{Part, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
+use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
 
 pub(crate) const KIND: SceneKind =
@@ -396,82 +398,6 @@ fn series(both: &TwoResolutions, scene: &FpkScene, system: &SceneSystem) -> Vec<
     all
 }
 
-/// Sampled paths.
-struct Sampled<'a> {
-    scene: &'a FpkScene,
-    system: &'a SceneSystem,
-    sampling: Sampling,
-    run: &'a Run<'a>,
-}
-
-/// Paths of one shard, about: enough for every thread to have some of its blocks.
-const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
-/// What a checkpoint calls the shards that are done.
-const SHARDS: &str = "shards";
-
-impl Visitor for Sampled<'_> {
-    type Output = Result<Outcome, RunError>;
-
-    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let Self { scene, system: named, sampling, run } = self;
-        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
-        let so_far = match run.part() {
-            Part::Merged(files) => {
-                let mut all = SampledSoFar::default();
-                for shard in run.read_shards(scene, files)? {
-                    all.append(shard);
-                }
-                all
-            }
-            Part::Whole | Part::Shard(_) => {
-                let checkpoint = run.checkpoint(scene, &["/title"])?;
-                let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
-                // Shards that are run apart are whole numbers of those that are run one after the other.
-                let parts = match run.part() {
-                    Part::Shard(place) => place.n_shards(),
-                    Part::Whole | Part::Merged(_) => 1,
-                };
-                let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
-                let (range, n_shards) = (run.range(each * parts), each * parts);
-                let n = range.end - range.start;
-                let shards = (range, n_shards);
-                monte_carlo::sample(system, &law, &sampling, &asked, shards, past, |so_far| {
-                    run.progress.at((so_far.n_shards(), n), "shards of paths");
-                    if so_far.n_shards() == n || checkpoint.is_due() {
-                        checkpoint.keep(SHARDS, so_far)?;
-                    }
-                    Ok::<(), RunError>(())
-                })?
-            }
-        };
-        if let Part::Shard(place) = run.part() {
-            let files = vec![run.write_shard(scene, *place, &so_far)?];
-            return Ok(Outcome { files, ..Outcome::default() });
-        }
-        let run = so_far.run(&asked)?;
-        let values = |pick: &dyn Fn(&monte_carlo::SampledRow) -> Estimate| -> Vec<Observed> {
-            run.rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
-        };
-        let series = |id, quantity, values| Series { id, quantity, unit: "", values };
-        let mut quantities = Vec::new();
-        for (k, powers) in scene.moments.iter().enumerate() {
-            let (id, quantity) = (moment_id(powers), moment_words(powers, named.states()));
-            quantities.push(series(id, quantity, values(&|row| row.moments[k])));
-        }
-        for (k, threshold) in scene.thresholds.iter().enumerate() {
-            let quantity = format!("P(|{}| > {threshold})", asked.demand.name);
-            let id = format!("exceedance/{threshold}");
-            quantities.push(series(id, quantity, values(&|row| row.exceedances[k])));
-        }
-        let work = WorkRecord {
-            path_steps: u64::try_from(run.path_steps).ok(),
-            cpu_seconds: run.cpu_seconds,
-            ..WorkRecord::default()
-        };
-        Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
-    }
-}
-
 /// `moment/2-0`.
 fn moment_id(powers: &[u32]) -> String {
     let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
@@ -487,15 +413,6 @@ fn moment_words(powers: &[u32], states: &[&str]) -> String {
     };
     let factors: Vec<String> = states.iter().zip(powers).filter_map(factor).collect();
     format!("E[{}]", factors.join(" "))
-}
-
-fn sampled_value(t: f64, estimate: Estimate) -> Observed {
-    let (error, error_kind) = match estimate.uncertainty {
-        Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
-        Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
-        Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
-    };
-    Observed { t, value: estimate.value, error, error_kind, note: None }
 }
 
 /// The name of what exceeds the thresholds.

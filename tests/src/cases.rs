@@ -2,6 +2,7 @@
 //!
 //! A case is one file here and one line in [`ALL`].
 
+mod advice;
 mod fpk;
 mod lines;
 mod neighbour_search;
@@ -107,4 +108,5 @@ pub const ALL: &[Case] = &[
     sde_ensembles::first_passage::CASE,
     sde_ensembles::rare_events::CASE,
     resume::CASE,
+    advice::CASE,
 ];

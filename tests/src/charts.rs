@@ -5,8 +5,10 @@
 pub(crate) mod fpk;
 mod fpk_choice;
 mod kernels;
+mod models;
 mod overview;
 mod peridyn;
+mod scenes;
 mod sde;
 mod smpm;
 mod smpm_fields;
@@ -39,7 +41,11 @@ pub const ALL: &[ChartKind] = &[
     smpm_scheme::CHART,
     smpm_fields::CHART,
     peridyn::CHART,
+    scenes::CHART,
 ];
+
+/// Every page of `chart --ladder`.
+pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 
 /// Every sweep of `stability`.
 pub const STABILITY: &[ChartKind] = &[

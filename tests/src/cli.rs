@@ -11,7 +11,7 @@ use verification::case::Profile;
 use verification::checkpoint::Start;
 use verification::record::Recording;
 use verification::scenes::Part;
-use verification::{cases, charts, output, scenes, schema, verify};
+use verification::{advise, cases, charts, output, scenes, schema, verify};
 
 /// Exit code of a program whose reader went away.
 const BROKEN_PIPE: u8 = 141;
@@ -34,12 +34,14 @@ enum Command {
     Verify(Verify),
     /// Run a scene file
     Run(Run),
+    /// Name the cheapest method and size for a tolerance on a scene, from short trial runs
+    Advise(Advise),
     /// Join the shards of a scene to the result of one run
     Merge(Merge),
     /// Draw error against cost
     Chart(Chart),
     /// Sweep methods to where they fail
-    Stability(Chart),
+    Stability(Drawn),
     /// Write the schemas of scenes and the page of all their keys
     Schema(Schema),
 }
@@ -89,8 +91,43 @@ struct Run {
     #[arg(long, value_name = "SECONDS", default_value_t = scenes::Options::CHECKPOINT_EVERY.as_secs())]
     checkpoint_every: u64,
     /// Run shard K of N of an ensemble, which `merge` joins
-    #[arg(long, value_name = "K/N")]
+    #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
     shard: Option<scenes::Place>,
+    /// The largest error over the value, e.g. 1e-2: the scene's own method, at the size that short trial runs say it needs
+    #[arg(long, value_name = "T")]
+    tolerance: Option<f64>,
+    #[command(flatten)]
+    wanted: Wanted,
+}
+
+#[derive(Debug, Args)]
+struct Advise {
+    /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    #[command(flatten)]
+    wanted: Wanted,
+    /// The largest error over the value, e.g. 1e-2
+    #[arg(long, value_name = "T")]
+    tolerance: f64,
+}
+
+/// What is asked of trial runs.
+#[derive(Debug, Args)]
+struct Wanted {
+    /// CPU seconds that no trial run may be expected to exceed; the first of each method is always made
+    #[arg(long, value_name = "SECONDS", default_value_t = advise::Options::BUDGET)]
+    budget: f64,
+    /// The beginning of the id of a quantity, e.g. moment/ or exceedance/1; may be repeated; none asks for all
+    #[arg(long = "quantity", value_name = "ID")]
+    quantities: Vec<String>,
+}
+
+impl Wanted {
+    fn within(self, tolerance: f64) -> advise::Options {
+        let Self { budget, quantities } = self;
+        advise::Options { tolerance, budget, quantities }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -111,6 +148,15 @@ struct Merge {
 
 #[derive(Debug, Args)]
 struct Chart {
+    /// Leave out one ingredient of each scene at a time instead, and tell which of them its answers need
+    #[arg(long)]
+    ladder: bool,
+    #[command(flatten)]
+    drawn: Drawn,
+}
+
+#[derive(Debug, Args)]
+struct Drawn {
     /// Names, as --list shows them; none draws all
     #[arg(value_name = "NAME")]
     names: Vec<String>,
@@ -173,11 +219,23 @@ fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode>
     match command {
         Command::Verify(arguments) => execute_verify(arguments, output),
         Command::Run(arguments) => execute_run(arguments, output),
+        Command::Advise(Advise { scene, wanted, tolerance }) => {
+            let (options, progress) = (wanted.within(tolerance), scenes::Progress::on_stderr());
+            let advice = advise::advise(scenes::ALL, &scene, &options, &progress);
+            progress.finish();
+            advise::print(&advice?, output)?;
+            Ok(ExitCode::SUCCESS)
+        }
         Command::Merge(Merge { scene, shards, out, seed }) => {
             let part = Part::Merged(shards);
             run_scene(&scene, &scenes::Options { seed, part, ..scenes::Options::new(out) }, output)
         }
-        Command::Chart(arguments) => execute_chart(charts::ALL, "chart", arguments, output),
+        Command::Chart(Chart { ladder: true, drawn }) => {
+            execute_chart(charts::MODELS, "ladder of models", drawn, output)
+        }
+        Command::Chart(Chart { ladder: false, drawn }) => {
+            execute_chart(charts::ALL, "chart", drawn, output)
+        }
         Command::Stability(arguments) => {
             execute_chart(charts::STABILITY, "stability sweep", arguments, output)
         }
@@ -218,7 +276,28 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
     };
-    run_scene(&arguments.scene, &options, output)
+    match arguments.tolerance {
+        None => run_scene(&arguments.scene, &options, output),
+        Some(tolerance) => {
+            let wanted = arguments.wanted.within(tolerance);
+            run_within(&arguments.scene, &options, &wanted, output)
+        }
+    }
+}
+
+/// Fails where the run itself tells a larger error than was asked for.
+fn run_within(
+    scene: &Path,
+    options: &scenes::Options,
+    wanted: &advise::Options,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let progress = scenes::Progress::on_stderr();
+    let ran = advise::run_within(scenes::ALL, scene, options, wanted, &progress);
+    progress.finish();
+    let within = ran?;
+    advise::print_within(&within, wanted, output)?;
+    Ok(if within.is_reached(wanted.tolerance) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn run_scene(
@@ -239,14 +318,14 @@ fn run_scene(
 fn execute_chart(
     table: &[charts::ChartKind],
     what: &'static str,
-    arguments: Chart,
+    arguments: Drawn,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     if arguments.list {
         charts::list(table, what, output)?;
         return Ok(ExitCode::SUCCESS);
     }
-    let folder = if what == "chart" { "chart" } else { "stability" };
+    let folder = if what == "stability sweep" { "stability" } else { "chart" };
     let profile = arguments.extent.profile();
     let options = charts::Options {
         what,

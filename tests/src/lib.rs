@@ -9,6 +9,7 @@
 //!
 //! Printing goes to a writer that the binary hands in; files are written by [`output`] alone.
 
+pub mod advise;
 pub mod case;
 pub mod cases;
 pub mod chart;
@@ -17,8 +18,10 @@ pub mod checkpoint;
 pub mod claim;
 pub mod finite;
 pub mod fpk;
+pub mod ladder;
 pub mod machine;
 pub mod markdown;
+pub mod models;
 pub mod nearest;
 pub mod number;
 pub mod order;

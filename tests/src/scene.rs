@@ -96,6 +96,15 @@ impl SceneFile {
         Ok(Self { origin, folder: PathBuf::new() })
     }
 
+    /// Another text in place of this one, in the same folder.
+    ///
+    /// # Errors
+    /// Those of [`SceneFile::from_text`].
+    pub fn with_text(&self, text: String) -> Result<Self, SceneError> {
+        let folder = self.folder.clone();
+        Ok(Self { folder, ..Self::from_text(&self.origin.name, text)? })
+    }
+
     /// The folder of the file, from which paths in it are taken; that of the process for a text.
     #[must_use]
     pub fn folder(&self) -> &Path {

@@ -20,6 +20,8 @@ pub use self::progress::Progress;
 use crate::case::CaseError;
 use crate::checkpoint::{Checkpoint, CheckpointError, Head, Start};
 use crate::finite::JsonError;
+use crate::ladder::{Ladder, Quantity};
+use crate::models::Ingredient;
 use crate::nearest::nearest;
 use crate::output::OutputError;
 use crate::scene::{Objection, Scene, SceneError, SceneFile};
@@ -39,6 +41,27 @@ pub struct SceneKind {
     pub schema: fn() -> Schema,
     /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
     pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
+    /// The methods that solve a scene, its own first.
+    pub ladder: fn(&SceneFile) -> Result<Ladder, RunError>,
+    /// What of its `result.json` methods are compared by.
+    pub quantities: fn(&serde_json::Value) -> Vec<Quantity>,
+    /// What can be left out of a scene.
+    pub ingredients: fn(&serde_json::Map<String, serde_json::Value>) -> Vec<Ingredient>,
+}
+
+impl SceneKind {
+    /// Runs a scene of this kind.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run_file(
+        &self,
+        file: &SceneFile,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        (self.run)(file, &Run { progress, solver: self.solver, options })
+    }
 }
 
 /// How a scene is run.
@@ -201,11 +224,14 @@ pub fn run(
     progress: &Progress,
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = SceneFile::read(scene)?;
-    let kind = kind_of(table, &file)?;
-    (kind.run)(&file, &Run { progress, solver: kind.solver, options })
+    kind_of(table, &file)?.run_file(&file, options, progress)
 }
 
-fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind, RunError> {
+/// The kind of a scene.
+///
+/// # Errors
+/// [`RunError::Scene`] for a solver that is not in the table.
+pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind, RunError> {
     if table.is_empty() {
         return Err(RunError::NoKinds);
     }
@@ -261,6 +287,9 @@ mod tests {
             crate::output::write_json(&path, &serde_json::json!({ "final": (-scene.rate).exp() }))?;
             Ok(vec![path])
         },
+        ladder: |_| Ok(Ladder { scene: serde_json::Map::new(), methods: Vec::new(), left_out: "" }),
+        quantities: |_| Vec::new(),
+        ingredients: |_| Vec::new(),
     }];
 
     fn run_text(text: &str) -> Result<Vec<PathBuf>, RunError> {

@@ -20,10 +20,19 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   verify --stale              say whether that page is older than cases, scenes and references
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume] [--shard K/N]
                               run a scene; killed, it goes on with --resume
+  run SCENE.json --out DIR --tolerance T
+                              the same, its method refined to an error of T; fails if it
+                              is not reached
+  advise SCENE.json --tolerance T
+                              the cheapest method and size for a scene, from short trial
+                              runs of all that solve it
   merge SCENE.json SHARD... --out DIR
                               join the shards of an ensemble
   chart [NAME]... [--list] [--record]
                               draw error against cost; --record writes into docs/charts too
+  chart --ladder [NAME]... [--record]
+                              leave out one ingredient of each scene at a time: which of
+                              them its answers need
   stability [NAME]... [--record]
                               sweep methods to where they fail
   schema [--record]           write the schemas of scenes and the page of their keys into
@@ -35,14 +44,15 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               licences, features, interfaces, coverage, mutants, oldest
                               Rust, packages; one that cannot run is skipped
 
-`cargo xtask --checked COMMAND ...` runs verify, run, merge, chart, stability and schema as the tests
-are built: slower, with checks of overflow, and without another build of everything after `cargo test`.
+`cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability and schema as
+the tests are built: slower, with checks of overflow, and without another build of everything after `cargo test`.
 
-`cargo xtask COMMAND --help` says more about verify, run, merge, chart, stability, schema and audit.
+`cargo xtask COMMAND --help` says more about all of these but bench and ci.
 ";
 
 /// Commands that the binary of `verification` runs.
-const OF_VERIFICATION: [&str; 6] = ["verify", "run", "merge", "chart", "stability", "schema"];
+const OF_VERIFICATION: [&str; 7] =
+    ["verify", "run", "advise", "merge", "chart", "stability", "schema"];
 
 /// Exit code for a command line that means nothing.
 const USAGE: u8 = 2;

@@ -6,10 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
 use super::law_scene::LawScene;
-use super::paths::Paths;
 use super::scene::{check_length, must};
 use super::scene_examples;
-use super::scene_system::{SceneSystem, Visitor};
+use super::scene_system::SceneSystem;
 use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
@@ -137,7 +136,7 @@ impl MethodScene {
             Self::MonteCarlo { paths, step, integrator, .. } => {
                 must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
                 must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
-                let offered = system.visit(Offered);
+                let offered = system.integrators();
                 if offered.contains(integrator) {
                     return Ok(());
                 }
@@ -148,15 +147,5 @@ impl MethodScene {
                     .with_help(format!("there are: {}", names.join(", "))))
             }
         }
-    }
-}
-
-/// The integrators of a system.
-struct Offered;
-
-impl Visitor for Offered {
-    type Output = &'static [IntegratorScene];
-    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
-        S::INTEGRATORS
     }
 }

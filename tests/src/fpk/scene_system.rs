@@ -5,6 +5,7 @@ use fpk_sph::systems::{
     LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
 };
 
+use super::method_scene::IntegratorScene;
 use super::paths::Paths;
 use super::scene::System;
 
@@ -115,6 +116,12 @@ impl SceneSystem {
         }
     }
 
+    /// The integrators that step a path of it.
+    #[must_use]
+    pub fn integrators(&self) -> &'static [IntegratorScene] {
+        self.visit(Offered)
+    }
+
     /// The time by which steps are measured: the shortest period of an oscillation, else a time of relaxation (s).
     #[must_use]
     pub fn reference_period(&self) -> f64 {
@@ -180,6 +187,16 @@ impl SceneSystem {
             Self::ViscousDamper(system) => Some(System::Damper(system.clone())),
             _ => None,
         }
+    }
+}
+
+/// Asks a system for its integrators.
+struct Offered;
+
+impl Visitor for Offered {
+    type Output = &'static [IntegratorScene];
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
+        S::INTEGRATORS
     }
 }
 

@@ -1,5 +1,7 @@
 //! Runs a density scene: two resolutions for the error, or Monte Carlo with its standard error.
 
+mod ingredients;
+mod ladder;
 mod pictures;
 mod sampled;
 #[cfg(test)]
@@ -28,8 +30,14 @@ use pictures::{Pictures, Seen};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
 
-pub(crate) const KIND: SceneKind =
-    SceneKind { solver: "fpk-sph", schema: || schemars::schema_for!(FpkScene), run };
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "fpk-sph",
+    schema: || schemars::schema_for!(FpkScene),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
 
 /// Everything that came of a run: the schema `run-result/1`.
 #[derive(Debug, Serialize)]

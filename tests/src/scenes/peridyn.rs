@@ -1,6 +1,8 @@
 //! Runs a scene of cracks: the law of the path, of its length and exit, and of the load, each with its error.
 
 mod fields;
+mod ingredients;
+mod ladder;
 mod pictures;
 mod record;
 #[cfg(test)]
@@ -21,8 +23,14 @@ use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
 use crate::scenes::{Part, Run, RunError, SceneKind};
 
-pub(crate) const KIND: SceneKind =
-    SceneKind { solver: "peridyn-sde", schema: || schemars::schema_for!(CrackScene), run };
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "peridyn-sde",
+    schema: || schemars::schema_for!(CrackScene),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
 
 /// What a checkpoint calls the realisations that have ended.
 const ENDED: &str = "realisations";

@@ -1,6 +1,8 @@
 //! Runs a scene of bodies on a grid: mean and variance of every response, with what says whether to trust them.
 
 mod fields;
+mod ingredients;
+mod ladder;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -21,8 +23,14 @@ use crate::scenes::{Run, RunError, SceneKind};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
-pub(crate) const KIND: SceneKind =
-    SceneKind { solver: "smpm", schema: || schemars::schema_for!(SmpmScene), run };
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "smpm",
+    schema: || schemars::schema_for!(SmpmScene),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
 
 /// Everything that came of a run: the schema `response-moments/1`.
 #[derive(Debug, Serialize)]

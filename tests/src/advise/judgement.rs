@@ -1,0 +1,178 @@
+//! What trials together know of a quantity, and how far off each of them is.
+
+use super::curve::{Curve, Point};
+use crate::ladder::{Growth, Ladder, Quantity, Trial};
+
+/// What the trials know of a quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// e.g. `moment/2-0`.
+    pub id: String,
+    /// In words.
+    pub words: String,
+    /// The value of the trial that knows it best.
+    pub value: f64,
+    /// How far off that may be.
+    pub error: f64,
+    /// What errors are related to.
+    pub scale: f64,
+    /// The trial that knows it best, by its place in the list.
+    pub best: usize,
+    /// For each method of the ladder: its errors over `scale`, and its costs.
+    pub curves: Vec<Curve>,
+}
+
+/// A trial's word on a quantity.
+struct Word<'t> {
+    trial: usize,
+    method: usize,
+    size: f64,
+    cost: f64,
+    quantity: &'t Quantity,
+    /// How far off it may be; none where the run does not tell.
+    error: Option<f64>,
+}
+
+/// Judges the trials of all methods by each other; `None` where none tells an error.
+///
+/// A run's own word is believed with two exceptions. An error on a lattice falls by its order and no faster: less is an error that
+/// happens to cross zero. And what sampling contradicts is wrong by as much as it does.
+#[must_use]
+pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
+    let mut words = words(trials, id);
+    for method in 0..ladder.methods.len() {
+        let growth = ladder.methods[method].growth;
+        if matches!(growth, Growth::Lattice { .. }) {
+            no_faster_than_its_order(&mut words, method, growth.order());
+        }
+    }
+    raise_by_samples(ladder, &mut words);
+    let known = words.iter().filter_map(|word| Some((word, word.error?)));
+    let (best, error) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let Quantity { words: name, value, .. } = best.quantity;
+    // The scale of the best: one that is far off knows neither.
+    let scale = best.quantity.scale;
+    let curve = |method: usize| {
+        let of_method = words.iter().filter(|word| word.method == method);
+        let points = of_method.map(|word| {
+            let off = (word.quantity.value - value).abs();
+            let (own, excess) = match word.error {
+                Some(own) => (own, (off - error - own).max(0.0)),
+                None => (0.0, off + error),
+            };
+            let relative = |of: f64| if scale > 0.0 { of / scale } else { f64::INFINITY };
+            Point { size: word.size, cost: word.cost, own: relative(own), excess: relative(excess) }
+        });
+        Curve { growth: ladder.methods[method].growth, points: points.collect() }
+    };
+    let curves = (0..ladder.methods.len()).map(curve).collect();
+    let (id, words) = (id.to_owned(), name.clone());
+    Some(Judgement { id, words, value: *value, error, scale, best: best.trial, curves })
+}
+
+fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
+    let word = |(place, trial): (usize, &'t Trial)| {
+        let answer = trial.answer()?;
+        let quantity = answer.get(id)?;
+        Some(Word {
+            trial: place,
+            method: trial.method,
+            size: trial.rung.size,
+            cost: answer.cpu_seconds,
+            quantity,
+            error: quantity.error,
+        })
+    };
+    let mut words: Vec<Word<'_>> = trials.iter().enumerate().filter_map(word).collect();
+    words.sort_by(|a, b| a.size.total_cmp(&b.size));
+    words
+}
+
+fn no_faster_than_its_order(words: &mut [Word<'_>], method: usize, order: f64) {
+    let mut floor: Option<(f64, f64)> = None;
+    for word in words.iter_mut().filter(|word| word.method == method) {
+        let Some(error) = &mut word.error else { continue };
+        if let Some((coarser, at)) = floor {
+            *error = error.max(coarser * (at / word.size).powf(order));
+        }
+        floor = Some((*error, word.size));
+    }
+}
+
+fn raise_by_samples(ladder: &Ladder, words: &mut [Word<'_>]) {
+    let is_sampled = |method: usize| ladder.methods[method].growth == Growth::Samples;
+    let sampled: Vec<(f64, f64)> = words
+        .iter()
+        .filter(|word| is_sampled(word.method))
+        .filter_map(|word| Some((word.quantity.value, word.error?)))
+        .collect();
+    for word in words.iter_mut().filter(|word| !is_sampled(word.method)) {
+        let Some(error) = &mut word.error else { continue };
+        for (value, sampled_error) in &sampled {
+            *error = error.max((word.quantity.value - value).abs() - sampled_error);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::{Answer, Method, Outcome, Rung};
+    use serde_json::Map;
+
+    fn method(growth: Growth) -> Method {
+        Method { name: String::new(), growth, first: 1.0, rung: Box::new(|_| None) }
+    }
+
+    fn ladder() -> Ladder {
+        let lattice = || method(Growth::Lattice { dimensions: 2 });
+        let methods = vec![lattice(), lattice(), method(Growth::Samples)];
+        Ladder { scene: Map::new(), methods, left_out: "" }
+    }
+
+    fn trial(method: usize, size: f64, value: f64, error: Option<f64>) -> Trial {
+        let rung = Rung { size, label: String::new(), changes: Map::new() };
+        let quantity =
+            Quantity { id: "a".into(), words: "a".into(), value, error, scale: value.abs() };
+        let answer = Answer { cpu_seconds: size, quantities: vec![quantity] };
+        Trial { method, rung, outcome: Outcome::Answered(answer) }
+    }
+
+    #[test]
+    fn an_error_that_crosses_zero_is_not_believed() {
+        let trials = [
+            trial(0, 10.0, 1.1, Some(0.1)),
+            trial(0, 20.0, 1.0, Some(1e-9)),
+            trial(1, 10.0, 1.01, Some(0.02)),
+        ];
+        let judged = judge(&ladder(), &trials, "a").unwrap();
+        assert_eq!(judged.best, 2);
+        assert!((judged.curves[0].points[1].own * judged.scale - 0.025).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_method_that_sampling_contradicts_is_wrong_by_as_much() {
+        // It agrees with itself, and is off by a fifth.
+        let trials = [
+            trial(0, 20.0, 1.2, Some(1e-6)),
+            trial(1, 20.0, 1.004, Some(0.004)),
+            trial(2, 1000.0, 1.0, Some(0.01)),
+        ];
+        let judged = judge(&ladder(), &trials, "a").unwrap();
+        assert_eq!(judged.best, 1);
+        let wrong = judged.curves[0].points[0];
+        let error = (wrong.own + wrong.excess) * judged.scale;
+        assert!((error - 0.192).abs() < 1e-9, "{error}");
+        let sampled = judged.curves[2].points[0];
+        assert_eq!(sampled.excess, 0.0);
+    }
+
+    #[test]
+    fn without_an_error_nothing_is_known_and_one_that_tells_none_is_judged_by_others() {
+        assert_eq!(judge(&ladder(), &[trial(0, 10.0, 1.0, None)], "a"), None);
+        let trials = [trial(0, 10.0, 1.1, None), trial(2, 100.0, 1.0, Some(0.05))];
+        let judged = judge(&ladder(), &trials, "a").unwrap();
+        let point = judged.curves[0].points[0];
+        assert!((point.own + point.excess - 0.15).abs() < 1e-12);
+    }
+}

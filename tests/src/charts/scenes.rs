@@ -1,0 +1,156 @@
+//! Every built-in scene by every method that solves it: error against CPU time.
+//!
+//! One definition serves these charts and `advise`: the ladder of the scene's kind.
+
+use crate::advise::{Advice, Options, from_trials};
+use crate::case::{CaseError, Context, Profile};
+use crate::chart::{Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
+use crate::charts::{ChartKind, Drawing};
+use crate::ladder::{BuiltIn, Growth, Outcome, Trial};
+use crate::machine::Machine;
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "scenes",
+    title: "every built-in scene by every method that solves it: the largest error against CPU time",
+    draw,
+};
+
+/// The dearest trial of a method (CPU s).
+const fn budget(profile: Profile) -> f64 {
+    match profile {
+        Profile::Quick => 0.2,
+        Profile::Default => 4.0,
+        Profile::Full => 30.0,
+    }
+}
+
+/// Quantities that stand on one chart, by the beginning or the end of their ids; and their name.
+const GROUPS: [(&str, &str); 4] = [
+    ("moment/", "moments"),
+    ("exceedance/", "probabilities"),
+    ("/mean", "means"),
+    ("/standard_deviation", "standard deviations"),
+];
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = Vec::new();
+    for scene in BuiltIn::all()? {
+        context.progress(&scene.name);
+        let trials = scene.trials(budget(context.profile), |method, rung| {
+            context.progress(&format!("  {}, {}", method.name, rung.label));
+        })?;
+        drawings.extend(drawings_of(&scene, trials)?);
+    }
+    Ok(drawings)
+}
+
+fn drawings_of(scene: &BuiltIn, trials: Vec<Trial>) -> Result<Vec<Drawing>, CaseError> {
+    let title = scene.ladder.scene["title"].as_str().unwrap_or_default().to_owned();
+    let (folder, name) = scene.name.split_once('/').unwrap_or(("", &scene.name));
+    let stem = format!("{folder}-scene-{}", name.replace('_', "-"));
+    // The tolerance plays no part in what trials know.
+    let options = Options { tolerance: 0.01, budget: Options::BUDGET, quantities: Vec::new() };
+    let advice = from_trials(scene.ladder.clone(), trials, &options)?;
+    let mut drawings = Vec::new();
+    for (mark, words) in GROUPS {
+        let belongs = |id: &str| {
+            if mark.starts_with('/') { id.ends_with(mark) } else { id.starts_with(mark) }
+        };
+        let of_group: Vec<usize> = (0..advice.judgements.len())
+            .filter(|&q| belongs(&advice.judgements[q].id) && advice.is_known(q))
+            .collect();
+        let series = series(&advice, &of_group);
+        if series.is_empty() {
+            continue;
+        }
+        let data = WorkPrecision {
+            words: words_of(&advice, &of_group, words, &title),
+            reading: Reading::Cost {
+                unit: "s".into(),
+                errors: Measure::Relative,
+                reference_error: 0.0,
+            },
+            series,
+        };
+        drawings
+            .push(Drawing::work_precision(&format!("{stem}-{}", words.replace(' ', "-")), &data)?);
+    }
+    Ok(drawings)
+}
+
+fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Words {
+    let names: Vec<&str> = of_group.iter().map(|&q| advice.judgements[q].words.as_str()).collect();
+    let shown = match names.as_slice() {
+        [first, .., last] if names.len() > 3 => {
+            format!("{first} to {last}, {} in all", names.len())
+        }
+        _ => names.join(", "),
+    };
+    Words {
+        title: format!("Largest error of the {group}, against cost"),
+        subtitle: title.to_owned(),
+        x_label: "CPU time of one run, all threads (s)".into(),
+        y_label: format!("largest relative error of the {group}"),
+        caption: vec![
+            format!(
+                "At the last time: {shown}. Errors as `advise` judges them: the run's own, two standard errors of samples,"
+            ),
+            "or what other runs contradict it by; on a lattice no faster than second order.".into(),
+            advice.ladder.left_out.to_owned(),
+            Machine::read().caption(),
+        ],
+    }
+}
+
+/// One series for each method: the largest error over a group of quantities. What samples do not see has no point.
+fn series(advice: &Advice, of_group: &[usize]) -> Vec<Method> {
+    let method = |m: usize| {
+        let runs = advice.trials.iter().filter(|trial| trial.method == m);
+        let runs: Vec<Run> = runs.filter_map(|trial| run(advice, of_group, trial)).collect();
+        let ladder = &advice.ladder.methods[m];
+        let unit = match ladder.growth {
+            Growth::Lattice { .. } => " (lattice)",
+            Growth::Samples => " (samples)",
+            Growth::Fixed => "",
+        };
+        (!runs.is_empty()).then(|| Method { name: format!("{}{unit}", ladder.name), runs })
+    };
+    if of_group.is_empty() {
+        return Vec::new();
+    }
+    (0..advice.ladder.methods.len()).filter_map(method).collect()
+}
+
+fn run(advice: &Advice, of_group: &[usize], trial: &Trial) -> Option<Run> {
+    let answer = match &trial.outcome {
+        Outcome::Answered(answer) => answer,
+        // A run that failed has no cost to stand at.
+        Outcome::Failed { .. } => return None,
+    };
+    let error = |&q: &usize| {
+        let points = &advice.judgements[q].curves[trial.method].points;
+        let point = points.iter().find(|point| point.size == trial.rung.size)?;
+        Some(point.own + point.excess)
+    };
+    let errors: Option<Vec<f64>> = of_group.iter().map(error).collect();
+    let largest = errors.map(|errors| errors.into_iter().fold(0.0, f64::max));
+    let outcome = match largest.filter(|largest| largest.is_finite()) {
+        Some(value) if value > 0.0 => RunOutcome::Error { value, standard_error: None },
+        _ => RunOutcome::Failed { reason: "a quantity is missing".into() },
+    };
+    let label = match advice.ladder.methods[trial.method].growth {
+        Growth::Fixed => None,
+        Growth::Lattice { .. } | Growth::Samples => Some(short_label(&trial.rung.label)),
+    };
+    Some(Run { cost: answer.cpu_seconds, cost_error: None, outcome, label })
+}
+
+/// Without the noun, which stands in the legend.
+fn short_label(label: &str) -> String {
+    let mut words = label.split(' ');
+    match (words.next(), words.next(), words.next()) {
+        (Some(number), Some(_), None) if number.parse::<f64>().is_ok() => number.to_owned(),
+        (Some(_), Some(number), None) => number.to_owned(),
+        _ => label.to_owned(),
+    }
+}

@@ -1,0 +1,231 @@
+//! Scenes without one of their ingredients: which of them the answers need.
+//!
+//! A kind of scene says what can be left out; the scene is run with and without, and every quantity compared.
+
+use serde_json::{Map, Value};
+
+use crate::ladder::{Answer, BuiltIn, LadderError, Outcome, Trial, climb, try_scene};
+
+/// Something of a scene that can be left out, such as a damper, a filter of the noise, a random parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ingredient {
+    /// Its name, e.g. `the damper`.
+    pub name: String,
+    /// The scene without it.
+    pub scene: Map<String, Value>,
+    /// How many states the scene lost at their end: powers of moments are shorter by as many.
+    pub states_lost: usize,
+}
+
+/// What leaving out an ingredient does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Effect {
+    /// Some quantity changes by more than the tolerance, beyond both errors.
+    Needed(Change),
+    /// No quantity changes by more than the tolerance, errors included.
+    NotNeeded(Change),
+    /// The change is within the errors, and these are beyond the tolerance.
+    Untold(Change),
+    /// The scene without it does not run.
+    Fails {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// The quantity that an ingredient changes most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// In words.
+    pub quantity: String,
+    /// Change over scale.
+    pub relative: f64,
+    /// Errors of both runs together, over scale.
+    pub error: f64,
+    /// CPU time without the ingredient, over that with it.
+    pub cost_ratio: f64,
+}
+
+/// A scene and what each of its ingredients does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// What was run: the method and its size.
+    pub base: String,
+    /// CPU time of it (s).
+    pub cost: f64,
+    /// Each ingredient by its name.
+    pub effects: Vec<(String, Effect)>,
+}
+
+/// Runs a built-in scene by its own method, at the largest size that costs no more than `budget` (CPU s), with and without each of
+/// its ingredients.
+///
+/// # Errors
+/// [`LadderError`]. A scene whose own method has no answer has no study.
+pub fn study(
+    scene: &BuiltIn,
+    budget: f64,
+    tolerance: f64,
+    mut tell: impl FnMut(&str),
+) -> Result<Option<Study>, LadderError> {
+    let trials = climb(scene.kind, &scene.file, &scene.ladder, 0, budget, |method, rung| {
+        tell(&format!("{}, {}", method.name, rung.label));
+    })?;
+    let base = trials.iter().rev().find_map(|trial| Some((trial, trial.answer()?)));
+    let Some((Trial { rung, .. }, answer)) = base else { return Ok(None) };
+    let whole = scene.ladder.scene_of(rung);
+    let mut effects = Vec::new();
+    for ingredient in (scene.kind.ingredients)(&whole) {
+        tell(&format!("without {}", ingredient.name));
+        let outcome = try_scene(scene.kind, &scene.file, &ingredient.scene)?;
+        effects.push((ingredient.name.clone(), effect(answer, &outcome, &ingredient, tolerance)));
+    }
+    let base = format!("{}, {}", scene.ladder.methods[0].name, rung.label);
+    Ok(Some(Study { base, cost: answer.cpu_seconds, effects }))
+}
+
+fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: f64) -> Effect {
+    let without = match without {
+        Outcome::Answered(answer) => answer,
+        Outcome::Failed { reason } => return Effect::Fails { reason: reason.clone() },
+    };
+    let cost_ratio = without.cpu_seconds / with.cpu_seconds;
+    let change = |quantity: &crate::ladder::Quantity| {
+        let id = id_without(&quantity.id, ingredient.states_lost)?;
+        let other = without.get(&id)?;
+        let error = quantity.error.unwrap_or(0.0) + other.error.unwrap_or(0.0);
+        // What is not known to within itself tells nothing.
+        (quantity.scale > 0.0 && quantity.error.unwrap_or(0.0) < quantity.scale).then(|| Change {
+            quantity: quantity.words.clone(),
+            relative: (other.value - quantity.value).abs() / quantity.scale,
+            error: error / quantity.scale,
+            cost_ratio,
+        })
+    };
+    let changes: Vec<Change> = with.quantities.iter().filter_map(change).collect();
+    let largest =
+        |of: fn(&Change) -> f64| changes.iter().max_by(|a, b| of(a).total_cmp(&of(b))).cloned();
+    let Some(seen) = largest(|change| change.relative - change.error) else {
+        return Effect::Fails { reason: "no quantity is left to compare".to_owned() };
+    };
+    if seen.relative - seen.error > tolerance {
+        return Effect::Needed(seen);
+    }
+    match largest(|change| change.relative + change.error) {
+        Some(bound) if bound.relative + bound.error > tolerance => Effect::Untold(bound),
+        Some(bound) => Effect::NotNeeded(bound),
+        None => Effect::NotNeeded(seen),
+    }
+}
+
+/// The id of the same quantity with fewer states; none where it is a moment of a lost state.
+fn id_without(id: &str, states_lost: usize) -> Option<String> {
+    let Some(powers) = id.strip_prefix("moment/").filter(|_| states_lost > 0) else {
+        return Some(id.to_owned());
+    };
+    let powers: Vec<&str> = powers.split('-').collect();
+    let (kept, lost) = powers.split_at(powers.len().checked_sub(states_lost)?);
+    lost.iter().all(|power| *power == "0").then(|| format!("moment/{}", kept.join("-")))
+}
+
+/// Pieces from which kinds of scenes make their ingredients.
+pub mod edit {
+    use serde_json::{Map, Value};
+
+    use super::Ingredient;
+
+    /// The scene with another value at a JSON pointer; none where there is nothing yet.
+    #[must_use]
+    pub fn with(
+        scene: &Map<String, Value>,
+        pointer: &str,
+        value: Value,
+    ) -> Option<Map<String, Value>> {
+        let mut whole = Value::Object(scene.clone());
+        *whole.pointer_mut(pointer)? = value;
+        match whole {
+            Value::Object(scene) => Some(scene),
+            _ => None,
+        }
+    }
+
+    /// The scene without a key of the object at a JSON pointer; none where it is not there.
+    #[must_use]
+    pub fn without(
+        scene: &Map<String, Value>,
+        pointer: &str,
+        key: &str,
+    ) -> Option<Map<String, Value>> {
+        let mut whole = Value::Object(scene.clone());
+        let object = match pointer {
+            "" => whole.as_object_mut()?,
+            pointer => whole.pointer_mut(pointer)?.as_object_mut()?,
+        };
+        object.remove(key)?;
+        match whole {
+            Value::Object(scene) => Some(scene),
+            _ => None,
+        }
+    }
+
+    /// An ingredient that loses no state, where the scene has it.
+    #[must_use]
+    pub fn ingredient(
+        name: impl Into<String>,
+        scene: Option<Map<String, Value>>,
+    ) -> Option<Ingredient> {
+        Some(Ingredient { name: name.into(), scene: scene?, states_lost: 0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::Quantity;
+
+    fn answer(values: &[(&str, f64, f64)]) -> Answer {
+        let quantity = |&(id, value, error): &(&str, f64, f64)| Quantity {
+            id: id.into(),
+            words: id.into(),
+            value,
+            error: Some(error),
+            scale: value.abs(),
+        };
+        Answer { cpu_seconds: 2.0, quantities: values.iter().map(quantity).collect() }
+    }
+
+    fn effect_of(
+        with: &[(&str, f64, f64)],
+        without: &[(&str, f64, f64)],
+        states_lost: usize,
+    ) -> Effect {
+        let ingredient = Ingredient { name: "it".into(), scene: Map::new(), states_lost };
+        effect(&answer(with), &Outcome::Answered(answer(without)), &ingredient, 0.01)
+    }
+
+    #[test]
+    fn a_change_beyond_errors_and_tolerance_is_needed_and_one_within_is_not() {
+        let with = [("a", 1.0, 0.001), ("b", 2.0, 0.001)];
+        assert!(matches!(
+            effect_of(&with, &[("a", 1.001, 0.001), ("b", 2.1, 0.001)], 0),
+            Effect::Needed(Change { quantity, .. }) if quantity == "b"
+        ));
+        let without = [("a", 1.001, 0.001), ("b", 2.002, 0.001)];
+        assert!(matches!(effect_of(&with, &without, 0), Effect::NotNeeded(_)));
+        let rough = [("a", 1.001, 0.1), ("b", 2.002, 0.001)];
+        assert!(matches!(effect_of(&with, &rough, 0), Effect::Untold(_)));
+    }
+
+    #[test]
+    fn moments_of_lost_states_are_not_compared_and_others_found_by_their_first_powers() {
+        let with = [("moment/2-0-0", 1.0, 0.0), ("moment/0-0-2", 5.0, 0.0)];
+        let found = effect_of(&with, &[("moment/2-0", 1.0, 0.0)], 1);
+        assert!(
+            matches!(found, Effect::NotNeeded(Change { quantity, .. }) if quantity == "moment/2-0-0")
+        );
+        assert!(matches!(
+            effect_of(&with[1..], &[("moment/2-0", 1.0, 0.0)], 1),
+            Effect::Fails { .. }
+        ));
+    }
+}

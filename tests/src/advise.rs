@@ -217,7 +217,7 @@ pub fn advise_on(
     let mut trials = Vec::new();
     for method in 0..ladder.methods.len() {
         trials.extend(ladder::climb(kind, file, &ladder, method, budget, |method, rung| {
-            progress.stage(&format!("trial: {}, {}", method.name, rung.label));
+            progress.stage(&format!("trial: {}", method.at(&rung.label)));
         })?);
     }
     from_trials(Arc::new(ladder), trials, options)

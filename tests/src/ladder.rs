@@ -40,7 +40,7 @@ pub struct Method {
 pub struct Rung {
     /// Its size.
     pub size: f64,
-    /// The size in words, e.g. `29 x 29`.
+    /// The size in words, e.g. `29 x 29`; empty where there is one size.
     pub label: String,
     /// Keys of the scene, with what stands there instead.
     pub changes: Map<String, Value>,
@@ -141,6 +141,14 @@ impl Growth {
     #[must_use]
     pub fn factor(self) -> f64 {
         COST_FACTOR.powf(1.0 / self.cost_exponent())
+    }
+}
+
+impl Method {
+    /// Its name with a size in words.
+    #[must_use]
+    pub fn at(&self, label: &str) -> String {
+        if label.is_empty() { self.name.clone() } else { format!("{}, {label}", self.name) }
     }
 }
 

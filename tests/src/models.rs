@@ -69,7 +69,7 @@ pub fn study(
     mut tell: impl FnMut(&str),
 ) -> Result<Option<Study>, LadderError> {
     let trials = climb(scene.kind, &scene.file, &scene.ladder, 0, budget, |method, rung| {
-        tell(&format!("{}, {}", method.name, rung.label));
+        tell(&method.at(&rung.label));
     })?;
     let base = trials.iter().rev().find_map(|trial| Some((trial, trial.answer()?)));
     let Some((Trial { rung, .. }, answer)) = base else { return Ok(None) };
@@ -80,7 +80,7 @@ pub fn study(
         let outcome = try_scene(scene.kind, &scene.file, &ingredient.scene)?;
         effects.push((ingredient.name.clone(), effect(answer, &outcome, &ingredient, tolerance)));
     }
-    let base = format!("{}, {}", scene.ladder.methods[0].name, rung.label);
+    let base = scene.ladder.methods[0].at(&rung.label);
     Ok(Some(Study { base, cost: answer.cpu_seconds, effects }))
 }
 

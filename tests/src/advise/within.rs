@@ -16,7 +16,7 @@ use crate::scenes::{self, Progress, SceneKind, kind_of};
 pub struct Within {
     /// What it wrote.
     pub files: Vec<PathBuf>,
-    /// The size, in words.
+    /// The method with its size in words.
     pub label: String,
     /// The quantities that were asked for and are known to within themselves, with what the run itself tells of their error.
     pub quantities: Vec<Quantity>,
@@ -56,7 +56,8 @@ pub fn run_within(
     let candidates = advice.candidates_for_all();
     let best = candidates.first().ok_or_else(|| not_reached(&advice))?;
     let Some((label, changes)) = advice.changes(best) else { return Err(not_reached(&advice)) };
-    progress.stage(&format!("{}, {label}", advice.ladder.methods[best.method].name));
+    let label = advice.ladder.methods[best.method].at(&label);
+    progress.stage(&label);
     let mut keys: Map<String, Value> = file.parse_unchecked()?;
     keys.extend(changes);
     let refined = file.with_text(Value::Object(keys).to_string())?;

@@ -103,14 +103,12 @@ fn cheapest(advice: &Advice) -> String {
 }
 
 fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
-    let name = &advice.ladder.methods[candidate.method].name;
-    let label =
-        advice.changes(candidate).map_or_else(String::new, |(label, _)| format!(", {label}"));
+    let method = &advice.ladder.methods[candidate.method];
+    let name = advice
+        .changes(candidate)
+        .map_or_else(|| method.name.clone(), |(label, _)| method.at(&label));
     let mark = if candidate.needed.beyond > 1.0 + 1e-9 { "~" } else { "" };
-    [
-        markdown::text(&format!("{name}{label}")),
-        format!("{mark}{}", short(Some(candidate.needed.cost))),
-    ]
+    [markdown::text(&name), format!("{mark}{}", short(Some(candidate.needed.cost)))]
 }
 
 /// The method that came nearest, and why it is not enough.
@@ -140,7 +138,7 @@ fn verdict(advice: &Advice) -> String {
         );
     };
     let Some((label, changes)) = advice.changes(best) else { return String::new() };
-    let name = &advice.ladder.methods[best.method].name;
+    let name = advice.ladder.methods[best.method].at(&label);
     let cost = short(Some(best.needed.cost));
     let seen = if best.needed.beyond > 1.0 + 1e-9 {
         format!("expected, {:.1} times the largest size that was tried", best.needed.beyond)
@@ -150,7 +148,7 @@ fn verdict(advice: &Advice) -> String {
     let keys: Vec<String> =
         changes.iter().map(|(key, value)| format!("  \"{key}\": {}", compact(value))).collect();
     format!(
-        "For all of them within {within}: {name}, {label}, {cost} s of CPU ({seen}).\nWrite into the scene:\n{}\n",
+        "For all of them within {within}: {name}, {cost} s of CPU ({seen}).\nWrite into the scene:\n{}\n",
         keys.join(",\n")
     )
 }

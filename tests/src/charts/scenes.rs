@@ -37,7 +37,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     for scene in BuiltIn::all()? {
         context.progress(&scene.name);
         let trials = scene.trials(budget(context.profile), |method, rung| {
-            context.progress(&format!("  {}, {}", method.name, rung.label));
+            context.progress(&format!("  {}", method.at(&rung.label)));
         })?;
         drawings.extend(drawings_of(&scene, trials)?);
     }

@@ -72,8 +72,7 @@ fn sized(name: &str, method: MethodScene) -> Method {
             let size = (samples as f64, format!("{samples} samples"));
             return Rung::replacing(size, "method", &method).ok();
         }
-        let runs = "one".to_owned();
-        (size <= 1.0).then(|| Rung::replacing((1.0, runs), "method", &method).ok())?
+        (size <= 1.0).then(|| Rung::replacing((1.0, String::new()), "method", &method).ok())?
     };
     Method { name: name.to_owned(), growth, first, rung: Box::new(rung) }
 }

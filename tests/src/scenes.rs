@@ -287,7 +287,7 @@ mod tests {
             crate::output::write_json(&path, &serde_json::json!({ "final": (-scene.rate).exp() }))?;
             Ok(vec![path])
         },
-        ladder: |_| Ok(Ladder { scene: serde_json::Map::new(), methods: Vec::new(), left_out: "" }),
+        ladder: |_| Err(RunError::NoKinds),
         quantities: |_| Vec::new(),
         ingredients: |_| Vec::new(),
     }];

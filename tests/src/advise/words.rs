@@ -29,11 +29,17 @@ fn tried(advice: &Advice) -> String {
         let mut row = vec![method, trial.rung.label.clone()];
         match &trial.outcome {
             Outcome::Failed { reason } => {
-                row.extend([String::new(), format!("ended: {reason}"), String::new()]);
+                row.extend([
+                    String::new(),
+                    String::new(),
+                    format!("ended: {reason}"),
+                    String::new(),
+                ]);
             }
             Outcome::Answered(answer) => {
                 let worst = worst(advice, trial);
                 row.push(short(Some(answer.cpu_seconds)));
+                row.push(n_within(advice, trial));
                 row.push(worst.as_ref().map_or_else(String::new, |(error, _)| percent(*error)));
                 row.push(worst.map_or_else(String::new, |(_, words)| words));
             }
@@ -41,7 +47,8 @@ fn tried(advice: &Advice) -> String {
         row.iter().map(|cell| markdown::text(cell)).collect()
     };
     let rows: Vec<Vec<String>> = advice.trials.iter().map(row).collect();
-    let heads = heads(&["tried", "size", "CPU (s)", "largest error", "in"]);
+    let within = format!("within {}", percent(advice.options.tolerance));
+    let heads = heads(&["tried", "size", "CPU (s)", &within, "largest error", "in"]);
     format!("{}\n{}", markdown::table(&heads, &rows), notes(advice))
 }
 
@@ -65,16 +72,27 @@ fn notes(advice: &Advice) -> String {
     notes
 }
 
+/// The errors of a trial over known quantities, with their places.
+fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
+    let of = |q: usize| {
+        let points = &advice.judgements[q].curves[trial.method].points;
+        let point = points.iter().find(|point| point.size == trial.rung.size)?;
+        Some((point.own + point.excess, q))
+    };
+    (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(of).collect()
+}
+
+/// How many of the known quantities a trial has within the tolerance.
+fn n_within(advice: &Advice, trial: &Trial) -> String {
+    let errors = errors(advice, trial);
+    let n = errors.iter().filter(|(error, _)| *error <= advice.options.tolerance).count();
+    format!("{n} of {}", errors.len())
+}
+
 /// The largest error of a trial among known quantities, and of which.
 fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
-    let of = |q: usize| {
-        let judgement = &advice.judgements[q];
-        let points = &judgement.curves[trial.method].points;
-        let point = points.iter().find(|point| point.size == trial.rung.size)?;
-        Some((point.own + point.excess, judgement.words.clone()))
-    };
-    let known = (0..advice.judgements.len()).filter(|&q| advice.is_known(q));
-    known.filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0))
+    let largest = errors(advice, trial).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((largest.0, advice.judgements[largest.1].words.clone()))
 }
 
 fn percent(error: f64) -> String {
@@ -91,7 +109,7 @@ fn cheapest(advice: &Advice) -> String {
         let none = || ["none".to_owned(), String::new()];
         let first = cells.next().unwrap_or_else(|| [why_not(advice, q), String::new()]);
         let second = cells.next().unwrap_or_else(none);
-        [vec![judgement.words.clone(), value], first.to_vec(), second.to_vec()].concat()
+        [vec![markdown::text(&judgement.words), value], first.to_vec(), second.to_vec()].concat()
     };
     let known = (0..advice.judgements.len()).filter(|&q| advice.is_known(q));
     let rows: Vec<Vec<String>> = known.map(row).collect();
@@ -123,7 +141,8 @@ fn why_not(advice: &Advice, quantity: usize) -> String {
     });
     match nearest.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((method, error, why)) => {
-            format!("none; {} has {} {why}", advice.ladder.methods[method].name, percent(error))
+            let name = markdown::text(&advice.ladder.methods[method].name);
+            format!("none; {name} has {} {why}", percent(error))
         }
         None => "none".to_owned(),
     }

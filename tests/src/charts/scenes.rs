@@ -95,7 +95,7 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
             format!(
                 "At the last time: {shown}. Errors as `advise` judges them: the run's own, two standard errors of samples,"
             ),
-            "or what other runs contradict it by; on a lattice no faster than second order.".into(),
+            "or what other runs contradict it by.".into(),
             advice.ladder.left_out.to_owned(),
             Machine::read().caption(),
         ],

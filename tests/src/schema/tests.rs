@@ -47,6 +47,9 @@ const DECAY: SceneKind = SceneKind {
     solver: "decay",
     schema: || schema_for!(Decay),
     run: |_, _| Err(crate::scenes::RunError::NoKinds),
+    ladder: |_| Err(crate::scenes::RunError::NoKinds),
+    quantities: |_| Vec::new(),
+    ingredients: |_| Vec::new(),
 };
 
 /// A folder of scenes, gone at the end.

@@ -1,13 +1,21 @@
 //! What the benchmark targets share: the measurement, and the table of ratios.
 //!
 //! `cargo bench -p benches --bench fpk` measures one crate; the targets are `kernels`, `neighbour`, `particles`, `sde`,
-//! `fpk`, `moments`, `smpm` and `peridynamics`. `cargo bench -p benches -- --test` runs everything once, unmeasured.
+//! `fpk`, `moments`, `smpm` and `peridynamics`, and `plain`, steps written by hand beside ours. `cargo bench -p benches -- --test` runs everything once, unmeasured.
 //!
 //! Every time is CPU time of the process, on one thread. Rivals are measured in the same run, and what counts is the ratio:
-//! [`ratios`] prints it for `kernels`, `neighbour`, `particles` and `smpm`. Criterion measures what takes microseconds as well, and
+//! [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion measures what takes microseconds as well, and
 //! keeps it for comparison between runs.
 
+// What pages and machines have in common with the package `verification`, which takes too long to build to depend on it here.
+#[path = "../../tests/src/machine.rs"]
+pub mod machine;
+#[path = "../../tests/src/markdown.rs"]
+pub mod markdown;
+pub mod output;
+pub mod page;
 pub mod ratios;
+pub mod record;
 
 use std::time::Duration;
 

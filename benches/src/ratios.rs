@@ -12,8 +12,10 @@ use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
+use serde::{Deserialize, Serialize};
 
 use crate::CpuTime;
+use crate::record::{self, Tables};
 
 /// Rounds of a work: as many as the time allows, between these.
 const ROUNDS: std::ops::RangeInclusive<usize> = 7..=25;
@@ -21,6 +23,9 @@ const ROUNDS: std::ops::RangeInclusive<usize> = 7..=25;
 const PATIENCE: Duration = Duration::from_secs(4);
 /// CPU time that a contender takes in a round at least, by repetition: far above the cost of reading the clock.
 const SAMPLE: Duration = Duration::from_millis(2);
+
+/// The title of the table that every target with rivals has.
+const RATIOS: &str = "Ratios, rival / ours: above 1 we are faster";
 
 const HEADER: [&str; 10] =
     ["work", "ours", "M/s", "rival", "", "ratio", "quartiles", "target", "reached", "rounds"];
@@ -90,8 +95,30 @@ pub struct Ratios {
     filter: Option<String>,
     is_measured: bool,
     load_at_start: String,
-    table: Table,
+    rows: Vec<Vec<String>>,
+    further: Vec<Listed>,
     notes: Vec<String>,
+}
+
+/// A table with its title: what a target prints, and what is recorded of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Listed {
+    /// What is listed.
+    pub title: String,
+    /// Heads of the columns.
+    pub head: Vec<String>,
+    /// As many cells each.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Listed {
+    fn table(&self) -> Table {
+        let mut table = Table::new();
+        table.load_style(ASCII_MARKDOWN).set_header(&self.head);
+        table.add_rows(&self.rows);
+        table
+    }
 }
 
 impl Ratios {
@@ -101,18 +128,14 @@ impl Ratios {
     pub fn from_args(title: &'static str) -> Self {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
         let is_given = |option: &str| arguments.iter().any(|argument| argument == option);
-        let mut table = Table::new();
-        table.load_style(ASCII_MARKDOWN).set_header(HEADER);
-        for column in table.column_iter_mut().filter(|column| ![0, 3, 8].contains(&column.index)) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
         Self {
             title,
             filter: arguments.first().filter(|first| !first.starts_with('-')).cloned(),
             // As criterion decides it: cargo says `--bench` where it is to be measured.
             is_measured: is_given("--bench") && !is_given("--test") && !is_given("--list"),
             load_at_start: load_average(),
-            table,
+            rows: Vec::new(),
+            further: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -148,7 +171,7 @@ impl Ratios {
             let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[k] / seconds[0]));
             // In the table of one target its name need not stand before each work, as it does in criterion's.
             let work = name.trim_start_matches(self.title).trim_start_matches('/');
-            self.table.add_row([
+            self.rows.push(vec![
                 work.to_owned(),
                 duration(ours.median),
                 format!("{:.1}", 1e-6 * n_elements as f64 / ours.median),
@@ -167,7 +190,7 @@ impl Ratios {
     pub fn bytes(&mut self, work: &str, ours: usize, rival: &str, its: usize, target: f64) {
         let megabytes = |bytes: usize| format!("{:.0} MB", 1e-6 * bytes as f64);
         let ratio = its as f64 / ours as f64;
-        self.table.add_row([
+        self.rows.push(vec![
             work.to_owned(),
             megabytes(ours),
             "-".to_owned(),
@@ -206,7 +229,7 @@ impl Ratios {
         let ours = Quartiles::of(rounds.iter().map(|seconds| seconds[0]));
         let its = Quartiles::of(rounds.iter().map(|seconds| seconds[1]));
         let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[1] / seconds[0]));
-        self.table.add_row([
+        self.rows.push(vec![
             format!("{work}, {name}"),
             duration(ours.median),
             "-".to_owned(),
@@ -225,24 +248,42 @@ impl Ratios {
         self.notes.push(note.into());
     }
 
-    /// Prints the table, if anything was measured.
+    /// A further table, below that of the ratios.
+    pub fn list(&mut self, listed: Listed) {
+        self.further.push(listed);
+    }
+
+    /// Prints the tables, if anything was measured, and leaves them where `record` asks for them.
     pub fn print(self) {
         if !self.is_measured {
             return;
         }
-        let Self { title, table, load_at_start, notes, .. } = self;
+        let Self { title, rows, further, load_at_start, notes, .. } = self;
+        let ratios = Listed { title: RATIOS.into(), head: HEADER.map(String::from).to_vec(), rows };
+        let mut table = ratios.table();
+        for column in table.column_iter_mut().filter(|column| ![0, 3, 8].contains(&column.index)) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
         let cores = std::thread::available_parallelism().map_or(0, usize::from);
         let mut text = format!(
-            "\n{title}: ratios, rival / ours, above 1 we are faster\n\n{table}\n\n\
+            "\n{title}. {RATIOS}\n\n{table}\n\n\
              CPU time of the process on one thread, of {cores} the machine has; contenders take turns; medians over the rounds.\n\
              M/s: millions of pairs, points or particles a second, ours.\n\
              reached: no if even the upper quartile is below the target, about if the target lies between the quartiles.\n\
              load average {load_at_start} at the start, {} at the end.\n",
             load_average()
         );
-        for note in notes {
-            text.push_str(&note);
+        for note in &notes {
+            text.push_str(note);
             text.push('\n');
+        }
+        for listed in &further {
+            text.extend(["\n", &listed.title, "\n\n", &listed.table().to_string(), "\n"]);
+        }
+        let tables = [vec![ratios], further].concat();
+        if let Err(error) = record::leave(&Tables { tables, notes }) {
+            let error = error.to_string();
+            text.extend(["the tables could not be left for the record: ", &error, "\n"]);
         }
         // Who closed the output does not want the table.
         let _ = std::io::stdout().write_all(text.as_bytes());
@@ -325,7 +366,7 @@ fn or_dash(value: Option<impl Display>) -> String {
 }
 
 /// Processes that wanted to run over the last minute, where the system tells.
-fn load_average() -> String {
+pub(crate) fn load_average() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     text.split(' ').next().filter(|load| !load.is_empty()).unwrap_or("unknown").to_owned()
 }

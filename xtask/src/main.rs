@@ -37,8 +37,11 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               sweep methods to where they fail
   schema [--record]           write the schemas of scenes and the page of their keys into
                               target/schema, or into docs
-  bench [NAME]... [-- ARG...] run benchmarks, print ratios to rivals; what follows -- goes
-                              to criterion, a first word there is a filter on names
+  bench [NAME]... [--record] [-- ARG...]
+                              run benchmarks, print ratios to rivals; what follows -- goes
+                              to criterion, a first word there is a filter on names;
+                              `plain` counts instructions against steps written by hand;
+                              --record writes docs/benchmarks.md from what was measured
   ci                          all that must hold before a merge, as .ci/run does it
   audit [NAME]... [--list]    checks that take longer or need tools that may be absent:
                               licences, features, interfaces, coverage, mutants, oldest
@@ -53,6 +56,9 @@ the tests are built: slower, with checks of overflow, and without another build 
 /// Commands that the binary of `verification` runs.
 const OF_VERIFICATION: [&str; 7] =
     ["verify", "run", "advise", "merge", "chart", "stability", "schema"];
+
+/// Asks a benchmark to be kept.
+const RECORD: &str = "--record";
 
 /// Exit code for a command line that means nothing.
 const USAGE: u8 = 2;
@@ -100,6 +106,12 @@ fn verification_arguments(command: &str, rest: &[String]) -> Vec<String> {
 fn bench_arguments(rest: &[String]) -> Vec<String> {
     let end_of_names = rest.iter().position(|argument| argument == "--").unwrap_or(rest.len());
     let (names, criterion) = rest.split_at(end_of_names);
+    if names.iter().any(|name| name == RECORD) {
+        let start =
+            ["run", "--release", "--quiet", "--package", "benches", "--bin", "record", "--"];
+        let names = names.iter().filter(|name| *name != RECORD).chain(criterion);
+        return start.into_iter().map(str::to_owned).chain(names.cloned()).collect();
+    }
     let targets = names.iter().flat_map(|name| ["--bench".to_owned(), name.clone()]);
     let start = ["bench", "--package", "benches"].into_iter().map(str::to_owned);
     start.chain(targets).chain(criterion.iter().cloned()).collect()
@@ -175,5 +187,12 @@ mod tests {
             bench_arguments(&words("-- --test")),
             words("bench --package benches -- --test")
         );
+    }
+
+    #[test]
+    fn a_record_of_benchmarks_is_made_by_a_program_of_its_own() {
+        let expected =
+            words("run --release --quiet --package benches --bin record -- smpm -- APIC");
+        assert_eq!(bench_arguments(&words("smpm --record -- APIC")), expected);
     }
 }

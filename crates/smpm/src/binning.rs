@@ -1,9 +1,16 @@
 //! Who stands in which tile, and the order in memory that follows from it.
 
-use crate::tiles::{block_edge, tile_edge, tile_len};
+use crate::tiles::{block_edge, tile_edge, tile_len, tile_of};
 
 /// Particles are put in order when more than one in this many stands next to one of another tile without need.
 const DISORDER: usize = 8;
+
+/// A run of particles in one tile.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Run<const D: usize> {
+    pub(crate) tile: [i32; D],
+    n_particles: usize,
+}
 
 /// Particles of one body by the slot of their tile.
 #[derive(Debug, Default)]
@@ -12,6 +19,8 @@ pub(crate) struct Binning<const D: usize> {
     pub(crate) bases: Vec<[i32; D]>,
     /// The slot of each particle's tile.
     pub(crate) slot: Vec<u32>,
+    /// Particles that stand next to each other in memory and in one tile.
+    pub(crate) runs: Vec<Run<D>>,
     /// Particles by slot, ascending within each.
     order: Vec<u32>,
     /// Where the particles of a slot begin in `order`.
@@ -32,37 +41,64 @@ impl<const D: usize> Binning<D> {
         &self.order[self.starts[slot] as usize..self.starts[slot + 1] as usize]
     }
 
+    /// Finds the runs of particles in one tile. In memory particles are nearly in the order of their tiles, so that there are few,
+    /// and what follows is done for a run at once.
+    pub(crate) fn find_runs(&mut self) {
+        self.runs.clear();
+        for base in &self.bases {
+            let tile = tile_of(base);
+            match self.runs.last_mut() {
+                Some(run) if run.tile == tile => run.n_particles += 1,
+                _ => self.runs.push(Run { tile, n_particles: 1 }),
+            }
+        }
+    }
+
     /// Sorts the particles by slot.
-    pub(crate) fn bin(&mut self, n_slots: usize, slot_of: impl FnMut(&[i32; D]) -> u32) {
+    pub(crate) fn bin(&mut self, n_slots: usize, slot_of: impl Fn(&[i32; D]) -> u32) {
         self.slot.clear();
-        self.slot.extend(self.bases.iter().map(slot_of));
         self.starts.clear();
         self.starts.resize(n_slots + 1, 0);
-        let (mut changes, mut last) = (0, u32::MAX);
-        for &slot in &self.slot {
-            self.starts[slot as usize + 1] += 1;
-            changes += usize::from(slot != last);
-            last = slot;
+        for &Run { tile, n_particles } in &self.runs {
+            let slot = slot_of(&tile);
+            self.slot.resize(self.slot.len() + n_particles, slot);
+            // Particles have numbers of 32 bits.
+            self.starts[slot as usize + 1] += u32::try_from(n_particles).unwrap_or(u32::MAX);
         }
         let needed = self.starts.iter().filter(|&&count| count > 0).count();
-        self.breaks = changes - needed;
-        self.distribute(n_slots, |binning, particle| binning.slot[particle] as usize);
+        self.breaks = self.runs.len() - needed;
+        self.begin_order(n_slots);
+        let mut first = 0_u32;
+        for run in &self.runs {
+            let next = &mut self.next[self.slot[first as usize] as usize];
+            let order = &mut self.order[*next as usize..][..run.n_particles];
+            for place in order {
+                *place = first;
+                first += 1;
+                *next += 1;
+            }
+        }
     }
 
     /// Particles in the order of `key`, whose counts stand in `starts`, one place up.
     fn distribute(&mut self, n_keys: usize, key: impl Fn(&Self, usize) -> usize) {
-        for k in 0..n_keys {
-            self.starts[k + 1] += self.starts[k];
-        }
-        self.next.clear();
-        self.next.extend_from_slice(&self.starts);
-        self.order.resize(self.slot.len(), 0);
+        self.begin_order(n_keys);
         for (particle, number) in (0_u32..).take(self.slot.len()).enumerate() {
             let key = key(self, particle);
             let place = &mut self.next[key];
             self.order[*place as usize] = number;
             *place += 1;
         }
+    }
+
+    /// From counts, one place up, to where the particles of each key begin.
+    fn begin_order(&mut self, n_keys: usize) {
+        for k in 0..n_keys {
+            self.starts[k + 1] += self.starts[k];
+        }
+        self.next.clear();
+        self.next.extend_from_slice(&self.starts);
+        self.order.resize(self.slot.len(), 0);
     }
 
     /// Whether so many particles have left their neighbours in memory that a new order is worth its cost.

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::config::{Config, Geometry, Transfer};
+use crate::config::{Config, Geometry};
 use crate::constitution::Condition;
 use crate::grid::Node;
 use crate::number::Number;
@@ -59,6 +59,8 @@ pub(crate) struct Giver<'a, S, const D: usize> {
     /// The lowest node that it sees.
     pub(crate) base: &'a [i32; D],
     pub(crate) config: &'a Config<D>,
+    /// Whether with APIC's matrix.
+    pub(crate) affine: bool,
 }
 
 impl<S: Number, const D: usize> Giver<'_, S, D> {
@@ -70,14 +72,13 @@ impl<S: Number, const D: usize> Giver<'_, S, D> {
         given: Given,
         nodes: &mut [Node<S, D>],
     ) {
-        let Self { places, particles, p, base, config } = *self;
+        let Self { places, particles, p, base, affine, .. } = *self;
         let edge = block_edge(D);
         let zero = S::constant(0.0);
         // Momentum at the lowest node, and by how much it grows from node to node along each axis.
         let mass = particles.mass[p];
         let mut momentum = particles.velocity[p];
         let mut growth = [[zero; D]; D];
-        let affine = config.transfer == Transfer::Apic;
         if affine {
             let (matrix, x) = (&particles.affine[p], &particles.position[p]);
             for l in 0..D {

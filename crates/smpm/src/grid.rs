@@ -108,19 +108,13 @@ impl<S: Number, const D: usize> Grid<S, D> {
 
     /// Allocates the tiles that the particles see, and sorts the particles of every body by tile.
     pub(crate) fn allocate(&mut self, bodies: &mut [Body<S, D>]) -> Result<(), Error> {
-        let bases = bodies.iter().map(|body| body.binning.bases.as_slice());
-        self.tiles.allocate(bases, &self.planes)?;
+        for body in &mut *bodies {
+            body.binning.find_runs();
+        }
+        self.tiles.allocate(bodies.iter().map(|body| &body.binning), &self.planes)?;
         for body in bodies {
             let Tiles { directory, all, .. } = &self.tiles;
-            let mut last = (tile_of(&body.binning.bases[0]), NONE);
-            last.1 = directory.number(&last.0);
-            body.binning.bin(all.len(), |base| {
-                let tile = tile_of(base);
-                if tile != last.0 {
-                    last = (tile, directory.number(&tile));
-                }
-                last.1
-            });
+            body.binning.bin(all.len(), |tile| directory.number(tile));
         }
         let n_sets = self.tiles.all.len() * self.n_fields;
         self.blocks.resize(n_sets * block_len(D), Node::zero());

@@ -23,9 +23,10 @@ pub(crate) struct Taker<const D: usize> {
     dt: f64,
     pass: Pass,
     field: usize,
-    sized: bool,
     axisymmetric: bool,
     affine: bool,
+    /// Whether velocities themselves are taken, not their changes alone.
+    picks: bool,
     /// The share of FLIP, and that of PIC.
     shares: (f64, f64),
     /// `1/d` of `D_p = d I` where the shape function has such (B-splines); none where the gradient serves.
@@ -59,9 +60,9 @@ impl<const D: usize> Taker<D> {
             dt: sweep.dt,
             pass: sweep.pass,
             field: sweep.field,
-            sized: config.shape == Shape::Gimp,
             axisymmetric: config.geometry == Geometry::Axisymmetric,
             affine: config.transfer == Transfer::Apic,
+            picks: shares.1 != 0.0,
             shares,
             inverse_inertia: match config.shape {
                 Shape::QuadraticBSpline => Some(4.0 / square),
@@ -71,8 +72,50 @@ impl<const D: usize> Taker<D> {
         }
     }
 
+    /// All particles of a chunk. Of plain numbers, in the usual cases, what is taken is known to the compiler, which then asks
+    /// at no node; beside the arithmetic of a jet a question costs nothing, and its code is long.
     #[inline(always)]
-    pub(crate) fn take<F: ShapeFunction, S: Number>(
+    pub(crate) fn take_all<F: ShapeFunction, S: Number>(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+        grid: &Grid<S, D>,
+    ) {
+        if const { size_of::<S>() > size_of::<f64>() } {
+            self.take_each::<F, S>(chunk, gradients, grid);
+            return;
+        }
+        let plain = Self { affine: false, picks: false, ..*self };
+        match (self.pass, self.affine || self.picks) {
+            (Pass::Whole, false) => {
+                Self { pass: Pass::Whole, ..plain }.take_each::<F, S>(chunk, gradients, grid);
+            }
+            (Pass::Motion, false) => {
+                Self { pass: Pass::Motion, ..plain }.take_each::<F, S>(chunk, gradients, grid);
+            }
+            (Pass::StressAndMove, _) => {
+                let stress = Self { pass: Pass::StressAndMove, ..plain };
+                stress.take_each::<F, S>(chunk, gradients, grid);
+            }
+            _ => self.take_each::<F, S>(chunk, gradients, grid),
+        }
+    }
+
+    #[inline(always)]
+    fn take_each<F: ShapeFunction, S: Number>(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+        grid: &Grid<S, D>,
+    ) {
+        let mut axes = [Axis::empty(); D];
+        for p in 0..gradients.len() {
+            self.take::<F, S>(chunk, p, (&mut axes, &mut gradients[p]), grid);
+        }
+    }
+
+    #[inline(always)]
+    fn take<F: ShapeFunction, S: Number>(
         &self,
         chunk: &mut Chunk<'_, S, D>,
         p: usize,
@@ -93,7 +136,7 @@ impl<const D: usize> Taker<D> {
             if self.axisymmetric {
                 l[2][2] = sums.velocity[0] / chunk.position[p][0];
             }
-            if self.sized {
+            if F::SIZED {
                 for k in 0..D {
                     let length = chunk.half_length[p][k];
                     chunk.stretched[p][k] = length + length * l[k][k] * self.dt;
@@ -107,10 +150,10 @@ impl<const D: usize> Taker<D> {
         let velocity = &mut chunk.velocity[p];
         for k in 0..D {
             let new = sums.velocity[k];
-            if flip == 0.0 {
-                velocity[k] = new;
-            } else if picked == 0.0 {
+            if !self.picks {
                 velocity[k] = velocity[k] + sums.change[k];
+            } else if flip == 0.0 {
+                velocity[k] = new;
             } else {
                 velocity[k] = (velocity[k] + sums.change[k]) * flip + new * picked;
             }
@@ -160,7 +203,7 @@ impl<const D: usize> Taker<D> {
             gradient: [[zero; D]; D],
             moment: [[zero; D]; D],
         };
-        let with_change = self.pass.takes_motion() && self.shares.0 != 0.0;
+        let with_change = self.pass.takes_motion() && (!self.picks || self.shares.0 != 0.0);
         let with_matrix = self.pass.takes_motion() && self.affine;
         let with_gradient =
             self.pass.updates_stress() || (with_matrix && self.inverse_inertia.is_none());

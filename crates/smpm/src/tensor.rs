@@ -226,15 +226,17 @@ pub fn von_mises<S: Scalar>(deviator: &Symmetric<S>) -> S {
 #[must_use]
 #[inline(always)]
 pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
-    let mut m = *velocity_gradient;
+    let l = velocity_gradient;
+    if leaves_no_plane(l) {
+        let (xx, yy, zz) = (l[0][0] * dt + 1.0, l[1][1] * dt + 1.0, l[2][2] * dt + 1.0);
+        return (xx * yy - l[0][1] * dt * (l[1][0] * dt)) * zz;
+    }
+    let mut m = *l;
     for i in 0..3 {
         for j in 0..3 {
             m[i][j] = m[i][j] * dt;
         }
         m[i][i] = m[i][i] + 1.0;
-    }
-    if leaves_no_plane(velocity_gradient) {
-        return (m[0][0] * m[1][1] - m[0][1] * m[1][0]) * m[2][2];
     }
     let first = m[1][1] * m[2][2] - m[1][2] * m[2][1];
     let second = m[1][0] * m[2][2] - m[1][2] * m[2][0];

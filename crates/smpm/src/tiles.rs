@@ -5,6 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
+use crate::binning::Binning;
 use crate::boundary::Plane;
 use crate::error::Error;
 use crate::shape::MOST_NODES;
@@ -172,14 +173,14 @@ impl<const D: usize> Tiles<D> {
         Self { directory, all: vec![], occupied: vec![] }
     }
 
-    /// Finds the tiles that particles see, by the lowest nodes of those of every body.
+    /// Finds the tiles that particles see, by the lowest nodes of those of every body and by their runs.
     pub(crate) fn allocate<'a>(
         &mut self,
-        bodies: impl Iterator<Item = &'a [[i32; D]]> + Clone,
+        bodies: impl Iterator<Item = &'a Binning<D>> + Clone,
         planes: &[Plane],
     ) -> Result<(), Error> {
         let (mut low, mut high) = ([i32::MAX; D], [i32::MIN; D]);
-        for base in bodies.clone().flatten() {
+        for base in bodies.clone().flat_map(|binning| &binning.bases) {
             for k in 0..D {
                 low[k] = low[k].min(base[k]);
                 high[k] = high[k].max(base[k]);
@@ -196,20 +197,12 @@ impl<const D: usize> Tiles<D> {
         let (low, high) = (tile_of(&low), tile_of(&high).map(|tile| tile + 1));
         self.directory.span(low, high)?;
         self.occupied.clear();
-        for bases in bodies {
-            let mut last = None;
-            for base in bases {
-                let tile = tile_of(base);
-                if last == Some(tile) {
-                    continue;
-                }
-                last = Some(tile);
-                if let Some(index) = self.directory.index(&tile)
-                    && self.directory.slots[index] == NONE
-                {
-                    self.directory.slots[index] = OCCUPIED;
-                    self.occupied.push(index);
-                }
+        for run in bodies.flat_map(|binning| &binning.runs) {
+            if let Some(index) = self.directory.index(&run.tile)
+                && self.directory.slots[index] == NONE
+            {
+                self.directory.slots[index] = OCCUPIED;
+                self.occupied.push(index);
             }
         }
         self.number(low, planes);

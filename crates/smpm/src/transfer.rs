@@ -9,9 +9,10 @@ use perturbation_moments::in_widest_registers;
 
 use crate::binning::Binning;
 use crate::body::Body;
-use crate::config::Config;
+use crate::config::{Config, Transfer};
+use crate::constitution::Condition;
 use crate::giving::{Given, Giver, give_outward};
-use crate::grid::Grid;
+use crate::grid::{Grid, Node};
 use crate::number::Number;
 use crate::parallel::for_each_chunk;
 use crate::particles::{Chunk, Particles};
@@ -154,24 +155,35 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given) {
         let places = Places::of(grid);
         let last_field = grid.field(bodies.len() - 1);
+        let affine = config.transfer == Transfer::Apic;
         grid.collect(|slot, corner, blocks| {
             for (field, body) in bodies.iter().enumerate() {
                 let block = &mut blocks[field.min(last_field) * block_len(D)..][..block_len(D)];
-                let members = body.binning.members(slot);
-                let (particles, conditions) = (&body.particles, body.constitution.conditions());
-                let bases = &body.binning.bases;
+                let givers = Givers {
+                    places,
+                    body,
+                    members: body.binning.members(slot),
+                    conditions: body.constitution.conditions(),
+                    corner,
+                    config,
+                };
                 in_widest_registers(
                     #[inline(always)]
                     || {
-                        let mut axes = [Axis::empty(); D];
-                        for &p in members {
-                            let p = p as usize;
-                            let base = &bases[p];
-                            let sized = (&particles.position[p], &particles.half_length[..]);
-                            places.find_axes::<F, S>(sized, (p, base), &mut axes);
-                            let nodes = &mut block[Binning::offset(base, &corner)..];
-                            let of = Giver { places, particles, p, base, config };
-                            of.give::<F>(&axes, &conditions[p], given, nodes);
+                        if const { size_of::<S>() > size_of::<f64>() } {
+                            // Beside the arithmetic of a jet a question costs nothing, and its code is long.
+                            givers.give::<F>(given, affine, block);
+                            return;
+                        }
+                        // The same with the usual cases known to the compiler, which then asks at no node what is given.
+                        match (given, affine) {
+                            (Given::MotionAndForce, false) => {
+                                givers.give::<F>(Given::MotionAndForce, false, block);
+                            }
+                            (Given::MotionAgain, false) => {
+                                givers.give::<F>(Given::MotionAgain, false, block);
+                            }
+                            _ => givers.give::<F>(given, affine, block),
                         }
                     },
                 );
@@ -206,12 +218,36 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
         let taker = Taker::of(sweep);
         in_widest_registers(
             #[inline(always)]
-            || {
-                let mut axes = [Axis::empty(); D];
-                for p in 0..gradients.len() {
-                    taker.take::<F, S>(chunk, p, (&mut axes, &mut gradients[p]), sweep.grid);
-                }
-            },
+            || taker.take_all::<F, S>(chunk, gradients, sweep.grid),
         );
+    }
+}
+
+/// The particles of a body in a tile.
+struct Givers<'a, S, const D: usize> {
+    places: Places<D>,
+    body: &'a Body<S, D>,
+    members: &'a [u32],
+    conditions: &'a [Condition<S>],
+    /// The lowest node of the block.
+    corner: [i32; D],
+    config: &'a Config<D>,
+}
+
+impl<S: Number, const D: usize> Givers<'_, S, D> {
+    #[inline(always)]
+    fn give<F: ShapeFunction>(&self, given: Given, affine: bool, block: &mut [Node<S, D>]) {
+        let Self { places, body, members, conditions, corner, config } = *self;
+        let (particles, bases) = (&body.particles, &body.binning.bases);
+        let mut axes = [Axis::empty(); D];
+        for &p in members {
+            let p = p as usize;
+            let base = &bases[p];
+            let sized = (&particles.position[p], &particles.half_length[..]);
+            places.find_axes::<F, S>(sized, (p, base), &mut axes);
+            let nodes = &mut block[Binning::offset(base, &corner)..];
+            let of = Giver { places, particles, p, base, config, affine };
+            of.give::<F>(&axes, &conditions[p], given, nodes);
+        }
     }
 }

@@ -1,0 +1,131 @@
+//! An elastic block in a list of bonds, and a plate of a lattice, whose waves do not break them: by peridyn-sde, and by hand.
+
+use std::marker::PhantomData;
+
+use peridyn_sde::{
+    Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence,
+    LatticeBody, Loading, Nodes, Simulation, SimulationConfig, Strain, SurfaceCorrection,
+    VolumeCorrection,
+};
+use sde_integrators::Noise;
+
+use crate::case::{Case, Failure, Run, State};
+use crate::lattice::Lattice;
+use crate::list::List;
+
+pub(crate) const DENSITY: f64 = 1.0;
+const YOUNG_MODULUS: f64 = 1.0;
+/// Of what is stable, about: waves of the speed one cross a part of a spacing.
+const STEP: f64 = 0.2;
+/// Of the nodes, over the speed of waves: strains of this order.
+const SPEED: f64 = 1e-3;
+/// A stretch that no bond comes near.
+const STRENGTH: f64 = 1.0;
+
+/// How the nodes of a lattice of spacing one move at first, and the step.
+#[derive(Debug)]
+pub(crate) struct Start<const D: usize> {
+    pub(crate) velocities: Vec<[f64; D]>,
+    pub(crate) dt: f64,
+}
+
+impl<const D: usize> Start<D> {
+    fn of(nodes: &Nodes<D>) -> Self {
+        let velocity = |x: &[f64; D]| {
+            std::array::from_fn(|k| SPEED * (0.3 * x[(k + 1) % D] + 0.2 * x[k]).sin())
+        };
+        Self { velocities: nodes.positions().iter().map(velocity).collect(), dt: STEP }
+    }
+}
+
+fn body<const D: usize>(edge: u32, condition: Condition) -> Result<(Nodes<D>, Bonds), Failure> {
+    let nodes = Nodes::lattice(1.0, ([0.0; D], [f64::from(edge); D]), condition, |_| true)?;
+    let config = BondConfig {
+        horizon: Horizon::of_shells(3, 1.0)?,
+        young_modulus: YOUNG_MODULUS,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let bonds = Bonds::new(&nodes, &config)?;
+    Ok((nodes, bonds))
+}
+
+/// Our own, of a body `B`.
+struct Ours<B, const D: usize> {
+    run: Simulation<f64, B, D, 1>,
+    body: PhantomData<B>,
+}
+
+fn ours<B: Body<f64, D, 1> + 'static, const D: usize>(body: B) -> Result<Box<dyn Run>, Failure> {
+    let Start { velocities, dt } = Start::of(body.nodes());
+    let n_nodes = body.nodes().positions().len();
+    let config = SimulationConfig {
+        dynamics: Dynamics::Inertial { density: DENSITY, friction: 0.0, temperature: 0.0 },
+        dt,
+        breaking: Breaking::AtEnds,
+        confinement: 0.0,
+        noise: Noise::new(1),
+    };
+    let mut run = Simulation::new(body, Loading::new(n_nodes), config, [0])?;
+    run.set_velocities(0, &velocities)?;
+    Ok(Box::new(Ours { run, body: PhantomData }))
+}
+
+impl<B: Body<f64, D, 1>, const D: usize> Run for Ours<B, D> {
+    fn step(&mut self) -> Result<(), Failure> {
+        let report = self.run.step()?;
+        if report.broken.is_empty() { Ok(()) } else { Err("a bond broke".into()) }
+    }
+
+    fn state(&self) -> State {
+        let u = self.run.displacements(0);
+        let names = ["displacement x", "displacement y", "displacement z"];
+        (0..D).map(|k| (names[k], u.iter().map(|u| u[k]).collect())).collect()
+    }
+
+    fn n_elements(&self) -> usize {
+        self.run.body().bonds().len()
+    }
+}
+
+/// The pull of a bond is a polynomial in ours, within 8.4e-13 of what it is (`Real::SERIES`), and the difference of two lengths by
+/// hand, which loses three digits at these strains.
+const ROUNDOFF: f64 = 1e-11;
+
+const PLATE: Condition = Condition::PlaneStress { thickness: 1.0 };
+
+pub(crate) const CASES: [Case; 2] = [
+    Case {
+        name: "peridyn-list",
+        what: "elastic block, bonds in a list, f64, velocity Verlet",
+        element: "bond",
+        edges: [31, 15],
+        ours: |edge| {
+            let (nodes, bonds) = body::<3>(edge, Condition::Solid)?;
+            let strengths = vec![STRENGTH; bonds.len()];
+            ours(BondList::<f64, 3, 1>::new(nodes, bonds, Strain::Finite, &strengths)?)
+        },
+        plain: |edge| {
+            let (nodes, bonds) = body::<3>(edge, Condition::Solid)?;
+            Ok(Box::new(List::new(&nodes, &bonds, &Start::of(&nodes))?))
+        },
+        tolerance: ROUNDOFF,
+    },
+    Case {
+        name: "peridyn-lattice",
+        what: "elastic plate, bonds of a lattice, f64, velocity Verlet",
+        element: "bond",
+        edges: [100, 50],
+        ours: |edge| {
+            let (nodes, bonds) = body::<2>(edge, PLATE)?;
+            ours(LatticeBody::<f64, 2>::new(nodes, bonds, Strain::Finite, STRENGTH)?)
+        },
+        plain: |edge| {
+            let (nodes, bonds) = body::<2>(edge, PLATE)?;
+            let start = Start::of(&nodes);
+            Ok(Box::new(Lattice::new((&nodes, edge as usize), &bonds, &start)?))
+        },
+        tolerance: ROUNDOFF,
+    },
+];

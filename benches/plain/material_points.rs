@@ -1,0 +1,130 @@
+//! A square of material points that stretches, shears and turns: by smpm, and by hand.
+
+use smpm::material::{
+    Fluid, LinearElasticParameters, LinearElasticSolid, Material, Solid, StiffenedGas,
+    StiffenedGasParameters,
+};
+use smpm::{BulkViscosity, Config, Fill, Simulation, UpdateOrder};
+
+use crate::case::{Case, Failure, Run, State};
+use crate::elastic::Elastic;
+use crate::fluid::Gas;
+
+pub(crate) const ELASTIC: LinearElasticParameters<f64> =
+    LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
+pub(crate) const GAS: StiffenedGasParameters<f64> =
+    StiffenedGasParameters { density: 1.0, exponent: 4.4, stiffness: 30.0, pressure: 1.0 };
+
+/// Of the bulk viscosity.
+pub(crate) const QUADRATIC: f64 = 1.5;
+pub(crate) const LINEAR: f64 = 0.06;
+
+/// The energy may not exceed this many times that of the start.
+pub(crate) const MOST_GROWTH: f64 = 1.2;
+
+pub(crate) const COURANT_NUMBER: f64 = 0.4;
+
+/// Where the particles start.
+#[derive(Debug)]
+pub(crate) struct Body {
+    pub(crate) positions: Vec<[f64; 2]>,
+    pub(crate) velocities: Vec<[f64; 2]>,
+    /// Of one particle.
+    pub(crate) volume: f64,
+    pub(crate) cell: f64,
+}
+
+fn velocity(&[x, y]: &[f64; 2]) -> [f64; 2] {
+    let (x, y) = (3.0 * (x - 0.5), 3.0 * (y - 0.5));
+    [0.1 * (1.0 + x.sin() - y), 0.1 * (x - 0.5 * y.sin())]
+}
+
+/// Four particles to a cell.
+fn fill(edge: u32) -> Result<(Fill<2>, f64), smpm::Error> {
+    let cell = 2.0 / f64::from(edge);
+    Ok((Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true)?, cell))
+}
+
+fn body(edge: u32) -> Result<Body, smpm::Error> {
+    let (Fill { positions, spacing }, cell) = fill(edge)?;
+    let velocities = positions.iter().map(velocity).collect();
+    Ok(Body { positions, velocities, volume: spacing[0] * spacing[1], cell })
+}
+
+fn simulation<M: Material<f64> + 'static>(
+    edge: u32,
+    material: M,
+    update_order: UpdateOrder,
+) -> Result<Simulation<f64, 2>, smpm::Error>
+where
+    M::State: 'static,
+{
+    let (fill, cell) = fill(edge)?;
+    let mut body = smpm::Body::new(material, &fill, [0.0; 2])?;
+    body.set_velocities(velocity)?;
+    let viscosity = BulkViscosity { quadratic: QUADRATIC, linear: LINEAR };
+    let config = Config {
+        update_order,
+        viscosity,
+        courant_number: COURANT_NUMBER,
+        most_energy_growth: MOST_GROWTH,
+        ..Config::with_cell(cell)
+    };
+    Simulation::new(config, vec![body])
+}
+
+impl Run for Simulation<f64, 2> {
+    fn step(&mut self) -> Result<(), Failure> {
+        let _ = Self::step(self)?;
+        Ok(())
+    }
+
+    fn state(&self) -> State {
+        let body = &self.bodies()[0];
+        let of = |f: &dyn Fn(usize) -> f64| (0..body.n_particles()).map(f).collect();
+        vec![
+            ("x", of(&|p| body.position(p)[0])),
+            ("y", of(&|p| body.position(p)[1])),
+            ("velocity x", of(&|p| body.velocity(p)[0])),
+            ("velocity y", of(&|p| body.velocity(p)[1])),
+            ("stress xx", of(&|p| body.stress(p).0[0])),
+            ("stress yy", of(&|p| body.stress(p).0[1])),
+            ("stress xy", of(&|p| body.stress(p).0[3])),
+            ("energy", of(&|p| body.observe(p).energy)),
+        ]
+    }
+
+    fn n_elements(&self) -> usize {
+        self.bodies()[0].n_particles()
+    }
+}
+
+/// Sums over nodes are taken in another order: roundoff, grown a little in twenty steps by the stiffness of the material.
+const ROUNDOFF: f64 = 1e-11;
+
+pub(crate) const CASES: [Case; 2] = [
+    Case {
+        name: "smpm-elastic",
+        what: "elastic square in plane strain, quadratic B-splines, stress last, FLIP",
+        element: "particle",
+        edges: [400, 100],
+        ours: |edge| {
+            let material = LinearElasticSolid::<f64>::linear_elastic(ELASTIC)?;
+            Ok(Box::new(simulation(edge, material, UpdateOrder::StressLast)?))
+        },
+        plain: |edge| Ok(Box::new(Elastic::new(&body(edge)?))),
+        tolerance: ROUNDOFF,
+    },
+    Case {
+        name: "smpm-gas",
+        what: "stiffened gas in plane strain, quadratic B-splines, modified stress last, FLIP",
+        element: "particle",
+        edges: [400, 100],
+        ours: |edge| {
+            let material = Solid { equation: StiffenedGas::new(GAS)?, strength: Fluid };
+            Ok(Box::new(simulation(edge, material, UpdateOrder::ModifiedStressLast)?))
+        },
+        plain: |edge| Ok(Box::new(Gas::new(&body(edge)?))),
+        tolerance: ROUNDOFF,
+    },
+];

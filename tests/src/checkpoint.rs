@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-pub use self::error::{CheckpointError, Refusal};
+pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
 
 /// Between two checkpoints lie at least so many times the time that writing one takes.

@@ -4,6 +4,7 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod fpk;
+mod inputs;
 mod part;
 mod peridyn;
 mod progress;
@@ -13,12 +14,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use schemars::Schema;
-use serde::Serialize;
 
+pub use self::inputs::Inputs;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 use crate::case::CaseError;
-use crate::checkpoint::{Checkpoint, CheckpointError, Head, Start};
+use crate::checkpoint::{CheckpointError, Start};
 use crate::finite::JsonError;
 use crate::nearest::nearest;
 use crate::output::OutputError;
@@ -95,41 +96,6 @@ impl Run<'_> {
         }
         Ok(scene)
     }
-
-    /// The checkpoint of the run of a scene. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
-    /// and what only looks at the result.
-    ///
-    /// # Errors
-    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that is no JSON.
-    pub fn checkpoint(
-        &self,
-        scene: &impl Serialize,
-        aside: &[&str],
-    ) -> Result<Checkpoint, RunError> {
-        let mut identity = identity(scene, aside)?;
-        if let (Part::Shard(place), Some(identity)) = (&self.options.part, identity.as_object_mut())
-        {
-            identity.insert("shard".to_owned(), place.to_string().into());
-        }
-        let head = Head::new(self.solver, &identity);
-        let Options { ref out, start, checkpoint_every, .. } = *self.options;
-        let (checkpoint, found) = Checkpoint::open(out, head, start, checkpoint_every)?;
-        for refused in &found.refused {
-            self.progress.stage(&format!("not gone on from: {refused}"));
-        }
-        match (start, found.file) {
-            (Start::Anew, _) => {}
-            (Start::GoOn, Some(file)) => {
-                self.progress.stage(&format!("goes on from {}", file.display()));
-            }
-            (Start::GoOn, None) => {
-                let folder = out.display();
-                self.progress
-                    .stage(&format!("no checkpoint in {folder}: starts from the beginning"));
-            }
-        }
-        Ok(checkpoint)
-    }
 }
 
 /// Why a scene was not run to its end.
@@ -177,17 +143,6 @@ impl RunError {
     pub fn solver(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Solver(Box::new(error))
     }
-}
-
-/// All of a scene that its numbers depend on.
-fn identity(scene: &impl Serialize, aside: &[&str]) -> Result<serde_json::Value, RunError> {
-    let mut identity = serde_json::to_value(scene).map_err(JsonError::from)?;
-    for pointer in aside {
-        if let Some(value) = identity.pointer_mut(pointer) {
-            *value = serde_json::Value::Null;
-        }
-    }
-    Ok(identity)
 }
 
 /// Runs a scene file.

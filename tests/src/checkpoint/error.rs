@@ -63,6 +63,16 @@ pub enum Reason {
         /// At its end.
         expected: u64,
     },
+    /// A file that the scene names had other bytes.
+    #[error("was made with another {file}: its bytes had the hash {found}, now it is {expected}")]
+    OtherFile {
+        /// Its path, as the scene has it.
+        file: String,
+        /// XXH64 of what the run was made with.
+        found: String,
+        /// Of what is there now.
+        expected: String,
+    },
     /// It is of another run.
     #[error("is of another {what}: {found}, not {expected}")]
     Foreign {

@@ -1,4 +1,4 @@
-//! One file of a checkpoint: `SPCHECK1`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
+//! One file of a checkpoint: `SPCHECK2`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
 //! before.
 
 use std::fs::File;
@@ -10,8 +10,9 @@ use twox_hash::XxHash64;
 
 use super::Parts;
 use super::error::{CheckpointError, Reason, Refusal};
+use crate::scene::NamedFile;
 
-const MAGIC: &[u8; 8] = b"SPCHECK1";
+const MAGIC: &[u8; 8] = b"SPCHECK2";
 /// Magic and length.
 const BEFORE: usize = 16;
 /// The hash.
@@ -24,25 +25,28 @@ pub struct Head {
     simd: String,
     solver: String,
     scene: String,
+    files: Vec<NamedFile>,
 }
 
 impl Head {
     /// Of a scene of a solver, by this version and the instructions of this machine. `scene` is all that the numbers depend on:
-    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one.
+    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one. `files`
+    /// are those that it names.
     #[must_use]
-    pub fn new(solver: &str, scene: &serde_json::Value) -> Self {
+    pub fn new(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             simd: sde_integrators::SimdLevel::best().name().to_owned(),
             solver: solver.to_owned(),
             scene: format!("{:016x}", hash(scene.to_string().as_bytes())),
+            files: files.to_vec(),
         }
     }
 
     /// The same for what is joined from several machines: numbers are the same bits whatever their instructions are.
     #[must_use]
-    pub fn of_shards(solver: &str, scene: &serde_json::Value) -> Self {
-        Self { simd: "any".to_owned(), ..Self::new(solver, scene) }
+    pub fn of_shards(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
+        Self { simd: "any".to_owned(), ..Self::new(solver, scene, files) }
     }
 
     /// The first difference.
@@ -53,13 +57,26 @@ impl Head {
             ("scene (hash)", &self.scene, &found.scene),
             ("instruction set", &self.simd, &found.simd),
         ];
-        fields.into_iter().find(|(_, expected, found)| expected != found).map(
-            |(what, expected, found)| Reason::Foreign {
-                what,
-                found: found.clone(),
-                expected: expected.clone(),
-            },
-        )
+        let differs = fields.into_iter().find(|(_, expected, found)| expected != found);
+        match differs {
+            Some((what, expected, found)) => {
+                Some(Reason::Foreign { what, found: found.clone(), expected: expected.clone() })
+            }
+            None => self.other_file(found),
+        }
+    }
+
+    /// The first file that has other bytes, or is there in one alone.
+    fn other_file(&self, found: &Self) -> Option<Reason> {
+        let hash = |head: &Self, path: &str| {
+            let file = head.files.iter().find(|file| file.path == path);
+            file.map_or_else(|| "none".to_owned(), |file| file.xxh64.clone())
+        };
+        self.files.iter().chain(&found.files).find_map(|NamedFile { path, .. }| {
+            let (found, expected) = (hash(found, path), hash(self, path));
+            let file = path.clone();
+            (found != expected).then_some(Reason::OtherFile { file, found, expected })
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 use super::error::Reason;
 use super::*;
+use crate::scene::NamedFile;
 
 const OFTEN: Duration = Duration::ZERO;
 
@@ -19,7 +20,7 @@ impl Drop for Folder {
 }
 
 fn head(scene: &str) -> Head {
-    Head::new("a-solver", &serde_json::json!({ "what": scene }))
+    Head::new("a-solver", &serde_json::json!({ "what": scene }), &[])
 }
 
 fn open(folder: &Folder, start: Start) -> Result<(Checkpoint, Found), CheckpointError> {
@@ -79,11 +80,36 @@ fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
         Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap_err().to_string();
     assert!(error.contains("checkpoint-1.bin is of another scene (hash)"), "{error}");
     std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
-    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK1".as_slice(), &[255; 8]].concat())
+    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK2".as_slice(), &[255; 8]].concat())
         .unwrap();
     let reasons = refusals(open(&folder, Start::GoOn).unwrap_err());
     assert_eq!(reasons[0], Reason::NoCheckpoint);
     assert_eq!(reasons[1], Reason::CutOff { found: 16, expected: u64::MAX });
+}
+
+#[test]
+fn a_file_of_other_bytes_or_one_that_was_not_there_is_refused_by_its_name() {
+    let folder = Folder::new("named-files");
+    let head = |files: &[(&str, &str)]| {
+        let file = |&(path, xxh64): &(&str, &str)| NamedFile {
+            path: path.to_owned(),
+            xxh64: xxh64.to_owned(),
+        };
+        let files: Vec<NamedFile> = files.iter().map(file).collect();
+        Head::new("a-solver", &serde_json::json!({}), &files)
+    };
+    let path = folder.0.join("shard.bin");
+    write_file(&path, &head(&[("a.csv", "1"), ("b.csv", "2")]), &7_u64).unwrap();
+    assert_eq!(read_file::<u64>(&path, &head(&[("a.csv", "1"), ("b.csv", "2")])).unwrap(), 7);
+    for (files, file, found, expected) in [
+        (vec![("a.csv", "1"), ("b.csv", "3")], "b.csv", "2", "3"),
+        (vec![("a.csv", "1")], "b.csv", "2", "none"),
+        (vec![("a.csv", "1"), ("b.csv", "2"), ("c.csv", "4")], "c.csv", "none", "4"),
+    ] {
+        let [file, found, expected] = [file, found, expected].map(str::to_owned);
+        let reasons = refusals(read_file::<u64>(&path, &head(&files)).unwrap_err());
+        assert_eq!(reasons, [Reason::OtherFile { file, found, expected }]);
+    }
 }
 
 #[test]

@@ -23,7 +23,7 @@ use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::SceneFile;
-use crate::scenes::{Part, Run, RunError, SceneKind};
+use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
@@ -125,7 +125,8 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
             system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
         } else {
             run.no_shards()?;
-            let checkpoint = run.checkpoint(&scene, &["/title", "/times/until"])?;
+            let inputs = &Inputs { scene: &scene, files: &[] };
+            let checkpoint = run.checkpoint(inputs, &["/title", "/times/until"])?;
             system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
         };
     if let Part::Shard(_) = run.part() {

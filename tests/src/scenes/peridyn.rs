@@ -19,7 +19,7 @@ use crate::output::write_json;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
-use crate::scenes::{Part, Run, RunError, SceneKind};
+use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
 
 pub(crate) const KIND: SceneKind =
     SceneKind { solver: "peridyn-sde", schema: || schemars::schema_for!(CrackScene), run };
@@ -58,13 +58,14 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = run.parse(file)?;
     let problem =
         CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
+    let inputs = &Inputs { scene: &scene, files: &problem.files };
     let (crack_run, cpu_seconds) = match run.part() {
-        Part::Whole => realisations(&scene, &problem, run)?,
+        Part::Whole => realisations(inputs, &problem, run)?,
         Part::Shard(place) => {
-            let shard = realisations(&scene, &problem, run)?;
-            return Ok(vec![run.write_shard(&scene, *place, &shard)?]);
+            let shard = realisations(inputs, &problem, run)?;
+            return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
         }
-        Part::Merged(files) => joined(run.read_shards(&scene, files)?)?,
+        Part::Merged(files) => joined(run.read_shards(inputs, files)?)?,
     };
     write(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
@@ -82,11 +83,12 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
 
 /// All realisations that are to be run, those of a checkpoint among them.
 fn realisations(
-    scene: &CrackScene,
+    inputs: &Inputs<'_, CrackScene>,
     problem: &CrackProblem,
     run: &Run<'_>,
 ) -> Result<Ended, RunError> {
-    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let scene = inputs.scene;
+    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
     let range = run.range(scene.ensemble.realisations);
     let asked = range.end - range.start;
     if asked == 0 {
@@ -142,6 +144,7 @@ fn write(
         commit: commit(),
         machine: Machine::read(),
         scene,
+        files: &problem.files,
         resolved: &problem.resolved,
         seed: scene.ensemble.seed,
         work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),

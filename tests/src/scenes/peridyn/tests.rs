@@ -52,6 +52,13 @@ impl Ran {
     }
 }
 
+impl Ran {
+    /// The scene as it now stands in the folder, run again.
+    fn again(&self, options: Options) -> Result<Vec<PathBuf>, RunError> {
+        run(&TABLE, &self.folder.join("scene.json"), &options, &Progress::silent())
+    }
+}
+
 impl Drop for Ran {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.folder);

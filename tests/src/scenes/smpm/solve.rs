@@ -10,7 +10,7 @@ use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
 use crate::number::with_uncertainty;
-use crate::scenes::{Part, Run, RunError};
+use crate::scenes::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
@@ -219,14 +219,15 @@ fn sampled<const D: usize, const N: usize>(
     scene: &SmpmScene,
     run: &Run<'_>,
 ) -> Result<Result<Sampled<N>, PathBuf>, RunError> {
+    let inputs = &Inputs { scene, files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let range = run.range(judge.n_samples);
     if let Part::Merged(files) = run.part() {
-        let shards: Vec<Responses> = run.read_shards(scene, files)?;
+        let shards: Vec<Responses> = run.read_shards(inputs, files)?;
         let known = shards.into_iter().flatten().collect();
         return study.monte_carlo_from(judge, range, &known, each, |_, _| Ok(())).map(Ok);
     }
-    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
     let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
@@ -237,7 +238,7 @@ fn sampled<const D: usize, const N: usize>(
         Ok::<(), RunError>(())
     })?;
     match run.part() {
-        Part::Shard(place) => Ok(Err(run.write_shard(scene, *place, &sampled.responses())?)),
+        Part::Shard(place) => Ok(Err(run.write_shard(inputs, *place, &sampled.responses())?)),
         Part::Whole | Part::Merged(_) => Ok(Ok(sampled)),
     }
 }

@@ -304,7 +304,8 @@ impl Visitor for Solved<'_> {
         };
         run.progress.stage("density");
         let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
-        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), kept.seen);
+        let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
+        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), seen);
         let (law, asked) = (&law, &asked);
         let fine = self
             .density(

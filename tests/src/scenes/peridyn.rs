@@ -30,12 +30,18 @@ const ENDED: &str = "realisations";
 /// What the numbers of realisations do not depend on: how many there are, and what is made of them.
 const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
 
-/// A checkpoint of more than is asked for.
+/// A checkpoint whose realisations are not the first of those that are asked for. What one of them has added to the map of damage
+/// cannot be taken out again.
 #[derive(Debug, thiserror::Error)]
-#[error("the checkpoint holds {found} realisations; the scene asks for {asked}")]
-struct TooManyKept {
+#[error(
+    "the checkpoint holds {found} realisations from number {first} on; asked for are {asked} from number {start} on: \
+     take another folder"
+)]
+struct OthersKept {
     found: u64,
+    first: u64,
     asked: u64,
+    start: u64,
 }
 
 /// More shards than there is work for.
@@ -96,9 +102,12 @@ fn realisations(
     }
     run.progress.stage(&format!("{asked} realisations"));
     let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();
-    let found = past.as_ref().map_or(0, |past| past.records.len() as u64);
-    if found > asked {
-        return Err(RunError::solver(TooManyKept { found, asked }));
+    if let Some(past) = &past {
+        let (found, start) = (past.records.len() as u64, range.start);
+        let first = past.records.first().map_or(start, |record| record.realisation);
+        if found > asked || first != start {
+            return Err(RunError::solver(OthersKept { found, first, asked, start }));
+        }
     }
     let clock = cpu_time::ProcessTime::now();
     let seconds = || past_seconds.unwrap_or(0.0) + clock.elapsed().as_secs_f64();

@@ -9,6 +9,7 @@ use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::number::with_uncertainty;
 use crate::scenes::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
@@ -233,7 +234,7 @@ fn sampled<const D: usize, const N: usize>(
     let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
         run.progress.at((tried, n), &words(study, so_far));
         if tried == n || checkpoint.is_due() {
-            checkpoint.keep(SAMPLES, &so_far.responses())?;
+            keep(&checkpoint, &known, so_far.responses())?;
         }
         Ok::<(), RunError>(())
     })?;
@@ -241,6 +242,20 @@ fn sampled<const D: usize, const N: usize>(
         Part::Shard(place) => Ok(Err(run.write_shard(inputs, *place, &sampled.responses())?)),
         Part::Whole | Part::Merged(_) => Ok(Ok(sampled)),
     }
+}
+
+/// Keeps new samples beside those that were known, which may be more than the scene asks for now.
+fn keep(
+    checkpoint: &Checkpoint,
+    known: &Responses,
+    so_far: Responses,
+) -> Result<(), CheckpointError> {
+    if so_far.keys().all(|sample| known.contains_key(sample)) {
+        return Ok(());
+    }
+    let mut all = known.clone();
+    all.extend(so_far);
+    checkpoint.keep(SAMPLES, &all)
 }
 
 /// Responses by the number of their sample.

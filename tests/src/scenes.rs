@@ -11,6 +11,7 @@ mod progress;
 mod smpm;
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use schemars::Schema;
@@ -19,7 +20,7 @@ pub use self::inputs::Inputs;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 use crate::case::CaseError;
-use crate::checkpoint::{CheckpointError, Start};
+use crate::checkpoint::{Checkpoint, CheckpointError, Start};
 use crate::finite::JsonError;
 use crate::nearest::nearest;
 use crate::output::OutputError;
@@ -49,7 +50,7 @@ pub struct Options {
     pub out: PathBuf,
     /// In place of the seed of the scene.
     pub seed: Option<u64>,
-    /// From nothing or from a checkpoint.
+    /// From nothing or from a checkpoint; whether over one.
     pub start: Start,
     /// The least time between two checkpoints.
     pub checkpoint_every: Duration,
@@ -70,12 +71,13 @@ impl Options {
 }
 
 /// What a kind of scene is given.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Run<'a> {
     /// Hears what is being done.
     pub progress: &'a Progress,
     solver: &'static str,
     options: &'a Options,
+    checkpoint: OnceLock<Checkpoint>,
 }
 
 impl Run<'_> {
@@ -157,7 +159,10 @@ pub fn run(
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = SceneFile::read(scene)?;
     let kind = kind_of(table, &file)?;
-    (kind.run)(&file, &Run { progress, solver: kind.solver, options })
+    let run = Run { progress, solver: kind.solver, options, checkpoint: OnceLock::new() };
+    let written = (kind.run)(&file, &run)?;
+    run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
+    Ok(written)
 }
 
 fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind, RunError> {

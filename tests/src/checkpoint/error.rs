@@ -9,9 +9,18 @@ pub enum CheckpointError {
     /// There are files, and none can be gone on from.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     #[diagnostic(help(
-        "without --resume a run starts anew and writes over its checkpoint; shards are joined by the scene that made them"
+        "--overwrite starts from the beginning; shards are joined by the scene that made them"
     ))]
     Refused(Vec<Refusal>),
+    /// A run would start anew over one that has not come to its end.
+    #[error("{} is of a run that has not come to its end", .path.display())]
+    #[diagnostic(help(
+        "--resume goes on from it, --overwrite starts from the beginning over it, another --out leaves it alone"
+    ))]
+    Unfinished {
+        /// The last checkpoint.
+        path: PathBuf,
+    },
     /// A part that is not what its name says.
     #[error("the part `{name}` of the checkpoint")]
     Part {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
 use super::Parts;
-use super::error::{CheckpointError, Reason, Refusal};
+use super::error::{CheckpointError, Reason};
 use crate::scene::NamedFile;
 
 const MAGIC: &[u8; 8] = b"SPCHECK2";
@@ -80,36 +80,47 @@ impl Head {
     }
 }
 
-#[derive(Serialize, Deserialize)]
-struct Content {
-    head: Head,
-    sequence: u64,
-    parts: Parts,
+/// How far the run was that left a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Stage {
+    /// Something is left to do.
+    UnderWay,
+    /// Its results are written.
+    Ended,
 }
 
-/// How many files were written before, and the parts.
-pub(super) type Numbered = (u64, Parts);
+/// What a file holds.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Content<H = Head, P = Parts> {
+    head: H,
+    /// How many files were written before.
+    pub(super) sequence: u64,
+    pub(super) stage: Stage,
+    pub(super) parts: P,
+}
+
+impl Content {
+    /// Itself, where it is of the run that the head names.
+    pub(super) fn of(self, head: &Head) -> Result<Self, Reason> {
+        head.foreign(&self.head).map_or(Ok(self), Err)
+    }
+}
 
 /// The files of a folder.
 pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
     ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name))
 }
 
-/// Number and parts of a file, or why it is refused; `None` where there is no such file.
-pub(super) fn read(
-    path: &Path,
-    head: &Head,
-) -> Result<Option<Result<Numbered, Refusal>>, CheckpointError> {
+/// The content of a file, whosever it is, or why it has none; `None` where there is no such file.
+pub(super) fn read(path: &Path) -> Result<Option<Result<Content, Reason>>, CheckpointError> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(
-            content(&bytes, head).map_err(|reason| Refusal { path: path.to_owned(), reason }),
-        )),
+        Ok(bytes) => Ok(Some(content(&bytes))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(CheckpointError::Io { path: path.to_owned(), source }),
     }
 }
 
-fn content(bytes: &[u8], head: &Head) -> Result<Numbered, Reason> {
+fn content(bytes: &[u8]) -> Result<Content, Reason> {
     let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
         return Err(Reason::NoCheckpoint);
     };
@@ -130,27 +141,17 @@ fn content(bytes: &[u8], head: &Head) -> Result<Numbered, Reason> {
         return Err(Reason::Damaged { found: of_bytes, expected: written });
     }
     // What has the right hash and cannot be read was written by another program.
-    let content: Content = postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)?;
-    match head.foreign(&content.head) {
-        Some(reason) => Err(reason),
-        None => Ok((content.sequence, content.parts)),
-    }
+    postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)
 }
 
 /// Writes a file beside its place and moves it there, so that it is old or new, and never half.
 pub(super) fn write(
     path: &Path,
     head: &Head,
-    sequence: u64,
+    (sequence, stage): (u64, Stage),
     parts: &Parts,
 ) -> Result<(), CheckpointError> {
-    #[derive(Serialize)]
-    struct Borrowed<'a> {
-        head: &'a Head,
-        sequence: u64,
-        parts: &'a Parts,
-    }
-    let body = postcard::to_stdvec(&Borrowed { head, sequence, parts })
+    let body = postcard::to_stdvec(&Content { head, sequence, stage, parts })
         .map_err(|source| CheckpointError::Part { name: "head".to_owned(), source })?;
     let mut bytes = Vec::with_capacity(BEFORE + body.len() + BEHIND);
     bytes.extend_from_slice(MAGIC);

@@ -228,7 +228,7 @@ struct Solved<'a> {
     scene: &'a FpkScene,
     system: &'a SceneSystem,
     run: &'a Run<'a>,
-    checkpoint: Checkpoint,
+    checkpoint: &'a Checkpoint,
 }
 
 /// What a checkpoint holds of a density run: how far it has come, and what was seen of it.

@@ -30,7 +30,7 @@ impl<T: Serialize> Inputs<'_, T> {
 }
 
 impl Run<'_> {
-    /// The checkpoint of the run of a scene. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
+    /// The checkpoint of the run of a scene, which ends with it. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
     /// and what only looks at the result.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Run<'_> {
         &self,
         inputs: &Inputs<'_, impl Serialize>,
         aside: &[&str],
-    ) -> Result<Checkpoint, RunError> {
+    ) -> Result<&Checkpoint, RunError> {
         let mut identity = inputs.identity(aside)?;
         if let (Part::Shard(place), Some(identity)) = (self.part(), identity.as_object_mut()) {
             identity.insert("shard".to_owned(), place.to_string().into());
@@ -52,7 +52,7 @@ impl Run<'_> {
             self.progress.stage(&format!("not gone on from: {refused}"));
         }
         match (start, found.file) {
-            (Start::Anew, _) => {}
+            (Start::Anew | Start::Overwrite, _) => {}
             (Start::GoOn, Some(file)) => {
                 self.progress.stage(&format!("goes on from {}", file.display()));
             }
@@ -62,7 +62,7 @@ impl Run<'_> {
                     .stage(&format!("no checkpoint in {folder}: starts from the beginning"));
             }
         }
-        Ok(checkpoint)
+        Ok(self.checkpoint.get_or_init(|| checkpoint))
     }
 
     /// Whose the files of shards are.

@@ -234,7 +234,7 @@ fn sampled<const D: usize, const N: usize>(
     let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
         run.progress.at((tried, n), &words(study, so_far));
         if tried == n || checkpoint.is_due() {
-            keep(&checkpoint, &known, so_far.responses())?;
+            keep(checkpoint, &known, so_far.responses())?;
         }
         Ok::<(), RunError>(())
     })?;

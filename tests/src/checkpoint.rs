@@ -17,8 +17,9 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-pub use self::error::{CheckpointError, Refusal};
+pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
+use self::file::{Content, Stage};
 
 /// Between two checkpoints lie at least so many times the time that writing one takes.
 const LEAST_SHARE: u32 = 50;
@@ -26,8 +27,10 @@ const LEAST_SHARE: u32 = 50;
 /// How a run begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// From nothing.
+    /// From nothing, unless the last checkpoint in its folder is of a run that has not come to its end.
     Anew,
+    /// From nothing, whatever is in its folder.
+    Overwrite,
     /// From the last checkpoint in its folder; from nothing where there is none.
     GoOn,
 }
@@ -47,8 +50,9 @@ pub struct Checkpoint {
 #[derive(Debug)]
 struct Kept {
     parts: Parts,
-    /// How many files were written, by all runs that went on from each other.
+    /// How many files were written, by all runs into the folder.
     sequence: u64,
+    stage: Stage,
     last: Instant,
     /// How long the last took to write.
     took: Duration,
@@ -68,7 +72,8 @@ impl Checkpoint {
     ///
     /// # Errors
     /// [`CheckpointError::Refused`] where files are there to go on from and none can be taken: one that is cut off or damaged, is of
-    /// another scene, version or instruction set, or is no checkpoint; those of the file system.
+    /// another scene, version or instruction set, or is no checkpoint; [`CheckpointError::Unfinished`] where a run would start anew
+    /// over one that has not come to its end; those of the file system.
     pub fn open(
         folder: &Path,
         head: Head,
@@ -76,24 +81,40 @@ impl Checkpoint {
         every: Duration,
     ) -> Result<(Self, Found), CheckpointError> {
         let mut found = Found { file: None, refused: Vec::new() };
-        let mut parts = Parts::new();
-        let mut sequence = 0;
-        if start == Start::GoOn {
-            for path in file::names(folder) {
-                match file::read(&path, &head)? {
-                    Some(Err(refusal)) => found.refused.push(refusal),
-                    Some(Ok((number, of_file))) if number > sequence => {
-                        (parts, sequence) = (of_file, number);
-                        found.file = Some(path);
-                    }
-                    Some(Ok(_)) | None => {}
+        let mut last: Option<(PathBuf, Content)> = None;
+        for path in file::names(folder) {
+            let Some(read) = file::read(&path)? else { continue };
+            // What is not gone on from may be whosever it is.
+            let read = if start == Start::GoOn { read.and_then(|it| it.of(&head)) } else { read };
+            match read {
+                Ok(content)
+                    if last.as_ref().is_none_or(|(_, it)| it.sequence < content.sequence) =>
+                {
+                    last = Some((path, content));
                 }
-            }
-            if found.file.is_none() && !found.refused.is_empty() {
-                return Err(CheckpointError::Refused(found.refused));
+                Ok(_) => {}
+                Err(reason) => found.refused.push(Refusal { path, reason }),
             }
         }
-        let kept = Kept { parts, sequence, last: Instant::now(), took: Duration::ZERO };
+        let kept = match (start, last) {
+            (Start::GoOn, None) if !found.refused.is_empty() => {
+                return Err(CheckpointError::Refused(found.refused));
+            }
+            (Start::Anew, Some((path, Content { stage: Stage::UnderWay, .. }))) => {
+                return Err(CheckpointError::Unfinished { path });
+            }
+            (Start::GoOn, Some((path, Content { sequence, stage, parts, .. }))) => {
+                found.file = Some(path);
+                Kept::new(parts, sequence, stage)
+            }
+            (Start::Anew | Start::Overwrite, last) => {
+                // A file that nothing can be read from is no loss.
+                found.refused.clear();
+                let sequence = last.map_or(0, |(_, content)| content.sequence);
+                Kept::new(Parts::new(), sequence, Stage::Ended)
+            }
+            (Start::GoOn, None) => Kept::new(Parts::new(), 0, Stage::Ended),
+        };
         Ok((Self { folder: folder.to_owned(), head, every, kept: Mutex::new(kept) }, found))
     }
 
@@ -122,12 +143,39 @@ impl Checkpoint {
         let bytes = to_bytes(name, part)?;
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.parts.insert(name.to_owned(), bytes);
-        kept.sequence += 1;
-        let path = &file::names(&self.folder)[usize::from(kept.sequence % 2 == 1)];
-        file::write(path, &self.head, kept.sequence, &kept.parts)?;
-        kept.last = Instant::now();
+        kept.stage = Stage::UnderWay;
+        self.write(&mut kept)?;
         kept.took = start.elapsed();
         Ok(())
+    }
+
+    /// Says that the results of the run are written, so that another may start anew in its folder. What was kept stays, for a longer
+    /// run of the same scene.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn end(&self) -> Result<(), CheckpointError> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.stage == Stage::UnderWay {
+            kept.stage = Stage::Ended;
+            self.write(&mut kept)?;
+        }
+        Ok(())
+    }
+
+    /// Over the older of the two files.
+    fn write(&self, kept: &mut Kept) -> Result<(), CheckpointError> {
+        kept.sequence += 1;
+        let path = &file::names(&self.folder)[usize::from(kept.sequence % 2 == 1)];
+        file::write(path, &self.head, (kept.sequence, kept.stage), &kept.parts)?;
+        kept.last = Instant::now();
+        Ok(())
+    }
+}
+
+impl Kept {
+    fn new(parts: Parts, sequence: u64, stage: Stage) -> Self {
+        Self { parts, sequence, stage, last: Instant::now(), took: Duration::ZERO }
     }
 }
 
@@ -140,7 +188,7 @@ const ONLY: &str = "part";
 /// As [`Checkpoint::keep`].
 pub fn write_file<T: Serialize>(path: &Path, head: &Head, part: &T) -> Result<(), CheckpointError> {
     let parts = Parts::from([(ONLY.to_owned(), to_bytes(ONLY, part)?)]);
-    file::write(path, head, 1, &parts)
+    file::write(path, head, (1, Stage::Ended), &parts)
 }
 
 /// Reads what [`write_file`] has written.
@@ -152,10 +200,12 @@ pub fn read_file<T: DeserializeOwned>(path: &Path, head: &Head) -> Result<T, Che
         path: path.to_owned(),
         source: std::io::ErrorKind::NotFound.into(),
     };
-    let (_, parts) = file::read(path, head)?
+    let refusal = |reason| Refusal { path: path.to_owned(), reason };
+    let content = file::read(path)?
         .ok_or_else(missing)?
-        .map_err(|refusal| CheckpointError::Refused(vec![refusal]))?;
-    from_bytes(ONLY, parts.get(ONLY).map_or(&[], Vec::as_slice))
+        .and_then(|content| content.of(head))
+        .map_err(|reason| CheckpointError::Refused(vec![refusal(reason)]))?;
+    from_bytes(ONLY, content.parts.get(ONLY).map_or(&[], Vec::as_slice))
 }
 
 fn to_bytes<T: Serialize>(name: &str, part: &T) -> Result<Vec<u8>, CheckpointError> {

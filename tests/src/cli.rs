@@ -87,6 +87,9 @@ struct Run {
     /// Go on from the last checkpoint in DIR, to the same bits; its end may have been earlier
     #[arg(long)]
     resume: bool,
+    /// Start from the beginning over the checkpoint in DIR of a run that has not come to its end, which is refused otherwise
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
     /// The least time between two checkpoints
     #[arg(long, value_name = "SECONDS", default_value_t = scenes::Options::CHECKPOINT_EVERY.as_secs())]
     checkpoint_every: u64,
@@ -272,7 +275,11 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
     let options = scenes::Options {
         out: arguments.out,
         seed: arguments.seed,
-        start: if arguments.resume { Start::GoOn } else { Start::Anew },
+        start: match (arguments.resume, arguments.overwrite) {
+            (true, _) => Start::GoOn,
+            (_, true) => Start::Overwrite,
+            _ => Start::Anew,
+        },
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
     };
@@ -365,6 +372,15 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn to_go_on_and_to_overwrite_exclude_each_other() {
+        let run = |flags: &[&str]| {
+            Cli::try_parse_from([&["x", "run", "scene.json", "--out", "out"], flags].concat())
+        };
+        assert!(run(&["--resume"]).is_ok() && run(&["--overwrite"]).is_ok());
+        assert!(run(&["--resume", "--overwrite"]).is_err());
     }
 
     #[test]

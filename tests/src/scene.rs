@@ -5,6 +5,7 @@
 //! Keys are checked while reading, meanings afterwards by [`Scene::check`].
 
 mod error;
+mod named_file;
 mod place;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ use serde::de::DeserializeOwned;
 
 use self::error::Origin;
 pub use self::error::SceneError;
+pub use self::named_file::NamedFile;
 
 /// A type of scene.
 pub trait Scene: DeserializeOwned {

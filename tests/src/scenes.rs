@@ -4,21 +4,23 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod fpk;
+mod inputs;
 mod part;
 mod peridyn;
 mod progress;
 mod smpm;
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use schemars::Schema;
-use serde::Serialize;
 
+pub use self::inputs::Inputs;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 use crate::case::CaseError;
-use crate::checkpoint::{Checkpoint, CheckpointError, Head, Start};
+use crate::checkpoint::{Checkpoint, CheckpointError, Start};
 use crate::finite::JsonError;
 use crate::ladder::{Ladder, Quantity};
 use crate::models::Ingredient;
@@ -39,6 +41,8 @@ pub struct SceneKind {
     pub solver: &'static str,
     /// The schema of its scenes, by `schemars::schema_for!`.
     pub schema: fn() -> Schema,
+    /// Reads the scene as its type and asks what it means, and does not run it.
+    pub check: fn(&SceneFile) -> Result<(), SceneError>,
     /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
     pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
     /// The methods that solve a scene, its own first.
@@ -60,7 +64,10 @@ impl SceneKind {
         options: &Options,
         progress: &Progress,
     ) -> Result<Vec<PathBuf>, RunError> {
-        (self.run)(file, &Run { progress, solver: self.solver, options })
+        let run = Run { progress, solver: self.solver, options, checkpoint: OnceLock::new() };
+        let written = (self.run)(file, &run)?;
+        run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
+        Ok(written)
     }
 }
 
@@ -71,7 +78,7 @@ pub struct Options {
     pub out: PathBuf,
     /// In place of the seed of the scene.
     pub seed: Option<u64>,
-    /// From nothing or from a checkpoint.
+    /// From nothing or from a checkpoint; whether over one.
     pub start: Start,
     /// The least time between two checkpoints.
     pub checkpoint_every: Duration,
@@ -92,12 +99,13 @@ impl Options {
 }
 
 /// What a kind of scene is given.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Run<'a> {
     /// Hears what is being done.
     pub progress: &'a Progress,
     solver: &'static str,
     options: &'a Options,
+    checkpoint: OnceLock<Checkpoint>,
 }
 
 impl Run<'_> {
@@ -117,41 +125,6 @@ impl Run<'_> {
             *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
         }
         Ok(scene)
-    }
-
-    /// The checkpoint of the run of a scene. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
-    /// and what only looks at the result.
-    ///
-    /// # Errors
-    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that is no JSON.
-    pub fn checkpoint(
-        &self,
-        scene: &impl Serialize,
-        aside: &[&str],
-    ) -> Result<Checkpoint, RunError> {
-        let mut identity = identity(scene, aside)?;
-        if let (Part::Shard(place), Some(identity)) = (&self.options.part, identity.as_object_mut())
-        {
-            identity.insert("shard".to_owned(), place.to_string().into());
-        }
-        let head = Head::new(self.solver, &identity);
-        let Options { ref out, start, checkpoint_every, .. } = *self.options;
-        let (checkpoint, found) = Checkpoint::open(out, head, start, checkpoint_every)?;
-        for refused in &found.refused {
-            self.progress.stage(&format!("not gone on from: {refused}"));
-        }
-        match (start, found.file) {
-            (Start::Anew, _) => {}
-            (Start::GoOn, Some(file)) => {
-                self.progress.stage(&format!("goes on from {}", file.display()));
-            }
-            (Start::GoOn, None) => {
-                let folder = out.display();
-                self.progress
-                    .stage(&format!("no checkpoint in {folder}: starts from the beginning"));
-            }
-        }
-        Ok(checkpoint)
     }
 }
 
@@ -202,17 +175,6 @@ impl RunError {
     }
 }
 
-/// All of a scene that its numbers depend on.
-fn identity(scene: &impl Serialize, aside: &[&str]) -> Result<serde_json::Value, RunError> {
-    let mut identity = serde_json::to_value(scene).map_err(JsonError::from)?;
-    for pointer in aside {
-        if let Some(value) = identity.pointer_mut(pointer) {
-            *value = serde_json::Value::Null;
-        }
-    }
-    Ok(identity)
-}
-
 /// Runs a scene file.
 ///
 /// # Errors
@@ -225,6 +187,14 @@ pub fn run(
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = SceneFile::read(scene)?;
     kind_of(table, &file)?.run_file(&file, options, progress)
+}
+
+/// Reads a scene as its kind and asks what it means; nothing is run.
+///
+/// # Errors
+/// [`RunError::Scene`], [`RunError::NoKinds`].
+pub fn check(table: &[SceneKind], file: &SceneFile) -> Result<(), RunError> {
+    Ok((kind_of(table, file)?.check)(file)?)
 }
 
 /// The kind of a scene.
@@ -278,6 +248,7 @@ mod tests {
     const TABLE: [SceneKind; 1] = [SceneKind {
         solver: "decay",
         schema: || schema_for!(Decay),
+        check: |file| file.parse::<Decay>().map(drop),
         run: |file, run| {
             let scene: Decay = run.parse(file)?;
             if scene.rate > 10.0 {

@@ -18,8 +18,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               run the proof; fails if a claim does not hold
   verify --record [--full]    the same, and write docs/verification.md
   verify --stale              say whether that page is older than cases, scenes and references
-  run SCENE.json --out DIR [--seed S] [--threads N] [--resume] [--shard K/N]
-                              run a scene; killed, it goes on with --resume
+  run SCENE.json --out DIR [--seed S] [--threads N] [--resume|--overwrite] [--shard K/N]
+                              run a scene; killed, it goes on with --resume, or starts
+                              from the beginning with --overwrite
   run SCENE.json --out DIR --tolerance T
                               the same, its method refined to an error of T; fails if it
                               is not reached

@@ -21,7 +21,7 @@ impl DenseFactor {
     /// [`Error::Length`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
     /// [`Error::CovarianceNotPositiveDefinite`] with the first row that fails.
     pub fn new(n: usize, covariance: &[f64]) -> Result<Self, Error> {
-        require_length("entries of the covariance", covariance.len(), n * n)?;
+        require_length("entries of the covariance", covariance.len(), n.saturating_mul(n))?;
         require_finite("entry of the covariance", covariance)?;
         for row in 0..n {
             for column in 0..row {

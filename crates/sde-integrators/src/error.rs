@@ -332,6 +332,24 @@ pub enum Error {
         /// How many it must hold.
         expected: u64,
     },
+    /// A block of a record holds what no block of its study can.
+    #[error(
+        "shard {shard}: block {block} of it holds more paths than a block has, or other results"
+    )]
+    BrokenBlock {
+        /// Which shard.
+        shard: u64,
+        /// Which block of it, from 0.
+        block: usize,
+    },
+    /// A sample whose mean or variance is beyond the range of a double.
+    #[error("a sample of mean {mean} and variance {variance}, both must be finite")]
+    NonFiniteSample {
+        /// The mean.
+        mean: f64,
+        /// The variance.
+        variance: f64,
+    },
     /// The state has no such component.
     #[error("component {component} of the state, must be below {limit}")]
     NoSuchComponent {

@@ -128,12 +128,17 @@ impl Accumulator {
     /// The unbiased variance of the sample.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than two values.
+    /// [`Error::TooFew`] for fewer than two values, [`Error::NonFiniteSample`] for values too large to be squared or summed.
     pub fn variance(&self) -> Result<f64, Error> {
         if self.count < 2 {
             return Err(Error::TooFew { quantity: "values", value: self.count, limit: 2 });
         }
-        Ok(self.squares / (self.count - 1) as f64)
+        let (mean, variance) = (self.mean, self.squares / (self.count - 1) as f64);
+        if mean.is_finite() && variance.is_finite() {
+            Ok(variance)
+        } else {
+            Err(Error::NonFiniteSample { mean, variance })
+        }
     }
 
     /// The mean of the law the sample was drawn from, with its standard error.
@@ -176,6 +181,11 @@ impl ControlledAccumulator {
         self.controls.merge(&later.controls);
     }
 
+    /// How many pairs were taken in, if both of each were.
+    pub(crate) fn count(&self) -> Option<u64> {
+        (self.values.count == self.controls.count).then_some(self.values.count)
+    }
+
     /// The mean of `y`, given that of `c`; the standard error is that of the residual of the regression on `c`.
     pub(crate) fn estimate(&self, expected: f64) -> Result<Estimate, Error> {
         let n = self.values.count;
@@ -185,8 +195,12 @@ impl ControlledAccumulator {
         let slope =
             if self.controls.squares > 0.0 { self.products / self.controls.squares } else { 0.0 };
         let residual = (self.values.squares - slope * self.products).max(0.0);
-        let standard_error = (residual / (n - 2) as f64 / n as f64).sqrt();
+        let variance = residual / (n - 2) as f64;
         let value = self.values.mean - slope * (self.controls.mean - expected);
+        if !(value.is_finite() && variance.is_finite()) {
+            return Err(Error::NonFiniteSample { mean: value, variance });
+        }
+        let standard_error = (variance / n as f64).sqrt();
         Ok(Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) })
     }
 }

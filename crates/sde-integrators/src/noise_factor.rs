@@ -278,18 +278,25 @@ pub struct SparseFactor {
 }
 
 impl SparseFactor {
+    /// The largest number of motions: a path draws a normal for each, whether or not a row has it.
+    pub const MAX_MOTIONS: usize = u32::MAX as usize;
+
     /// From compressed rows: row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and `values`.
     ///
     /// # Errors
     /// [`Error::Length`] (`values` against `columns`), [`Error::SparseRow`] where `row_starts` does not begin at 0,
     /// ascend and end at the number of entries, [`Error::SparseColumn`] for a column that does not exist,
-    /// [`Error::NotFinite`].
+    /// [`Error::NotFinite`], [`Error::TooMany`] for more than [`MAX_MOTIONS`](Self::MAX_MOTIONS).
     pub fn new(
         n_motions: usize,
         row_starts: Vec<usize>,
         columns: Vec<usize>,
         values: Vec<f64>,
     ) -> Result<Self, Error> {
+        if n_motions > Self::MAX_MOTIONS {
+            let (value, limit) = (n_motions as f64, Self::MAX_MOTIONS as f64);
+            return Err(Error::TooMany { quantity: "motions", value, limit });
+        }
         require_length("values", values.len(), columns.len())?;
         let n_entries = columns.len();
         let mut least = 0;

@@ -175,7 +175,7 @@ fn block_range(n_paths: u64, shard: u64, n_shards: u64) -> std::ops::Range<u64> 
 /// # Errors
 /// [`Error::TooFew`] for no shard at all; [`Error::ForeignShard`] with the first difference to the first record;
 /// [`Error::DoubledShard`], [`Error::MissingShard`]; [`Error::BrokenShard`] for a record that holds another number of
-/// blocks than it must.
+/// blocks than it must, [`Error::BrokenBlock`] for one with a block that cannot be.
 pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
     let Some(first) = records.first() else {
         return Err(Error::TooFew { quantity: "shards", value: 0, limit: 1 });
@@ -200,6 +200,9 @@ pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
         record.require_whole()?;
     }
     let blocks: Vec<&BlockRecord> = ordered.iter().flat_map(|record| &record.blocks).collect();
+    if let Some(first) = blocks.first() {
+        ordered.iter().try_for_each(|record| record.require_like(first))?;
+    }
     let tallies =
         reduce_in_tree(&blocks, &|block| block.tallies.clone(), &merge_tallies).unwrap_or_default();
     Ok(Outcome {
@@ -220,6 +223,18 @@ impl ShardRecord {
         (self.shard, self.identity.n_shards)
     }
 
+    /// Refuses blocks that cannot be merged with the first.
+    fn require_like(&self, first: &BlockRecord) -> Result<(), Error> {
+        let is_like = |block: &BlockRecord| {
+            let mut pairs = block.tallies.iter().zip(&first.tallies);
+            block.n_failed <= BLOCK_LENGTH && pairs.all(|(a, b)| a.is_of(BLOCK_LENGTH, b))
+        };
+        match self.blocks.iter().position(|block| !is_like(block)) {
+            Some(block) => Err(Error::BrokenBlock { shard: self.shard, block }),
+            None => Ok(()),
+        }
+    }
+
     fn require_whole(&self) -> Result<(), Error> {
         let Identity { n_paths, n_shards, ref times, ref observables, .. } = self.identity;
         if self.shard >= n_shards {
@@ -227,7 +242,7 @@ impl ShardRecord {
         }
         let range = block_range(n_paths, self.shard, n_shards);
         let (n_blocks, expected) = (self.blocks.len() as u64, range.end - range.start);
-        let n_tallies = times.len() * observables.len();
+        let n_tallies = times.len().saturating_mul(observables.len());
         let is_whole = self.blocks.iter().all(|block| block.tallies.len() == n_tallies);
         if n_blocks == expected && is_whole {
             Ok(())

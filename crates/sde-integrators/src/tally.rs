@@ -110,6 +110,17 @@ impl Tally {
         }
     }
 
+    /// Whether it can have come from so many values, and can be merged with another.
+    pub(crate) fn is_of(&self, most: u64, other: &Self) -> bool {
+        let count = match *self {
+            Self::Values(values) => Some(values.count()),
+            Self::Events { hits, trials } => (hits <= trials).then_some(trials),
+            Self::Controlled { values, .. } => values.count(),
+        };
+        let is_kind = std::mem::discriminant(self) == std::mem::discriminant(other);
+        is_kind && count.is_some_and(|count| count <= most)
+    }
+
     pub(crate) fn estimate(&self) -> Result<Estimate, Error> {
         match *self {
             Self::Values(values) => values.estimate(),

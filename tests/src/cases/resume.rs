@@ -176,30 +176,35 @@ impl Undisturbed<'_> {
 
     fn killed(&self, number: u64) -> Result<Vec<Claim>, CaseError> {
         let mut moments = Noise::new(2026).stream(Purpose::MarkovChain, number);
-        let (mut different, mut n_resumed) = (0, 0_u32);
+        let (mut different, mut n_refused, mut n_resumed) = (0, 0_u32, 0_u32);
         let n = n_kills(self.context.profile);
         for kill in 1..=n {
             self.context.progress(&format!("{}: kill {kill} of {n}", self.scene.name));
             let out = self.out("killed");
             kill_at_random(&self.file, &out, self.duration.mul_f64(0.8 * moments.next_uniform()))?;
+            n_refused += u32::from(is_refused(&self.file, &out)?);
             let told = finish(started(&self.file, &out, &["--resume"])?)?;
             n_resumed += u32::from(told.contains("goes on from"));
             different += self.n_different(&out)?;
         }
         let (method, reason) =
             ("SIGKILL, --resume", "a checkpoint holds all that the numbers of a run depend on");
+        let every = |name: &str, quantity: &str, method: &str, found: u32, reason: &'static str| {
+            Claim::judge(
+                self.subject(name, quantity, method),
+                ErrorKind::Absolute,
+                Measured::exact(f64::from(found)),
+                Reference::exact(f64::from(n)),
+                Criterion::Within { tolerance: 0.0, reason },
+            )
+        };
+        let (resumed, refused) = ("runs that went on from a checkpoint", "runs that were refused");
+        let hit = "a kill is repeated until it hits a run";
+        let kept = "what a killed run has come to is not written over unasked";
         Ok(vec![
             self.same("killed", method, different, n as usize, reason),
-            Claim::judge(
-                self.subject("resumed", "runs that went on from a checkpoint", method),
-                ErrorKind::Absolute,
-                Measured::exact(f64::from(n_resumed)),
-                Reference::exact(f64::from(n)),
-                Criterion::Within {
-                    tolerance: 0.0,
-                    reason: "a kill is repeated until it hits a run",
-                },
-            ),
+            every("resumed", resumed, method, n_resumed, hit),
+            every("not-overwritten", refused, "SIGKILL, run", n_refused, kept),
         ])
     }
 
@@ -246,6 +251,13 @@ fn finish(child: Child) -> Result<String, CaseError> {
     if output.status.success() { Ok(told) } else { Err(told.into()) }
 }
 
+/// Whether a run that would start anew over a checkpoint is not run, and says what to do.
+fn is_refused(scene: &Path, out: &Path) -> Result<bool, CaseError> {
+    let output = started(scene, out, &[])?.wait_with_output()?;
+    let told = String::from_utf8_lossy(&output.stderr);
+    Ok(!output.status.success() && told.contains("--overwrite"))
+}
+
 /// Tries of one kill: each is at half the time of the one before it.
 const TRIES: u32 = 12;
 
@@ -268,7 +280,7 @@ fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> Result<(), CaseE
         // An error says that it has ended by itself.
         let _ = child.kill();
         child.wait()?;
-        if running {
+        if running && !out.join("result.json").exists() {
             return Ok(());
         }
     }

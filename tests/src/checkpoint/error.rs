@@ -9,9 +9,18 @@ pub enum CheckpointError {
     /// There are files, and none can be gone on from.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     #[diagnostic(help(
-        "without --resume a run starts anew and writes over its checkpoint; shards are joined by the scene that made them"
+        "--overwrite starts from the beginning; shards are joined by the scene that made them"
     ))]
     Refused(Vec<Refusal>),
+    /// A run would start anew over one that has not come to its end.
+    #[error("{} is of a run that has not come to its end", .path.display())]
+    #[diagnostic(help(
+        "--resume goes on from it, --overwrite starts from the beginning over it, another --out leaves it alone"
+    ))]
+    Unfinished {
+        /// The last checkpoint.
+        path: PathBuf,
+    },
     /// A part that is not what its name says.
     #[error("the part `{name}` of the checkpoint")]
     Part {
@@ -62,6 +71,16 @@ pub enum Reason {
         found: u64,
         /// At its end.
         expected: u64,
+    },
+    /// A file that the scene names had other bytes.
+    #[error("was made with another {file}: its bytes had the hash {found}, now it is {expected}")]
+    OtherFile {
+        /// Its path, as the scene has it.
+        file: String,
+        /// XXH64 of what the run was made with.
+        found: String,
+        /// Of what is there now.
+        expected: String,
     },
     /// It is of another run.
     #[error("is of another {what}: {found}, not {expected}")]

@@ -1,4 +1,4 @@
-//! One file of a checkpoint: `SPCHECK1`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
+//! One file of a checkpoint: `SPCHECK2`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
 //! before.
 
 use std::fs::File;
@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
 use super::Parts;
-use super::error::{CheckpointError, Reason, Refusal};
+use super::error::{CheckpointError, Reason};
+use crate::scene::NamedFile;
 
-const MAGIC: &[u8; 8] = b"SPCHECK1";
+const MAGIC: &[u8; 8] = b"SPCHECK2";
 /// Magic and length.
 const BEFORE: usize = 16;
 /// The hash.
@@ -24,25 +25,28 @@ pub struct Head {
     simd: String,
     solver: String,
     scene: String,
+    files: Vec<NamedFile>,
 }
 
 impl Head {
     /// Of a scene of a solver, by this version and the instructions of this machine. `scene` is all that the numbers depend on:
-    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one.
+    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one. `files`
+    /// are those that it names.
     #[must_use]
-    pub fn new(solver: &str, scene: &serde_json::Value) -> Self {
+    pub fn new(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             simd: sde_integrators::SimdLevel::best().name().to_owned(),
             solver: solver.to_owned(),
             scene: format!("{:016x}", hash(scene.to_string().as_bytes())),
+            files: files.to_vec(),
         }
     }
 
     /// The same for what is joined from several machines: numbers are the same bits whatever their instructions are.
     #[must_use]
-    pub fn of_shards(solver: &str, scene: &serde_json::Value) -> Self {
-        Self { simd: "any".to_owned(), ..Self::new(solver, scene) }
+    pub fn of_shards(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
+        Self { simd: "any".to_owned(), ..Self::new(solver, scene, files) }
     }
 
     /// The first difference.
@@ -53,46 +57,70 @@ impl Head {
             ("scene (hash)", &self.scene, &found.scene),
             ("instruction set", &self.simd, &found.simd),
         ];
-        fields.into_iter().find(|(_, expected, found)| expected != found).map(
-            |(what, expected, found)| Reason::Foreign {
-                what,
-                found: found.clone(),
-                expected: expected.clone(),
-            },
-        )
+        let differs = fields.into_iter().find(|(_, expected, found)| expected != found);
+        match differs {
+            Some((what, expected, found)) => {
+                Some(Reason::Foreign { what, found: found.clone(), expected: expected.clone() })
+            }
+            None => self.other_file(found),
+        }
+    }
+
+    /// The first file that has other bytes, or is there in one alone.
+    fn other_file(&self, found: &Self) -> Option<Reason> {
+        let hash = |head: &Self, path: &str| {
+            let file = head.files.iter().find(|file| file.path == path);
+            file.map_or_else(|| "none".to_owned(), |file| file.xxh64.clone())
+        };
+        self.files.iter().chain(&found.files).find_map(|NamedFile { path, .. }| {
+            let (found, expected) = (hash(found, path), hash(self, path));
+            let file = path.clone();
+            (found != expected).then_some(Reason::OtherFile { file, found, expected })
+        })
     }
 }
 
-#[derive(Serialize, Deserialize)]
-struct Content {
-    head: Head,
-    sequence: u64,
-    parts: Parts,
+/// How far the run was that left a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Stage {
+    /// Something is left to do.
+    UnderWay,
+    /// Its results are written.
+    Ended,
 }
 
-/// How many files were written before, and the parts.
-pub(super) type Numbered = (u64, Parts);
+/// What a file holds.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Content<H = Head, P = Parts> {
+    head: H,
+    /// How many files were written before.
+    pub(super) sequence: u64,
+    pub(super) stage: Stage,
+    pub(super) parts: P,
+}
+
+impl Content {
+    /// Itself, where it is of the run that the head names.
+    pub(super) fn of(self, head: &Head) -> Result<Self, Reason> {
+        head.foreign(&self.head).map_or(Ok(self), Err)
+    }
+}
 
 /// The files of a folder.
 pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
     ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name))
 }
 
-/// Number and parts of a file, or why it is refused; `None` where there is no such file.
-pub(super) fn read(
-    path: &Path,
-    head: &Head,
-) -> Result<Option<Result<Numbered, Refusal>>, CheckpointError> {
+/// The content of a file, whosever it is, or why it has none; `None` where there is no such file.
+pub(super) fn read(path: &Path) -> Result<Option<Result<Content, Reason>>, CheckpointError> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(
-            content(&bytes, head).map_err(|reason| Refusal { path: path.to_owned(), reason }),
-        )),
+        Ok(bytes) => Ok(Some(content(&bytes))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(source) => Err(CheckpointError::Io { path: path.to_owned(), source }),
     }
 }
 
-fn content(bytes: &[u8], head: &Head) -> Result<Numbered, Reason> {
+fn content(bytes: &[u8]) -> Result<Content, Reason> {
     let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
         return Err(Reason::NoCheckpoint);
     };
@@ -113,27 +141,17 @@ fn content(bytes: &[u8], head: &Head) -> Result<Numbered, Reason> {
         return Err(Reason::Damaged { found: of_bytes, expected: written });
     }
     // What has the right hash and cannot be read was written by another program.
-    let content: Content = postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)?;
-    match head.foreign(&content.head) {
-        Some(reason) => Err(reason),
-        None => Ok((content.sequence, content.parts)),
-    }
+    postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)
 }
 
 /// Writes a file beside its place and moves it there, so that it is old or new, and never half.
 pub(super) fn write(
     path: &Path,
     head: &Head,
-    sequence: u64,
+    (sequence, stage): (u64, Stage),
     parts: &Parts,
 ) -> Result<(), CheckpointError> {
-    #[derive(Serialize)]
-    struct Borrowed<'a> {
-        head: &'a Head,
-        sequence: u64,
-        parts: &'a Parts,
-    }
-    let body = postcard::to_stdvec(&Borrowed { head, sequence, parts })
+    let body = postcard::to_stdvec(&Content { head, sequence, stage, parts })
         .map_err(|source| CheckpointError::Part { name: "head".to_owned(), source })?;
     let mut bytes = Vec::with_capacity(BEFORE + body.len() + BEHIND);
     bytes.extend_from_slice(MAGIC);

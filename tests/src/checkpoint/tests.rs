@@ -1,5 +1,6 @@
 use super::error::Reason;
 use super::*;
+use crate::scene::NamedFile;
 
 const OFTEN: Duration = Duration::ZERO;
 
@@ -19,7 +20,7 @@ impl Drop for Folder {
 }
 
 fn head(scene: &str) -> Head {
-    Head::new("a-solver", &serde_json::json!({ "what": scene }))
+    Head::new("a-solver", &serde_json::json!({ "what": scene }), &[])
 }
 
 fn open(folder: &Folder, start: Start) -> Result<(Checkpoint, Found), CheckpointError> {
@@ -46,10 +47,47 @@ fn a_run_goes_on_from_the_newer_file_and_starts_anew_where_it_is_told_to_or_noth
     let (checkpoint, found) = open(&folder, Start::GoOn).unwrap();
     assert_eq!(checkpoint.part("number").unwrap(), Some(2_u64));
     assert!(found.file.unwrap().ends_with("checkpoint-0.bin"));
-    let (anew, _) = open(&folder, Start::Anew).unwrap();
-    assert_eq!(anew.part::<u64>("number").unwrap(), None);
+    let (over, _) = open(&folder, Start::Overwrite).unwrap();
+    assert_eq!(over.part::<u64>("number").unwrap(), None);
     let (empty, found) = open(&Folder::new("empty"), Start::GoOn).unwrap();
     assert_eq!((empty.part::<u64>("number").unwrap(), found.file), (None, None));
+}
+
+#[test]
+fn a_run_starts_anew_over_one_that_has_ended_and_over_another_only_where_it_is_told_to() {
+    let folder = written("anew");
+    for scene in ["a scene", "another"] {
+        let refused = Checkpoint::open(&folder.0, head(scene), Start::Anew, OFTEN).unwrap_err();
+        let CheckpointError::Unfinished { path } = &refused else { panic!("{refused}") };
+        assert!(path.ends_with("checkpoint-0.bin"));
+    }
+    // One that is told to has not come to its end either, and its first file is the newest.
+    let over = Checkpoint::open(&folder.0, head("another"), Start::Overwrite, OFTEN).unwrap().0;
+    over.keep("number", &3_u64).unwrap();
+    let refused = open(&folder, Start::Anew).unwrap_err();
+    assert!(
+        refused.to_string().contains("checkpoint-1.bin is of a run that has not come to its end")
+    );
+    over.end().unwrap();
+    let (anew, found) = open(&folder, Start::Anew).unwrap();
+    assert_eq!((anew.part::<u64>("number").unwrap(), found.file), (None, None));
+    // It has kept nothing yet: what the other has come to can still be gone on from.
+    let go_on = || Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap().0;
+    assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
+    anew.end().unwrap();
+    assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
+    anew.keep("number", &4_u64).unwrap();
+    assert!(matches!(open(&folder, Start::Anew), Err(CheckpointError::Unfinished { .. })));
+}
+
+#[test]
+fn files_of_which_nothing_can_be_read_do_not_stop_a_run_that_starts_anew() {
+    let folder = written("unreadable");
+    for name in ["checkpoint-0.bin", "checkpoint-1.bin"] {
+        std::fs::write(folder.0.join(name), "{}").unwrap();
+    }
+    let (anew, found) = open(&folder, Start::Anew).unwrap();
+    assert_eq!((anew.part::<u64>("number").unwrap(), found.refused), (None, Vec::new()));
 }
 
 #[test]
@@ -79,11 +117,36 @@ fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
         Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap_err().to_string();
     assert!(error.contains("checkpoint-1.bin is of another scene (hash)"), "{error}");
     std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
-    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK1".as_slice(), &[255; 8]].concat())
+    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK2".as_slice(), &[255; 8]].concat())
         .unwrap();
     let reasons = refusals(open(&folder, Start::GoOn).unwrap_err());
     assert_eq!(reasons[0], Reason::NoCheckpoint);
     assert_eq!(reasons[1], Reason::CutOff { found: 16, expected: u64::MAX });
+}
+
+#[test]
+fn a_file_of_other_bytes_or_one_that_was_not_there_is_refused_by_its_name() {
+    let folder = Folder::new("named-files");
+    let head = |files: &[(&str, &str)]| {
+        let file = |&(path, xxh64): &(&str, &str)| NamedFile {
+            path: path.to_owned(),
+            xxh64: xxh64.to_owned(),
+        };
+        let files: Vec<NamedFile> = files.iter().map(file).collect();
+        Head::new("a-solver", &serde_json::json!({}), &files)
+    };
+    let path = folder.0.join("shard.bin");
+    write_file(&path, &head(&[("a.csv", "1"), ("b.csv", "2")]), &7_u64).unwrap();
+    assert_eq!(read_file::<u64>(&path, &head(&[("a.csv", "1"), ("b.csv", "2")])).unwrap(), 7);
+    for (files, file, found, expected) in [
+        (vec![("a.csv", "1"), ("b.csv", "3")], "b.csv", "2", "3"),
+        (vec![("a.csv", "1")], "b.csv", "2", "none"),
+        (vec![("a.csv", "1"), ("b.csv", "2"), ("c.csv", "4")], "c.csv", "none", "4"),
+    ] {
+        let [file, found, expected] = [file, found, expected].map(str::to_owned);
+        let reasons = refusals(read_file::<u64>(&path, &head(&files)).unwrap_err());
+        assert_eq!(reasons, [Reason::OtherFile { file, found, expected }]);
+    }
 }
 
 #[test]

@@ -122,10 +122,16 @@ impl SampledSoFar {
     /// What all shards have come to.
     ///
     /// # Errors
-    /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed.
+    /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed; [`PathsError::OtherResults`] for
+    /// shards of another question.
     pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
         let ensemble = merge(&self.shards)?.ensemble()?;
-        let n_moments = asked.powers.len();
+        let (n_moments, n_thresholds) = (asked.powers.len(), asked.thresholds.len());
+        let expected = n_moments + n_thresholds;
+        let other = ensemble.estimates.iter().map(Vec::len).find(|&found| found != expected);
+        if let Some(found) = other {
+            return Err(PathsError::OtherResults { found, expected });
+        }
         let row = |(&t, estimates): (&f64, &Vec<Estimate>)| SampledRow {
             t,
             moments: estimates[..n_moments].to_vec(),

@@ -62,6 +62,14 @@ pub enum PathsError {
     /// The ensemble was refused or failed.
     #[error(transparent)]
     Ensemble(#[from] Error),
+    /// Shards of something else than what is asked.
+    #[error("the shards have {found} results at each time, asked for are {expected}")]
+    OtherResults {
+        /// In the shards.
+        found: usize,
+        /// What is asked.
+        expected: usize,
+    },
     /// The integrator asks for what the system does not have.
     #[error("the integrator {} does not step this system", .0.name())]
     NotOffered(IntegratorScene),

@@ -210,7 +210,7 @@ impl Scene for FpkScene {
         }
         for (k, powers) in self.moments.iter().enumerate() {
             check_length(&format!("moments[{k}]"), powers.len(), states)?;
-            let order = powers.iter().sum::<u32>();
+            let order = powers.iter().fold(0_u32, |order, &power| order.saturating_add(power));
             must(
                 &format!("moments[{k}]"),
                 f64::from(order),

@@ -20,7 +20,7 @@ use peridyn_sde::{Condition, Nodes};
 
 use super::scene_body::BodyScene;
 use crate::nearest::nearest;
-use crate::scene::Objection;
+use crate::scene::{NamedFile, Objection};
 
 /// The columns that are read.
 const COLUMNS: [&str; 5] = ["x", "y", "volume", "strength_factor", "stiffness_factor"];
@@ -45,7 +45,7 @@ struct Table {
 /// Points of a body, with the file that they are from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {
-    file: String,
+    file: NamedFile,
     table: Table,
 }
 
@@ -56,7 +56,7 @@ impl Cloud {
     /// An [`Objection`] to a file that is not there, is neither `.csv` nor `.vtu`, holds no points, lacks a column, or has a number
     /// that cannot be, by its row and column.
     pub fn read(file: &str, folder: &Path) -> Result<Self, Objection> {
-        let bytes = std::fs::read(folder.join(file)).map_err(|error| {
+        let (named, bytes) = NamedFile::read(file, folder).map_err(|error| {
             let message = format!("cannot read the points {file}: {error}");
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             let help =
@@ -80,12 +80,18 @@ impl Cloud {
                 return Err(Objection::new(KEY, message));
             }
         };
-        let cloud = Self { file: file.to_owned(), table };
+        let cloud = Self { file: named, table };
         cloud.check_names()?;
         for (k, name) in COLUMNS.into_iter().enumerate() {
             cloud.check_numbers(name, k < 2)?;
         }
         Ok(cloud)
+    }
+
+    /// The file.
+    #[must_use]
+    pub const fn file(&self) -> &NamedFile {
+        &self.file
     }
 
     /// The nodes of a body.
@@ -109,7 +115,7 @@ impl Cloud {
             None => vec![condition.across() * body.spacing * body.spacing; places.len()],
         };
         Nodes::new(places, volumes, body.spacing, condition)
-            .map_err(|error| Objection::new(KEY, format!("{}: {error}", self.file)))
+            .map_err(|error| Objection::new(KEY, format!("{}: {error}", self.file.path)))
     }
 
     /// A column, for what stands under a key.
@@ -118,7 +124,7 @@ impl Cloud {
     /// An [`Objection`] where the file has it not.
     pub fn required(&self, name: &str, key: &str) -> Result<&[f64], Objection> {
         self.column(name).ok_or_else(|| {
-            let message = format!("{} has no column `{name}`", self.file);
+            let message = format!("{} has no column `{name}`", self.file.path);
             Objection::new(key, message)
                 .with_help(format!("it has {}", self.table.names.join(", ")))
         })
@@ -127,7 +133,7 @@ impl Cloud {
     /// Where a row stands, e.g. `points.csv line 7`.
     #[must_use]
     pub fn row(&self, row: usize) -> String {
-        place(&self.file, &self.table, row)
+        place(&self.file.path, &self.table, row)
     }
 
     fn column(&self, name: &str) -> Option<&[f64]> {
@@ -139,12 +145,13 @@ impl Cloud {
     fn check_names(&self) -> Result<(), Objection> {
         for (k, name) in self.table.names.iter().enumerate() {
             if self.table.names[..k].contains(name) {
-                let message = format!("{} has the column `{name}` twice", self.file);
+                let message = format!("{} has the column `{name}` twice", self.file.path);
                 return Err(Objection::new(KEY, message));
             }
             let is_known = COLUMNS.contains(&name.as_str());
             if let Some(meant) = nearest(name, COLUMNS).filter(|_| !is_known) {
-                let message = format!("{} has a column `{name}`, which is not known", self.file);
+                let message =
+                    format!("{} has a column `{name}`, which is not known", self.file.path);
                 return Err(
                     Objection::new(KEY, message).with_help(format!("did you mean `{meant}`?"))
                 );

@@ -28,7 +28,7 @@ pub(super) struct Plate {
     pub(super) stretch: f64,
     pub(super) cut_bonds: usize,
     /// The file that the nodes are from.
-    cloud: Option<Cloud>,
+    pub(super) cloud: Option<Cloud>,
 }
 
 /// Strength or stiffness at the nodes, ready to be lent to a study.

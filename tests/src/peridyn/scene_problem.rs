@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::scene::{CrackScene, LoadingScene, PrecisionScene, StrainScene};
 use super::scene_dynamics::StepScene;
 use super::scene_plate::{Plate, Variation, at};
-use crate::scene::Objection;
+use crate::scene::{NamedFile, Objection};
 
 /// A step (s) at which every body is stable; it is only asked what it is in units of the stiffest mode.
 const PROBE: f64 = 1e-60;
@@ -35,6 +35,8 @@ pub struct CrackProblem {
     path: PathConfig,
     /// What follows from the scene.
     pub resolved: Resolved,
+    /// The files that the scene names.
+    pub files: Vec<NamedFile>,
 }
 
 /// What follows from a scene and does not stand in it.
@@ -120,7 +122,7 @@ impl CrackProblem {
             crack_damage: path.damage,
             least_crack_length: path.least_length,
         };
-        let Plate { nodes, bonds, strain, .. } = plate;
+        let Plate { nodes, bonds, strain, cloud, .. } = plate;
         let (simulation, upper_grip) = (motion.simulation, grips.upper);
         Ok(Self {
             nodes,
@@ -135,6 +137,7 @@ impl CrackProblem {
             upper_grip,
             path,
             resolved,
+            files: cloud.iter().map(|cloud| cloud.file().clone()).collect(),
         })
     }
 

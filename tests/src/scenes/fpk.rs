@@ -25,7 +25,7 @@ use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::SceneFile;
-use crate::scenes::{Part, Run, RunError, SceneKind};
+use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
@@ -33,6 +33,7 @@ use two_resolutions::{TwoResolutions, Unknown};
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
     schema: || schemars::schema_for!(FpkScene),
+    check: |file| file.parse::<FpkScene>().map(drop),
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
@@ -133,7 +134,8 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
             system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
         } else {
             run.no_shards()?;
-            let checkpoint = run.checkpoint(&scene, &["/title", "/times/until"])?;
+            let inputs = &Inputs { scene: &scene, files: &[] };
+            let checkpoint = run.checkpoint(inputs, &["/title", "/times/until"])?;
             system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
         };
     if let Part::Shard(_) = run.part() {
@@ -235,7 +237,7 @@ struct Solved<'a> {
     scene: &'a FpkScene,
     system: &'a SceneSystem,
     run: &'a Run<'a>,
-    checkpoint: Checkpoint,
+    checkpoint: &'a Checkpoint,
 }
 
 /// What a checkpoint holds of a density run: how far it has come, and what was seen of it.
@@ -311,7 +313,8 @@ impl Visitor for Solved<'_> {
         };
         run.progress.stage("density");
         let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
-        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), kept.seen);
+        let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
+        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), seen);
         let (law, asked) = (&law, &asked);
         let fine = self
             .density(

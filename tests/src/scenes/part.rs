@@ -8,8 +8,8 @@ use std::str::FromStr;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{Run, RunError, identity};
-use crate::checkpoint::{Head, read_file, write_file};
+use super::{Inputs, Run, RunError};
+use crate::checkpoint::{read_file, write_file};
 
 /// What is done of an ensemble.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,6 +53,16 @@ pub enum ShardsError {
         place: Place,
         /// The second.
         file: PathBuf,
+    },
+    /// One holds what no shard of the scene does.
+    #[error("a shard holds {found} {what}, {expected} expected")]
+    OtherContent {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        found: usize,
+        /// How many it must hold.
+        expected: usize,
     },
     /// One is of another division.
     #[error("{} is shard {place}; the first file is one of {expected}", .file.display())]
@@ -123,32 +133,47 @@ impl Run<'_> {
         if self.options.part == Part::Whole { Ok(()) } else { Err(RunError::NoShards) }
     }
 
-    /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene it is.
+    /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene and files it is.
     ///
     /// # Errors
     /// [`RunError::Checkpoint`], [`RunError::Identity`].
     pub fn write_shard<T: Serialize>(
         &self,
-        scene: &impl Serialize,
+        inputs: &Inputs<'_, impl Serialize>,
         place: Place,
         content: &T,
     ) -> Result<PathBuf, RunError> {
         let path = self.out().join(format!("shard-{}-of-{}.bin", place.shard, place.of));
-        write_file(&path, &self.shard_head(scene)?, &(place, content))?;
+        write_file(&path, &self.shard_head(inputs)?, &(place, content))?;
         Ok(path)
+    }
+
+    /// Refuses a shard that holds another number of things than it must.
+    ///
+    /// # Errors
+    /// [`RunError::Shards`].
+    pub(super) fn require(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), RunError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(ShardsError::OtherContent { what, found, expected }.into())
     }
 
     /// Reads the files of all shards of a scene, given in any order.
     ///
     /// # Errors
-    /// [`RunError::Checkpoint`] for a file that is damaged or of another scene; [`RunError::Shards`] for one that is missing, there
+    /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files; [`RunError::Shards`] for one that is missing, there
     /// twice, or of another division.
     pub fn read_shards<T: DeserializeOwned>(
         &self,
-        scene: &impl Serialize,
+        inputs: &Inputs<'_, impl Serialize>,
         files: &[PathBuf],
     ) -> Result<Vec<T>, RunError> {
-        let head = self.shard_head(scene)?;
+        let head = self.shard_head(inputs)?;
         let mut shards: Vec<(Place, T)> = Vec::new();
         for file in files {
             let (place, content): (Place, T) = read_file(file, &head)?;
@@ -173,10 +198,6 @@ impl Run<'_> {
             Some(place) => Err(ShardsError::Missing(place).into()),
             None => Ok(shards.into_iter().map(|(_, content)| content).collect()),
         }
-    }
-
-    fn shard_head(&self, scene: &impl Serialize) -> Result<Head, RunError> {
-        Ok(Head::of_shards(self.solver, &identity(scene, &["/title"])?))
     }
 }
 

@@ -21,11 +21,12 @@ use crate::output::write_json;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
-use crate::scenes::{Part, Run, RunError, SceneKind};
+use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "peridyn-sde",
     schema: || schemars::schema_for!(CrackScene),
+    check: |file| file.parse::<CrackScene>().map(drop),
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
@@ -38,12 +39,18 @@ const ENDED: &str = "realisations";
 /// What the numbers of realisations do not depend on: how many there are, and what is made of them.
 const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
 
-/// A checkpoint of more than is asked for.
+/// A checkpoint whose realisations are not the first of those that are asked for. What one of them has added to the map of damage
+/// cannot be taken out again.
 #[derive(Debug, thiserror::Error)]
-#[error("the checkpoint holds {found} realisations; the scene asks for {asked}")]
-struct TooManyKept {
+#[error(
+    "the checkpoint holds {found} realisations from number {first} on; asked for are {asked} from number {start} on: \
+     take another folder"
+)]
+struct OthersKept {
     found: u64,
+    first: u64,
     asked: u64,
+    start: u64,
 }
 
 /// More shards than there is work for.
@@ -66,19 +73,25 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = run.parse(file)?;
     let problem =
         CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
+    let inputs = &Inputs { scene: &scene, files: &problem.files };
     let (crack_run, cpu_seconds) = match run.part() {
-        Part::Whole => realisations(&scene, &problem, run)?,
+        Part::Whole => realisations(inputs, &problem, run)?,
         Part::Shard(place) => {
-            let shard = realisations(&scene, &problem, run)?;
-            return Ok(vec![run.write_shard(&scene, *place, &shard)?]);
+            let shard = realisations(inputs, &problem, run)?;
+            return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
         }
-        Part::Merged(files) => joined(run.read_shards(&scene, files)?)?,
+        Part::Merged(files) => joined(run.read_shards(inputs, files)?)?,
     };
     write(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
 
 /// Shards in their order.
 fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
+    for (shard, _) in &shards {
+        let expected = shard.records.len();
+        Run::require("realisations with loads", shard.loads.len(), expected)?;
+        Run::require("realisations with broken bonds", shard.broken.len(), expected)?;
+    }
     let mut shards = shards.into_iter();
     let Some((mut all, mut cpu_seconds)) = shards.next() else { return Err(RunError::NoShards) };
     for (shard, seconds) in shards {
@@ -90,11 +103,12 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
 
 /// All realisations that are to be run, those of a checkpoint among them.
 fn realisations(
-    scene: &CrackScene,
+    inputs: &Inputs<'_, CrackScene>,
     problem: &CrackProblem,
     run: &Run<'_>,
 ) -> Result<Ended, RunError> {
-    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let scene = inputs.scene;
+    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
     let range = run.range(scene.ensemble.realisations);
     let asked = range.end - range.start;
     if asked == 0 {
@@ -102,9 +116,12 @@ fn realisations(
     }
     run.progress.stage(&format!("{asked} realisations"));
     let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();
-    let found = past.as_ref().map_or(0, |past| past.records.len() as u64);
-    if found > asked {
-        return Err(RunError::solver(TooManyKept { found, asked }));
+    if let Some(past) = &past {
+        let (found, start) = (past.records.len() as u64, range.start);
+        let first = past.records.first().map_or(start, |record| record.realisation);
+        if found > asked || first != start {
+            return Err(RunError::solver(OthersKept { found, first, asked, start }));
+        }
     }
     let clock = cpu_time::ProcessTime::now();
     let seconds = || past_seconds.unwrap_or(0.0) + clock.elapsed().as_secs_f64();
@@ -150,6 +167,7 @@ fn write(
         commit: commit(),
         machine: Machine::read(),
         scene,
+        files: &problem.files,
         resolved: &problem.resolved,
         seed: scene.ensemble.seed,
         work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),

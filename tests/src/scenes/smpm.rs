@@ -26,6 +26,7 @@ use crate::smpm::scene::{MethodScene, SmpmScene};
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "smpm",
     schema: || schemars::schema_for!(SmpmScene),
+    check: |file| file.parse::<SmpmScene>().map(drop),
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,

@@ -46,6 +46,7 @@ struct WithoutUnit {
 const DECAY: SceneKind = SceneKind {
     solver: "decay",
     schema: || schema_for!(Decay),
+    check: |_| Ok(()),
     run: |_, _| Err(crate::scenes::RunError::NoKinds),
     ladder: |_| Err(crate::scenes::RunError::NoKinds),
     quantities: |_| Vec::new(),

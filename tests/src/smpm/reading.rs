@@ -31,6 +31,10 @@ pub struct RandomParameter {
 /// Most random parameters of a scene: the lanes of a jet.
 pub const MOST_RANDOM: usize = 8;
 
+/// The largest lattice of a body in a scene, places outside of the body included: some sixty times the largest scene that is run here.
+/// A slip in the cell asks for many more, and is told before they are laid.
+const MOST_PLACES: f64 = 1e7;
+
 impl SmpmScene {
     /// The numbers of every material.
     ///
@@ -211,7 +215,7 @@ impl SmpmScene {
     /// Where the particles of a body start.
     ///
     /// # Errors
-    /// An [`Objection`] to a point of another dimension.
+    /// An [`Objection`] to a point of another dimension, and to a lattice of more than [`MOST_PLACES`].
     pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
         let (scene, path) = (&self.bodies[body], format!("bodies[{body}]"));
         let whole = Region::<D>::of(&scene.shape, &format!("{path}.shape"))?;
@@ -220,7 +224,15 @@ impl SmpmScene {
             scene.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
         let spacing = [self.grid.cell / f64::from(self.grid.particles_per_cell); D];
         let inside = |x: &[f64; D]| whole.holds(x) && !cuts.iter().any(|cut| cut.holds(x));
-        Fill::of(spacing, whole.bounds(), inside)
+        let (low, high) = whole.bounds();
+        let along = |k: usize| ((high[k] - low[k]) / spacing[k]).max(1.0);
+        let places: f64 = (0..D).map(along).product();
+        if places > MOST_PLACES {
+            let message =
+                format!("{path}: {places:.3e} places of particles, at most {MOST_PLACES:e}");
+            return Err(Objection::new("grid.cell", message));
+        }
+        Fill::of(spacing, (low, high), inside)
             .map_err(|error| Objection::new("grid.cell", format!("{path}: {error}")))
     }
 }

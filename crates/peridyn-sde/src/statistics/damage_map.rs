@@ -66,7 +66,7 @@ impl DamageMap {
     /// Takes in the realisations of another map of the same body.
     ///
     /// # Errors
-    /// As [`DamageMap::push`], with [`Error::Foreign`] for another threshold; nothing is taken in then.
+    /// As [`DamageMap::push`], with [`Error::Foreign`] for another threshold and for sums that cannot be; nothing is taken in then.
     pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
         let (value, expected) = (other.sums.len(), self.sums.len());
         if value != expected {
@@ -82,6 +82,7 @@ impl DamageMap {
             return Err(Error::Doubled { realisation });
         }
         Self::room(self.realisations.len() + other.realisations.len())?;
+        other.require_possible()?;
         self.realisations.extend(&other.realisations);
         self.realisations.sort_unstable();
         for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
@@ -90,6 +91,19 @@ impl DamageMap {
             }
         }
         Ok(())
+    }
+
+    /// Refuses sums that its realisations cannot have, which overflow when they are added.
+    fn require_possible(&self) -> Result<(), Error> {
+        let n = self.realisations.len() as u64;
+        let most = [n, n * units(1.0), n * units(1.0)];
+        match self.sums.iter().find(|sums| (0..3).any(|k| sums[k] > most[k])) {
+            Some(sums) => {
+                let (value, expected) = (sums[1] as f64 * UNIT, most[1] as f64 * UNIT);
+                Err(Error::Foreign { name: "a sum of damage", value, expected })
+            }
+            None => Ok(()),
+        }
     }
 
     /// The realisations that are in, ascending.

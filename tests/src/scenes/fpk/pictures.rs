@@ -20,8 +20,18 @@ use crate::scenes::RunError;
 
 /// The bandwidth of a plane's density over the spacing of the lattice.
 const BANDWIDTH_OVER_SPACING: f64 = 0.6;
+/// Times as near as this (s) are one.
+const SAME_TIME: f64 = 1e-9;
 /// Coordinates that ParaView shows; the others are columns.
 const SHOWN: usize = 3;
+
+impl Seen {
+    /// Leaves out what comes after a time: the run that has seen it may have been longer.
+    pub(super) fn until(mut self, last: f64) -> Self {
+        self.frames.retain(|(t, _)| *t < last + SAME_TIME);
+        self
+    }
+}
 
 /// Looks at a run and keeps what its scene wants to see.
 pub(super) struct Pictures<'a> {
@@ -103,7 +113,7 @@ impl<'a> Pictures<'a> {
         simulation: &Simulation<S, D, M>,
         row: &Row,
     ) -> Result<(), CaseError> {
-        let wanted = |times: &[f64]| times.iter().any(|t| (t - row.t).abs() < 1e-9);
+        let wanted = |times: &[f64]| times.iter().any(|t| (t - row.t).abs() < SAME_TIME);
         if !self.scene.planes.as_ref().is_some_and(|planes| wanted(&planes.times)) {
             return Ok(());
         }

@@ -9,7 +9,7 @@ use crate::fpk::monte_carlo::{self, SampledSoFar, Sampling};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
-use crate::scenes::{Part, Run, RunError};
+use crate::scenes::{Inputs, Part, Run, RunError};
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
@@ -29,17 +29,18 @@ impl Visitor for Sampled<'_> {
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
         let Self { scene, system: named, sampling, run } = self;
+        let inputs = &Inputs { scene, files: &[] };
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
         let so_far = match run.part() {
             Part::Merged(files) => {
                 let mut all = SampledSoFar::default();
-                for shard in run.read_shards(scene, files)? {
+                for shard in run.read_shards(inputs, files)? {
                     all.append(shard);
                 }
                 all
             }
             Part::Whole | Part::Shard(_) => {
-                let checkpoint = run.checkpoint(scene, &["/title"])?;
+                let checkpoint = run.checkpoint(inputs, &["/title"])?;
                 let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
                 // Shards that are run apart are whole numbers of those that are run one after the other.
                 let parts = match run.part() {
@@ -60,7 +61,7 @@ impl Visitor for Sampled<'_> {
             }
         };
         if let Part::Shard(place) = run.part() {
-            let files = vec![run.write_shard(scene, *place, &so_far)?];
+            let files = vec![run.write_shard(inputs, *place, &so_far)?];
             return Ok(Outcome { files, ..Outcome::default() });
         }
         let run = so_far.run(&asked)?;

@@ -1,8 +1,11 @@
 //! What a density scene may not say, and what a run writes.
 
+use std::path::Path;
+
 use fpk_sph::Scheme;
 
 use super::*;
+use crate::checkpoint::Start;
 
 const SCENE: &str = include_str!("../../../scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../scenes/fpk/bouc_wen.json");
@@ -252,6 +255,57 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
     // At the start sigma_z = 0.05; 4 sigma of a ball hold all but 1.1e-3 of the mass.
     let z = named("moment/0-0-2")["values"][0]["value"].as_f64().unwrap();
     assert!((z / 0.0025 - 1.0).abs() < 0.05, "{z}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Runs a text in the folder.
+fn run_in(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
+    std::fs::create_dir_all(folder).unwrap();
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, text).unwrap();
+    let options = crate::scenes::Options { start, ..crate::scenes::Options::new(folder) };
+    let silent = crate::scenes::Progress::silent();
+    crate::scenes::run(crate::scenes::ALL, &scene, &options, &silent)
+}
+
+fn checkpoints(folder: &Path) -> Vec<Vec<u8>> {
+    let files = ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name));
+    files.iter().filter_map(|file| std::fs::read(file).ok()).collect()
+}
+
+#[test]
+fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("fpk-earlier-{}", std::process::id()));
+    let planes = ",\n  \"planes\": { \"states\": [[\"q\", \"z\"]], \"times\": [0.2] }";
+    let longer = SMALL.replace(planes, "");
+    assert_ne!(longer, SMALL);
+    run_in(&folder, &longer, Start::Anew).unwrap();
+    let kept = checkpoints(&folder);
+    let shorter = longer.replace("\"until\": 0.2", "\"until\": 0.1");
+    run_in(&folder, &shorter, Start::GoOn).unwrap();
+    assert!(checkpoints(&folder) == kept && !kept.is_empty());
+    let series = std::fs::read_to_string(folder.join("cloud/cloud.pvd")).unwrap();
+    assert_eq!(series.matches("<DataSet ").count(), 1, "{series}");
+    let result: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
+    assert_eq!(result["quantities"][0]["values"].as_array().unwrap().len(), 1);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("fpk-fewer-{}", std::process::id()));
+    let paths = |n: u64| {
+        let method = format!(
+            "\"monte_carlo\": {{ \"paths\": {n}, \"step\": 0.02, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
+        );
+        SMALL.replace("\"log_density_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
+    };
+    run_in(&folder, &paths(200), Start::Anew).unwrap();
+    let kept = checkpoints(&folder);
+    let error = run_in(&folder, &paths(100), Start::GoOn).unwrap_err().to_string();
+    assert!(error.contains("is of another scene"), "{error}");
+    assert!(checkpoints(&folder) == kept && !kept.is_empty());
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

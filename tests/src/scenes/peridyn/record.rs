@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::machine::Machine;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::{CrackProblem, Resolved};
+use crate::scene::NamedFile;
 use crate::scenes::RunError;
 
 /// Every so many spacings the path is looked at, where the scene does not say.
@@ -24,6 +25,8 @@ pub(super) struct RunResult<'a> {
     pub(super) machine: Machine,
     /// The scene as it was understood.
     pub(super) scene: &'a CrackScene,
+    /// The files that the scene names.
+    pub(super) files: &'a [NamedFile],
     pub(super) resolved: &'a Resolved,
     pub(super) seed: u64,
     pub(super) work: WorkRecord,

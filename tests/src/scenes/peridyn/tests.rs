@@ -4,8 +4,9 @@ mod points;
 
 use std::path::{Path, PathBuf};
 
+use crate::checkpoint::Start;
 use crate::scene::SceneError;
-use crate::scenes::{Options, Progress, RunError, SceneKind, run};
+use crate::scenes::{Options, Part, Progress, RunError, SceneKind, run};
 
 /// The one kind that is tested here.
 const TABLE: [SceneKind; 1] = [super::KIND];
@@ -49,6 +50,11 @@ impl Ran {
         assert!(written.iter().all(|path| path.exists()), "{written:?}");
         let text = std::fs::read_to_string(&written[0]).unwrap();
         serde_json::from_str(&text).unwrap()
+    }
+
+    /// The scene as it now stands in the folder, run again.
+    fn again(&self, options: &Options) -> Result<Vec<PathBuf>, RunError> {
+        run(&TABLE, &self.folder.join("scene.json"), options, &Progress::silent())
     }
 }
 
@@ -267,6 +273,38 @@ fn a_coupled_mobility_refuses_grips_that_slide_and_inertia_needs_a_density() {
     let found = mistake("density", &with(&changes));
     assert_eq!(found.0, "material");
     assert!(found.1.contains("density"));
+}
+
+#[test]
+fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and_kept() {
+    let of = |n: u64| {
+        with(&[
+            ("\"steps\": 400", "\"steps\": 10"),
+            ("\"realisations\": 12", &format!("\"realisations\": {n}")),
+            ("[0, 11]", "[]"),
+        ])
+    };
+    let ran = run_text("others-kept", &of(6));
+    ran.result();
+    let second = Part::Shard("2/2".parse().unwrap());
+    let shard = || Options { part: second.clone(), ..Options::new(ran.folder.join("shard")) };
+    ran.again(&shard()).unwrap();
+    for (n, options, words) in [
+        (
+            4,
+            Options::new(ran.folder.join("out")),
+            "6 realisations from number 0 on; asked for are 4",
+        ),
+        (8, shard(), "3 realisations from number 3 on; asked for are 4 from number 4 on"),
+    ] {
+        std::fs::write(ran.folder.join("scene.json"), of(n)).unwrap();
+        let checkpoint = options.out.join("checkpoint-1.bin");
+        let kept = std::fs::read(&checkpoint).unwrap();
+        let refused = ran.again(&Options { start: Start::GoOn, ..options }).unwrap_err();
+        let RunError::Solver(error) = refused else { panic!("{refused}") };
+        assert!(error.to_string().contains(words), "{error}");
+        assert_eq!(std::fs::read(&checkpoint).unwrap(), kept);
+    }
 }
 
 #[test]

@@ -9,8 +9,9 @@ use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::number::with_uncertainty;
-use crate::scenes::{Part, Run, RunError};
+use crate::scenes::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
@@ -219,27 +220,45 @@ fn sampled<const D: usize, const N: usize>(
     scene: &SmpmScene,
     run: &Run<'_>,
 ) -> Result<Result<Sampled<N>, PathBuf>, RunError> {
+    let inputs = &Inputs { scene, files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let range = run.range(judge.n_samples);
     if let Part::Merged(files) = run.part() {
-        let shards: Vec<Responses> = run.read_shards(scene, files)?;
-        let known = shards.into_iter().flatten().collect();
+        let shards: Vec<Responses> = run.read_shards(inputs, files)?;
+        let known: Responses = shards.into_iter().flatten().collect();
+        for responses in known.values() {
+            Run::require("responses", responses.len(), study.plan().n_responses())?;
+        }
         return study.monte_carlo_from(judge, range, &known, each, |_, _| Ok(())).map(Ok);
     }
-    let checkpoint = run.checkpoint(scene, &ASIDE)?;
+    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
     let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
         run.progress.at((tried, n), &words(study, so_far));
         if tried == n || checkpoint.is_due() {
-            checkpoint.keep(SAMPLES, &so_far.responses())?;
+            keep(checkpoint, &known, so_far.responses())?;
         }
         Ok::<(), RunError>(())
     })?;
     match run.part() {
-        Part::Shard(place) => Ok(Err(run.write_shard(scene, *place, &sampled.responses())?)),
+        Part::Shard(place) => Ok(Err(run.write_shard(inputs, *place, &sampled.responses())?)),
         Part::Whole | Part::Merged(_) => Ok(Ok(sampled)),
     }
+}
+
+/// Keeps new samples beside those that were known, which may be more than the scene asks for now.
+fn keep(
+    checkpoint: &Checkpoint,
+    known: &Responses,
+    so_far: Responses,
+) -> Result<(), CheckpointError> {
+    if so_far.keys().all(|sample| known.contains_key(sample)) {
+        return Ok(());
+    }
+    let mut all = known.clone();
+    all.extend(so_far);
+    checkpoint.keep(SAMPLES, &all)
 }
 
 /// Responses by the number of their sample.

@@ -1,7 +1,8 @@
 //! A small scene to its end, and its mistakes one by one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use crate::checkpoint::Start;
 use crate::scenes::{ALL, Options, Progress, RunError, run};
 
 /// A plate of steel runs into a wall, in uniaxial strain.
@@ -63,6 +64,41 @@ fn a_scene_runs_to_its_end_by_every_method() {
             let frozen = if method.contains("frozen") { 2.08 } else { 1.0 };
             assert!((deviation / exact / frozen - 1.0).abs() < 0.1, "{method}: {deviation}");
         }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
+#[test]
+fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost() {
+    let of = |samples: u64| {
+        let method = format!(
+            "{{ \"monte_carlo\": {{ \"samples\": {samples}, \"seed\": 1, \"control\": false }} }}"
+        );
+        PLATE.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false")
+    };
+    let gauges = |out: &Path| -> serde_json::Value {
+        let text = std::fs::read_to_string(out.join("result.json")).unwrap();
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["gauges"].take()
+    };
+    let checkpoints = |out: &Path| {
+        ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| std::fs::read(out.join(name)).ok())
+    };
+    let (folder, written) = run_text("fewer", &of(9));
+    written.unwrap();
+    let out = folder.join("out");
+    let (of_nine, kept) = (gauges(&out), checkpoints(&out));
+    let resume = |samples: u64| {
+        std::fs::write(folder.join("scene.json"), of(samples)).unwrap();
+        let options = Options { start: Start::GoOn, ..Options::new(&out) };
+        run(ALL, &folder.join("scene.json"), &options, &Progress::silent()).unwrap();
+        gauges(&out)
+    };
+    let (anew, written) = run_text("few", &of(4));
+    written.unwrap();
+    assert_eq!(resume(4), gauges(&anew.join("out")));
+    assert_eq!(checkpoints(&out), kept);
+    assert_eq!(resume(9), of_nine);
+    for folder in [folder, anew] {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use particle_store::ParticleStore;
 
 use super::*;
+use crate::checkpoint::{CheckpointError, Reason};
 
 const BODY: &str = "\"spacing\": 0.001,";
 
@@ -181,6 +182,44 @@ fn mistakes_in_a_file_of_points_name_it_with_row_and_column() {
     assert_eq!(missing.0, "body.points");
     assert!(missing.1.starts_with("cannot read the points no.csv: "), "{}", missing.1);
     assert!(missing.3.starts_with("\"no.csv\""), "{}", missing.3);
+}
+
+#[test]
+fn neither_a_checkpoint_nor_a_shard_is_taken_after_the_file_of_points_was_changed() {
+    let text = with(&[
+        (BODY, &named("points.csv")),
+        ("\"steps\": 400", "\"steps\": 10"),
+        ("\"realisations\": 12", "\"realisations\": 2"),
+        ("[0, 11]", "[]"),
+    ]);
+    let file = csv("", &places(0.0), |_| String::new());
+    let ran = run_beside("changed", &text, &[("points.csv", file.as_bytes())]);
+    let record = &ran.result()["files"][0];
+    assert_eq!(record["path"], "points.csv");
+    let hash = record["xxh64"].as_str().unwrap().to_owned();
+
+    let out = |name: &str| Options::new(ran.folder.join(name));
+    let whole = Part::Shard("1/1".parse().unwrap());
+    let shards = ran.again(&Options { part: whole, ..out("shard") }).unwrap();
+    let go_on = || ran.again(&Options { start: Start::GoOn, ..out("out") });
+    let merge = || ran.again(&Options { part: Part::Merged(shards.clone()), ..out("merged") });
+    go_on().unwrap();
+    merge().unwrap();
+    std::fs::write(ran.folder.join("points.csv"), csv("", &places(0.01), |_| String::new()))
+        .unwrap();
+    for refused in [go_on(), merge()] {
+        let Err(RunError::Checkpoint(CheckpointError::Refused(refused))) = refused else {
+            panic!("{refused:?}")
+        };
+        for refusal in refused {
+            let Reason::OtherFile { file, found, expected } = &refusal.reason else {
+                panic!("{refusal}")
+            };
+            assert_eq!((file.as_str(), found), ("points.csv", &hash));
+            assert_ne!(expected, &hash);
+            assert!(refusal.to_string().contains("was made with another points.csv"), "{refusal}");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,325 @@
+//! Whatever numbers come in, laws, factors, methods and first steps end in a result or a typed error: no panic, no hang, no memory
+//! beyond [`MOST_BYTES`], no NaN in what is told. `PROPTEST_CASES` says how many are tried.
+#![cfg(feature = "dense")]
+
+use std::alloc::System;
+
+use cap::Cap;
+use proptest::prelude::*;
+use sde_integrators::{
+    AdaptivePath, Additive, Baoab, DenseFactor, DiagonalFactor, DiagonalNoise, DiagonalSde,
+    EnsembleConfig, Estimate, EulerMaruyama, FieldPath, FieldSde, GaussianComponent,
+    GaussianMixture, Heun, Integrator, LeimkuhlerMatthews, LinearTheta, LowRankFactor, Milstein,
+    Noise, NoiseFactor, Observable, Samples, Sde, SecondOrder, SemiImplicitEuler, Shark, SkRock,
+    SparseFactor, Sra1, Sra3, Sriw1, StepControl, StochasticTheta, StrangOscillator,
+    StratonovichForm, TamedEuler, Uncertainty, simulate,
+};
+
+/// An allocation beyond it ends the program.
+const MOST_BYTES: usize = 1 << 30;
+
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, MOST_BYTES);
+
+/// Ensembles up to this many steps of a path are followed.
+const MOST_STEPS: f64 = 100.0;
+/// Ensembles beyond this must be refused.
+const TOO_MANY_STEPS: f64 = 1e16;
+/// Factors up to this many motions are used.
+const MOST_MOTIONS: usize = 100;
+/// Factors beyond this must be refused.
+const TOO_MANY_MOTIONS: usize = 5_000_000_000;
+
+/// Any double: ordinary ones, those at the ends of the range, infinities and NaN.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => 0.1..1.0,
+        2 => -10.0..10.0,
+        1 => any::<f64>(),
+        1 => prop::sample::select(vec![
+            0.0, -0.0, 1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN_POSITIVE,
+            5e-324, 1e-300, 1e300, -1e300,
+        ]),
+    ]
+}
+
+fn count() -> impl Strategy<Value = usize> {
+    prop_oneof![8 => 0_usize..5, 1 => any::<usize>(), 1 => Just(1 << 32), 1 => Just(usize::MAX)]
+}
+
+fn numbers() -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(number(), 0..10)
+}
+
+/// A cubic oscillator with any constants.
+#[derive(Debug, Clone, Copy)]
+struct Cubic {
+    rates: [f64; 2],
+    hardening: f64,
+    force: f64,
+    noise: [f64; 2],
+}
+
+impl Cubic {
+    fn slope(&self, [x, v]: [f64; 2]) -> [f64; 2] {
+        [v, self.force - self.rates[0] * x - self.rates[1] * v - self.hardening * x * x * x]
+    }
+}
+
+impl Sde<2, 1> for Cubic {
+    type Noise = Additive;
+
+    fn drift(&self, _t: f64, x: &[f64; 2]) -> [f64; 2] {
+        self.slope(*x)
+    }
+
+    fn noise(&self, _t: f64, _x: &[f64; 2]) -> [[f64; 1]; 2] {
+        self.noise.map(|s| [s])
+    }
+}
+
+impl DiagonalSde<2> for Cubic {
+    fn drift(&self, _t: f64, x: &[f64; 2]) -> [f64; 2] {
+        self.slope(*x)
+    }
+
+    fn intensity(&self, _t: f64, x: &[f64; 2]) -> [f64; 2] {
+        [self.noise[0] * x[0], self.noise[1] * x[1]]
+    }
+
+    fn intensity_derivative(&self, _t: f64, _x: &[f64; 2]) -> [f64; 2] {
+        self.noise
+    }
+}
+
+impl SecondOrder<1, 1> for Cubic {
+    fn natural_frequency(&self) -> [f64; 1] {
+        [self.rates[0]]
+    }
+
+    fn linear_damping(&self) -> [f64; 1] {
+        [self.rates[1]]
+    }
+
+    fn remaining_acceleration(&self, _t: f64, q: &[f64; 1], _v: &[f64; 1]) -> [f64; 1] {
+        [self.force - self.hardening * q[0] * q[0] * q[0]]
+    }
+
+    fn remaining_flow(&self, t: f64, dt: f64, q: &[f64; 1], v: &mut [f64; 1]) {
+        v[0] += dt * self.remaining_acceleration(t, q, v)[0];
+    }
+
+    fn noise_intensity(&self, _t: f64) -> [[f64; 1]; 1] {
+        [[self.noise[0]]]
+    }
+}
+
+fn cubic() -> impl Strategy<Value = Cubic> {
+    let pair = || prop::array::uniform2(number());
+    (pair(), number(), number(), pair()).prop_map(|(rates, hardening, force, noise)| Cubic {
+        rates,
+        hardening,
+        force,
+        noise,
+    })
+}
+
+fn config() -> impl Strategy<Value = EnsembleConfig> {
+    let times = prop_oneof![
+        3 => number().prop_map(|t| vec![t]),
+        1 => prop::collection::vec(number(), 0..4),
+    ];
+    (any::<u64>(), 0_u64..12, number(), times)
+        .prop_map(|(seed, n_paths, dt, times)| EnsembleConfig { seed, n_paths, dt, times })
+        .prop_filter("steps that are taken, and only slow", |config| {
+            let last = config.times.iter().copied().fold(0.0, f64::max);
+            !(MOST_STEPS..TOO_MANY_STEPS).contains(&(last / config.dt))
+        })
+}
+
+fn law() -> impl Strategy<Value = Vec<GaussianComponent<2>>> {
+    let weight = prop_oneof![2 => Just(0.5), 1 => Just(1.0), 1 => number()];
+    let pair = || prop::array::uniform2(number());
+    let covariance = prop_oneof![
+        2 => pair().prop_map(|[a, b]| [[a, 0.0], [0.0, b]]),
+        1 => prop::array::uniform2(pair()),
+    ];
+    let component = (weight, pair(), covariance)
+        .prop_map(|(weight, mean, covariance)| GaussianComponent { weight, mean, covariance });
+    prop::collection::vec(component, 0..3)
+}
+
+/// What is told is a number with an error that is one.
+fn is_told(estimate: &Estimate) -> bool {
+    let error = match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => error,
+        Uncertainty::Unknown => 0.0,
+    };
+    estimate.value.is_finite() && error.is_finite()
+}
+
+/// An ensemble by a method, if there is one.
+fn follow<S, I, const M: usize>(
+    system: &S,
+    method: &I,
+    law: &GaussianMixture<2>,
+    config: &EnsembleConfig,
+) -> Result<(), TestCaseError>
+where
+    S: Sync,
+    I: Integrator<S, 2, M>,
+{
+    let observables = [
+        Observable::Mean(&|_, x: &[f64; 2]| x[0]),
+        Observable::Mean(&|_, x: &[f64; 2]| x[1] * x[1]),
+        Observable::Probability(&|_, x: &[f64; 2]| x[0] > 0.0),
+    ];
+    if let Ok(ensemble) = simulate::<S, I, _, 2, M>(system, method, law, config, &observables) {
+        for estimate in ensemble.estimates.iter().flatten() {
+            prop_assert!(is_told(estimate), "{estimate:?}");
+        }
+    }
+    Ok(())
+}
+
+/// A field without a drift.
+struct Noisy<F>(F);
+
+impl<F: NoiseFactor> FieldSde for Noisy<F> {
+    type Factor = F;
+
+    fn drift(&self, _t: f64, x: &[f64], drift: &mut [f64]) {
+        for (drift, x) in drift.iter_mut().zip(x) {
+            *drift = -x * x;
+        }
+    }
+
+    fn factor(&self) -> &F {
+        &self.0
+    }
+}
+
+/// A few steps of a field, if it starts; a state is finite whatever happened.
+fn step_field(
+    factor: impl NoiseFactor,
+    start: &[f64],
+    (theta, operator, dt): (f64, &[f64], f64),
+) -> Result<(), TestCaseError> {
+    let (field, noise) = (Noisy(factor), Noise::new(1));
+    if let Ok(mut path) = FieldPath::new(&field, &EulerMaruyama, &noise, 0, start.to_vec()) {
+        let _ = path.step(dt).and_then(|()| path.step(dt));
+        prop_assert!(path.state().iter().all(|x| x.is_finite()));
+    }
+    if let Ok(operator) = DiagonalFactor::new(operator.to_vec())
+        && let Ok(method) = LinearTheta::new(theta, operator)
+        && let Ok(mut path) = FieldPath::new(&field, &method, &noise, 0, start.to_vec())
+    {
+        let _ = path.step(dt);
+        prop_assert!(path.state().iter().all(|x| x.is_finite()));
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn an_ensemble_is_followed_by_every_method_or_says_why_not(
+        system in cubic(),
+        law in law(),
+        config in config(),
+        theta in number(),
+        stages in prop_oneof![8 => 1_u64..8, 1 => 1001_u64.., 1 => Just(0)],
+    ) {
+        let Ok(law) = GaussianMixture::mixture(&law) else { return Ok(()) };
+        follow::<_, _, 1>(&system, &EulerMaruyama, &law, &config)?;
+        follow::<_, _, 1>(&system, &Heun, &law, &config)?;
+        follow::<_, _, 1>(&system, &Sra1, &law, &config)?;
+        follow::<_, _, 1>(&system, &Sra3, &law, &config)?;
+        follow::<_, _, 1>(&system, &Shark, &law, &config)?;
+        follow::<_, _, 1>(&system, &TamedEuler, &law, &config)?;
+        follow::<_, _, 1>(&system, &LeimkuhlerMatthews, &law, &config)?;
+        if let Ok(method) = StochasticTheta::new(theta) {
+            follow::<_, _, 1>(&system, &method, &law, &config)?;
+        }
+        if let Ok(method) = SkRock::new(stages) {
+            follow::<_, _, 1>(&system, &method, &law, &config)?;
+        }
+        follow::<_, _, 1>(&system, &SemiImplicitEuler, &law, &config)?;
+        follow::<_, _, 1>(&system, &StrangOscillator, &law, &config)?;
+        follow::<_, _, 1>(&system, &Baoab, &law, &config)?;
+        follow::<_, _, 2>(&DiagonalNoise(system), &Milstein, &law, &config)?;
+        follow::<_, _, 2>(&DiagonalNoise(system), &Sriw1, &law, &config)?;
+        follow::<_, _, 2>(&StratonovichForm(system), &Heun, &law, &config)?;
+    }
+
+    #[test]
+    fn an_adaptive_path_starts_or_says_why_not(
+        system in cubic(),
+        start in prop::array::uniform2(number()),
+        (longest, absolute, relative) in (number(), number(), number()),
+        halvings in prop_oneof![6 => 0_u32..20, 1 => any::<u32>()],
+        (seed, realisation) in (any::<u64>(), any::<u64>()),
+    ) {
+        let control = StepControl { longest, absolute, relative, halvings };
+        let noise = Noise::new(seed);
+        if let Ok(mut path) = AdaptivePath::new(&system, &Sra1, &noise, realisation, start, &control) {
+            let _ = path.step().and_then(|_| path.step());
+            prop_assert!(path.state().iter().all(|x| x.is_finite()));
+        }
+        let diagonal = DiagonalNoise(system);
+        if let Ok(mut path) = AdaptivePath::new(&diagonal, &Milstein, &noise, realisation, start, &control) {
+            let _ = path.step().and_then(|_| path.step());
+            prop_assert!(path.state().iter().all(|x| x.is_finite()));
+        }
+    }
+
+    #[test]
+    fn a_field_starts_or_says_why_not(
+        (n, motions) in (count(), count()),
+        (values, start, operator) in (numbers(), numbers(), numbers()),
+        (rows, columns) in (prop::collection::vec(count(), 0..5), prop::collection::vec(count(), 0..5)),
+        (theta, dt) in (number(), number()),
+    ) {
+        let method = (theta, operator.as_slice(), dt);
+        // A start that fits, as a rule.
+        let fit = |n: usize| if n < 10 { [start.as_slice(), &[0.5; 10]].concat()[..n].to_vec() } else { start.clone() };
+        if let Ok(factor) = DiagonalFactor::new(values.clone()) {
+            step_field(factor, &fit(values.len()), method)?;
+        }
+        if let Ok(factor) = LowRankFactor::new(n, values.clone()) {
+            step_field(factor, &fit(n), method)?;
+        }
+        if let Ok(factor) = DenseFactor::new(n, &values) {
+            step_field(factor, &fit(n), method)?;
+        }
+        let identity: Vec<f64> = (0..n.min(4).pow(2)).map(|k| f64::from(u8::from(k % (n.min(4) + 1) == 0))).collect();
+        if let Ok(factor) = DenseFactor::new(n.min(4), &identity) {
+            step_field(factor, &fit(n.min(4)), method)?;
+        }
+        if !(MOST_MOTIONS..TOO_MANY_MOTIONS).contains(&motions) {
+            let values = [values.as_slice(), &[0.5; 5]].concat()[..columns.len()].to_vec();
+            for row_starts in [rows.clone(), (0..=columns.len()).collect()] {
+                let factor = SparseFactor::new(motions, row_starts, columns.clone(), values.clone());
+                if let Ok(factor) = factor {
+                    let n = factor.n_unknowns();
+                    step_field(factor, &fit(n), method)?;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sample_tells_numbers_or_says_why_not(
+        values in numbers(),
+        (level, probability) in (number(), number()),
+        (hits, trials) in (any::<u64>(), any::<u64>()),
+    ) {
+        if let Ok(samples) = Samples::new(values) {
+            for estimate in [samples.exceedance(level), samples.quantile(probability)].iter().flatten() {
+                prop_assert!(is_told(estimate), "{estimate:?}");
+            }
+        }
+        if let Ok(estimate) = Estimate::probability(hits, trials) {
+            prop_assert!(is_told(&estimate), "{estimate:?}");
+        }
+    }
+}

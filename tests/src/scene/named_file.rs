@@ -1,0 +1,47 @@
+//! Files that a scene names.
+
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use twox_hash::XxHash64;
+
+/// A file that a scene names, by its bytes: under the same path may stand another one tomorrow.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedFile {
+    /// As the scene has it: from its folder.
+    pub path: String,
+    /// XXH64 of the bytes with the seed 0, in 16 hexadecimal digits, as `xxh64sum` prints it.
+    pub xxh64: String,
+}
+
+impl NamedFile {
+    /// Reads a file from the folder of a scene, and says which bytes it was.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn read(path: &str, folder: &Path) -> io::Result<(Self, Vec<u8>)> {
+        let bytes = std::fs::read(folder.join(path))?;
+        let xxh64 = format!("{:016x}", XxHash64::oneshot(0, &bytes));
+        Ok((Self { path: path.to_owned(), xxh64 }, bytes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_known_by_the_hash_that_others_print_of_its_bytes() {
+        let folder = std::env::temp_dir().join(format!("named-file-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        // The test vectors of XXH64.
+        for (contents, xxh64) in [("", "ef46db3751d8e999"), ("abc", "44bc2cf5ad770999")] {
+            std::fs::write(folder.join("points.csv"), contents).unwrap();
+            let (file, bytes) = NamedFile::read("points.csv", &folder).unwrap();
+            assert_eq!((file.xxh64.as_str(), bytes.as_slice()), (xxh64, contents.as_bytes()));
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(NamedFile::read("points.csv", &folder).is_err());
+    }
+}

@@ -1,0 +1,17 @@
+//! Whatever a file holds, reading it ends in a scene, a result or a typed error: no panic, no hang, no memory beyond [`MOST_BYTES`].
+//! `PROPTEST_CASES` says how many are tried.
+
+#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
+
+mod scene;
+mod shard;
+
+use std::alloc::System;
+
+use cap::Cap;
+
+/// An allocation beyond it ends the program.
+const MOST_BYTES: usize = 1 << 30;
+
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, MOST_BYTES);

@@ -1,0 +1,196 @@
+//! Shards of small ensembles with changes of bytes, as they are and under a hash that is right again.
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use proptest::prelude::*;
+use proptest::sample::Index;
+use twox_hash::XxHash64;
+use verification::checkpoint::CheckpointError;
+use verification::scenes::{ALL, Options, Part, Progress, RunError, run};
+
+/// Before the body of a file stand its kind and the length of the body, behind it a hash.
+const BEFORE: usize = 16;
+const BEHIND: usize = 8;
+
+/// So many times fewer inputs are tried where what is before the shards takes so many times longer.
+const SLOWER: u32 = 10;
+
+/// Two shards of a scene, and where they are joined.
+struct Ensemble {
+    scene: PathBuf,
+    folder: PathBuf,
+    first: Vec<u8>,
+    second: PathBuf,
+}
+
+impl Ensemble {
+    fn new(name: &str, text: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("any-input-{name}"));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let scene = folder.join("scene.json");
+        std::fs::write(&scene, text).unwrap();
+        let [first, second] = ["1/2", "2/2"].map(|place| {
+            let part = Part::Shard(place.parse().unwrap());
+            let options = Options { part, ..Options::new(folder.join("shards")) };
+            run(ALL, &scene, &options, &Progress::silent()).unwrap().swap_remove(0)
+        });
+        let first = std::fs::read(first).unwrap();
+        Self { scene, folder, first, second }
+    }
+
+    /// Joins these bytes and the second shard.
+    fn join(&self, name: &str, first: &[u8]) -> Result<Vec<PathBuf>, RunError> {
+        let file = self.folder.join(format!("{name}.bin"));
+        // A file that is written over is on the disk before this goes on; a new one need not be.
+        let _ = std::fs::remove_file(&file);
+        std::fs::write(&file, first).unwrap();
+        let options = Options {
+            part: Part::Merged(vec![file, self.second.clone()]),
+            ..Options::new(self.folder.join(format!("{name}-joined")))
+        };
+        run(ALL, &self.scene, &options, &Progress::silent())
+    }
+}
+
+static PATHS: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "paths",
+        r#"{
+          "solver": "fpk-sph", "title": "small",
+          "system": { "linear_oscillator": {
+            "natural_frequency": 3, "damping_ratio": 0.05, "noise_intensity": 0.2, "window": "stationary"
+          } },
+          "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.1, 0.1] } },
+          "method": { "monte_carlo": { "paths": 9000, "step": 0.1, "seed": 1, "integrator": "strang_oscillator" } },
+          "times": { "until": 0.2, "every": 0.1 },
+          "moments": [[2, 0]], "demand": { "state": "q" }, "thresholds": [0.1]
+        }"#,
+    )
+});
+
+static SAMPLES: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "samples",
+        r#"{
+          "solver": "smpm", "title": "small", "units": "cm_g_us", "dimension": 1,
+          "grid": { "cell": 0.5, "particles_per_cell": 2 },
+          "boundaries": [{ "axis": 1, "position": 0, "side": "above", "kind": "symmetry" }],
+          "materials": { "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } } },
+          "bodies": [
+            { "name": "plate", "material": "steel", "shape": { "box": { "from": [0], "to": [3] } }, "velocity": [-0.1] }
+          ],
+          "random": [{ "parameter": "steel.equation.s1", "law": "normal", "coefficient_of_variation": 0.05 }],
+          "method": { "monte_carlo": { "samples": 16, "seed": 1, "control": false } },
+          "gauges": [{ "name": "wake", "body": "plate", "within": [[0.2], [1.2]] }],
+          "quantities": ["pressure"], "times": [1, 2]
+        }"#,
+    )
+});
+
+static CRACKS: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "cracks",
+        r#"{
+          "solver": "peridyn-sde", "title": "small",
+          "body": { "size": [0.012, 0.012], "spacing": 0.001, "condition": { "plane_stress": { "thickness": 0.001 } } },
+          "material": { "young_modulus": 72e9, "toughness": { "energy_release_rate": 3.8 } },
+          "bonds": { "horizon": { "shells": 2 } },
+          "notch": { "mouth": [0, 0.006], "tip": [0.004, 0.006] },
+          "grips": { "height": 0.002 },
+          "loading": { "stretch": { "strain": { "over_critical_stretch": 0.8 } } },
+          "dynamics": { "overdamped": {
+            "mobility": { "identity": { "value": 1 } }, "temperature": { "ratio": 20 }, "scheme": "leimkuhler_matthews"
+          } },
+          "time": { "step": { "z": 0.9 }, "steps": 20 },
+          "strength": "uniform",
+          "ensemble": { "realisations": 4, "seed": 3, "precision": "f64" },
+          "output": { "windows": 5 }
+        }"#,
+    )
+});
+
+/// Other bytes at some places; now and then also another end from a place on.
+#[derive(Debug, Clone)]
+struct Changes {
+    bytes: Vec<(Index, u8)>,
+    end: Option<(Index, Vec<u8>)>,
+}
+
+fn changes() -> impl Strategy<Value = Changes> {
+    let byte =
+        prop_oneof![any::<u8>(), prop::sample::select(vec![0_u8, 1, 2, 0x7f, 0x80, 0xf0, 0xff])];
+    let end = (any::<Index>(), prop::collection::vec(any::<u8>(), 0..20));
+    (
+        prop::collection::vec((any::<Index>(), byte), 1..6),
+        prop_oneof![6 => Just(None), 1 => end.prop_map(Some)],
+    )
+        .prop_map(|(bytes, end)| Changes { bytes, end })
+}
+
+impl Changes {
+    fn of(&self, bytes: &[u8]) -> Vec<u8> {
+        let mut changed = bytes.to_vec();
+        for (at, byte) in &self.bytes {
+            changed[at.index(bytes.len())] = *byte;
+        }
+        if let Some((at, more)) = &self.end {
+            changed.truncate(at.index(bytes.len() + 1));
+            changed.extend(more);
+        }
+        changed
+    }
+}
+
+/// A file whose body was changed by one who knows its form.
+fn forged(file: &[u8], changes: &Changes) -> Vec<u8> {
+    let body = changes.of(&file[BEFORE..file.len() - BEHIND]);
+    let mut forged = file[..8].to_vec();
+    forged.extend((body.len() as u64).to_le_bytes());
+    forged.extend(body);
+    let hash = XxHash64::oneshot(0, &forged);
+    forged.extend(hash.to_le_bytes());
+    forged
+}
+
+#[test]
+fn shards_that_nobody_changed_are_joined() {
+    for ensemble in [&PATHS, &SAMPLES, &CRACKS] {
+        ensemble.join("whole", &ensemble.first).unwrap();
+        let none = Changes { bytes: Vec::new(), end: None };
+        ensemble.join("whole", &forged(&ensemble.first, &none)).unwrap();
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_shard_with_other_bytes_is_refused(changes in changes()) {
+        let bytes = changes.of(&PATHS.first);
+        let joined = PATHS.join("changed", &bytes);
+        let is_refused = matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_))));
+        prop_assert!(is_refused || bytes == PATHS.first, "{joined:?}");
+    }
+
+    #[test]
+    fn forged_paths_are_joined_or_say_why_not(changes in changes()) {
+        // An error is an answer.
+        let _ = PATHS.join("forged", &forged(&PATHS.first, &changes));
+    }
+
+}
+
+proptest! {
+    // Each begins with the mean run, or with the bonds of a plate.
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases.div_ceil(SLOWER)))]
+
+    #[test]
+    fn forged_samples_are_joined_or_say_why_not(changes in changes()) {
+        let _ = SAMPLES.join("forged", &forged(&SAMPLES.first, &changes));
+    }
+
+    #[test]
+    fn forged_cracks_are_joined_or_say_why_not(changes in changes()) {
+        let _ = CRACKS.join("forged", &forged(&CRACKS.first, &changes));
+    }
+}

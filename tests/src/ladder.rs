@@ -29,6 +29,8 @@ pub struct Method {
     pub name: String,
     /// How error and cost go with its size.
     pub growth: Growth,
+    /// Whether it may contradict others.
+    pub standing: Standing,
     /// The smallest size that is worth a run.
     pub first: f64,
     /// The rung of that size or the next that exists; none where the method has none so large.
@@ -58,6 +60,15 @@ pub enum Growth {
     Samples,
     /// There is one size.
     Fixed,
+}
+
+/// Whether what a method says is held against others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It samples, and what is left beside its standard error is small: what it contradicts is wrong.
+    Judge,
+    /// It is judged by others and by itself.
+    Judged,
 }
 
 /// A number that a result holds, at the last time.

@@ -1,7 +1,7 @@
 //! What trials together know of a quantity, and how far off each of them is.
 
 use super::curve::{Curve, Point};
-use crate::ladder::{Growth, Ladder, Quantity, Trial};
+use crate::ladder::{Growth, Ladder, Quantity, Standing, Trial};
 
 /// What the trials know of a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ struct Word<'t> {
 /// Judges the trials of all methods by each other; `None` where none tells an error.
 ///
 /// A run's own word is believed with two exceptions. An error on a lattice falls from one lattice to the next no faster than by the
-/// fourth power: less is an error that happens to cross zero. And what sampling contradicts is wrong by as much as it does.
+/// fourth power: less is an error that happens to cross zero. And what a judge contradicts is wrong by as much as it does.
 #[must_use]
 pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let mut words = words(trials, id);
@@ -45,8 +45,9 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
             no_faster_than(&mut words, method);
         }
     }
-    raise_by_samples(ladder, &mut words);
-    let known = words.iter().filter_map(|word| Some((word, word.error?)));
+    raise_by_judges(ladder, &mut words);
+    let known = words.iter().filter(|word| may_be_best(ladder, word.method));
+    let known = known.filter_map(|word| Some((word, word.error?)));
     let (best, error) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let Quantity { words: name, value, .. } = best.quantity;
     // The scale of the best: one that is far off knows neither.
@@ -67,6 +68,12 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let curves = (0..ladder.methods.len()).map(curve).collect();
     let (id, words) = (id.to_owned(), name.clone());
     Some(Judgement { id, words, value: *value, error, scale, best: best.trial, curves })
+}
+
+/// A method that samples with a bias of its own, as forward Euler does, knows its scatter and not its error.
+fn may_be_best(ladder: &Ladder, method: usize) -> bool {
+    let method = &ladder.methods[method];
+    method.growth != Growth::Samples || method.standing == Standing::Judge
 }
 
 fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
@@ -103,17 +110,24 @@ fn no_faster_than(words: &mut [Word<'_>], method: usize) {
     }
 }
 
-fn raise_by_samples(ladder: &Ladder, words: &mut [Word<'_>]) {
-    let is_sampled = |method: usize| ladder.methods[method].growth == Growth::Samples;
-    let sampled: Vec<(f64, f64)> = words
-        .iter()
-        .filter(|word| is_sampled(word.method))
-        .filter_map(|word| Some((word.quantity.value, word.error?)))
-        .collect();
-    for word in words.iter_mut().filter(|word| !is_sampled(word.method)) {
+/// Raises errors on a lattice to what the largest ensembles of the judges contradict them by.
+fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
+    let standing = |method: usize| ladder.methods[method].standing;
+    let largest = |method: usize| {
+        // Words are in the order of their sizes.
+        let word = words.iter().rev().find(|word| word.method == method)?;
+        Some((word.quantity.value, word.error?))
+    };
+    let judges = (0..ladder.methods.len()).filter(|&method| standing(method) == Standing::Judge);
+    let judges: Vec<(f64, f64)> = judges.filter_map(largest).collect();
+    for word in words.iter_mut().filter(|word| standing(word.method) == Standing::Judged) {
+        if ladder.methods[word.method].growth == Growth::Samples {
+            // Its own word is of its scatter alone.
+            continue;
+        }
         let Some(error) = &mut word.error else { continue };
-        for (value, sampled_error) in &sampled {
-            *error = error.max((word.quantity.value - value).abs() - sampled_error);
+        for (value, judges_error) in &judges {
+            *error = error.max((word.quantity.value - value).abs() - judges_error);
         }
     }
 }
@@ -125,7 +139,8 @@ mod tests {
     use serde_json::Map;
 
     fn method(growth: Growth) -> Method {
-        Method { name: String::new(), growth, first: 1.0, rung: Box::new(|_| None) }
+        let standing = if growth == Growth::Samples { Standing::Judge } else { Standing::Judged };
+        Method { name: String::new(), growth, standing, first: 1.0, rung: Box::new(|_| None) }
     }
 
     fn ladder() -> Ladder {
@@ -169,6 +184,17 @@ mod tests {
         assert!((error - 0.192).abs() < 1e-9, "{error}");
         let sampled = judged.curves[2].points[0];
         assert_eq!(sampled.excess, 0.0);
+    }
+
+    #[test]
+    fn samples_with_a_bias_contradict_nobody_and_are_contradicted() {
+        let mut ladder = ladder();
+        ladder.methods[2].standing = Standing::Judged;
+        let trials = [trial(0, 20.0, 1.0, Some(0.01)), trial(2, 1000.0, 1.2, Some(0.001))];
+        let judged = judge(&ladder, &trials, "a").unwrap();
+        assert_eq!((judged.best, judged.curves[0].points[0].excess), (0, 0.0));
+        let biased = judged.curves[2].points[0];
+        assert!((biased.own + biased.excess - 0.19).abs() < 1e-12);
     }
 
     #[test]

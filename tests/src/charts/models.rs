@@ -91,7 +91,7 @@ fn head(solver: &str) -> String {
         "# What the scenes of {solver} need\n\nWritten by `cargo xtask chart --ladder`. Each built-in scene is run by its own method, at the \
          largest size within the budget of the run, with and without each ingredient. An ingredient is needed if a quantity at the \
          last time changes by more than {} % beyond the errors of both runs; it is not needed if every change stays below that, \
-         errors included; between the two the runs do not tell. Cost is that without the ingredient over that with it.\n",
+         errors included; between the two the runs do not tell. Where the scene without it does not run to its end, the error stands there. Cost is that without the ingredient over that with it.\n",
         100.0 * TOLERANCE
     )
 }
@@ -119,8 +119,8 @@ fn cells(scene: &str, ingredient: &str, effect: &Effect) -> Vec<String> {
         Effect::NotNeeded(change) => (not_needed(scene, ingredient), change),
         Effect::Untold(change) => ("not told".to_owned(), change),
         Effect::Fails { reason } => {
-            let reason = format!("the run ends: {reason}");
-            let cells = [ingredient, "needed", "", &reason, ""];
+            let reason = reason.lines().next().unwrap_or_default();
+            let cells = [ingredient, "not run to its end", "", reason, ""];
             return cells.map(markdown::text).to_vec();
         }
     };

@@ -7,6 +7,9 @@ use crate::models::edit::{ingredient, with, without};
 
 type Scene = Map<String, Value>;
 
+/// Intervals along a length, at the least, of a lattice that has lost states: 21 particles across resolve a density in two and three.
+const INTERVALS: f64 = 20.0;
+
 /// Dampers, hysteresis, cubic springs, filters of the noise, its window, fresh lattices.
 pub(super) fn ingredients(scene: &Scene) -> Vec<Ingredient> {
     let all = [
@@ -93,6 +96,14 @@ fn without_last_states(scene: &Scene, lost: usize) -> Option<Scene> {
         for key in ["count", "half_width"] {
             if let Some(list) = method.get_mut(key) {
                 shorten(list);
+            }
+        }
+        // A lattice that is fine enough for many states has too few neighbours in fewer.
+        let reach = method.get("reach").and_then(Value::as_f64);
+        if let (Some(reach), Some(spacing)) = (reach, method.get_mut("spacing")) {
+            let finest = 2.0 * reach / INTERVALS;
+            if spacing.as_f64().is_some_and(|spacing| spacing > finest) {
+                *spacing = json!(finest);
             }
         }
     }

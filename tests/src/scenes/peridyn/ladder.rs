@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, keys, whole};
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, whole};
 use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
 use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
 use crate::scene::SceneFile;
@@ -83,6 +83,8 @@ fn method(
     Method {
         name: format!("{name}, {lanes}"),
         growth: Growth::Samples,
+        // All schemes leave out the same: the step.
+        standing: Standing::Judge,
         first: FIRST,
         rung: Box::new(rung),
     }

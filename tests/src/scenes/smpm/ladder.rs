@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, keys, two_digits, whole};
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};
 use crate::scene::SceneFile;
 use crate::scenes::RunError;
 use crate::smpm::scene::{MethodScene, SmpmScene};
@@ -61,9 +61,9 @@ fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
 }
 
 fn sized(name: &str, method: MethodScene) -> Method {
-    let (growth, first) = match method {
-        MethodScene::MonteCarlo { .. } => (Growth::Samples, FIRST_SAMPLES),
-        _ => (Growth::Fixed, 1.0),
+    let (growth, standing, first) = match method {
+        MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_SAMPLES),
+        _ => (Growth::Fixed, Standing::Judged, 1.0),
     };
     let rung = move |size: f64| {
         if let MethodScene::MonteCarlo { seed, control, .. } = method {
@@ -74,7 +74,7 @@ fn sized(name: &str, method: MethodScene) -> Method {
         }
         (size <= 1.0).then(|| Rung::replacing((1.0, String::new()), "method", &method).ok())?
     };
-    Method { name: name.to_owned(), growth, first, rung: Box::new(rung) }
+    Method { name: name.to_owned(), growth, standing, first, rung: Box::new(rung) }
 }
 
 /// Mean and standard deviation of every response at the last time.

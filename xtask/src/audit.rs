@@ -69,7 +69,7 @@ const CHECKS: [Check; 10] = [
     },
     Check {
         name: "any-input",
-        purpose: "a million inputs of each kind make no solver panic, hang or eat memory",
+        purpose: "a million inputs of each kind make no solver or reader panic, hang or eat memory",
         tool: None,
         plan: plans::any_input,
     },

@@ -14,7 +14,7 @@ const BEFORE: usize = 16;
 const BEHIND: usize = 8;
 
 /// So many times fewer inputs are tried where what is before the shards takes so many times longer.
-const SLOWER: u32 = 10;
+const SLOWER: u32 = 100;
 
 /// Two shards of a scene, and where they are joined.
 struct Ensemble {

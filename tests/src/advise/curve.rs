@@ -64,7 +64,9 @@ const FARTHEST_SAMPLES: f64 = 1e6;
 const TIMED: f64 = 0.02;
 
 impl Point {
-    fn error(&self) -> f64 {
+    /// Over the scale of the quantity.
+    #[must_use]
+    pub fn error(&self) -> f64 {
         self.own + self.excess
     }
 }
@@ -169,7 +171,7 @@ mod tests {
         let between = seen.needed(0.08).unwrap();
         assert!((between.size - 200f64.sqrt()).abs() < 1e-9);
         assert!((between.cost - 6f64.sqrt()).abs() < 1e-9);
-        assert!(seen.needed(0.5).is_ok_and(|needed| needed.size == 10.0));
+        assert!(seen.needed(0.5).is_ok_and(|needed| (needed.size - 10.0).abs() < 1e-12));
         assert!(matches!(seen.needed(1e-4), Err(Unreached::TooFar { .. })));
     }
 

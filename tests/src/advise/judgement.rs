@@ -22,6 +22,16 @@ pub struct Judgement {
     pub curves: Vec<Curve>,
 }
 
+impl Judgement {
+    /// The error of a trial over the scale; none where it has no word on the quantity.
+    #[must_use]
+    pub fn error_of(&self, trial: &Trial) -> Option<f64> {
+        let points = &self.curves.get(trial.method)?.points;
+        let is_its = |point: &&Point| point.size.total_cmp(&trial.rung.size).is_eq();
+        points.iter().find(is_its).map(Point::error)
+    }
+}
+
 /// A trial's word on a quantity.
 struct Word<'t> {
     trial: usize,
@@ -183,7 +193,7 @@ mod tests {
         let error = (wrong.own + wrong.excess) * judged.scale;
         assert!((error - 0.192).abs() < 1e-9, "{error}");
         let sampled = judged.curves[2].points[0];
-        assert_eq!(sampled.excess, 0.0);
+        assert!(sampled.excess.abs() < 1e-15);
     }
 
     #[test]
@@ -192,7 +202,7 @@ mod tests {
         ladder.methods[2].standing = Standing::Judged;
         let trials = [trial(0, 20.0, 1.0, Some(0.01)), trial(2, 1000.0, 1.2, Some(0.001))];
         let judged = judge(&ladder, &trials, "a").unwrap();
-        assert_eq!((judged.best, judged.curves[0].points[0].excess), (0, 0.0));
+        assert!(judged.best == 0 && judged.curves[0].points[0].excess.abs() < 1e-15);
         let biased = judged.curves[2].points[0];
         assert!((biased.own + biased.excess - 0.19).abs() < 1e-12);
     }

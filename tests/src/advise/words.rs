@@ -64,21 +64,16 @@ fn notes(advice: &Advice) -> String {
         .map(|q| advice.judgements[q].words.as_str())
         .collect();
     if !unknown.is_empty() {
-        notes.push_str(&format!(
-            "Not judged, since no trial knows more than its order of magnitude: {}.\n",
-            unknown.join(", ")
-        ));
+        notes.push_str("Not judged, since no trial knows more than its order of magnitude: ");
+        notes.push_str(&unknown.join(", "));
+        notes.push_str(".\n");
     }
     notes
 }
 
 /// The errors of a trial over known quantities, with their places.
 fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
-    let of = |q: usize| {
-        let points = &advice.judgements[q].curves[trial.method].points;
-        let point = points.iter().find(|point| point.size == trial.rung.size)?;
-        Some((point.own + point.excess, q))
-    };
+    let of = |q: usize| Some((advice.judgements[q].error_of(trial)?, q));
     (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(of).collect()
 }
 

@@ -127,11 +127,7 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial) -> Option<Run> {
         // A run that failed has no cost to stand at.
         Outcome::Failed { .. } => return None,
     };
-    let error = |&q: &usize| {
-        let points = &advice.judgements[q].curves[trial.method].points;
-        let point = points.iter().find(|point| point.size == trial.rung.size)?;
-        Some(point.own + point.excess)
-    };
+    let error = |&q: &usize| advice.judgements[q].error_of(trial);
     let errors: Option<Vec<f64>> = of_group.iter().map(error).collect();
     let largest = errors.map(|errors| errors.into_iter().fold(0.0, f64::max));
     let outcome = match largest.filter(|largest| largest.is_finite()) {

@@ -271,9 +271,9 @@ mod tests {
 
     #[test]
     fn sizes_are_written_as_one_would() {
-        assert_eq!(two_digits(0.714), 0.71);
-        assert_eq!(two_digits(1.25e-3), 0.0013);
-        assert_eq!(two_digits(30_400.0), 30_000.0);
+        for (exact, written) in [(0.714, "0.71"), (1.26e-3, "0.0013"), (30_400.0, "30000")] {
+            assert_eq!(two_digits(exact).to_string(), written);
+        }
         let lattice = LatticeScene { count: Some(vec![41, 21]), ..default_lattice(2) };
         let (lattice, size, label) = with_intervals(&lattice, 14.0);
         assert_eq!((lattice.count.unwrap(), label.as_str()), (vec![21, 11], "21 x 11"));

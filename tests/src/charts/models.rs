@@ -56,11 +56,11 @@ const KEPT: [(&str, &str, &str); 6] = [
     (
         "smpm/contact_explosion_thick",
         "the limit of tension of water",
-        "a later end needs it: water that is pulled by the plate parts",
+        "it costs nothing, and water that is pulled apart at a later end needs it",
     ),
 ];
 const EXACT: &str = "the exact answer does not depend on it, which `verify smpm/plate-impact` claims of the methods";
-const SOURCE: &str = "the source varies these three together, and its tables are compared with";
+const SOURCE: &str = "the first example of the source varies these together";
 
 /// A page as data.
 #[derive(Serialize)]

@@ -2,6 +2,9 @@
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
 
+/// The widest line that is drawn (bytes): nobody reads a wider one, and what draws it cannot count to 65,536.
+const WIDEST_DRAWN: usize = 10_000;
+
 /// A name and the text that stands under it.
 #[derive(Debug, Clone)]
 pub(super) struct Origin {
@@ -22,7 +25,8 @@ pub struct Mistake {
     pub column: usize,
     /// What was probably meant.
     pub help: Option<String>,
-    pub(super) span: SourceSpan,
+    /// What is drawn; nothing on a line that is too wide.
+    pub(super) span: Option<SourceSpan>,
     pub(super) label: String,
     pub(super) source: NamedSource<String>,
 }
@@ -81,13 +85,14 @@ impl SceneError {
         help: Option<String>,
     ) -> Self {
         let (line, column) = line_and_column(&origin.text, range.start);
+        let span = (range.start, range.end.saturating_sub(range.start)).into();
         Self::Mistake(Box::new(Mistake {
             message,
             path: path.to_owned(),
             line,
             column,
             help,
-            span: (range.start, range.end.saturating_sub(range.start)).into(),
+            span: (width(&origin.text, &range) <= WIDEST_DRAWN).then_some(span),
             label: label.into(),
             source: NamedSource::new(&origin.name, origin.text.clone()),
         }))
@@ -103,13 +108,23 @@ impl Diagnostic for SceneError {
         Some(Box::new(help))
     }
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.mistake().map(|mistake| &mistake.source as &dyn SourceCode)
+        let mistake = self.mistake().filter(|mistake| mistake.span.is_some())?;
+        Some(&mistake.source)
     }
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let mistake = self.mistake()?;
-        let label = LabeledSpan::new_with_span(Some(mistake.label.clone()), mistake.span);
+        let label = LabeledSpan::new_with_span(Some(mistake.label.clone()), mistake.span?);
         Some(Box::new(std::iter::once(label)))
     }
+}
+
+/// The length in bytes of the widest line that a range has a part in.
+fn width(text: &str, range: &std::ops::Range<usize>) -> usize {
+    let [start, end] = [range.start, range.end].map(|at| at.min(text.len()));
+    let before = text.as_bytes()[..start].iter().rev().take_while(|&&byte| byte != b'\n').count();
+    let behind = text.as_bytes()[end..].iter().take_while(|&&byte| byte != b'\n').count();
+    let lines = &text.as_bytes()[start - before..end.max(start) + behind];
+    lines.split(|&byte| byte == b'\n').map(<[u8]>::len).max().unwrap_or(0)
 }
 
 /// Line and column, from 1, of a byte; columns count characters.

@@ -248,3 +248,16 @@ fn the_kind_of_a_scene_must_be_a_text() {
     );
     assert!(kind("[]").is_err());
 }
+
+#[test]
+fn a_mistake_on_a_line_too_wide_to_draw_is_told_without_its_source() {
+    for (spaces, is_drawn) in [(100, true), (70_000, false)] {
+        let text = format!("{}{{ \"rate\": }}", " ".repeat(spaces));
+        let error = SceneFile::from_text("scene.json", text).unwrap_err();
+        let mistake = error.mistake().unwrap();
+        assert_eq!((mistake.line, mistake.column), (1, spaces + 11));
+        let report = miette::Report::new(error);
+        assert_eq!(report.source_code().is_some(), is_drawn);
+        assert!(format!("{report:?}").contains("line 1 column"));
+    }
+}

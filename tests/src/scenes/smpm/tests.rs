@@ -83,21 +83,21 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
     let checkpoints = |out: &Path| {
         ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| std::fs::read(out.join(name)).ok())
     };
-    let (folder, written) = run_text("fewer", &of(9));
+    let (folder, written) = run_text("fewer", &of(20));
     written.unwrap();
     let out = folder.join("out");
-    let (of_nine, kept) = (gauges(&out), checkpoints(&out));
+    let (of_all, kept) = (gauges(&out), checkpoints(&out));
     let resume = |samples: u64| {
         std::fs::write(folder.join("scene.json"), of(samples)).unwrap();
         let options = Options { start: Start::GoOn, ..Options::new(&out) };
         run(ALL, &folder.join("scene.json"), &options, &Progress::silent()).unwrap();
         gauges(&out)
     };
-    let (anew, written) = run_text("few", &of(4));
+    let (anew, written) = run_text("few", &of(8));
     written.unwrap();
-    assert_eq!(resume(4), gauges(&anew.join("out")));
+    assert_eq!(resume(8), gauges(&anew.join("out")));
     assert_eq!(checkpoints(&out), kept);
-    assert_eq!(resume(9), of_nine);
+    assert_eq!(resume(20), of_all);
     for folder in [folder, anew] {
         std::fs::remove_dir_all(&folder).unwrap();
     }

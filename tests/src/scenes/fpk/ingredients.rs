@@ -77,6 +77,7 @@ fn without_last_states(scene: &Scene, lost: usize) -> Option<Scene> {
         return Some(scene.clone());
     }
     let mut scene = scene.clone();
+    scene.remove("planes");
     let moments = scene.get_mut("moments")?.as_array_mut()?;
     let of_kept = |powers: &Value| {
         let powers = powers.as_array()?;

@@ -215,7 +215,7 @@ impl SmpmScene {
     /// Where the particles of a body start.
     ///
     /// # Errors
-    /// An [`Objection`] to a point of another dimension, and to a lattice of more than [`MOST_PLACES`].
+    /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 places.
     pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
         let (scene, path) = (&self.bodies[body], format!("bodies[{body}]"));
         let whole = Region::<D>::of(&scene.shape, &format!("{path}.shape"))?;

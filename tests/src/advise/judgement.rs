@@ -46,7 +46,8 @@ struct Word<'t> {
 /// Judges the trials of all methods by each other; `None` where none tells an error.
 ///
 /// A run's own word is believed with two exceptions. An error on a lattice falls from one lattice to the next no faster than by the
-/// fourth power: less is an error that happens to cross zero. And what a judge contradicts is wrong by as much as it does.
+/// fourth power: less is an error that happens to cross zero. And what a judge contradicts by more than twice its error, four
+/// standard errors, is wrong by as much as it does: each judge is asked for every quantity, and two are exceeded once in twenty.
 #[must_use]
 pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let mut words = words(trials, id);
@@ -137,7 +138,7 @@ fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
         }
         let Some(error) = &mut word.error else { continue };
         for (value, judges_error) in &judges {
-            *error = error.max((word.quantity.value - value).abs() - judges_error);
+            *error = error.max((word.quantity.value - value).abs() - 2.0 * judges_error);
         }
     }
 }

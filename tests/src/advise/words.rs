@@ -55,7 +55,7 @@ fn tried(advice: &Advice) -> String {
 fn notes(advice: &Advice) -> String {
     let mut notes = String::from(
         "Errors are relative, those of covariances to the deviations: the run's own estimate, two standard errors of what is sampled, \
-         or what other trials contradict it by.\n",
+         or what other trials contradict it by, those that sample beyond four.\n",
     );
     notes.push_str(advice.ladder.left_out);
     notes.push('\n');

@@ -51,8 +51,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     dimension::<2>(context, 0.08, &mut claims)?;
     dimension::<3>(context, 0.2, &mut claims)?;
     dimension::<4>(context, 0.3, &mut claims)?;
-    dimension::<5>(context, 0.4, &mut claims)?;
-    dimension::<6>(context, 0.5, &mut claims)?;
+    if context.profile > Profile::Quick {
+        dimension::<5>(context, 0.4, &mut claims)?;
+        dimension::<6>(context, 0.5, &mut claims)?;
+    }
     Ok(claims)
 }
 

@@ -94,12 +94,8 @@ fn page(context: &Context<'_>, folder: &str, solver: &str) -> Result<Vec<Drawing
         text.push_str(&section(&scene.name, &study));
         rows.extend(study.effects.iter().map(|effect| row(&scene.name, &study.base, effect)));
     }
-    let _ = writeln!(
-        text,
-        "\n{}, commit {}.",
-        Machine::read().hardware(),
-        commit_words(commit().as_deref())
-    );
+    let _ =
+        writeln!(text, "\n{}, {}.", Machine::read().hardware(), commit_words(commit().as_deref()));
     Ok(vec![Drawing::page(&format!("{folder}-models"), text, &rows)?])
 }
 

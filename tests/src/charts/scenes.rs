@@ -24,6 +24,9 @@ const fn budget(profile: Profile) -> f64 {
     }
 }
 
+/// A trial that costs less than this (CPU s) is run three times, so that the scatter of its cost is known.
+const REPEATED: f64 = 0.5;
+
 /// Quantities that stand on one chart, by the beginning or the end of their ids; and their name.
 const GROUPS: [(&str, &str); 4] = [
     ("moment/", "moments"),
@@ -36,15 +39,34 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = Vec::new();
     for scene in BuiltIn::all()? {
         context.progress(&scene.name);
-        let trials = scene.trials(budget(context.profile), |method, rung| {
+        let mut trials = scene.trials(budget(context.profile), |method, rung| {
             context.progress(&format!("  {}", method.at(&rung.label)));
         })?;
-        drawings.extend(drawings_of(&scene, trials)?);
+        let scatters: Vec<Option<f64>> =
+            trials.iter_mut().map(|trial| repeat(&scene, trial)).collect::<Result<_, _>>()?;
+        drawings.extend(drawings_of(&scene, trials, &scatters)?);
     }
     Ok(drawings)
 }
 
-fn drawings_of(scene: &BuiltIn, trials: Vec<Trial>) -> Result<Vec<Drawing>, CaseError> {
+/// Runs a cheap trial twice more: its cost becomes the median of three. Half their range is the scatter, `None` where it ran once.
+fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Result<Option<f64>, CaseError> {
+    if trial.answer().is_none_or(|answer| answer.cpu_seconds > REPEATED) {
+        return Ok(None);
+    }
+    let costs = scene.costs(trial, 2)?;
+    if let Outcome::Answered(answer) = &mut trial.outcome {
+        answer.cpu_seconds = costs[costs.len() / 2];
+    }
+    Ok(Some(0.5 * (costs[costs.len() - 1] - costs[0])))
+}
+
+/// `scatters` are those of the costs of the trials.
+fn drawings_of(
+    scene: &BuiltIn,
+    trials: Vec<Trial>,
+    scatters: &[Option<f64>],
+) -> Result<Vec<Drawing>, CaseError> {
     let title = scene.ladder.scene["title"].as_str().unwrap_or_default().to_owned();
     let (folder, name) = scene.name.split_once('/').unwrap_or(("", &scene.name));
     let stem = format!("{folder}-scene-{}", name.replace('_', "-"));
@@ -59,7 +81,7 @@ fn drawings_of(scene: &BuiltIn, trials: Vec<Trial>) -> Result<Vec<Drawing>, Case
         let of_group: Vec<usize> = (0..advice.judgements.len())
             .filter(|&q| belongs(&advice.judgements[q].id) && advice.is_known(q))
             .collect();
-        let series = series(&advice, &of_group);
+        let series = series(&advice, scatters, &of_group);
         if series.is_empty() {
             continue;
         }
@@ -95,7 +117,7 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
             format!(
                 "At the last time: {shown}. Errors as `advise` judges them: the run's own, two standard errors of samples,"
             ),
-            "or what other runs contradict it by.".into(),
+            "or what other runs contradict it by. Bars along the cost: half the range of three runs, below half a second.".into(),
             advice.ladder.left_out.to_owned(),
             Machine::read().caption(),
         ],
@@ -103,10 +125,11 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
 }
 
 /// One series for each method: the largest error over a group of quantities. What samples do not see has no point.
-fn series(advice: &Advice, of_group: &[usize]) -> Vec<Method> {
+fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<Method> {
     let method = |m: usize| {
-        let runs = advice.trials.iter().filter(|trial| trial.method == m);
-        let runs: Vec<Run> = runs.filter_map(|trial| run(advice, of_group, trial)).collect();
+        let trials = advice.trials.iter().zip(scatters).filter(|(trial, _)| trial.method == m);
+        let run = |(trial, scatter): (&Trial, &Option<f64>)| run(advice, of_group, trial, *scatter);
+        let runs: Vec<Run> = trials.filter_map(run).collect();
         let ladder = &advice.ladder.methods[m];
         let unit = match ladder.growth {
             Growth::Lattice { .. } => " (lattice)",
@@ -121,7 +144,7 @@ fn series(advice: &Advice, of_group: &[usize]) -> Vec<Method> {
     (0..advice.ladder.methods.len()).filter_map(method).collect()
 }
 
-fn run(advice: &Advice, of_group: &[usize], trial: &Trial) -> Option<Run> {
+fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
     let answer = match &trial.outcome {
         Outcome::Answered(answer) => answer,
         // A run that failed has no cost to stand at.
@@ -138,7 +161,12 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial) -> Option<Run> {
         Growth::Fixed => None,
         Growth::Lattice { .. } | Growth::Samples => Some(short_label(&trial.rung.label)),
     };
-    Some(Run { cost: answer.cpu_seconds, cost_error: None, outcome, label })
+    Some(Run {
+        cost: answer.cpu_seconds,
+        cost_error: scatter.filter(|&scatter| scatter > 0.0),
+        outcome,
+        label,
+    })
 }
 
 /// Without the noun, which stands in the legend.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Ladder, LadderError, Method, Rung, Trial, climb};
+use super::{Ladder, LadderError, Method, Rung, Trial, climb, repeated_costs};
 use crate::output;
 use crate::scene::SceneFile;
 use crate::scenes::{self, RunError, SceneKind, kind_of};
@@ -90,6 +90,14 @@ impl BuiltIn {
             trials.extend(climb(self.kind, &self.file, &self.ladder, method, budget, &mut tell)?);
         }
         Ok(trials)
+    }
+
+    /// The CPU times (s) of a trial and of so many runs like it; see [`repeated_costs`].
+    ///
+    /// # Errors
+    /// [`LadderError`].
+    pub fn costs(&self, trial: &Trial, again: usize) -> Result<Vec<f64>, LadderError> {
+        repeated_costs(self.kind, &self.file, &self.ladder, trial, again)
     }
 }
 

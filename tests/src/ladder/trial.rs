@@ -127,6 +127,29 @@ pub fn try_rung(
     Ok(Trial { method, rung, outcome })
 }
 
+/// The CPU times (s) of a trial and of so many runs like it, in rising order; empty where the trial has no answer.
+///
+/// # Errors
+/// [`LadderError`].
+pub fn repeated_costs(
+    kind: &SceneKind,
+    file: &SceneFile,
+    ladder: &Ladder,
+    trial: &Trial,
+    again: usize,
+) -> Result<Vec<f64>, LadderError> {
+    let Some(answer) = trial.answer() else { return Ok(Vec::new()) };
+    let mut costs = vec![answer.cpu_seconds];
+    for _ in 0..again {
+        let outcome = try_scene(kind, file, &ladder.scene_of(&trial.rung))?;
+        if let Outcome::Answered(answer) = outcome {
+            costs.push(answer.cpu_seconds);
+        }
+    }
+    costs.sort_by(f64::total_cmp);
+    Ok(costs)
+}
+
 /// Runs a scene that is made of `file`, whose folder its paths start from.
 ///
 /// # Errors

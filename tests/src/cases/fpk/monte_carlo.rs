@@ -21,27 +21,31 @@ const TIMES: [f64; 3] = [2.0, 4.0, 6.0];
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
+    let is_quick = context.profile == Profile::Quick;
+    let (strang_paths, euler_paths) = if is_quick { (25_000, 10_000) } else { (100_000, 20_000) };
     for (problem, scene) in [
         (Problem::viscous_damper()?, "viscous-damper"),
         (Problem::linear_oscillator()?, "linear-oscillator"),
     ] {
         context.progress(scene);
         let strang = Sampling {
-            paths: 100_000,
+            paths: strang_paths,
             step: 0.02,
             integrator: IntegratorScene::StrangOscillator,
             seed: 1,
         };
         claims.extend(strang_claims(context, &problem, scene, &strang)?);
         let euler = Sampling {
-            paths: 20_000,
+            paths: euler_paths,
             step: 0.0025,
             integrator: IntegratorScene::EulerMaruyama,
             seed: 2,
         };
         claims.push(euler_claim(context, &problem, scene, &euler)?);
     }
-    show_cost(context)?;
+    if !is_quick {
+        show_cost(context)?;
+    }
     Ok(claims)
 }
 

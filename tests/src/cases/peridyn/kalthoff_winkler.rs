@@ -13,7 +13,7 @@ pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/kalthoff-winkler",
     title: "A plate with two notches, struck between them: angle and speed of the cracks",
     source: "experiment of Kalthoff and Winkler 1988, about 70 degrees, and Silling 2001, about 68, both from memory; set-up of prototype_dynamic.json, whose own angles are compared with and are no truth",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     run,
 };
 
@@ -83,18 +83,15 @@ fn seen(plate: &Plate, cracked: &Cracked) -> Result<Seen, CaseError> {
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let millimetres: &[f64] =
-        if context.profile == Profile::Quick { &[1.0, 0.5] } else { &[1.0, 0.5, 0.25] };
+    const MILLIMETRES: [f64; 3] = [1.0, 0.5, 0.25];
     let (mut claims, mut angles) = (Vec::new(), Vec::new());
-    for &dx in millimetres {
+    for dx in MILLIMETRES {
         context.progress(&format!("{dx} mm"));
         let (plate, cracked) = struck(1e-3 * dx)?;
         let seen = seen(&plate, &cracked)?;
         claims.extend(of_run(context, dx, &seen));
         angles.push(seen.angle);
-        if let Some(&last) = millimetres.last()
-            && dx <= last
-        {
+        if dx <= MILLIMETRES[2] {
             let title = format!("Damage at 90 us, {dx} mm");
             context.show_chart(&title, field(&picture(&cracked, dx))?);
         }

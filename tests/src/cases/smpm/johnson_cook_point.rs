@@ -15,7 +15,7 @@ pub(crate) const CASE: Case = Case {
     id: "smpm/johnson-cook-point",
     title: "A point of 4340 steel strained at 1e4/s with five random constants",
     source: "tensor Gauss-Hermite quadrature with 9 nodes a parameter, own and of the reference; Chen et al. 2019, eq 34-35",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     run,
 };
 

@@ -230,12 +230,14 @@ pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
     let series = result["quantities"].as_array().map_or(&[][..], Vec::as_slice);
     let last = |series: &Value| -> Option<(String, String, f64, Option<f64>)> {
         let values = series["values"].as_array()?.last()?;
+        let text = |key: &str| series[key].as_str().map(str::to_owned);
+        let (id, value) = (text("id")?, values["value"].as_f64()?);
         let error = values["error"].as_f64().map(|error| match values["error_kind"].as_str() {
+            Some("standard_error") if id.starts_with("exceedance") => of_counts(value, error),
             Some("standard_error") => 2.0 * error,
             _ => error,
         });
-        let text = |key: &str| series[key].as_str().map(str::to_owned);
-        Some((text("id")?, text("quantity")?, values["value"].as_f64()?, error))
+        Some((id, text("quantity")?, value, error))
     };
     let all: Vec<_> = series.iter().filter_map(last).collect();
     let best =
@@ -261,6 +263,16 @@ pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
         Some(Quantity { id, words: words.clone(), value, error, scale })
     };
     all.iter().filter_map(quantity).collect()
+}
+
+/// How far above a counted frequency its probability may be at two standard errors [wilson1927]: where few events were counted the
+/// deviation of the frequency is as uncertain as they are.
+fn of_counts(frequency: f64, standard_error: f64) -> f64 {
+    const Z: f64 = 2.0;
+    // n in s.e.^2 = p (1 - p) / n.
+    let z2_over_n = (Z * standard_error).powi(2) / (frequency * (1.0 - frequency));
+    let half = (Z * Z * standard_error.powi(2) + 0.25 * z2_over_n * z2_over_n).sqrt();
+    (frequency + 0.5 * z2_over_n + half) / (1.0 + z2_over_n) - frequency
 }
 
 #[cfg(test)]
@@ -316,6 +328,16 @@ mod tests {
         }
         let sampled = json!({ "quantities": [series("exceedance/1", 0.2, "standard_error")] });
         let found = quantities(&sampled);
-        assert_eq!((found[0].id.as_str(), found[0].error), ("exceedance/1", Some(0.02)));
+        assert_eq!(found[0].id, "exceedance/1");
+        // 1,600 samples.
+        assert!((found[0].error.unwrap() - 0.0207).abs() < 1e-4, "{:?}", found[0].error);
+    }
+
+    #[test]
+    fn one_event_is_not_known_to_within_two_of_its_deviations() {
+        // (1 + 2 + 2 sqrt(1 + 1)) / n - 1 / n.
+        let n = 1e6;
+        let above = of_counts(1.0 / n, 1.0 / n);
+        assert!((above * n - 4.828).abs() < 1e-3, "{above}");
     }
 }

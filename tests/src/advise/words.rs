@@ -90,8 +90,10 @@ fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
     Some((largest.0, advice.judgements[largest.1].words.clone()))
 }
 
+/// Nobody compares errors that are many times the value.
 fn percent(error: f64) -> String {
-    format!("{} %", short(Some(100.0 * error)))
+    const MOST: f64 = 10.0;
+    if error > MOST { "> 1000 %".to_owned() } else { format!("{} %", short(Some(100.0 * error))) }
 }
 
 fn cheapest(advice: &Advice) -> String {

@@ -22,6 +22,9 @@ const TOLERANCES: [f64; 2] = [0.1, 0.01];
 const SHARE: f64 = 0.8;
 const FACTOR: f64 = 2.0;
 
+/// The expected cost over the cheapest beyond which advice is too dear as it stands, and is not run.
+const HOPELESS: f64 = 10.0;
+
 /// How many pieces of advice were given, and how many were good.
 #[derive(Debug, Default, Clone, Copy)]
 struct Tally {
@@ -105,6 +108,10 @@ fn judge_one(
         tally.silent += 1;
         return Ok(());
     };
+    if given.needed.cost > HOPELESS * cheapest.needed.cost.max(LEAST_COST) {
+        tally.too_dear += 1;
+        return Ok(());
+    }
     let ladder = &scene.ladder;
     let Some(rung) = (ladder.methods[given.method].rung)(given.needed.size) else { return Ok(()) };
     let ran = try_rung(scene.kind, &scene.file, ladder, given.method, rung)?;

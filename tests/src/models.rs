@@ -22,7 +22,7 @@ pub struct Ingredient {
 pub enum Effect {
     /// Some quantity changes by more than the tolerance, beyond both errors.
     Needed(Change),
-    /// No quantity changes by more than the tolerance, errors included.
+    /// No quantity changes by more than the tolerance, errors included, or none in any digit.
     NotNeeded(Change),
     /// The change is within the errors, and these are beyond the tolerance.
     Untold(Change),
@@ -108,6 +108,10 @@ fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: 
     let Some(seen) = largest(|change| change.relative - change.error) else {
         return Effect::Fails { reason: "no quantity is left to compare".to_owned() };
     };
+    if changes.iter().all(|change| change.relative == 0.0) {
+        // The runs are the same: their errors are, too.
+        return Effect::NotNeeded(Change { error: 0.0, ..seen });
+    }
     if seen.relative - seen.error > tolerance {
         return Effect::Needed(seen);
     }
@@ -214,6 +218,11 @@ mod tests {
         assert!(matches!(effect_of(&with, &without, 0), Effect::NotNeeded(_)));
         let rough = [("a", 1.001, 0.1), ("b", 2.002, 0.001)];
         assert!(matches!(effect_of(&with, &rough, 0), Effect::Untold(_)));
+        let same = [("a", 1.0, 0.1), ("b", 2.0, 0.1)];
+        assert!(matches!(
+            effect_of(&same, &same, 0),
+            Effect::NotNeeded(Change { error, .. }) if error.abs() < f64::EPSILON
+        ));
     }
 
     #[test]

@@ -24,6 +24,14 @@ pub fn short(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |value| digits(value, 3))
 }
 
+/// A part of one in per cent, three significant digits; errors and changes that are many times the value are not compared, and stand
+/// as `> 1000 %`.
+#[must_use]
+pub fn percent(part: f64) -> String {
+    const MOST: f64 = 10.0;
+    if part > MOST { "> 1000 %".to_owned() } else { format!("{} %", short(Some(100.0 * part))) }
+}
+
 /// A signed error with three significant digits, marked where it is a logarithm or a factor.
 #[must_use]
 pub fn error(value: Option<f64>, kind: ErrorKind) -> String {

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::{Advice, AdviseError, Candidate, Unreached};
 use crate::ladder::{Outcome, Trial};
 use crate::markdown;
-use crate::number::short;
+use crate::number::{percent, short};
 
 /// Prints what was tried, the cheapest methods, and what to write into the scene.
 ///
@@ -88,12 +88,6 @@ fn n_within(advice: &Advice, trial: &Trial) -> String {
 fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
     let largest = errors(advice, trial).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((largest.0, advice.judgements[largest.1].words.clone()))
-}
-
-/// Nobody compares errors that are many times the value.
-fn percent(error: f64) -> String {
-    const MOST: f64 = 10.0;
-    if error > MOST { "> 1000 %".to_owned() } else { format!("{} %", short(Some(100.0 * error))) }
 }
 
 fn cheapest(advice: &Advice) -> String {

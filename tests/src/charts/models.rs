@@ -10,7 +10,7 @@ use crate::ladder::BuiltIn;
 use crate::machine::{Machine, commit, commit_words};
 use crate::markdown;
 use crate::models::{Change, Effect, Study, study};
-use crate::number::short;
+use crate::number::{percent, short};
 
 pub(crate) const FPK: ChartKind = ChartKind {
     name: "fpk",
@@ -43,7 +43,8 @@ const fn budget(profile: Profile) -> f64 {
 }
 
 /// Ingredients that are kept though no asked quantity needs them, and why.
-const KEPT: [(&str, &str, &str); 6] = [
+const KEPT: [(&str, &str, &str); 7] = [
+    ("smpm/contact_explosion", "the limit of tension of water", TENSION),
     ("smpm/plate_impact", "the randomness of steel.equation.gruneisen", EXACT),
     ("smpm/plate_impact", "the randomness of steel.equation.gruneisen_slope", EXACT),
     (
@@ -53,12 +54,9 @@ const KEPT: [(&str, &str, &str); 6] = [
     ),
     ("smpm/contact_explosion_thick", "the randomness of steel.equation.gruneisen", SOURCE),
     ("smpm/contact_explosion_thick", "the randomness of steel.equation.gruneisen_slope", SOURCE),
-    (
-        "smpm/contact_explosion_thick",
-        "the limit of tension of water",
-        "it costs nothing, and water that is pulled apart at a later end needs it",
-    ),
+    ("smpm/contact_explosion_thick", "the limit of tension of water", TENSION),
 ];
+const TENSION: &str = "it costs nothing, and water that is pulled apart at a later end needs it";
 const EXACT: &str = "the exact answer does not depend on it, which `verify smpm/plate-impact` claims of the methods";
 const SOURCE: &str = "the first example of the source varies these together";
 
@@ -104,7 +102,7 @@ fn head(solver: &str) -> String {
         "# What the scenes of {solver} need\n\nWritten by `cargo xtask chart --ladder`. Each built-in scene is run by its own method, at the \
          largest size within the budget of the run, with and without each ingredient. An ingredient is needed if a quantity at the \
          last time changes by more than {} % beyond the errors of both runs; it is not needed if every change stays below that, \
-         errors included; between the two the runs do not tell. Where the scene without it does not run to its end, the error stands there. Cost is that without the ingredient over that with it.\n",
+         errors included, or if the runs agree in every digit; between the two the runs do not tell. Changes without an error are of runs that tell none. Where the scene without it does not run to its end, the error stands there. Cost is that without the ingredient over that with it.\n",
         100.0 * TOLERANCE
     )
 }
@@ -138,7 +136,11 @@ fn cells(scene: &str, ingredient: &str, effect: &Effect) -> Vec<String> {
         }
     };
     let Change { quantity, relative, error, cost_ratio } = change;
-    let size = format!("{} % ± {} %", short(Some(100.0 * relative)), short(Some(100.0 * error)));
+    let size = if *error > 0.0 {
+        format!("{} ± {}", percent(*relative), percent(*error))
+    } else {
+        percent(*relative)
+    };
     let cells = [ingredient, &verdict, &size, quantity, &short(Some(*cost_ratio))];
     cells.map(markdown::text).to_vec()
 }

@@ -2,7 +2,7 @@
 //!
 //! One definition serves these charts and `advise`: the ladder of the scene's kind.
 
-use crate::advise::{Advice, Options, from_trials};
+use crate::advise::{Advice, Judgement, Options, from_trials};
 use crate::case::{CaseError, Context, Profile};
 use crate::chart::{Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::{ChartKind, Drawing};
@@ -27,13 +27,56 @@ const fn budget(profile: Profile) -> f64 {
 /// A trial that costs less than this (CPU s) is run three times, so that the scatter of its cost is known.
 const REPEATED: f64 = 0.5;
 
-/// Quantities that stand on one chart, by the beginning or the end of their ids; and their name.
-const GROUPS: [(&str, &str); 4] = [
-    ("moment/", "moments"),
-    ("exceedance/", "probabilities"),
-    ("/mean", "means"),
-    ("/standard_deviation", "standard deviations"),
+/// Quantities that stand on one chart.
+struct Group {
+    /// The beginning of their ids; the end of them where it begins with a slash.
+    mark: &'static str,
+    /// Their values.
+    values: std::ops::Range<f64>,
+    /// Their name in the title.
+    words: &'static str,
+    /// Their name in that of the file.
+    stem: &'static str,
+}
+
+const ANY: std::ops::Range<f64> = f64::NEG_INFINITY..f64::INFINITY;
+/// Between probabilities that thousands of paths see and those that need a tail.
+const SMALL: f64 = 1e-3;
+
+const GROUPS: [Group; 5] = [
+    Group { mark: "moment/", values: ANY, words: "moments", stem: "moments" },
+    Group {
+        mark: "exceedance/",
+        values: SMALL..f64::INFINITY,
+        words: "probabilities of 0.001 and more",
+        stem: "probabilities",
+    },
+    Group {
+        mark: "exceedance/",
+        values: f64::NEG_INFINITY..SMALL,
+        words: "probabilities below 0.001",
+        stem: "small-probabilities",
+    },
+    Group { mark: "/mean", values: ANY, words: "means", stem: "means" },
+    Group {
+        mark: "/standard_deviation",
+        values: ANY,
+        words: "standard deviations",
+        stem: "standard-deviations",
+    },
 ];
+
+impl Group {
+    fn holds(&self, judgement: &Judgement) -> bool {
+        let id = &judgement.id;
+        let is_marked = if self.mark.starts_with('/') {
+            id.ends_with(self.mark)
+        } else {
+            id.starts_with(self.mark)
+        };
+        is_marked && self.values.contains(&judgement.value)
+    }
+}
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = Vec::new();
@@ -74,19 +117,16 @@ fn drawings_of(
     let options = Options { tolerance: 0.01, budget: Options::BUDGET, quantities: Vec::new() };
     let advice = from_trials(scene.ladder.clone(), trials, &options)?;
     let mut drawings = Vec::new();
-    for (mark, words) in GROUPS {
-        let belongs = |id: &str| {
-            if mark.starts_with('/') { id.ends_with(mark) } else { id.starts_with(mark) }
-        };
+    for group in GROUPS {
         let of_group: Vec<usize> = (0..advice.judgements.len())
-            .filter(|&q| belongs(&advice.judgements[q].id) && advice.is_known(q))
+            .filter(|&q| group.holds(&advice.judgements[q]) && advice.is_known(q))
             .collect();
         let series = series(&advice, scatters, &of_group);
         if series.is_empty() {
             continue;
         }
         let data = WorkPrecision {
-            words: words_of(&advice, &of_group, words, &title),
+            words: words_of(&advice, &of_group, group.words, &title),
             reading: Reading::Cost {
                 unit: "s".into(),
                 errors: Measure::Relative,
@@ -94,8 +134,7 @@ fn drawings_of(
             },
             series,
         };
-        drawings
-            .push(Drawing::work_precision(&format!("{stem}-{}", words.replace(' ', "-")), &data)?);
+        drawings.push(Drawing::work_precision(&format!("{stem}-{}", group.stem), &data)?);
     }
     Ok(drawings)
 }
@@ -114,10 +153,9 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
         x_label: "CPU time of one run, all threads (s)".into(),
         y_label: format!("largest relative error of the {group}"),
         caption: vec![
-            format!(
-                "At the last time: {shown}. Errors as `advise` judges them: the run's own, two standard errors of samples,"
-            ),
-            "or what other runs contradict it by. Bars along the cost: half the range of three runs, below half a second.".into(),
+            format!("At the last time: {shown}."),
+            "Errors as `advise` judges them: the run's own, two standard errors of samples, or what other runs contradict it by.".into(),
+            "Bars along the cost: half the range of three runs, below half a second.".into(),
             advice.ladder.left_out.to_owned(),
             Machine::read().caption(),
         ],

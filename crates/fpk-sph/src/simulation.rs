@@ -386,7 +386,7 @@ impl<const D: usize> State<D> {
         }
         for (i, value) in coordinates(places) {
             // No place is as far out as where indices end.
-            let is_right = value.trunc() == value && value.abs() < f64::from(i32::MAX);
+            let is_right = value.fract() == 0.0 && value.abs() < f64::from(i32::MAX);
             fits("place", i, value, is_right, "a whole number of 31 bits")?;
         }
         let dt = self.previous.as_ref().map_or(1.0, |previous| previous.dt);

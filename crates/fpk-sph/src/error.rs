@@ -348,6 +348,18 @@ pub enum Error {
         /// Particles of the simulation.
         expected: usize,
     },
+    /// A number of a snapshot is none that a simulation has.
+    #[error("{quantity} of particle {particle} in the snapshot is {value}; it must be {must}")]
+    SnapshotNumber {
+        /// What it is.
+        quantity: &'static str,
+        /// The particle; 0 for what all have in common.
+        particle: usize,
+        /// Its value.
+        value: f64,
+        /// What it must be, in words.
+        must: &'static str,
+    },
     /// A snapshot does not say how far its simulation had come.
     #[error(
         "the snapshot holds no `time`, `n_steps` and `n_remaps`; it is not of a density simulation"

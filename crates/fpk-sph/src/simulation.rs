@@ -260,7 +260,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// With leap-frog the snapshot holds the positions of one step ago; a snapshot without them starts it anew.
     ///
     /// # Errors
-    /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::Store`]; the state is then as it was.
+    /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::SnapshotNumber`], [`Error::Store`]; the state is
+    /// then as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
         let store = ParticleStore::<D>::restore(reader)?;
         let count = |name: &str| match store.attribute(name) {
@@ -273,6 +274,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let (n_steps, n_remaps) = (count("n_steps")?, count("n_remaps")?);
         // The same start; as many particles as at the start where no fresh lattice was laid.
         let found = if n_remaps == 0 { store.len() as u64 } else { count("n_start")? };
+        if store.is_empty() {
+            return Err(Error::ForeignSnapshot { found: 0, expected: self.n_start });
+        }
         if found != self.n_start as u64 {
             let found = usize::try_from(found).unwrap_or(usize::MAX);
             return Err(Error::ForeignSnapshot { found, expected: self.n_start });
@@ -300,6 +304,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             previous,
         };
         let places = store.get(store.handle::<[f64; D]>("place")?)?;
+        state.check_restored(places)?;
         if places != self.field.lattice.places {
             let indices = places.iter().map(index_of_place).collect();
             self.field.lay(ParticleLattice::new(indices, self.field.lattice.spacing))?;
@@ -356,7 +361,38 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     }
 }
 
+/// All coordinates, each with the number of its point.
+fn coordinates<const D: usize>(points: &[[f64; D]]) -> impl Iterator<Item = (usize, f64)> {
+    points.iter().enumerate().flat_map(|(i, point)| point.iter().map(move |&value| (i, value)))
+}
+
 impl<const D: usize> State<D> {
+    /// Whether numbers out of a snapshot are such as a simulation has.
+    fn check_restored(&self, places: &[[f64; D]]) -> Result<(), Error> {
+        let fits = |quantity, particle, value: f64, is_right: bool, must| {
+            let error = Error::SnapshotNumber { quantity, particle, value, must };
+            if is_right { Ok(()) } else { Err(error) }
+        };
+        fits("time", 0, self.time, self.time.is_finite(), "finite")?;
+        for (i, &mass) in self.masses.iter().enumerate() {
+            fits("mass", i, mass, mass.is_finite(), "finite")?;
+        }
+        let before = self.previous.as_ref().map_or(&[][..], |previous| &previous.positions);
+        for (quantity, points) in [("position", &self.positions[..]), ("previous_position", before)]
+        {
+            for (i, value) in coordinates(points) {
+                fits(quantity, i, value, value.is_finite(), "finite")?;
+            }
+        }
+        for (i, value) in coordinates(places) {
+            // No place is as far out as where indices end.
+            let is_right = value.fract() == 0.0 && value.abs() < f64::from(i32::MAX);
+            fits("place", i, value, is_right, "a whole number of 31 bits")?;
+        }
+        let dt = self.previous.as_ref().map_or(1.0, |previous| previous.dt);
+        fits("previous_dt", 0, dt, dt > 0.0 && dt.is_finite(), "above 0 and finite")
+    }
+
     /// Keeps the present positions for the step after one of length `dt`.
     pub(crate) fn remember(&mut self, dt: f64) {
         match &mut self.previous {

@@ -40,7 +40,7 @@ fn number() -> impl Strategy<Value = f64> {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Body {
+pub(crate) struct Body {
     spacing: f64,
     edge: f64,
     thickness: f64,
@@ -93,57 +93,107 @@ fn scheme() -> impl Strategy<Value = Scheme> {
     ]
 }
 
-/// Mobility or density, temperature, friction.
-fn dynamics() -> impl Strategy<Value = (Option<Scheme>, [f64; 3])> {
-    (prop::option::of(scheme()), prop::array::uniform3(number()))
+/// A plate and how it is run.
+#[derive(Debug)]
+pub(crate) struct Plate {
+    body: Body,
+    /// Inertial without one.
+    scheme: Option<Scheme>,
+    /// Mobility or density.
+    value: f64,
+    temperature: f64,
+    friction: f64,
+    dt: f64,
+    strength: f64,
+    confinement: f64,
+    rate: f64,
+    breaking: Breaking,
+    seed: u64,
+    repulsion: Option<Repulsion>,
+}
+
+pub(crate) fn plate() -> impl Strategy<Value = Plate> {
+    let repulsion = prop::array::uniform4(number()).prop_map(
+        |[stiffness, horizon, rest_factor, spacing_factor]| Repulsion {
+            stiffness,
+            horizon,
+            rest_factor,
+            spacing_factor,
+        },
+    );
+    let breaking = prop::sample::select(vec![Breaking::AtEnds, Breaking::Bridge]);
+    let parts = (
+        body(),
+        prop::option::of(scheme()),
+        prop::array::uniform7(number()),
+        (breaking, any::<u64>()),
+        prop::option::of(repulsion),
+    );
+    parts.prop_map(|(body, scheme, numbers, (breaking, seed), repulsion)| {
+        let [value, temperature, friction, dt, strength, confinement, rate] = numbers;
+        Plate {
+            body,
+            scheme,
+            value,
+            temperature,
+            friction,
+            dt,
+            strength,
+            confinement,
+            rate,
+            breaking,
+            seed,
+            repulsion,
+        }
+    })
+}
+
+pub(crate) fn starts(plate: Plate) -> Result<(), TestCaseError> {
+    let Plate { value, temperature, friction, dt, strength, confinement, breaking, .. } = plate;
+    let Ok((nodes, bonds)) = plate.body.build() else { return Ok(()) };
+    let n = nodes.positions().len();
+    let free: Vec<bool> = (0..n).map(|node| node > 0).collect();
+    let dynamics = match plate.scheme {
+        Some(scheme) => match Mobility::identity(&free, value) {
+            Ok(mobility) => Dynamics::Overdamped { mobility, temperature, scheme },
+            Err(_) => return Ok(()),
+        },
+        None => Dynamics::Inertial { density: value, friction, temperature },
+    };
+    let noise = Noise::new(plate.seed);
+    let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
+    let program = Program::Linear { rate: plate.rate };
+    let loading = Loading::new(n).displace(&[0], [true; 2], [1.0, 0.0], program);
+    let Ok(loading) = loading else { return Ok(()) };
+    let strengths = vec![strength; bonds.len()];
+    if let Ok(network) =
+        Network::new(nodes.clone(), bonds.clone(), CriticalStretch, strengths.clone())
+        && let Ok(mut run) = Simulation::new(network, loading.clone(), config.clone(), [0])
+    {
+        // An error is an answer.
+        let _ = run.step();
+    }
+    let list = BondList::<f32, 2, 16>::new(nodes, bonds, Strain::Finite, &strengths);
+    let ids = std::array::from_fn(|lane| lane as u64);
+    if let Ok(list) = list
+        && let Ok(run) = Simulation::new(list, loading, config, ids)
+    {
+        let repelled = match plate.repulsion {
+            Some(repulsion) => run.with_repulsion(repulsion),
+            None => Ok(run),
+        };
+        if let Ok(mut run) = repelled {
+            let _ = run.step();
+            let is_told = run.displacements(0).iter().flatten().all(|u| !u.is_nan());
+            prop_assert!(is_told || run.step().is_err());
+        }
+    }
+    Ok(())
 }
 
 proptest! {
     #[test]
-    fn a_plate_starts_or_says_why_not(
-        body in body(),
-        (scheme, [value, temperature, friction]) in dynamics(),
-        (dt, strength, confinement, rate) in (number(), number(), number(), number()),
-        (breaking, seed) in (prop::sample::select(vec![Breaking::AtEnds, Breaking::Bridge]), any::<u64>()),
-        repulsion in prop::option::of(prop::array::uniform4(number())),
-    ) {
-        let Ok((nodes, bonds)) = body.build() else { return Ok(()) };
-        let n = nodes.positions().len();
-        let free: Vec<bool> = (0..n).map(|node| node > 0).collect();
-        let dynamics = match scheme {
-            Some(scheme) => match Mobility::identity(&free, value) {
-                Ok(mobility) => Dynamics::Overdamped { mobility, temperature, scheme },
-                Err(_) => return Ok(()),
-            },
-            None => Dynamics::Inertial { density: value, friction, temperature },
-        };
-        let noise = Noise::new(seed);
-        let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
-        let loading = Loading::new(n).displace(&[0], [true; 2], [1.0, 0.0], Program::Linear { rate });
-        let Ok(loading) = loading else { return Ok(()) };
-        let strengths = vec![strength; bonds.len()];
-        if let Ok(network) =
-            Network::new(nodes.clone(), bonds.clone(), CriticalStretch, strengths.clone())
-            && let Ok(mut run) = Simulation::new(network, loading.clone(), config.clone(), [0])
-        {
-            // An error is an answer.
-            let _ = run.step();
-        }
-        let list = BondList::<f32, 2, 16>::new(nodes, bonds, Strain::Finite, &strengths);
-        let ids = std::array::from_fn(|lane| lane as u64);
-        if let Ok(list) = list
-            && let Ok(run) = Simulation::new(list, loading, config, ids)
-        {
-            let repelled = match repulsion {
-                Some([stiffness, horizon, rest_factor, spacing_factor]) => {
-                    run.with_repulsion(Repulsion { stiffness, horizon, rest_factor, spacing_factor })
-                }
-                None => Ok(run),
-            };
-            if let Ok(mut run) = repelled {
-                let _ = run.step();
-                prop_assert!(run.displacements(0).iter().flatten().all(|u| !u.is_nan()) || run.step().is_err());
-            }
-        }
+    fn a_plate_starts_or_says_why_not(plate in plate()) {
+        starts(plate)?;
     }
 }

@@ -1,6 +1,5 @@
 //! Whatever numbers come in, laws, factors, methods and first steps end in a result or a typed error: no panic, no hang, no memory
 //! beyond [`MOST_BYTES`], no NaN in what is told. `PROPTEST_CASES` says how many are tried.
-#![cfg(feature = "dense")]
 
 use std::alloc::System;
 
@@ -53,7 +52,7 @@ fn numbers() -> impl Strategy<Value = Vec<f64>> {
 
 /// A cubic oscillator with any constants.
 #[derive(Debug, Clone, Copy)]
-struct Cubic {
+pub(crate) struct Cubic {
     rates: [f64; 2],
     hardening: f64,
     force: f64,
@@ -220,106 +219,185 @@ fn step_field(
     Ok(())
 }
 
+/// A system, a law, what is followed, theta and stages of the methods that have them.
+type Ensemble = (Cubic, Vec<GaussianComponent<2>>, EnsembleConfig, f64, u64);
+
+pub(crate) fn ensemble() -> impl Strategy<Value = Ensemble> {
+    let stages = prop_oneof![8 => 1_u64..8, 1 => 1001_u64.., 1 => Just(0)];
+    (cubic(), law(), config(), number(), stages)
+}
+
+pub(crate) fn is_followed_by_every_method(
+    (system, law, config, theta, stages): Ensemble,
+) -> Result<(), TestCaseError> {
+    let Ok(law) = GaussianMixture::mixture(&law) else { return Ok(()) };
+    follow::<_, _, 1>(&system, &EulerMaruyama, &law, &config)?;
+    follow::<_, _, 1>(&system, &Heun, &law, &config)?;
+    follow::<_, _, 1>(&system, &Sra1, &law, &config)?;
+    follow::<_, _, 1>(&system, &Sra3, &law, &config)?;
+    follow::<_, _, 1>(&system, &Shark, &law, &config)?;
+    follow::<_, _, 1>(&system, &TamedEuler, &law, &config)?;
+    follow::<_, _, 1>(&system, &LeimkuhlerMatthews, &law, &config)?;
+    if let Ok(method) = StochasticTheta::new(theta) {
+        follow::<_, _, 1>(&system, &method, &law, &config)?;
+    }
+    if let Ok(method) = SkRock::new(stages) {
+        follow::<_, _, 1>(&system, &method, &law, &config)?;
+    }
+    follow::<_, _, 1>(&system, &SemiImplicitEuler, &law, &config)?;
+    follow::<_, _, 1>(&system, &StrangOscillator, &law, &config)?;
+    follow::<_, _, 1>(&system, &Baoab, &law, &config)?;
+    follow::<_, _, 2>(&DiagonalNoise(system), &Milstein, &law, &config)?;
+    follow::<_, _, 2>(&DiagonalNoise(system), &Sriw1, &law, &config)?;
+    follow::<_, _, 2>(&StratonovichForm(system), &Heun, &law, &config)
+}
+
+/// A system, its start, the control of its step, seed and realisation.
+type Path = (Cubic, [f64; 2], StepControl, (u64, u64));
+
+pub(crate) fn adaptive_path() -> impl Strategy<Value = Path> {
+    let halvings = prop_oneof![6 => 0_u32..20, 1 => any::<u32>()];
+    let control = (number(), number(), number(), halvings).prop_map(
+        |(longest, absolute, relative, halvings)| StepControl {
+            longest,
+            absolute,
+            relative,
+            halvings,
+        },
+    );
+    (cubic(), prop::array::uniform2(number()), control, any::<(u64, u64)>())
+}
+
+pub(crate) fn adapts(
+    (system, start, control, (seed, realisation)): Path,
+) -> Result<(), TestCaseError> {
+    let noise = Noise::new(seed);
+    if let Ok(mut path) = AdaptivePath::new(&system, &Sra1, &noise, realisation, start, &control) {
+        let _ = path.step().and_then(|_| path.step());
+        prop_assert!(path.state().iter().all(|x| x.is_finite()));
+    }
+    let system = DiagonalNoise(system);
+    let path = AdaptivePath::new(&system, &Milstein, &noise, realisation, start, &control);
+    if let Ok(mut path) = path {
+        let _ = path.step().and_then(|_| path.step());
+        prop_assert!(path.state().iter().all(|x| x.is_finite()));
+    }
+    Ok(())
+}
+
+/// Of the factors of a field, and of a method for it.
+#[derive(Debug)]
+pub(crate) struct Field {
+    n: usize,
+    motions: usize,
+    values: Vec<f64>,
+    start: Vec<f64>,
+    operator: Vec<f64>,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    theta: f64,
+    dt: f64,
+}
+
+pub(crate) fn field() -> impl Strategy<Value = Field> {
+    let places = || prop::collection::vec(count(), 0..5);
+    let parts = (
+        (count(), count()),
+        (numbers(), numbers(), numbers()),
+        (places(), places()),
+        (number(), number()),
+    );
+    parts.prop_map(|((n, motions), (values, start, operator), (rows, columns), (theta, dt))| {
+        Field { n, motions, values, start, operator, rows, columns, theta, dt }
+    })
+}
+
+impl Field {
+    /// A start that fits, as a rule.
+    fn start(&self, n: usize) -> Vec<f64> {
+        if n < 10 {
+            [self.start.as_slice(), &[0.5; 10]].concat()[..n].to_vec()
+        } else {
+            self.start.clone()
+        }
+    }
+
+    fn step(&self, factor: impl NoiseFactor, n: usize) -> Result<(), TestCaseError> {
+        step_field(factor, &self.start(n), (self.theta, &self.operator, self.dt))
+    }
+}
+
+pub(crate) fn steps_by_every_factor(field: Field) -> Result<(), TestCaseError> {
+    let Field { n, motions, values, rows, columns, .. } = &field;
+    let (n, motions) = (*n, *motions);
+    if let Ok(factor) = DiagonalFactor::new(values.clone()) {
+        field.step(factor, values.len())?;
+    }
+    if let Ok(factor) = LowRankFactor::new(n, values.clone()) {
+        field.step(factor, n)?;
+    }
+    if let Ok(factor) = DenseFactor::new(n, values) {
+        field.step(factor, n)?;
+    }
+    let few = n.min(4);
+    let identity: Vec<f64> =
+        (0..few.pow(2)).map(|k| f64::from(u8::from(k % (few + 1) == 0))).collect();
+    if let Ok(factor) = DenseFactor::new(few, &identity) {
+        field.step(factor, few)?;
+    }
+    if !(MOST_MOTIONS..TOO_MANY_MOTIONS).contains(&motions) {
+        let values = [values.as_slice(), &[0.5; 5]].concat()[..columns.len()].to_vec();
+        for row_starts in [rows.clone(), (0..=columns.len()).collect()] {
+            let factor = SparseFactor::new(motions, row_starts, columns.clone(), values.clone());
+            if let Ok(factor) = factor {
+                let n = factor.n_unknowns();
+                field.step(factor, n)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Values, a level, a probability, hits and trials.
+type Sample = (Vec<f64>, f64, f64, (u64, u64));
+
+pub(crate) fn sample() -> impl Strategy<Value = Sample> {
+    (numbers(), number(), number(), any::<(u64, u64)>())
+}
+
+pub(crate) fn tells_numbers(
+    (values, level, probability, (hits, trials)): Sample,
+) -> Result<(), TestCaseError> {
+    if let Ok(samples) = Samples::new(values) {
+        for estimate in [samples.exceedance(level), samples.quantile(probability)].iter().flatten()
+        {
+            prop_assert!(is_told(estimate), "{estimate:?}");
+        }
+    }
+    if let Ok(estimate) = Estimate::probability(hits, trials) {
+        prop_assert!(is_told(&estimate), "{estimate:?}");
+    }
+    Ok(())
+}
+
 proptest! {
     #[test]
-    fn an_ensemble_is_followed_by_every_method_or_says_why_not(
-        system in cubic(),
-        law in law(),
-        config in config(),
-        theta in number(),
-        stages in prop_oneof![8 => 1_u64..8, 1 => 1001_u64.., 1 => Just(0)],
-    ) {
-        let Ok(law) = GaussianMixture::mixture(&law) else { return Ok(()) };
-        follow::<_, _, 1>(&system, &EulerMaruyama, &law, &config)?;
-        follow::<_, _, 1>(&system, &Heun, &law, &config)?;
-        follow::<_, _, 1>(&system, &Sra1, &law, &config)?;
-        follow::<_, _, 1>(&system, &Sra3, &law, &config)?;
-        follow::<_, _, 1>(&system, &Shark, &law, &config)?;
-        follow::<_, _, 1>(&system, &TamedEuler, &law, &config)?;
-        follow::<_, _, 1>(&system, &LeimkuhlerMatthews, &law, &config)?;
-        if let Ok(method) = StochasticTheta::new(theta) {
-            follow::<_, _, 1>(&system, &method, &law, &config)?;
-        }
-        if let Ok(method) = SkRock::new(stages) {
-            follow::<_, _, 1>(&system, &method, &law, &config)?;
-        }
-        follow::<_, _, 1>(&system, &SemiImplicitEuler, &law, &config)?;
-        follow::<_, _, 1>(&system, &StrangOscillator, &law, &config)?;
-        follow::<_, _, 1>(&system, &Baoab, &law, &config)?;
-        follow::<_, _, 2>(&DiagonalNoise(system), &Milstein, &law, &config)?;
-        follow::<_, _, 2>(&DiagonalNoise(system), &Sriw1, &law, &config)?;
-        follow::<_, _, 2>(&StratonovichForm(system), &Heun, &law, &config)?;
+    fn an_ensemble_is_followed_by_every_method_or_says_why_not(ensemble in ensemble()) {
+        is_followed_by_every_method(ensemble)?;
     }
 
     #[test]
-    fn an_adaptive_path_starts_or_says_why_not(
-        system in cubic(),
-        start in prop::array::uniform2(number()),
-        (longest, absolute, relative) in (number(), number(), number()),
-        halvings in prop_oneof![6 => 0_u32..20, 1 => any::<u32>()],
-        (seed, realisation) in (any::<u64>(), any::<u64>()),
-    ) {
-        let control = StepControl { longest, absolute, relative, halvings };
-        let noise = Noise::new(seed);
-        if let Ok(mut path) = AdaptivePath::new(&system, &Sra1, &noise, realisation, start, &control) {
-            let _ = path.step().and_then(|_| path.step());
-            prop_assert!(path.state().iter().all(|x| x.is_finite()));
-        }
-        let diagonal = DiagonalNoise(system);
-        if let Ok(mut path) = AdaptivePath::new(&diagonal, &Milstein, &noise, realisation, start, &control) {
-            let _ = path.step().and_then(|_| path.step());
-            prop_assert!(path.state().iter().all(|x| x.is_finite()));
-        }
+    fn an_adaptive_path_starts_or_says_why_not(path in adaptive_path()) {
+        adapts(path)?;
     }
 
     #[test]
-    fn a_field_starts_or_says_why_not(
-        (n, motions) in (count(), count()),
-        (values, start, operator) in (numbers(), numbers(), numbers()),
-        (rows, columns) in (prop::collection::vec(count(), 0..5), prop::collection::vec(count(), 0..5)),
-        (theta, dt) in (number(), number()),
-    ) {
-        let method = (theta, operator.as_slice(), dt);
-        // A start that fits, as a rule.
-        let fit = |n: usize| if n < 10 { [start.as_slice(), &[0.5; 10]].concat()[..n].to_vec() } else { start.clone() };
-        if let Ok(factor) = DiagonalFactor::new(values.clone()) {
-            step_field(factor, &fit(values.len()), method)?;
-        }
-        if let Ok(factor) = LowRankFactor::new(n, values.clone()) {
-            step_field(factor, &fit(n), method)?;
-        }
-        if let Ok(factor) = DenseFactor::new(n, &values) {
-            step_field(factor, &fit(n), method)?;
-        }
-        let identity: Vec<f64> = (0..n.min(4).pow(2)).map(|k| f64::from(u8::from(k % (n.min(4) + 1) == 0))).collect();
-        if let Ok(factor) = DenseFactor::new(n.min(4), &identity) {
-            step_field(factor, &fit(n.min(4)), method)?;
-        }
-        if !(MOST_MOTIONS..TOO_MANY_MOTIONS).contains(&motions) {
-            let values = [values.as_slice(), &[0.5; 5]].concat()[..columns.len()].to_vec();
-            for row_starts in [rows.clone(), (0..=columns.len()).collect()] {
-                let factor = SparseFactor::new(motions, row_starts, columns.clone(), values.clone());
-                if let Ok(factor) = factor {
-                    let n = factor.n_unknowns();
-                    step_field(factor, &fit(n), method)?;
-                }
-            }
-        }
+    fn a_field_starts_or_says_why_not(field in field()) {
+        steps_by_every_factor(field)?;
     }
 
     #[test]
-    fn a_sample_tells_numbers_or_says_why_not(
-        values in numbers(),
-        (level, probability) in (number(), number()),
-        (hits, trials) in (any::<u64>(), any::<u64>()),
-    ) {
-        if let Ok(samples) = Samples::new(values) {
-            for estimate in [samples.exceedance(level), samples.quantile(probability)].iter().flatten() {
-                prop_assert!(is_told(estimate), "{estimate:?}");
-            }
-        }
-        if let Ok(estimate) = Estimate::probability(hits, trials) {
-            prop_assert!(is_told(&estimate), "{estimate:?}");
-        }
+    fn a_sample_tells_numbers_or_says_why_not(sample in sample()) {
+        tells_numbers(sample)?;
     }
 }

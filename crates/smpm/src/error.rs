@@ -328,6 +328,14 @@ pub enum Error {
         /// What the simulation has.
         expected: usize,
     },
+    /// A number of a snapshot is none that a simulation has.
+    #[error("{quantity} in the snapshot is {value}; it must be finite")]
+    SnapshotNumber {
+        /// What it is.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A snapshot could not be written or read.
     #[error("snapshot: {what}")]
     Snapshot {

@@ -209,15 +209,15 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     }
 
     fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
-        let step = self.n_steps + 1;
         if self.n_steps >= self.config.most_steps {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });
         }
+        let step = self.n_steps + 1;
         let Limit { body, particle, .. } = self.limit;
         // At the Courant number 1.
         let limit = self.limit.dt / self.config.courant_number;
-        if !(dt > 0.0 && dt <= limit) {
+        if !(dt > 0.0 && dt <= limit && dt.is_finite()) {
             return Err(Error::Courant { step, time: self.time, dt, limit, body, particle });
         }
         self.allocate()?;
@@ -341,7 +341,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         self.supplied += (power * dt).max(0.0);
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
         let limit = factor * self.supplied.abs();
-        if (value.is_nan() || value > limit) && self.supplied != 0.0 {
+        if value.is_nan() || (value > limit && self.supplied != 0.0) {
             let (step, time) = (self.n_steps, self.time);
             return Err(Error::EnergyGrew { step, time, value, limit, factor });
         }
@@ -392,7 +392,8 @@ impl<S: Stored, const D: usize> Simulation<S, D> {
     /// Takes the state from a snapshot of a simulation with the same configuration and bodies; the run goes on bit for bit.
     ///
     /// # Errors
-    /// [`Error::ForeignSnapshot`], [`Error::MaterialNotStored`], [`Error::Snapshot`]; the state is then as it was.
+    /// [`Error::ForeignSnapshot`], [`Error::MaterialNotStored`], [`Error::SnapshotNumber`], [`Error::Snapshot`]; the state is then
+    /// as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
         let Clock { time, n_steps, supplied, limit: (dt, body, particle) } =
             read(&mut self.bodies, reader)?;

@@ -162,6 +162,10 @@ pub(crate) fn read<S: Stored, const D: usize>(
             Some(Attribute::Real(value)) => Ok(value),
             _ => Err(Error::ForeignSnapshot { quantity: name, found: 0, expected: 1 }),
         };
+        let finite = |name: &'static str| match real(name)? {
+            value if value.is_finite() => Ok(value),
+            value => Err(Error::SnapshotNumber { quantity: name, value }),
+        };
         let fits = |quantity: &'static str, found: usize, expected: usize| {
             if found == expected {
                 Ok(())
@@ -178,9 +182,9 @@ pub(crate) fn read<S: Stored, const D: usize>(
         fits("particles", store.len(), number.len())?;
         fits("columns", store.columns().len(), columns.len() + 1)?;
         clock = Some(Clock {
-            time: real("time")?,
+            time: finite("time")?,
             n_steps: count("n_steps")? as u64,
-            supplied: real("supplied")?,
+            supplied: finite("supplied")?,
             limit: (real("longest step")?, count("limiting body")?, count("limiting particle")?),
         });
         let handle = store.handle::<u32>("number").map_err(|error| Error::store(&error))?;

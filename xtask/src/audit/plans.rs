@@ -8,11 +8,16 @@ const RUST_VERSION: &str = env!("CARGO_PKG_RUST_VERSION");
 /// The crates whose tests are quick: a mutant costs a build and a run of them.
 const SMALL_CRATES: [&str; 2] = ["smoothing-kernels", "particle-store"];
 
+/// Each target of cargo-fuzz ends after so many inputs, or so many seconds; an input that takes longer than the last is a hang.
+const FUZZ_RUNS: u32 = 1_000_000;
+const FUZZ_SECONDS: u32 = 600;
+const FUZZ_TIMEOUT: u32 = 60;
+
 /// What a check does.
 #[derive(Debug, PartialEq)]
 pub(super) enum Plan {
-    /// A program and its arguments.
-    Start(Vec<String>),
+    /// Programs with their arguments, one after the other; the first that fails ends the check.
+    Start(Vec<Vec<String>>),
     /// Nothing, for this reason.
     Skip(String),
 }
@@ -48,8 +53,15 @@ pub(super) fn resume(_: &Surroundings) -> Plan {
     start("cargo xtask verify run/resume --full", &[])
 }
 
-pub(super) fn fuzz(_: &Surroundings) -> Plan {
-    Plan::Skip("there are no targets of cargo-fuzz yet; `any-input` is what there is".to_owned())
+/// Without a sanitizer, so that the stable toolchain does; inputs of any length from the first, since a snapshot is one.
+pub(super) fn fuzz(surroundings: &Surroundings) -> Plan {
+    let limits = format!(
+        "-- -runs={FUZZ_RUNS} -max_total_time={FUZZ_SECONDS} -timeout={FUZZ_TIMEOUT} -len_control=0 -max_len=16384"
+    );
+    let of = |target: &String| {
+        words(&format!("cargo fuzz run --fuzz-dir tests/fuzz --sanitizer none {target} {limits}"))
+    };
+    Plan::Start(surroundings.fuzz_targets.iter().map(of).collect())
 }
 
 pub(super) fn msrv(surroundings: &Surroundings) -> Plan {
@@ -65,10 +77,13 @@ pub(super) fn publish(_: &Surroundings) -> Plan {
     start("cargo publish --locked --workspace --dry-run", &[])
 }
 
-/// These words, then these arguments.
-fn start(words: &str, arguments: &[String]) -> Plan {
-    let words = words.split_whitespace().map(str::to_owned);
-    Plan::Start(words.chain(arguments.iter().cloned()).collect())
+/// One program: these words, then these arguments.
+fn start(text: &str, arguments: &[String]) -> Plan {
+    Plan::Start(vec![[words(text), arguments.to_vec()].concat()])
+}
+
+fn words(text: &str) -> Vec<String> {
+    text.split_whitespace().map(str::to_owned).collect()
 }
 
 fn packages(names: &[String]) -> Vec<String> {
@@ -91,26 +106,27 @@ mod tests {
     fn surroundings() -> Surroundings {
         Surroundings {
             crates: vec!["smpm".to_owned()],
+            fuzz_targets: vec!["smpm_bodies".to_owned(), "sde_field".to_owned()],
             toolchains: String::new(),
             release_tags: String::new(),
         }
     }
 
-    fn words(text: &str) -> Plan {
+    fn plan(text: &str) -> Plan {
         start(text, &[])
     }
 
     #[test]
     fn the_feature_matrix_is_of_the_crates_that_are_there() {
         let expected = "cargo hack check --feature-powerset --no-dev-deps --package smpm";
-        assert_eq!(features(&surroundings()), words(expected));
+        assert_eq!(features(&surroundings()), plan(expected));
     }
 
     #[test]
     fn interfaces_are_compared_with_the_newest_release() {
         let tagged = Surroundings { release_tags: "v0.2.0\nv0.1.0\n".to_owned(), ..surroundings() };
         let expected = "cargo semver-checks --workspace --baseline-rev v0.2.0";
-        assert_eq!(semver(&tagged), words(expected));
+        assert_eq!(semver(&tagged), plan(expected));
     }
 
     #[test]
@@ -132,6 +148,17 @@ mod tests {
     fn without_the_oldest_rust_its_check_says_which_is_missing() {
         let Plan::Skip(reason) = msrv(&surroundings()) else { panic!("starts something") };
         assert!(reason.contains(RUST_VERSION), "{reason}");
+    }
+
+    #[test]
+    fn every_target_of_cargo_fuzz_is_run_by_itself() {
+        let Plan::Start(runs) = fuzz(&surroundings()) else { panic!("starts nothing") };
+        let start = words("cargo fuzz run --fuzz-dir tests/fuzz --sanitizer none");
+        for (run, target) in runs.iter().zip(["smpm_bodies", "sde_field"]) {
+            assert_eq!(run[..start.len()], start);
+            assert_eq!(run[start.len()], target);
+        }
+        assert_eq!(runs.len(), 2);
     }
 
     #[test]

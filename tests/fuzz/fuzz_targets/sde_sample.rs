@@ -1,0 +1,7 @@
+//! Samples and proportions of sde-integrators.
+#![no_main]
+
+#[path = "../../../crates/sde-integrators/tests/any_input.rs"]
+mod any_input;
+
+fuzz_targets::fuzz_drawn!(any_input::sample(), any_input::tells_numbers);

@@ -1,0 +1,7 @@
+//! Snapshots of smpm, and a step from them.
+#![no_main]
+
+#[path = "../../../crates/smpm/tests/any_input.rs"]
+mod any_input;
+
+fuzz_targets::fuzz_read!(any_input::snapshot(), any_input::goes_on_or_is_refused);

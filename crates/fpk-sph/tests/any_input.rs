@@ -254,7 +254,9 @@ fn a_snapshot_with_a_number_that_no_simulation_has_is_refused_by_its_name() {
             store.get_mut(handle).unwrap()[3][1] = value;
         })
     };
-    let time = changed(|store| store.set_attribute("time", Attribute::Real(f64::NAN)));
+    let time = changed(|store| {
+        store.set_attribute("time", Attribute::Real(f64::NAN));
+    });
     for (bytes, name, at) in [
         (time, "time", 0),
         (column("position", f64::INFINITY), "position", 3),

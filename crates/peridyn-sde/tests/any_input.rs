@@ -148,6 +148,7 @@ pub(crate) fn plate() -> impl Strategy<Value = Plate> {
     })
 }
 
+#[allow(clippy::needless_pass_by_value, reason = "every check takes what is drawn")]
 pub(crate) fn starts(plate: Plate) -> Result<(), TestCaseError> {
     let Plate { value, temperature, friction, dt, strength, confinement, breaking, .. } = plate;
     let Ok((nodes, bonds)) = plate.body.build() else { return Ok(()) };

@@ -327,6 +327,7 @@ impl Field {
     }
 }
 
+#[allow(clippy::needless_pass_by_value, reason = "every check takes what is drawn")]
 pub(crate) fn steps_by_every_factor(field: Field) -> Result<(), TestCaseError> {
     let Field { n, motions, values, rows, columns, .. } = &field;
     let (n, motions) = (*n, *motions);

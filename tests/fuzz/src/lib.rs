@@ -3,20 +3,19 @@
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
-/// Words behind the bytes of an input. Behind them proptest reads zeros, and a draw that refuses zero would never end.
-const WORDS_BEHIND: u64 = 512;
-
 /// Refused draws after which an input is given up.
 const MOST_REJECTS: u32 = 16;
 
-/// The value that a strategy draws where its randomness is these bytes; none where its filters refuse too often.
+/// The value that a strategy draws from a generator that the bytes seed; none where its filters refuse too often.
+///
+/// The bytes cannot be the randomness itself (`PassThrough`): each choice between strategies halves what is left of them, and proptest
+/// draws for ever from none. So what reached new code is kept, but not built upon.
 pub fn drawn<S: Strategy>(strategy: &S, bytes: &[u8]) -> Option<S::Value> {
-    let mut seed = bytes.to_vec();
-    // Steps of the golden ratio: words that are spread evenly, the same behind every input.
-    seed.extend(
-        (1..=WORDS_BEHIND).flat_map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15).to_le_bytes()),
-    );
-    let rng = TestRng::from_seed(RngAlgorithm::PassThrough, &seed);
+    let mut seed = [0_u8; 32];
+    for (i, byte) in bytes.iter().enumerate() {
+        seed[i % 32] = seed[i % 32].rotate_left(3) ^ byte;
+    }
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
     let config = Config { max_local_rejects: MOST_REJECTS, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, rng);
     strategy.new_tree(&mut runner).ok().map(|tree| tree.current())
@@ -41,7 +40,7 @@ pub fn mutated(data: &mut [u8], size: usize, max_size: usize, start: &[u8]) -> u
     libfuzzer_sys::fuzzer_mutate(data, size, max_size)
 }
 
-/// A target whose bytes are the randomness of a strategy, and a check of what is drawn.
+/// A target whose bytes seed the randomness of a strategy, and a check of what is drawn.
 #[macro_export]
 macro_rules! fuzz_drawn {
     ($strategy:expr, $check:path) => {

@@ -12,9 +12,10 @@ use proptest::sample::Index;
 use verification::scene::SceneFile;
 use verification::scenes::{ALL, RunError, check};
 
-/// The texts of all built-in scenes.
-static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+/// The texts of all built-in scenes. The package of the targets of cargo-fuzz is a folder deeper than they are.
+pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    let root = above.map(|folder| folder.join("scenes")).find(|root| root.is_dir()).unwrap();
     let folders = std::fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> = folders
         .flat_map(|folder| std::fs::read_dir(folder).unwrap())
@@ -26,7 +27,7 @@ static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
 
 /// What is done to a text.
 #[derive(Debug, Clone)]
-enum Change {
+pub(crate) enum Change {
     Number(Index, String),
     Text(Index, String),
     Value(Index, String),
@@ -82,7 +83,7 @@ fn number() -> impl Strategy<Value = String> {
     ]
 }
 
-fn change() -> impl Strategy<Value = Change> {
+pub(crate) fn change() -> impl Strategy<Value = Change> {
     let texts = ["\"\"", "\"é\\u0000\"", "\"\\ud800\"", "\"a.b[0]\"", "\"smpm\"", "\"q\""];
     let text = || prop::sample::select(texts.to_vec()).prop_map(str::to_owned);
     let values = ["null", "true", "{}", "[]", "[[]]", "{\"a\": 1}", "[1, 2, 3, 4, 5, 6, 7, 8]"];
@@ -146,7 +147,8 @@ fn with(text: &str, range: Option<Range<usize>>, instead: &str) -> Option<String
     Some([&text[..range.start], instead, &text[range.end..]].concat())
 }
 
-fn changed(text: &str, change: &Change) -> Option<String> {
+/// None where there is nothing to change in this way.
+pub(crate) fn changed(text: &str, change: &Change) -> Option<String> {
     let places = || Places::of(text);
     match change {
         Change::Number(at, number) => with(text, chosen(&places().numbers, *at), number),
@@ -202,6 +204,15 @@ fn show(error: RunError, text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// A text is a scene, or an error that stands in it and can be shown.
+pub(crate) fn is_read_or_says_why_not(text: &str) -> Result<(), TestCaseError> {
+    let read = SceneFile::from_text("scene.json", text.to_owned()).map_err(RunError::from);
+    match read.and_then(|file| check(ALL, &file)) {
+        Ok(()) => Ok(()),
+        Err(error) => show(error, text),
+    }
+}
+
 proptest! {
     #[test]
     fn a_scene_is_read_or_says_why_not(
@@ -216,9 +227,6 @@ proptest! {
                 break;
             }
         }
-        let read = SceneFile::from_text("scene.json", text.clone()).map_err(RunError::from);
-        if let Err(error) = read.and_then(|file| check(ALL, &file)) {
-            show(error, &text)?;
-        }
+        is_read_or_says_why_not(&text)?;
     }
 }

@@ -81,7 +81,7 @@ pub use rare::{
 pub use samples::Samples;
 pub use schedule::EnsembleConfig;
 pub use semi_implicit_euler::SemiImplicitEuler;
-pub use shard::{FailedPath, Outcome, ShardRecord, merge};
+pub use shard::{FailedPath, Outcome, ShardRecord, merge, merge_so_far};
 pub use shark::Shark;
 pub use sk_rock::SkRock;
 pub use sra1::Sra1;

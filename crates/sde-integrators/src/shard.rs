@@ -177,40 +177,58 @@ fn block_range(n_paths: u64, shard: u64, n_shards: u64) -> std::ops::Range<u64> 
 /// [`Error::DoubledShard`], [`Error::MissingShard`]; [`Error::BrokenShard`] for a record that holds another number of
 /// blocks than it must, [`Error::BrokenBlock`] for one with a block that cannot be.
 pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
-    let Some(first) = records.first() else {
-        return Err(Error::TooFew { quantity: "shards", value: 0, limit: 1 });
-    };
-    let identity = &first.identity;
-    for record in records {
-        identity.require_same(&record.identity, record.shard)?;
-    }
-    let mut ordered: Vec<_> = records.iter().collect();
-    ordered.sort_by_key(|record| record.shard);
-    for pair in ordered.windows(2) {
-        if pair[0].shard == pair[1].shard {
-            return Err(Error::DoubledShard { shard: pair[0].shard });
-        }
-    }
-    let n_shards = identity.n_shards;
+    let ordered = ordered(records)?;
+    let n_shards = ordered[0].identity.n_shards;
     let present = |shard: u64| ordered.binary_search_by_key(&shard, |r| r.shard).is_ok();
     if let Some(shard) = (0..n_shards).find(|&shard| !present(shard)) {
         return Err(Error::MissingShard { shard, n_shards });
     }
-    for record in &ordered {
-        record.require_whole()?;
+    joined(&ordered)
+}
+
+/// Join those shards of a study that there are: what is known while others are still run. Its paths are those of the shards, and its
+/// failed paths those among them.
+///
+/// # Errors
+/// As [`merge`], but for shards that are missing.
+pub fn merge_so_far(records: &[ShardRecord]) -> Result<Outcome, Error> {
+    joined(&ordered(records)?)
+}
+
+/// Records of one study by their number; at least one, none twice.
+fn ordered(records: &[ShardRecord]) -> Result<Vec<&ShardRecord>, Error> {
+    let Some(first) = records.first() else {
+        return Err(Error::TooFew { quantity: "shards", value: 0, limit: 1 });
+    };
+    for record in records {
+        first.identity.require_same(&record.identity, record.shard)?;
     }
+    let mut ordered: Vec<_> = records.iter().collect();
+    ordered.sort_by_key(|record| record.shard);
+    match ordered.windows(2).find(|pair| pair[0].shard == pair[1].shard) {
+        Some(pair) => Err(Error::DoubledShard { shard: pair[0].shard }),
+        None => Ok(ordered),
+    }
+}
+
+fn joined(ordered: &[&ShardRecord]) -> Result<Outcome, Error> {
+    let identity = &ordered[0].identity;
+    ordered.iter().try_for_each(|record| record.require_whole())?;
     let blocks: Vec<&BlockRecord> = ordered.iter().flat_map(|record| &record.blocks).collect();
     if let Some(first) = blocks.first() {
         ordered.iter().try_for_each(|record| record.require_like(first))?;
     }
     let tallies =
         reduce_in_tree(&blocks, &|block| block.tallies.clone(), &merge_tallies).unwrap_or_default();
+    let n_paths = ordered.iter().map(|record| record.n_paths()).sum();
+    // A product of the steps of one path and the number of paths.
+    let steps = identity.path_steps / u128::from(identity.n_paths.max(1));
     Ok(Outcome {
-        n_paths: identity.n_paths,
+        n_paths,
         n_failed: blocks.iter().map(|block| block.n_failed).sum(),
         first_failure: blocks.iter().find_map(|block| block.first_failure.clone()),
         times: identity.times.clone(),
-        path_steps: identity.path_steps,
+        path_steps: steps * u128::from(n_paths),
         n_observables: identity.observables.len(),
         tallies,
     })
@@ -221,6 +239,14 @@ impl ShardRecord {
     #[must_use]
     pub fn place(&self) -> (u64, u64) {
         (self.shard, self.identity.n_shards)
+    }
+
+    /// How many paths its blocks hold.
+    fn n_paths(&self) -> u64 {
+        let Identity { n_paths, n_shards, .. } = self.identity;
+        let blocks = block_range(n_paths, self.shard, n_shards);
+        let end = blocks.end.saturating_mul(BLOCK_LENGTH).min(n_paths);
+        end.saturating_sub(blocks.start.saturating_mul(BLOCK_LENGTH))
     }
 
     /// Refuses blocks that cannot be merged with the first.

@@ -4,7 +4,8 @@ use sde_integrators::{
     Additive, Between, BrownianTree, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Increment,
     Integrator, Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response, Samples,
     Sampling, Sde, SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator, Study,
-    SubsetConfig, design_point, importance_sampling, maxima, merge, subset_simulation,
+    SubsetConfig, design_point, importance_sampling, maxima, merge, merge_so_far,
+    subset_simulation,
 };
 
 use crate::methods::Linear;
@@ -233,6 +234,36 @@ fn wrong_sets_of_shards_are_refused_by_name() {
         let expected = Error::NotEven { quantity: "antithetic paths", value: 9 };
         assert_eq!(study.run::<1>().unwrap_err(), expected);
     });
+}
+
+/// Shards of paths 0 to 4095 and from 8192 on: what the first alone comes to is the ensemble of its paths, and all are what [`merge`] gives.
+#[test]
+fn shards_that_are_there_say_what_is_known_so_far() {
+    let config = EnsembleConfig { seed: 3, n_paths: 9_000, dt: 0.1, times: vec![0.5, 2.0] };
+    let shortened = EnsembleConfig { n_paths: 4_096, ..config.clone() };
+    let exceeds = |_: f64, x: &[f64; 2]| x[0] > 0.3;
+    let observables =
+        [Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0]), Observable::Probability(&exceeds)];
+    let study = Study {
+        name: "",
+        system: &OSCILLATOR,
+        integrator: &SemiImplicitEuler,
+        law: &[0.0; 2],
+        config: &config,
+        observables: &observables,
+        sampling: Sampling::Independent,
+        level: SimdLevel::best(),
+    };
+    let shards: Vec<_> = (0..3).map(|k| study.shard::<1>(k, 3).unwrap()).collect();
+    let first = merge_so_far(&shards[..1]).unwrap();
+    let short = Study { config: &shortened, ..study }.run::<1>().unwrap();
+    assert_eq!(first.ensemble().unwrap(), short.ensemble().unwrap());
+    let ends = [shards[2].clone(), shards[0].clone()];
+    assert_eq!(merge_so_far(&ends).unwrap().n_paths, 4_096 + 808);
+    assert_eq!(merge_so_far(&shards), merge(&shards));
+    let twice = [shards[0].clone(), shards[0].clone()];
+    assert_eq!(merge_so_far(&twice).unwrap_err(), Error::DoubledShard { shard: 0 });
+    assert!(matches!(merge_so_far(&[]), Err(Error::TooFew { .. })));
 }
 
 /// A pair starts together and is driven apart: for a linear system from zero its mean is zero to the bit.

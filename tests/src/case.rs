@@ -60,6 +60,8 @@ pub struct Case {
 /// Results that several cases use, computed once per run.
 #[derive(Debug, Default)]
 pub struct Shared {
+    /// What the running case left out, and why.
+    skipped: Mutex<Vec<String>>,
     results: Mutex<BTreeMap<String, Arc<dyn Any + Send + Sync>>>,
 }
 
@@ -123,6 +125,17 @@ impl<'a> Context<'a> {
     #[must_use]
     pub fn subject(&self, name: &str, quantity: &str, unit: &str, method: &str) -> Subject {
         Subject::new(format!("{}/{name}", self.id), quantity, unit, method)
+    }
+
+    /// Says what is not claimed here and why, e.g. `ranks of mpirun: it is not installed`: it stands below the claims.
+    pub fn skip(&self, what_and_why: &str) {
+        let mut skipped = self.shared.skipped.lock().unwrap_or_else(PoisonError::into_inner);
+        skipped.push(what_and_why.to_owned());
+    }
+
+    /// What was said to be skipped since the last call.
+    pub(crate) fn take_skipped(&self) -> Vec<String> {
+        std::mem::take(&mut self.shared.skipped.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Says in a few words what is being done.

@@ -9,7 +9,9 @@ mod neighbour_search;
 mod particle_store;
 mod peridyn;
 mod perturbation_moments;
+mod ranks;
 mod resume;
+pub(crate) mod runs;
 mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;
@@ -108,5 +110,6 @@ pub const ALL: &[Case] = &[
     sde_ensembles::first_passage::CASE,
     sde_ensembles::rare_events::CASE,
     resume::CASE,
+    ranks::CASE,
     advice::CASE,
 ];

@@ -6,6 +6,7 @@ pub(crate) mod fpk;
 mod fpk_choice;
 mod kernels;
 mod models;
+mod mpi;
 mod overview;
 mod peridyn;
 mod scenes;
@@ -41,6 +42,7 @@ pub const ALL: &[ChartKind] = &[
     smpm_scheme::CHART,
     smpm_fields::CHART,
     peridyn::CHART,
+    mpi::CHART,
     scenes::CHART,
 ];
 

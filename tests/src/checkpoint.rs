@@ -19,7 +19,7 @@ use serde::de::DeserializeOwned;
 
 pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
-use self::file::{Content, Stage};
+use self::file::{Content, Stage, Survives};
 
 /// Between two checkpoints lie at least so many times the time that writing one takes.
 const LEAST_SHARE: u32 = 50;
@@ -167,7 +167,8 @@ impl Checkpoint {
     fn write(&self, kept: &mut Kept) -> Result<(), CheckpointError> {
         kept.sequence += 1;
         let path = &file::names(&self.folder)[usize::from(kept.sequence % 2 == 1)];
-        file::write(path, &self.head, (kept.sequence, kept.stage), &kept.parts)?;
+        let at = (kept.sequence, kept.stage);
+        file::write(path, &self.head, at, &kept.parts, Survives::Machine)?;
         kept.last = Instant::now();
         Ok(())
     }
@@ -187,11 +188,33 @@ const ONLY: &str = "part";
 /// # Errors
 /// As [`Checkpoint::keep`].
 pub fn write_file<T: Serialize>(path: &Path, head: &Head, part: &T) -> Result<(), CheckpointError> {
-    let parts = Parts::from([(ONLY.to_owned(), to_bytes(ONLY, part)?)]);
-    file::write(path, head, (1, Stage::Ended), &parts)
+    write_one(path, head, part, Survives::Machine)
 }
 
-/// Reads what [`write_file`] has written.
+/// The same for one of many that are soon made again: it does not wait for the disk, so that a machine that ends, but no process that is
+/// killed, may leave it cut off.
+///
+/// # Errors
+/// As [`Checkpoint::keep`].
+pub fn write_block<T: Serialize>(
+    path: &Path,
+    head: &Head,
+    part: &T,
+) -> Result<(), CheckpointError> {
+    write_one(path, head, part, Survives::Process)
+}
+
+fn write_one<T: Serialize>(
+    path: &Path,
+    head: &Head,
+    part: &T,
+    survives: Survives,
+) -> Result<(), CheckpointError> {
+    let parts = Parts::from([(ONLY.to_owned(), to_bytes(ONLY, part)?)]);
+    file::write(path, head, (1, Stage::Ended), &parts, survives)
+}
+
+/// Reads what [`write_file`] or [`write_block`] has written.
 ///
 /// # Errors
 /// [`CheckpointError::Refused`] for a file that is cut off, damaged, of another run, or none; those of the file system.

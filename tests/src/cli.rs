@@ -1,5 +1,7 @@
 //! The command line: words to options, errors to exit codes.
 
+mod ranks;
+
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -78,7 +80,7 @@ struct Run {
     /// Where the results go
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Threads of parallel loops; the results are the same for any number [default: all processors]
+    /// Threads of parallel loops; the results are the same for any number [default: all processors, or 1 for each rank of mpirun]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// A seed in place of that of the scene
@@ -96,6 +98,10 @@ struct Run {
     /// Run shard K of N of an ensemble, which `merge` joins
     #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
     shard: Option<scenes::Place>,
+    /// Run an ensemble block by block as ranks of mpirun do, in this process: each block is kept in a file, and job.json tells what
+    /// it took
+    #[arg(long, conflicts_with_all = ["shard", "tolerance"])]
+    blocks: bool,
     /// The largest error over the value, e.g. 1e-2: the scene's own method, at the size that short trial runs say it needs
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
@@ -268,7 +274,10 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
 }
 
 fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
-    if let Some(threads) = arguments.threads {
+    let started = ranks::started();
+    // Ranks are as many as there are cores.
+    let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));
+    if let Some(threads) = threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
         pool.build_global().map_err(miette::Report::from_err)?;
     }
@@ -283,6 +292,17 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
     };
+    if let Some(n_ranks) = started {
+        if arguments.tolerance.is_some() {
+            return Err(miette::miette!(
+                "--tolerance tries sizes in one process: leave out mpirun"
+            ));
+        }
+        return ranks::run_scene(n_ranks, &arguments.scene, &options, output);
+    }
+    if arguments.blocks {
+        return ranks::run_alone(&arguments.scene, &options, output);
+    }
     match arguments.tolerance {
         None => run_scene(&arguments.scene, &options, output),
         Some(tolerance) => {
@@ -315,7 +335,10 @@ fn run_scene(
     let progress = scenes::Progress::on_stderr();
     let written = scenes::run(scenes::ALL, scene, options, &progress);
     progress.finish();
-    let written = written?;
+    print_paths(&written?, output)
+}
+
+fn print_paths(written: &[PathBuf], output: &mut dyn Write) -> miette::Result<ExitCode> {
     for path in written {
         writeln!(output, "{}", path.display()).map_err(miette::Report::from_err)?;
     }

@@ -12,6 +12,7 @@
 pub mod advise;
 pub mod case;
 pub mod cases;
+mod causes;
 pub mod chart;
 pub mod charts;
 pub mod checkpoint;

@@ -50,6 +50,9 @@ pub struct CaseRecord {
     pub cpu_seconds: f64,
     /// What was claimed.
     pub claims: Vec<Claim>,
+    /// What could not be claimed where it ran, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<String>,
 }
 
 /// One number, what it should have been, and the verdict.
@@ -162,6 +165,7 @@ mod tests {
             seconds: 0.25,
             cpu_seconds: 0.5,
             claims: vec![claim],
+            skipped: Vec::new(),
         };
         Report::new(Profile::Quick, Machine::read(), vec![case])
     }

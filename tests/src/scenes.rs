@@ -3,6 +3,7 @@
 //! A kind is one file here, with its scene types, and one line in [`ALL`].
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
+mod blocks;
 mod fpk;
 mod inputs;
 mod part;
@@ -14,8 +15,10 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Duration;
 
+use mpi_ensembles::{JobError, Ranks};
 use schemars::Schema;
 
+pub use self::blocks::{BlockRecord, BlocksLeft, Cut, JobRecord};
 pub use self::inputs::Inputs;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
@@ -64,7 +67,21 @@ impl SceneKind {
         options: &Options,
         progress: &Progress,
     ) -> Result<Vec<PathBuf>, RunError> {
-        let run = Run { progress, solver: self.solver, options, checkpoint: OnceLock::new() };
+        self.run_file_on(file, options, progress, None)
+    }
+
+    fn run_file_on(
+        &self,
+        file: &SceneFile,
+        options: &Options,
+        progress: &Progress,
+        ranks: Option<&dyn Ranks>,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        if ranks.is_some() && options.part != Part::Whole {
+            return Err(RunError::PartOnRanks);
+        }
+        let (solver, checkpoint) = (self.solver, OnceLock::new());
+        let run = Run { progress, solver, options, checkpoint, ranks };
         let written = (self.run)(file, &run)?;
         run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
         Ok(written)
@@ -106,6 +123,7 @@ pub struct Run<'a> {
     solver: &'static str,
     options: &'a Options,
     checkpoint: OnceLock<Checkpoint>,
+    ranks: Option<&'a dyn Ranks>,
 }
 
 impl Run<'_> {
@@ -154,11 +172,22 @@ pub enum RunError {
     Identity(#[from] JsonError),
     /// Shards were asked for, or given, and the method of the scene has none.
     #[error("the method of the scene samples nothing, so that there are no shards of it")]
-    #[diagnostic(help("run it without --shard; there is nothing to merge"))]
+    #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
     NoShards,
     /// Shards that are not one ensemble.
     #[error(transparent)]
     Shards(#[from] part::ShardsError),
+    /// The ranks of a job did not come to its end.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// A run would start anew over blocks of another.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    BlocksLeft(#[from] BlocksLeft),
+    /// The ranks of a job share an ensemble among themselves.
+    #[error("a shard of an ensemble, or its merge, is the work of one process")]
+    #[diagnostic(help("leave out --shard, or mpirun"))]
+    PartOnRanks,
     /// Nothing in the scene is random.
     #[error("the seed {seed} was given, and the scene draws nothing at random")]
     #[diagnostic(help("leave out --seed"))]
@@ -187,6 +216,22 @@ pub fn run(
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = SceneFile::read(scene)?;
     kind_of(table, &file)?.run_file(&file, options, progress)
+}
+
+/// Runs a scene file as one of the ranks of a job, which share an ensemble block by block: the bits are those of [`run`]. All of them call it
+/// with the same arguments; rank 0 writes the results, and the others return the paths of none.
+///
+/// # Errors
+/// As [`run`]; [`RunError::Job`], after which the job must be ended from outside; [`RunError::PartOnRanks`].
+pub fn run_on_ranks(
+    table: &[SceneKind],
+    scene: &Path,
+    options: &Options,
+    progress: &Progress,
+    ranks: &dyn Ranks,
+) -> Result<Vec<PathBuf>, RunError> {
+    let file = SceneFile::read(scene)?;
+    kind_of(table, &file)?.run_file_on(&file, options, progress, Some(ranks))
 }
 
 /// Reads a scene as its kind and asks what it means; nothing is run.

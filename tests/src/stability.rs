@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::case::CaseError;
+use crate::causes::with_causes;
 use crate::chart::{Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words, time_series};
 use crate::charts::{Drawing, DrawingError, Face};
 use crate::finite;
@@ -97,20 +98,9 @@ impl Outcome {
             Ok(error) if error.is_nan() => Self::judge(Err(SweepError::NotANumber.into()), 0.0),
             Ok(error) if error <= tolerance => Self::Accurate { error },
             Ok(error) => Self::Degraded { error: Some(error).filter(|error| error.is_finite()) },
-            Err(error) => Self::Ended { error: words_of(error.as_ref()) },
+            Err(error) => Self::Ended { error: with_causes(error.as_ref()) },
         }
     }
-}
-
-/// The text of an error with that of its causes.
-pub(crate) fn words_of(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(source) = cause {
-        text = format!("{text}: {source}");
-        cause = source.source();
-    }
-    text
 }
 
 /// A run, from the two parameters to the size of its error.

@@ -6,8 +6,9 @@
 mod audit;
 
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, ExitStatus};
+use std::process::{Command, ExitCode, ExitStatus, Stdio};
 
 const HELP: &str = "\
 The commands of the workspace.
@@ -21,6 +22,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume|--overwrite] [--shard K/N]
                               run a scene; killed, it goes on with --resume, or starts
                               from the beginning with --overwrite
+  run SCENE.json --out DIR --mpi N
+                              the same on N ranks, started by mpirun: an ensemble, block by
+                              block, to the same bits (docs/scaling.md)
   run SCENE.json --out DIR --tolerance T
                               the same, its method refined to an error of T; fails if it
                               is not reached
@@ -61,6 +65,9 @@ const OF_VERIFICATION: [&str; 7] =
 /// Asks a benchmark to be kept.
 const RECORD: &str = "--record";
 
+/// Asks for ranks of MPI.
+const MPI: &str = "--mpi";
+
 /// Exit code for a command line that means nothing.
 const USAGE: u8 = 2;
 
@@ -82,6 +89,13 @@ fn main() -> ExitCode {
             }
             start(Command::new(binary("debug")).arg(command).args(rest))
         }
+        "run" if rest.iter().any(|argument| argument == MPI) => match ranks(rest) {
+            Ok((n_ranks, rest)) => run_on_ranks(n_ranks, &rest),
+            Err(error) => {
+                say(&format!("error: {error}\n"));
+                ExitCode::from(USAGE)
+            }
+        },
         command if OF_VERIFICATION.contains(&command) => {
             if !binary("release").exists() {
                 say("building verification (release); the first time takes a few minutes ...\n");
@@ -102,6 +116,33 @@ fn main() -> ExitCode {
 fn verification_arguments(command: &str, rest: &[String]) -> Vec<String> {
     let start = ["run", "--release", "--quiet", "--package", "verification", "--", command];
     start.into_iter().map(str::to_owned).chain(rest.iter().cloned()).collect()
+}
+
+/// The number behind `--mpi`, and the arguments without both.
+fn ranks(rest: &[String]) -> Result<(NonZeroUsize, Vec<String>), String> {
+    let at = rest.iter().position(|argument| argument == MPI).unwrap_or(rest.len());
+    let number = rest.get(at + 1).ok_or("--mpi needs a number of ranks, e.g. --mpi 2")?;
+    let n_ranks =
+        number.parse().map_err(|_| format!("--mpi {number}: a number from 1 on is needed"))?;
+    Ok((n_ranks, [&rest[..at], &rest[at + 2..]].concat()))
+}
+
+/// Builds with MPI and starts so many ranks, on the machines that mpirun is set up for.
+fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
+    let mpirun = || Command::new("mpirun");
+    if !mpirun().arg("--version").stdout(Stdio::null()).status().is_ok_and(|it| it.success()) {
+        say(
+            "error: cannot start mpirun: install an MPI (Debian: libopenmpi-dev openmpi-bin libclang-dev)\n",
+        );
+        return ExitCode::FAILURE;
+    }
+    say("building verification with MPI (release); the first time takes a few minutes ...\n");
+    let build = ["build", "--release", "--quiet", "--package", "verification", "--features", "mpi"];
+    let built = start(cargo().args(build));
+    if built != ExitCode::SUCCESS {
+        return built;
+    }
+    start(mpirun().args(["-n", &n_ranks.to_string()]).arg(binary("release")).arg("run").args(rest))
 }
 
 fn bench_arguments(rest: &[String]) -> Vec<String> {
@@ -177,6 +218,15 @@ mod tests {
         let expected =
             words("run --release --quiet --package verification -- verify fpk-sph --quick");
         assert_eq!(verification_arguments("verify", &words("fpk-sph --quick")), expected);
+    }
+
+    #[test]
+    fn ranks_are_a_number_behind_their_flag() {
+        let (n_ranks, rest) = ranks(&words("a.json --mpi 4 --out b")).unwrap();
+        assert_eq!((n_ranks.get(), rest), (4, words("a.json --out b")));
+        for wrong in ["a.json --mpi", "--mpi 0 a.json", "--mpi two a.json"] {
+            assert!(ranks(&words(wrong)).unwrap_err().contains("--mpi"), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,14 +1,13 @@
 //! What is claimed of runs that were killed, were shorter, or were divided: that they come to the same bits.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use sde_integrators::{Noise, Purpose};
-use serde_json::{Value, json};
 
+use super::runs::{Change, Scene, finish, outcome, piped, scenes, started};
 use crate::case::{Case, CaseError, Context, Profile};
 use crate::claim::{Criterion, Measured, Reference, Subject};
 use crate::report::{Claim, ErrorKind};
@@ -26,82 +25,6 @@ const fn n_kills(profile: Profile) -> u32 {
     match profile {
         Profile::Quick | Profile::Default => 1,
         Profile::Full => 13,
-    }
-}
-
-/// A built-in scene, made smaller.
-struct Scene {
-    name: &'static str,
-    text: &'static str,
-    /// JSON pointers and what stands there instead.
-    changes: Vec<Change>,
-    /// What makes it shorter, where a longer run goes on from a shorter one.
-    shorter: Option<Change>,
-    /// Whether it can be divided.
-    shards: bool,
-}
-
-type Change = (&'static str, Value);
-
-fn scenes() -> Vec<Scene> {
-    let damper = include_str!("../../scenes/fpk/viscous_damper.json");
-    let sampled =
-        json!({ "paths": 300_000, "step": 0.02, "integrator": "strang_oscillator", "seed": 7 });
-    let judge = json!({ "samples": 400, "seed": 7, "control": false });
-    vec![
-        Scene {
-            name: "density",
-            text: damper,
-            changes: vec![
-                ("/times", json!({ "until": 5, "every": 0.1 })),
-                ("/planes", json!({ "states": [["q", "v"]], "times": [1, 2] })),
-                ("/cloud", json!({ "every_observations": 10 })),
-            ],
-            shorter: Some(("/times/until", json!(3))),
-            shards: false,
-        },
-        Scene {
-            name: "paths",
-            text: damper,
-            changes: vec![("/method", json!({ "monte_carlo": sampled }))],
-            shorter: None,
-            shards: true,
-        },
-        Scene {
-            name: "samples-of-a-plate",
-            text: include_str!("../../scenes/smpm/plate_impact.json"),
-            changes: vec![("/method", json!({ "monte_carlo": judge }))],
-            shorter: Some(("/method/monte_carlo/samples", json!(150))),
-            shards: true,
-        },
-        Scene {
-            name: "cracks",
-            text: include_str!("../../scenes/peridyn/notched_plate_ensemble.json"),
-            changes: vec![
-                ("/ensemble/realisations", json!(32)),
-                ("/time/steps", json!(600)),
-                ("/output/vtu", json!([0, 12])),
-            ],
-            shorter: Some(("/ensemble/realisations", json!(20))),
-            shards: true,
-        },
-    ]
-}
-
-impl Scene {
-    /// The scene, with one more change, as a file in a folder.
-    fn write(&self, folder: &Path, more: Option<&Change>) -> Result<PathBuf, CaseError> {
-        let mut scene: Value = serde_json::from_str(self.text)?;
-        for (pointer, value) in self.changes.iter().chain(more) {
-            let (parent, key) = pointer.rsplit_once('/').ok_or("a pointer without a key")?;
-            let object = scene.pointer_mut(parent).and_then(Value::as_object_mut);
-            let object = object.ok_or_else(|| format!("no object at {parent}"))?;
-            object.insert(key.into(), value.clone());
-        }
-        let end = if more.is_some() { "-shorter" } else { "" };
-        let path = folder.join(format!("{}{end}.json", self.name));
-        crate::output::write_json(&path, &scene)?;
-        Ok(path)
     }
 }
 
@@ -232,25 +155,6 @@ impl Undisturbed<'_> {
     }
 }
 
-/// This program, at a scene.
-fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
-    let mut command = Command::new(std::env::current_exe()?);
-    command.arg("run").arg(scene).arg("--out").arg(out);
-    command.args(["--checkpoint-every", "0"]).args(more);
-    piped(command)
-}
-
-fn piped(mut command: Command) -> Result<Child, CaseError> {
-    Ok(command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
-}
-
-/// Waits for the end of a run and gives what it has told.
-fn finish(child: Child) -> Result<String, CaseError> {
-    let output = child.wait_with_output()?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    if output.status.success() { Ok(told) } else { Err(told.into()) }
-}
-
 /// Whether a run that would start anew over a checkpoint is not run, and says what to do.
 fn is_refused(scene: &Path, out: &Path) -> Result<bool, CaseError> {
     let output = started(scene, out, &[])?.wait_with_output()?;
@@ -285,53 +189,4 @@ fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> Result<(), CaseE
         }
     }
     Err(format!("a run ended {TRIES} times before it could be killed").into())
-}
-
-/// All numbers and words of a result, without those of the machine and the clock, and its files of series by their bytes.
-fn outcome(folder: &Path) -> Result<BTreeSet<String>, CaseError> {
-    let text = std::fs::read_to_string(folder.join("result.json"))?;
-    let mut result: Value = serde_json::from_str(&text)?;
-    for (parent, key) in [("", "machine"), ("", "commit"), ("/work", "cpu_seconds")] {
-        if let Some(object) = result.pointer_mut(parent).and_then(Value::as_object_mut) {
-            object.remove(key);
-        }
-    }
-    let mut entries = BTreeSet::new();
-    flatten(&result, &mut String::new(), &mut entries);
-    for series in ["cloud", "fields"].map(|name| folder.join(name)) {
-        if !series.exists() {
-            continue;
-        }
-        for file in std::fs::read_dir(series)? {
-            let path = file?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            entries.insert(format!("{name} {:?}", std::fs::read(&path)?));
-        }
-    }
-    Ok(entries)
-}
-
-/// `path value` for every leaf.
-fn flatten(value: &Value, path: &mut String, entries: &mut BTreeSet<String>) {
-    let length = path.len();
-    match value {
-        Value::Object(object) => {
-            for (key, value) in object {
-                // A string takes what is written to it.
-                let _ = write!(path, ".{key}");
-                flatten(value, path, entries);
-                path.truncate(length);
-            }
-        }
-        Value::Array(array) => {
-            for (i, value) in array.iter().enumerate() {
-                let _ = write!(path, "[{i}]");
-                flatten(value, path, entries);
-                path.truncate(length);
-            }
-        }
-        leaf => {
-            entries.insert(format!("{path} {leaf}"));
-        }
-    }
 }

@@ -12,12 +12,13 @@ use crate::markdown::text;
 pub(super) const PAGE: &str = "README.md";
 
 /// The first word of a picture's name, and whose it is.
-const SOLVERS: [(&str, &str); 5] = [
+const SOLVERS: [(&str, &str); 6] = [
     ("fpk", "fpk-sph"),
     ("smpm", "smpm"),
     ("peridyn", "peridyn-sde"),
     ("sde", "sde-integrators"),
     ("kernels", "smoothing-kernels"),
+    ("mpi", "mpi-ensembles"),
 ];
 
 const HEAD: &str = "# Charts\n\nWritten by `cargo xtask chart --record` and `cargo xtask stability --record`, which also write the \

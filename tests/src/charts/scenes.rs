@@ -151,7 +151,7 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
         title: format!("Largest error of the {group}, against cost"),
         subtitle: title.to_owned(),
         x_label: "CPU time of one run, all threads (s)".into(),
-        y_label: format!("largest relative error of the {group}"),
+        y_label: "largest relative error".into(),
         caption: vec![
             format!("At the last time: {shown}."),
             "Errors as `advise` judges them: the run's own, two standard errors of samples, or what other runs contradict it by.".into(),

@@ -8,13 +8,14 @@ use serde::Serialize;
 use super::fpk::{cost_in_seconds, timed};
 use super::smpm::{outcome, table};
 use crate::case::{CaseError, Context, Profile};
+use crate::causes::with_causes;
 use crate::chart::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::{ChartKind, Drawing};
 use crate::machine::Machine;
 use crate::markdown;
 use crate::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use crate::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
-use crate::stability::{Work, words_of};
+use crate::stability::Work;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-scheme",
@@ -153,7 +154,7 @@ fn measured<T>(
     mut run: impl FnMut() -> Result<T, CaseError>,
 ) -> Result<(Measured, Option<T>), CaseError> {
     let (found, cpu_seconds, cpu_scatter) = timed(LONG, || Ok(run()))?;
-    let failure = found.as_ref().err().map(|error| words_of(error.as_ref()));
+    let failure = found.as_ref().err().map(|error| with_causes(error.as_ref()));
     let scheme = candidate.name();
     let row = Measured {
         scheme,
@@ -183,7 +184,7 @@ fn shock(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, CaseE
                     slope_at_an_instant: at_instant - 1.0,
                 });
             }
-            Err(error) => row.failure = Some(words_of(error.as_ref())),
+            Err(error) => row.failure = Some(with_causes(error.as_ref())),
         }
     }
     Ok(row)

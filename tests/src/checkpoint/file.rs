@@ -1,4 +1,4 @@
-//! One file of a checkpoint: `SPCHECK2`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
+//! One file of a checkpoint: `SPCHECK3`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
 //! before.
 
 use std::fs::File;
@@ -12,7 +12,7 @@ use super::Parts;
 use super::error::{CheckpointError, Reason};
 use crate::scene::NamedFile;
 
-const MAGIC: &[u8; 8] = b"SPCHECK2";
+const MAGIC: &[u8; 8] = b"SPCHECK3";
 /// Magic and length.
 const BEFORE: usize = 16;
 /// The hash.
@@ -25,28 +25,57 @@ pub struct Head {
     simd: String,
     solver: String,
     scene: String,
+    /// `none` where nothing is drawn.
+    seed: String,
     files: Vec<NamedFile>,
 }
 
 impl Head {
     /// Of a scene of a solver, by this version and the instructions of this machine. `scene` is all that the numbers depend on:
-    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one. `files`
-    /// are those that it names.
+    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one. The seed stands
+    /// beside it, to be told by its name; `files` are those that the scene names.
     #[must_use]
-    pub fn new(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
+    pub fn new(
+        solver: &str,
+        scene: &serde_json::Value,
+        seed: Option<u64>,
+        files: &[NamedFile],
+    ) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             simd: sde_integrators::SimdLevel::best().name().to_owned(),
             solver: solver.to_owned(),
             scene: format!("{:016x}", hash(scene.to_string().as_bytes())),
+            seed: seed.map_or_else(|| "none".to_owned(), |seed| seed.to_string()),
             files: files.to_vec(),
         }
     }
 
     /// The same for what is joined from several machines: numbers are the same bits whatever their instructions are.
     #[must_use]
-    pub fn of_shards(solver: &str, scene: &serde_json::Value, files: &[NamedFile]) -> Self {
-        Self { simd: "any".to_owned(), ..Self::new(solver, scene, files) }
+    pub fn of_shards(
+        solver: &str,
+        scene: &serde_json::Value,
+        seed: Option<u64>,
+        files: &[NamedFile],
+    ) -> Self {
+        Self { simd: "any".to_owned(), ..Self::new(solver, scene, seed, files) }
+    }
+
+    /// All that it is told from others by, with the name of each.
+    #[must_use]
+    pub fn fields(&self) -> Vec<(String, String)> {
+        let Self { version, simd, solver, scene, seed, files } = self;
+        let words = [
+            ("version", version),
+            ("solver", solver),
+            ("seed", seed),
+            ("scene (hash)", scene),
+            ("instruction set", simd),
+        ];
+        let words = words.into_iter().map(|(name, value)| (name.to_owned(), value.clone()));
+        let of_file = |file: &NamedFile| (format!("file {}", file.path), file.xxh64.clone());
+        words.chain(files.iter().map(of_file)).collect()
     }
 
     /// The first difference.
@@ -54,6 +83,7 @@ impl Head {
         let fields = [
             ("version", &self.version, &found.version),
             ("solver", &self.solver, &found.solver),
+            ("seed", &self.seed, &found.seed),
             ("scene (hash)", &self.scene, &found.scene),
             ("instruction set", &self.simd, &found.simd),
         ];
@@ -150,6 +180,7 @@ pub(super) fn write(
     head: &Head,
     (sequence, stage): (u64, Stage),
     parts: &Parts,
+    survives: Survives,
 ) -> Result<(), CheckpointError> {
     let body = postcard::to_stdvec(&Content { head, sequence, stage, parts })
         .map_err(|source| CheckpointError::Part { name: "head".to_owned(), source })?;
@@ -159,18 +190,29 @@ pub(super) fn write(
     bytes.extend_from_slice(&body);
     let hash = hash(&bytes);
     bytes.extend_from_slice(&hash.to_le_bytes());
-    replace(path, &bytes).map_err(|source| CheckpointError::Io { path: path.to_owned(), source })
+    replace(path, &bytes, survives)
+        .map_err(|source| CheckpointError::Io { path: path.to_owned(), source })
 }
 
-/// On the disk before it has its name.
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// What a file that was written is there after.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Survives {
+    /// The end of the machine: it is on the disk before it has its name.
+    Machine,
+    /// The end of the process. A machine that ends may leave it cut off, which is found when it is read.
+    Process,
+}
+
+fn replace(path: &Path, bytes: &[u8], survives: Survives) -> io::Result<()> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)?;
     }
     let beside = path.with_extension("tmp");
     let mut file = File::create(&beside)?;
     file.write_all(bytes)?;
-    file.sync_all()?;
+    if survives == Survives::Machine {
+        file.sync_all()?;
+    }
     std::fs::rename(&beside, path)
 }
 

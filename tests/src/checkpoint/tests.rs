@@ -20,7 +20,7 @@ impl Drop for Folder {
 }
 
 fn head(scene: &str) -> Head {
-    Head::new("a-solver", &serde_json::json!({ "what": scene }), &[])
+    Head::new("a-solver", &serde_json::json!({ "what": scene }), None, &[])
 }
 
 fn open(folder: &Folder, start: Start) -> Result<(Checkpoint, Found), CheckpointError> {
@@ -117,7 +117,7 @@ fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
         Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap_err().to_string();
     assert!(error.contains("checkpoint-1.bin is of another scene (hash)"), "{error}");
     std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
-    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK2".as_slice(), &[255; 8]].concat())
+    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK3".as_slice(), &[255; 8]].concat())
         .unwrap();
     let reasons = refusals(open(&folder, Start::GoOn).unwrap_err());
     assert_eq!(reasons[0], Reason::NoCheckpoint);
@@ -133,7 +133,7 @@ fn a_file_of_other_bytes_or_one_that_was_not_there_is_refused_by_its_name() {
             xxh64: xxh64.to_owned(),
         };
         let files: Vec<NamedFile> = files.iter().map(file).collect();
-        Head::new("a-solver", &serde_json::json!({}), &files)
+        Head::new("a-solver", &serde_json::json!({}), None, &files)
     };
     let path = folder.0.join("shard.bin");
     write_file(&path, &head(&[("a.csv", "1"), ("b.csv", "2")]), &7_u64).unwrap();

@@ -1,6 +1,7 @@
 //! The lattice of a scene: where particles start, and when they are laid anew.
 
-use fpk_sph::{Combination, InitialLattice, Method, Remapping, StepRule};
+use fpk_sph::score::Degree;
+use fpk_sph::{Combination, Estimator, InitialLattice, Method, Remapping, StepRule};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,42 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = SchemeScene::RungeKutta4))]
     pub scheme: Option<SchemeScene>,
+    /// The degree of the local polynomials; without it quadratic in the log-density fit, cubic in the flow-map fit, and quadratic there
+    /// too from five states on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degree: Option<DegreeScene>,
+}
+
+/// The degree of a local polynomial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DegreeScene {
+    /// 2.
+    Quadratic,
+    /// 3.
+    Cubic,
+    /// 4.
+    Quartic,
+}
+
+impl DegreeScene {
+    const fn degree(self) -> Degree {
+        match self {
+            Self::Quadratic => Degree::Quadratic,
+            Self::Cubic => Degree::Cubic,
+            Self::Quartic => Degree::Quartic,
+        }
+    }
+
+    /// The estimator with this degree; a sum over a kernel has none.
+    const fn of(self, estimator: Estimator) -> Estimator {
+        let degree = self.degree();
+        match estimator {
+            Estimator::SummationDensity => estimator,
+            Estimator::LogDensityFit { volume, .. } => Estimator::LogDensityFit { volume, degree },
+            Estimator::FlowMapFit { thinnest, .. } => Estimator::FlowMapFit { degree, thinnest },
+        }
+    }
 }
 
 /// When a fresh lattice is laid and what it may change; `{}` takes the measured values.
@@ -53,10 +90,11 @@ impl Default for FreshLatticesScene {
 }
 
 impl LatticeScene {
-    /// The method with the fresh lattices, the steps and the scheme that are asked for.
+    /// The method with the fresh lattices, the steps, the scheme and the degree that are asked for.
     pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
-        let Self { fresh_lattices, steps_per_period, scheme, .. } = self;
-        if fresh_lattices.is_none() && steps_per_period.is_none() && scheme.is_none() {
+        let Self { fresh_lattices, steps_per_period, scheme, degree, .. } = self;
+        let is_plain = fresh_lattices.is_none() && steps_per_period.is_none();
+        if is_plain && scheme.is_none() && degree.is_none() {
             return method;
         }
         let combination = method.combination_in(D);
@@ -68,7 +106,9 @@ impl LatticeScene {
             StepRule::PeriodFraction { steps_per_period }
         });
         let scheme = scheme.map_or(combination.scheme, SchemeScene::scheme);
-        Method::Custom(Combination { remapping, step, scheme, ..combination })
+        let estimator =
+            degree.map_or(combination.estimator, |degree| degree.of(combination.estimator));
+        Method::Custom(Combination { estimator, remapping, step, scheme, ..combination })
     }
 
     /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.

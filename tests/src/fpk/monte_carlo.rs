@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use cpu_time::ProcessTime;
-use sde_integrators::{EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge};
+use sde_integrators::{
+    Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
+    merge_so_far,
+};
 use serde::{Deserialize, Serialize};
 
 use super::density::Asked;
@@ -113,10 +116,14 @@ impl SampledSoFar {
         self.shards.len() as u64
     }
 
-    /// Takes in the shards of another part.
-    pub fn append(&mut self, other: Self) {
-        self.shards.extend(other.shards);
-        self.cpu_seconds += other.cpu_seconds;
+    /// All shards of some parts.
+    pub fn of(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.shards.extend(part.shards);
+            all.cpu_seconds += part.cpu_seconds;
+        }
+        all
     }
 
     /// What all shards have come to.
@@ -125,7 +132,22 @@ impl SampledSoFar {
     /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed; [`PathsError::OtherResults`] for
     /// shards of another question.
     pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
-        let ensemble = merge(&self.shards)?.ensemble()?;
+        self.of_ensemble(asked, &merge(&self.shards)?.ensemble()?)
+    }
+
+    /// What those that there are have come to.
+    ///
+    /// # Errors
+    /// As [`SampledSoFar::run`], but for shards that are missing.
+    pub fn present<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
+        self.of_ensemble(asked, &merge_so_far(&self.shards)?.ensemble()?)
+    }
+
+    fn of_ensemble<const D: usize>(
+        &self,
+        asked: &Asked<D>,
+        ensemble: &Ensemble,
+    ) -> Result<SampledRun, PathsError> {
         let (n_moments, n_thresholds) = (asked.powers.len(), asked.thresholds.len());
         let expected = n_moments + n_thresholds;
         let other = ensemble.estimates.iter().map(Vec::len).find(|&found| found != expected);

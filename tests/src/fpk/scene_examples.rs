@@ -1,6 +1,6 @@
 //! Examples of what no built-in scene shows, for the schema and the page of scenes.
 
-use super::lattice_scene::{FreshLatticesScene, LatticeScene};
+use super::lattice_scene::{DegreeScene, FreshLatticesScene, LatticeScene};
 use super::law_scene::{ComponentScene, LawScene};
 use super::method_scene::{IntegratorScene, MethodScene};
 use super::scheme_scene::SchemeScene;
@@ -94,6 +94,7 @@ pub(super) fn fit() -> MethodScene {
         fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
         steps_per_period: Some(80.0),
         scheme: Some(SchemeScene::Heun),
+        degree: Some(DegreeScene::Quadratic),
     })
 }
 

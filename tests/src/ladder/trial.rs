@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value};
 
 use super::{Answer, Ladder, Method, Rung};
+use crate::causes::with_causes;
 use crate::scene::SceneFile;
 use crate::scenes::{Options, Progress, SceneKind};
 
@@ -166,7 +167,7 @@ pub fn try_scene(
         .and_then(|scene| kind.run_file(&scene, &Options::new(folder.path()), &Progress::silent()));
     Ok(match ran {
         Ok(_) => Outcome::Answered(read_answer(kind, folder.path())?),
-        Err(error) => Outcome::Failed { reason: words(&error) },
+        Err(error) => Outcome::Failed { reason: with_causes(&error) },
     })
 }
 
@@ -184,11 +185,4 @@ pub fn read_answer(kind: &SceneKind, folder: &Path) -> Result<Answer, LadderErro
     let cpu_seconds =
         cost.ok_or_else(|| LadderError::Missing { path: path.clone(), what: COST })?;
     Ok(Answer { cpu_seconds, quantities: (kind.quantities)(&result) })
-}
-
-/// An error with what caused it, on one line.
-fn words(error: &dyn std::error::Error) -> String {
-    let sources = std::iter::successors(error.source(), |error| error.source());
-    let all = std::iter::once(error.to_string()).chain(sources.map(ToString::to_string));
-    all.collect::<Vec<_>>().join(": ")
 }

@@ -143,6 +143,17 @@ pub enum PrecisionScene {
     F32,
 }
 
+impl PrecisionScene {
+    /// Realisations side by side.
+    #[must_use]
+    pub const fn n_lanes(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::F32 => 16,
+        }
+    }
+}
+
 /// What is told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]

@@ -182,13 +182,13 @@ impl CrackProblem {
         mut ended: impl FnMut(&CrackRun) -> Result<(), E>,
     ) -> Result<CrackRun, E> {
         let (study, n, keep) = (self.study(scene), range.end, &scene.output.vtu);
-        let threads = rayon::current_num_threads() as u64;
-        let next = |from: u64| match scene.ensemble.precision {
-            PrecisionScene::F64 => {
-                study.run::<f64, 8>(from..n.min(from + 8 * threads), keep, &|_| ())
-            }
-            PrecisionScene::F32 => {
-                study.run::<f32, 16>(from..n.min(from + 16 * threads), keep, &|_| ())
+        let precision = scene.ensemble.precision;
+        let each = precision.n_lanes() * rayon::current_num_threads() as u64;
+        let next = |from: u64| {
+            let range = from..n.min(from + each);
+            match precision {
+                PrecisionScene::F64 => study.run::<f64, 8>(range, keep, &|_| ()),
+                PrecisionScene::F32 => study.run::<f32, 16>(range, keep, &|_| ()),
             }
         };
         let mut run = match past {

@@ -25,7 +25,7 @@ use crate::fpk::scene_system::{SceneSystem, Visitor};
 use crate::machine::{Machine, commit};
 use crate::output::write_json;
 use crate::scene::SceneFile;
-use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
+use crate::scenes::{Inputs, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
@@ -122,23 +122,25 @@ struct Outcome {
     drawings: Vec<Drawing>,
     /// Files already written.
     files: Vec<PathBuf>,
+    /// The result is that of a shard, or on another rank.
+    is_elsewhere: bool,
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: FpkScene = run.parse(file)?;
     let system = scene.system.build().map_err(RunError::solver)?;
-    let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files } =
+    let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
         if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
             run.progress.stage("Monte Carlo");
             let sampling = Sampling { paths, step, integrator, seed };
             system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
         } else {
             run.no_shards()?;
-            let inputs = &Inputs { scene: &scene, files: &[] };
+            let inputs = &Inputs { scene: &scene, seed: None, files: &[] };
             let checkpoint = run.checkpoint(inputs, &["/title", "/times/until"])?;
             system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
         };
-    if let Part::Shard(_) = run.part() {
+    if is_elsewhere {
         return Ok(files);
     }
     for Unknown { what, reason } in &unknown {
@@ -285,7 +287,7 @@ impl Solved<'_> {
             format!(", {} = {value:.5e}", moment_words(powers, self.system.states()))
         });
         let done = (rows.len() as u64, n_times as u64);
-        self.run.progress.at(done, &format!("t = {:.4}{words}", row.t));
+        self.run.progress.at(done, || format!("t = {:.4}{words}", row.t));
     }
 }
 
@@ -343,7 +345,8 @@ impl Visitor for Solved<'_> {
             cpu_seconds: fine.rows.last().map_or(0.0, |row| row.cpu_seconds),
         };
         let stopped = fine.stopped;
-        Ok(Outcome { work, stopped, unknown, quantities, seed: None, drawings, files })
+        let (seed, is_elsewhere) = (None, false);
+        Ok(Outcome { work, stopped, unknown, quantities, seed, drawings, files, is_elsewhere })
     }
 }
 

@@ -12,6 +12,8 @@ use crate::scene::NamedFile;
 pub struct Inputs<'a, T> {
     /// The scene as it was understood.
     pub scene: &'a T,
+    /// The seed of what it draws.
+    pub seed: Option<u64>,
     /// The files that it names, all of them.
     pub files: &'a [NamedFile],
 }
@@ -44,7 +46,7 @@ impl Run<'_> {
         if let (Part::Shard(place), Some(identity)) = (self.part(), identity.as_object_mut()) {
             identity.insert("shard".to_owned(), place.to_string().into());
         }
-        let head = Head::new(self.solver, &identity, inputs.files);
+        let head = Head::new(self.solver, &identity, inputs.seed, inputs.files);
         let start = self.options.start;
         let (checkpoint, found) =
             Checkpoint::open(self.out(), head, start, self.options.checkpoint_every)?;
@@ -67,6 +69,13 @@ impl Run<'_> {
 
     /// Whose the files of shards are.
     pub(super) fn shard_head(&self, inputs: &Inputs<'_, impl Serialize>) -> Result<Head, RunError> {
-        Ok(Head::of_shards(self.solver, &inputs.identity(&["/title"])?, inputs.files))
+        let identity = inputs.identity(&["/title"])?;
+        Ok(Head::of_shards(self.solver, &identity, inputs.seed, inputs.files))
+    }
+
+    /// Whose blocks are: the instructions of all ranks must be the same.
+    pub(super) fn block_head(&self, inputs: &Inputs<'_, impl Serialize>) -> Result<Head, RunError> {
+        let identity = inputs.identity(&["/title"])?;
+        Ok(Head::new(self.solver, &identity, inputs.seed, inputs.files))
     }
 }

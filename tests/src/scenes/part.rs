@@ -125,12 +125,13 @@ impl Run<'_> {
         }
     }
 
-    /// Refuses shards, for a method that has none.
+    /// Refuses shards, and ranks that would share them, for a method that has none.
     ///
     /// # Errors
     /// [`RunError::NoShards`].
     pub fn no_shards(&self) -> Result<(), RunError> {
-        if self.options.part == Part::Whole { Ok(()) } else { Err(RunError::NoShards) }
+        let is_whole = self.options.part == Part::Whole && self.ranks.is_none();
+        if is_whole { Ok(()) } else { Err(RunError::NoShards) }
     }
 
     /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene and files it is.

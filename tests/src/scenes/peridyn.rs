@@ -10,6 +10,7 @@ mod tests;
 
 use std::path::PathBuf;
 
+use mpi_ensembles::Ranks;
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use sde_integrators::{Accumulator, Noise};
@@ -18,10 +19,10 @@ use self::record::{Record, RunResult, WorkRecord};
 use crate::machine::{Machine, commit};
 use crate::number::with_uncertainty;
 use crate::output::write_json;
-use crate::peridyn::scene::CrackScene;
+use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::SceneFile;
-use crate::scenes::{Inputs, Part, Run, RunError, SceneKind};
+use crate::scenes::{Cut, Inputs, Part, Run, RunError, SceneKind};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "peridyn-sde",
@@ -73,14 +74,19 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = run.parse(file)?;
     let problem =
         CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
-    let inputs = &Inputs { scene: &scene, files: &problem.files };
-    let (crack_run, cpu_seconds) = match run.part() {
-        Part::Whole => realisations(inputs, &problem, run)?,
-        Part::Shard(place) => {
+    let seed = Some(scene.ensemble.seed);
+    let inputs = &Inputs { scene: &scene, seed, files: &problem.files };
+    let (crack_run, cpu_seconds) = match (run.part(), run.ranks()) {
+        (Part::Merged(files), _) => joined(run.read_shards(inputs, files)?)?,
+        (_, Some(ranks)) => match on_ranks(ranks, inputs, &problem, run)? {
+            Some(parts) => joined(parts)?,
+            None => return Ok(Vec::new()),
+        },
+        (Part::Whole, None) => realisations(inputs, &problem, run)?,
+        (Part::Shard(place), None) => {
             let shard = realisations(inputs, &problem, run)?;
             return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
         }
-        Part::Merged(files) => joined(run.read_shards(inputs, files)?)?,
     };
     write(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
@@ -99,6 +105,24 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
         cpu_seconds += seconds;
     }
     Ok((all, cpu_seconds))
+}
+
+/// All realisations, as many in a block as move side by side in a register.
+fn on_ranks(
+    ranks: &dyn Ranks,
+    inputs: &Inputs<'_, CrackScene>,
+    problem: &CrackProblem,
+    run: &Run<'_>,
+) -> Result<Option<Vec<Ended>>, RunError> {
+    let EnsembleScene { realisations: n, precision, .. } = inputs.scene.ensemble;
+    let blocks = Cut { n, unit: precision.n_lanes() };
+    let compute = |block: u64| {
+        let clock = cpu_time::ProcessTime::now();
+        let ended = problem.run(inputs.scene, blocks.range(block), None, |_| Ok::<_, RunError>(()));
+        Ok((ended?, clock.elapsed().as_secs_f64()))
+    };
+    let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
+    run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)
 }
 
 /// All realisations that are to be run, those of a checkpoint among them.
@@ -127,7 +151,7 @@ fn realisations(
     let seconds = || past_seconds.unwrap_or(0.0) + clock.elapsed().as_secs_f64();
     let ended = problem.run(scene, range, past, |so_far| {
         let done = so_far.records.len() as u64;
-        run.progress.at((done, asked), &load_words(so_far));
+        run.progress.at((done, asked), || load_words([so_far]));
         if done == asked || checkpoint.is_due() {
             checkpoint.keep(ENDED, &(so_far, seconds()))?;
         }
@@ -137,9 +161,10 @@ fn realisations(
 }
 
 /// The failure load so far, with its standard error.
-fn load_words(run: &CrackRun) -> String {
+fn load_words<'a>(runs: impl IntoIterator<Item = &'a CrackRun>) -> String {
     let mut loads = Accumulator::default();
-    for load in run.records.iter().filter_map(|record| record.failure_load) {
+    let records = runs.into_iter().flat_map(|run| &run.records);
+    for load in records.filter_map(|record| record.failure_load) {
         loads.push(load);
     }
     let Ok(load) = loads.estimate() else { return String::new() };

@@ -59,19 +59,19 @@ impl Progress {
         }
     }
 
-    /// How much of the stage is done, and what is known so far: an estimate with its error.
-    pub fn at(&self, (done, all): (u64, u64), estimate: &str) {
+    /// How much of the stage is done, and what is known so far: an estimate with its error, which is asked for where it is shown.
+    pub fn at(&self, (done, all): (u64, u64), estimate: impl FnOnce() -> String) {
         match self.show {
             Show::Bar => {
                 self.bar.set_length(all);
                 self.bar.set_position(done);
-                self.bar.set_message(estimate.to_owned());
+                self.bar.set_message(estimate());
             }
             Show::Lines => {
                 let mut last = self.last_line.lock().unwrap_or_else(PoisonError::into_inner);
                 if done == all || last.is_none_or(|last| last.elapsed() >= LINES_EVERY) {
                     *last = Some(Instant::now());
-                    line(&format!("[{done}/{all}] {estimate}"));
+                    line(&format!("[{done}/{all}] {}", estimate()));
                 }
             }
             Show::Nothing => {}

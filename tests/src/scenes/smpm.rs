@@ -110,6 +110,7 @@ fn run_in<const D: usize>(
     let answer = match answer {
         Ok(Solved::Whole(answer)) => answer,
         Ok(Solved::Shard(file)) => return Ok(vec![file]),
+        Ok(Solved::Elsewhere) => return Ok(Vec::new()),
         Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
         Err(SolveError::Run(error)) => return Err(error),
     };

@@ -11,15 +11,15 @@ pub(crate) mod z;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::words_of;
 use crate::case::CaseError;
+use crate::causes::with_causes;
 use crate::chart::CurvePoint;
 
 /// A point of a curve, or why there is none.
 fn point(x: f64, found: Result<f64, CaseError>) -> CurvePoint {
     match found {
         Ok(y) => CurvePoint::at(x, y),
-        Err(error) => CurvePoint::ended(x, words_of(error.as_ref())),
+        Err(error) => CurvePoint::ended(x, with_causes(error.as_ref())),
     }
 }
 

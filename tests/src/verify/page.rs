@@ -54,6 +54,7 @@ fn case_value(index: usize, case: &CaseRecord, charts: &[InlineChart]) -> Value 
         failed => case.claims.iter().filter(|claim| !claim.passed).count(),
         claims => claims,
         charts => charts,
+        skipped => &case.skipped,
     }
 }
 
@@ -104,12 +105,14 @@ mod tests {
                 claim("bad", 1.5),
                 Claim::case_error("self-check/page", "stopped"),
             ],
+            skipped: vec!["ranks: no <MPI>".into()],
         };
         let report = Report::new(Profile::Quick, Machine::read(), vec![case]);
         let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>".to_owned();
         let chart = InlineChart { case_id: "self-check/page".into(), title: "moments".into(), svg };
         let page = render_page(&report, &[chart]).unwrap();
         for expected in [
+            "<strong>Skipped</strong> ranks: no &lt;MPI&gt;",
             "1 passed",
             "2 failed",
             "a page &amp; its &lt;claims&gt;",
@@ -147,6 +150,7 @@ mod tests {
             seconds: 1.23,
             cpu_seconds: 2.1,
             claims: claims(id).into_iter().chain(extra).collect(),
+            skipped: Vec::new(),
         };
         let failed = Claim::case_error(
             "self-check/damper",

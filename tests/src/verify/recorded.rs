@@ -111,7 +111,17 @@ fn section(case: &CaseRecord, profile: Profile) -> String {
     let left_out = left_out.map_or_else(String::new, |left_out| {
         format!("\n{left_out}: `cargo xtask verify {}{flag} --json FILE` has all.\n", case.id)
     });
-    [heading, table, left_out, numbered("By", &methods), numbered("Why", &reasons)].concat()
+    let skipped: Vec<String> =
+        case.skipped.iter().map(|what| format!("\nSkipped {}.\n", text(what))).collect();
+    [
+        heading,
+        table,
+        left_out,
+        skipped.concat(),
+        numbered("By", &methods),
+        numbered("Why", &reasons),
+    ]
+    .concat()
 }
 
 /// A list to which a column of the table refers.

@@ -11,7 +11,8 @@ use cpu_time::ProcessTime;
 use super::progress::Progress;
 use super::select::well_formed;
 use super::table::{Style, write_case, write_header};
-use crate::case::{Case, CaseError, Context, InlineChart, Profile, Shared};
+use crate::case::{Case, Context, InlineChart, Profile, Shared};
+use crate::causes::with_causes;
 use crate::machine::Machine;
 use crate::report::{CaseRecord, Claim, Report};
 
@@ -65,7 +66,7 @@ fn run_case(case: &Case, context: &Context<'_>, seen: &mut BTreeSet<String>) -> 
             vec![Claim::case_error(case.id, "the case claims nothing")]
         }
         Ok(Ok(claims)) => claims,
-        Ok(Err(error)) => vec![Claim::case_error(case.id, &chain(&error))],
+        Ok(Err(error)) => vec![Claim::case_error(case.id, &with_causes(error.as_ref()))],
         Err(panic) => {
             vec![Claim::case_error(case.id, &format!("panicked: {}", panic_message(&*panic)))]
         }
@@ -82,6 +83,7 @@ fn run_case(case: &Case, context: &Context<'_>, seen: &mut BTreeSet<String>) -> 
         seconds,
         cpu_seconds,
         claims,
+        skipped: context.take_skipped(),
     }
 }
 
@@ -96,21 +98,6 @@ fn fault_of_id(id: &str, case_id: &str, seen: &mut BTreeSet<String>) -> Option<S
     (!seen.insert(id.to_owned())).then(|| format!("the claim id `{id}` is given twice"))
 }
 
-/// An error with all it stems from.
-fn chain(error: &CaseError) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        let cause_text = cause.to_string();
-        // A transparent error repeats its cause word for word.
-        if !text.ends_with(&cause_text) {
-            text = format!("{text}: {cause_text}");
-        }
-        source = cause.source();
-    }
-    text
-}
-
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
@@ -120,6 +107,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::case::CaseError;
     use crate::claim::{Criterion, Measured, Reference};
     use crate::report::ErrorKind;
 

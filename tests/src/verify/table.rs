@@ -93,6 +93,9 @@ pub(super) fn write_case(
     for claim in case.claims.iter().filter(|claim| is_case_error(claim)) {
         writeln!(output, "  {}", claim.reason)?;
     }
+    for skipped in &case.skipped {
+        writeln!(output, "  SKIPPED {skipped}")?;
+    }
     writeln!(output)
 }
 

@@ -27,7 +27,9 @@ pub(super) fn deny(_: &Surroundings) -> Plan {
 }
 
 pub(super) fn features(surroundings: &Surroundings) -> Plan {
-    start("cargo hack check --feature-powerset --no-dev-deps", &packages(&surroundings.crates))
+    // MPI need not be there.
+    let command = "cargo hack check --feature-powerset --exclude-features mpi --no-dev-deps";
+    start(command, &packages(&surroundings.crates))
 }
 
 pub(super) fn semver(surroundings: &Surroundings) -> Plan {
@@ -118,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_feature_matrix_is_of_the_crates_that_are_there() {
-        let expected = "cargo hack check --feature-powerset --no-dev-deps --package smpm";
+        let expected = "cargo hack check --feature-powerset --exclude-features mpi --no-dev-deps --package smpm";
         assert_eq!(features(&surroundings()), plan(expected));
     }
 

@@ -10,7 +10,10 @@ type Scene = Map<String, Value>;
 /// Intervals along a length, at the least, of a lattice that has lost states: 21 particles across resolve a density in two and three.
 const INTERVALS: f64 = 20.0;
 
-/// Dampers, hysteresis, cubic springs, filters of the noise, its window, fresh lattices.
+/// States from which on the flow-map fit is quadratic by itself.
+const QUADRATIC_FROM: usize = 5;
+
+/// Dampers, hysteresis, cubic springs, filters of the noise, its window, fresh lattices, the highest terms of the fit.
 pub(super) fn ingredients(scene: &Scene) -> Vec<Ingredient> {
     let all = [
         ingredient("the filter of the ground", unfiltered(scene))
@@ -19,6 +22,7 @@ pub(super) fn ingredients(scene: &Scene) -> Vec<Ingredient> {
         ingredient("the dampers", undamped_storeys(scene)),
         ingredient("the window of the noise", stationary(scene)),
         ingredient("fresh lattices", without_fresh_lattices(scene)),
+        ingredient("the cubic terms of the fit", of_lower_degree(scene)),
     ];
     all.into_iter().flatten().collect()
 }
@@ -142,6 +146,17 @@ fn without_fresh_lattices(scene: &Scene) -> Option<Scene> {
     without(scene, &format!("/method/{method}"), "fresh_lattices")
 }
 
+/// The flow map fitted by quadratic polynomials, where it is by cubic ones; the log-density fit has no lower degree.
+fn of_lower_degree(scene: &Scene) -> Option<Scene> {
+    let n_states = scene.get("moments")?.as_array()?.first()?.as_array()?.len();
+    let mut fit = scene.get("method")?.get("flow_map_fit")?.as_object()?.clone();
+    if fit.contains_key("degree") || n_states >= QUADRATIC_FROM {
+        return None;
+    }
+    fit.insert("degree".to_owned(), json!("quadratic"));
+    with(scene, "/method/flow_map_fit", Value::Object(fit))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,7 +191,7 @@ mod tests {
         let storeys = names(include_str!("../../../scenes/fpk/two_storey.json"));
         assert_eq!(storeys[0], ("the dampers".to_owned(), 0));
         let duffing = names(include_str!("../../../scenes/fpk/duffing.json"));
-        let expected = [("the cubic spring".to_owned(), 0), ("fresh lattices".to_owned(), 0)];
-        assert_eq!(duffing, expected);
+        let expected = ["the cubic spring", "fresh lattices", "the cubic terms of the fit"];
+        assert_eq!(duffing, expected.map(|name| (name.to_owned(), 0)));
     }
 }

@@ -92,6 +92,7 @@ fn default_lattice(states: usize) -> LatticeScene {
         fresh_lattices: None,
         steps_per_period: None,
         scheme: None,
+        degree: None,
     };
     if states <= 2 {
         lattice.count = Some(vec![21; states]);

@@ -5,11 +5,13 @@ use sde_integrators::{Estimate, Uncertainty};
 use super::{
     ErrorOrigin, Observed, Outcome, Series, WorkRecord, asked, law, moment_id, moment_words,
 };
-use crate::fpk::monte_carlo::{self, SampledSoFar, Sampling};
+use crate::fpk::density::Asked;
+use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::scene_system::{SceneSystem, Visitor};
-use crate::scenes::{Inputs, Part, Run, RunError};
+use crate::number::with_uncertainty;
+use crate::scenes::{Cut, Inputs, Part, Run, RunError};
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
@@ -21,6 +23,8 @@ pub(super) struct Sampled<'a> {
 
 /// Paths of one shard, about: enough for every thread to have some of its blocks.
 const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
+/// Paths of a block of a rank: a quarter of a second of the damper, beside which the tables of its steps, made for each block, cost little.
+const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 /// What a checkpoint calls the shards that are done.
 const SHARDS: &str = "shards";
 
@@ -29,17 +33,27 @@ impl Visitor for Sampled<'_> {
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
         let Self { scene, system: named, sampling, run } = self;
-        let inputs = &Inputs { scene, files: &[] };
+        let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
-        let so_far = match run.part() {
-            Part::Merged(files) => {
-                let mut all = SampledSoFar::default();
-                for shard in run.read_shards(inputs, files)? {
-                    all.append(shard);
+        let so_far = match (run.part(), run.ranks()) {
+            (Part::Merged(files), _) => SampledSoFar::of(run.read_shards(inputs, files)?),
+            (_, Some(ranks)) => {
+                let blocks = Cut { n: sampling.paths, unit: PATHS_OF_BLOCK };
+                let n = blocks.n_blocks();
+                let compute = |block: u64| {
+                    let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
+                    let look = |_: &SampledSoFar| Ok::<(), RunError>(());
+                    monte_carlo::sample(system, &law, &sampling, &asked, shards, none, look)
+                };
+                let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
+                    words(scene, named, &asked, &SampledSoFar::of(parts.cloned()))
+                };
+                match run.on_ranks(ranks, inputs, n, compute, tell)? {
+                    Some(parts) => SampledSoFar::of(parts),
+                    None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
                 }
-                all
             }
-            Part::Whole | Part::Shard(_) => {
+            (Part::Whole | Part::Shard(_), None) => {
                 let checkpoint = run.checkpoint(inputs, &["/title"])?;
                 let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
                 // Shards that are run apart are whole numbers of those that are run one after the other.
@@ -52,7 +66,7 @@ impl Visitor for Sampled<'_> {
                 let n = range.end - range.start;
                 let shards = (range, n_shards);
                 monte_carlo::sample(system, &law, &sampling, &asked, shards, past, |so_far| {
-                    run.progress.at((so_far.n_shards(), n), "shards of paths");
+                    run.progress.at((so_far.n_shards(), n), || words(scene, named, &asked, so_far));
                     if so_far.n_shards() == n || checkpoint.is_due() {
                         checkpoint.keep(SHARDS, so_far)?;
                     }
@@ -62,10 +76,10 @@ impl Visitor for Sampled<'_> {
         };
         if let Part::Shard(place) = run.part() {
             let files = vec![run.write_shard(inputs, *place, &so_far)?];
-            return Ok(Outcome { files, ..Outcome::default() });
+            return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
         }
         let run = so_far.run(&asked)?;
-        let values = |pick: &dyn Fn(&monte_carlo::SampledRow) -> Estimate| -> Vec<Observed> {
+        let values = |pick: &dyn Fn(&SampledRow) -> Estimate| -> Vec<Observed> {
             run.rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
         };
         let series = |id, quantity, values| Series { id, quantity, unit: "", values };
@@ -85,6 +99,30 @@ impl Visitor for Sampled<'_> {
             ..WorkRecord::default()
         };
         Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
+    }
+}
+
+/// The first moment that the scene asks for, or else the first exceedance, at the last time: its estimate so far.
+fn words<const D: usize>(
+    scene: &FpkScene,
+    system: &SceneSystem,
+    asked: &Asked<D>,
+    so_far: &SampledSoFar,
+) -> String {
+    let present = so_far.present(asked).ok().and_then(|mut run| run.rows.pop());
+    let Some(SampledRow { moments, exceedances, .. }) = present else { return String::new() };
+    let told = |name: String, estimate: &Estimate| {
+        let value = with_uncertainty(Some(estimate.value), estimate.standard_error());
+        format!("shards of paths, {name} = {value}")
+    };
+    let moment = scene.moments.first().zip(moments.first());
+    let exceedance = scene.thresholds.first().zip(exceedances.first());
+    match (moment, exceedance) {
+        (Some((powers, value)), _) => told(moment_words(powers, system.states()), value),
+        (None, Some((threshold, value))) => {
+            told(format!("P(|{}| > {threshold})", asked.demand.name), value)
+        }
+        (None, None) => "shards of paths".to_owned(),
     }
 }
 

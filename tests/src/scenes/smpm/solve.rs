@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
+use sde_integrators::Accumulator;
 use serde::Serialize;
 use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
@@ -11,7 +12,7 @@ use smpm::{Error, Plan, Simulation, Window};
 use super::fields::Fields;
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::number::with_uncertainty;
-use crate::scenes::{Inputs, Part, Run, RunError};
+use crate::scenes::{Cut, Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
@@ -22,6 +23,8 @@ pub(super) enum Solved {
     Whole(Answer),
     /// The file of a shard.
     Shard(PathBuf),
+    /// Another rank has the result.
+    Elsewhere,
 }
 
 /// What came of a scene.
@@ -105,7 +108,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
     run.progress.stage("mean run");
     let study = Study::<_, D, N>::new(experiment, inputs, plan.clone())?;
     let table = Table { scene, plan, centre: study.centre() };
-    let (mut failures, mut n_runs) = (Vec::new(), 1);
+    let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
     let responses = match scene.method {
         MethodScene::Deterministic => {
             fields.of_numbers(&study)?;
@@ -148,17 +151,21 @@ pub(super) fn solve<const D: usize, const N: usize>(
         }
         MethodScene::MonteCarlo { samples, seed, control } => {
             n_runs += samples + u64::from(control);
+            run.progress.stage("samples");
+            let judge = MonteCarlo { seed, n_samples: samples };
+            let sampled = match sampled(&study, judge, scene, run)? {
+                Samples::All(sampled, elsewhere) => {
+                    seconds_elsewhere = elsewhere;
+                    sampled
+                }
+                Samples::Shard(file) => return Ok(Solved::Shard(file)),
+                Samples::Elsewhere => return Ok(Solved::Elsewhere),
+            };
             let surrogate = if control {
                 run.progress.stage("run with derivatives, for the control variate");
                 Some(study.propagated()?)
             } else {
                 None
-            };
-            run.progress.stage("samples");
-            let judge = MonteCarlo { seed, n_samples: samples };
-            let sampled = match sampled(&study, judge, scene, run)? {
-                Ok(sampled) => sampled,
-                Err(file) => return Ok(Solved::Shard(file)),
             };
             failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
             table.each(|i, response| {
@@ -180,7 +187,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             })?
         }
     };
-    let cpu_seconds = clock.elapsed().as_secs_f64();
+    let cpu_seconds = clock.elapsed().as_secs_f64() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
 }
@@ -210,41 +217,79 @@ impl From<RunError> for SolveError {
 const SAMPLES: &str = "samples";
 /// What samples do not depend on.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+/// Samples of a block of a rank.
+const SAMPLES_OF_BLOCK: u64 = 4;
 /// Samples of a thread between two looks.
 const SAMPLES_OF_THREAD: usize = 4;
 
-/// All samples that are to be run, those of a checkpoint among them, or those of shards. `None` for a shard, which leaves a file.
+/// What came of the samples that were to be run.
+enum Samples<const N: usize> {
+    /// All, and the CPU time that went into them on other ranks or before (s).
+    All(Sampled<N>, f64),
+    /// The file of a shard.
+    Shard(PathBuf),
+    /// Another rank has them.
+    Elsewhere,
+}
+
+/// All samples that are to be run, those of a checkpoint among them, or those of shards or of the blocks of ranks.
 fn sampled<const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
     judge: MonteCarlo,
     scene: &SmpmScene,
     run: &Run<'_>,
-) -> Result<Result<Sampled<N>, PathBuf>, RunError> {
-    let inputs = &Inputs { scene, files: &[] };
+) -> Result<Samples<N>, RunError> {
+    let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let range = run.range(judge.n_samples);
-    if let Part::Merged(files) = run.part() {
-        let shards: Vec<Responses> = run.read_shards(inputs, files)?;
-        let known: Responses = shards.into_iter().flatten().collect();
+    let joined = |known: Responses, seconds: f64| {
         for responses in known.values() {
             Run::require("responses", responses.len(), study.plan().n_responses())?;
         }
-        return study.monte_carlo_from(judge, range, &known, each, |_, _| Ok(())).map(Ok);
+        let all = study
+            .monte_carlo_from(judge, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
+        Ok(Samples::All(all, seconds))
+    };
+    if let Part::Merged(files) = run.part() {
+        let shards: Vec<Responses> = run.read_shards(inputs, files)?;
+        return joined(shards.into_iter().flatten().collect(), 0.0);
+    }
+    if let Some(ranks) = run.ranks() {
+        let blocks = Cut { n: judge.n_samples, unit: SAMPLES_OF_BLOCK };
+        // The clock of this process counts its own blocks.
+        let is_here = ranks.rank() == 0;
+        let compute = |block: u64| {
+            let (clock, none) = (cpu_time::ProcessTime::now(), Responses::new());
+            let look = |_: &Sampled<N>, _: u64| Ok::<(), RunError>(());
+            let of_block = study.monte_carlo_from(judge, blocks.range(block), &none, each, look)?;
+            let seconds = if is_here { 0.0 } else { clock.elapsed().as_secs_f64() };
+            Ok((of_block.responses(), seconds))
+        };
+        let words = |parts: &mut dyn Iterator<Item = &(Responses, f64)>| {
+            words(study, parts.flat_map(|(responses, _)| responses.values()))
+        };
+        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)? else {
+            return Ok(Samples::Elsewhere);
+        };
+        let seconds = parts.iter().map(|(_, seconds)| seconds).sum();
+        return joined(parts.into_iter().flat_map(|(responses, _)| responses).collect(), seconds);
     }
     let checkpoint = run.checkpoint(inputs, &ASIDE)?;
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
-    let sampled = study.monte_carlo_from(judge, range, &known, each, |so_far, tried| {
-        run.progress.at((tried, n), &words(study, so_far));
+    let sampled = study.monte_carlo_from(judge, range.clone(), &known, each, |so_far, tried| {
+        run.progress.at((tried, n), || words(study, so_far.responses().values()));
         if tried == n || checkpoint.is_due() {
             keep(checkpoint, &known, so_far.responses())?;
         }
         Ok::<(), RunError>(())
     })?;
-    match run.part() {
-        Part::Shard(place) => Ok(Err(run.write_shard(inputs, *place, &sampled.responses())?)),
-        Part::Whole | Part::Merged(_) => Ok(Ok(sampled)),
-    }
+    Ok(match run.part() {
+        Part::Shard(place) => {
+            Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)
+        }
+        Part::Whole | Part::Merged(_) => Samples::All(sampled, 0.0),
+    })
 }
 
 /// Keeps new samples beside those that were known, which may be more than the scene asks for now.
@@ -264,16 +309,20 @@ fn keep(
 /// Responses by the number of their sample.
 type Responses = BTreeMap<u64, Vec<f64>>;
 
-/// The last response so far, with its standard error.
-fn words<const D: usize, const N: usize>(
+/// The mean of the last response so far, with its standard error.
+fn words<'a, const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
-    so_far: &Sampled<N>,
+    so_far: impl Iterator<Item = &'a Vec<f64>>,
 ) -> String {
     let plan = study.plan();
     let last = plan.n_responses().saturating_sub(1);
-    let Ok(moments) = so_far.raw(last) else { return String::new() };
+    let mut values = Accumulator::default();
+    for value in so_far.filter_map(|responses| responses.get(last)) {
+        values.push(*value);
+    }
+    let Ok(mean) = values.estimate() else { return String::new() };
     let (gauge, quantity, _) = plan.parts(last);
-    let mean = with_uncertainty(Some(moments.mean.value), error_of(&moments.mean));
+    let mean = with_uncertainty(Some(mean.value), mean.standard_error());
     format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
 }
 

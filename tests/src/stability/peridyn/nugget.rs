@@ -6,12 +6,12 @@ use sde_integrators::Noise;
 
 use super::modes;
 use crate::case::{CaseError, Context, Profile};
+use crate::causes::with_causes;
 use crate::chart::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 use crate::charts::{ChartKind, Drawing};
 use crate::peridyn::network::Network;
 use crate::peridyn::stationary::overdamped;
 use crate::stability::axes::logarithmic;
-use crate::stability::words_of;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-nugget",
@@ -115,7 +115,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
                     points.push(CurvePoint::at(x, steps));
                 }
                 Err(error) => {
-                    let text = words_of(error.as_ref());
+                    let text = with_causes(error.as_ref());
                     row.push(format!("{nugget:.0e}: ended"));
                     points.push(CurvePoint::ended(x, text.clone()));
                     first.get_or_insert(text);

@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use crate::case::CaseError;
+use crate::causes::with_causes;
 use crate::chart::{Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use crate::charts::Drawing;
 use crate::smpm::scene::{OrderScene, SchemeScene, ShapeScene, TransferScene};
 use crate::smpm::schemes::{Explosion, FLIP, ORDERS, SHAPES, scheme};
+use crate::stability::Work;
 use crate::stability::axes::logarithmic;
-use crate::stability::{Work, words_of};
 
 /// Until when it is followed (us).
 const TIME: f64 = 40.0;
@@ -47,7 +48,7 @@ pub(super) fn chart(n: u32) -> Result<Drawing, CaseError> {
         let scheme = SchemeScene { courant_number: Some(courant), ..scheme.clone() };
         let change = Explosion::new(&scheme, CELL, 2)
             .and_then(|run| run.energy_change(TIME, &mut Work::new(MOST_STEPS)));
-        (courant, change.map_err(|error| words_of(error.as_ref())))
+        (courant, change.map_err(|error| with_causes(error.as_ref())))
     };
     let schemes = schemes();
     let rows: Vec<(&str, Vec<Point>)> = schemes

@@ -38,6 +38,7 @@ fn report(claims: Vec<Claim>) -> Report {
         seconds: 1.5,
         cpu_seconds: 2.5,
         claims,
+        skipped: vec!["ranks: no MPI".into()],
     };
     Report::new(Profile::Default, Machine::read(), vec![case])
 }
@@ -54,6 +55,7 @@ fn page(name: &str, claims: Vec<Claim>) -> String {
     let fingerprint = Fingerprint::read(&root, &[case], Profile::Default).unwrap();
     std::fs::remove_dir_all(&root).unwrap();
     let page = render_record(&report(claims), &fingerprint);
+    assert!(page.contains("\nSkipped ranks: no MPI.\n"), "{page}");
     assert!(page.contains(&fingerprint.hash()) && page.ends_with(&fingerprint.comment()));
     page
 }

@@ -1,0 +1,263 @@
+//! An ensemble on the ranks of a job: blocks that are handed out, kept in the folder of the results, and joined in their order.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error;
+use std::ops::Range;
+use std::path::PathBuf;
+
+use mpi_ensembles::{BlockReport, Finished, Job, Ranks, Report, Store};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{Inputs, Run, RunError};
+use crate::causes::with_causes;
+use crate::checkpoint::{CheckpointError, Head, Start, read_file, write_block};
+use crate::output::write_json;
+
+/// Blocks of an ensemble at most: many for 10,000 ranks to balance, few enough for a folder.
+const MOST_BLOCKS: u64 = 65_536;
+
+/// The folder of the blocks, in that of the results.
+const FOLDER: &str = "blocks";
+
+/// How an ensemble is cut into blocks. It depends on the ensemble alone, never on who computes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
+    /// How many things there are: paths, samples, realisations.
+    pub n: u64,
+    /// Of how many a block consists at least, but for the last; a block is a whole number of them.
+    pub unit: u64,
+}
+
+impl Cut {
+    /// How many blocks.
+    #[must_use]
+    pub fn n_blocks(self) -> u64 {
+        self.n.div_ceil(self.length()).max(1)
+    }
+
+    /// How many things each holds, but for the last.
+    fn length(self) -> u64 {
+        let units = self.n.div_ceil(self.unit);
+        units.div_ceil(MOST_BLOCKS).max(1) * self.unit
+    }
+
+    /// The things of a block.
+    #[must_use]
+    pub fn range(self, block: u64) -> Range<u64> {
+        let bound = |k: u64| k.saturating_mul(self.length()).min(self.n);
+        bound(block)..bound(block + 1)
+    }
+}
+
+/// Blocks of another run in the folder of one that would start anew.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("{} holds {found} blocks of a run", .folder.display())]
+#[diagnostic(help("--resume goes on from them, --overwrite removes them"))]
+pub struct BlocksLeft {
+    folder: PathBuf,
+    found: usize,
+}
+
+/// A file in the folder of the blocks that is none of theirs.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{} is no block of this run, which has {n_blocks} of them", .path.display())]
+struct UnknownFile {
+    path: PathBuf,
+    n_blocks: u64,
+}
+
+/// A file with another block than its name says.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{} holds block {found}; its name says {expected}", .path.display())]
+struct OtherBlock {
+    path: PathBuf,
+    found: u64,
+    expected: u64,
+}
+
+/// The blocks of a run as files.
+struct Files {
+    folder: PathBuf,
+    head: Head,
+    n_blocks: u64,
+}
+
+impl Files {
+    fn path(&self, block: u64) -> PathBuf {
+        let width = self.n_blocks.to_string().len();
+        self.folder.join(format!("block-{:0width$}-of-{}.bin", block + 1, self.n_blocks))
+    }
+
+    /// What is in the folder.
+    fn found(&self) -> Result<Vec<PathBuf>, CheckpointError> {
+        let io = |source| CheckpointError::Io { path: self.folder.clone(), source };
+        if !self.folder.exists() {
+            return Ok(Vec::new());
+        }
+        let mut files = Vec::new();
+        for entry in std::fs::read_dir(&self.folder).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            if path.extension().is_some_and(|extension| extension == "bin") {
+                files.push(path);
+            }
+        }
+        files.sort();
+        Ok(files)
+    }
+
+    /// Makes ready for a run that begins in this way.
+    fn open(&self, start: Start) -> Result<(), RunError> {
+        let found = self.found()?;
+        match start {
+            Start::Anew if found.is_empty() => Ok(()),
+            Start::Anew => {
+                let (folder, found) = (self.folder.clone(), found.len());
+                Err(BlocksLeft { folder, found }.into())
+            }
+            Start::Overwrite => {
+                let remove = |path: PathBuf| {
+                    std::fs::remove_file(&path)
+                        .map_err(|source| CheckpointError::Io { path, source }.into())
+                };
+                found.into_iter().try_for_each(remove)
+            }
+            Start::GoOn => {
+                let names: BTreeSet<PathBuf> = (0..self.n_blocks).map(|k| self.path(k)).collect();
+                match found.into_iter().find(|path| !names.contains(path)) {
+                    Some(path) => {
+                        Err(RunError::solver(UnknownFile { path, n_blocks: self.n_blocks }))
+                    }
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+impl<T: Serialize + DeserializeOwned> Store<T> for Files {
+    fn load(&mut self, block: u64) -> Result<Option<T>, Box<dyn Error + Send + Sync>> {
+        let path = self.path(block);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let (found, part): (u64, T) = read_file(&path, &self.head)?;
+        if found == block {
+            Ok(Some(part))
+        } else {
+            Err(OtherBlock { path, found: found + 1, expected: block + 1 }.into())
+        }
+    }
+
+    fn keep(&mut self, block: u64, part: &T) -> Result<(), Box<dyn Error + Send + Sync>> {
+        Ok(write_block(&self.path(block), &self.head, &(block, part))?)
+    }
+}
+
+/// `job.json`: who computed what, and how long it took.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JobRecord {
+    /// `job/1`.
+    pub schema: String,
+    /// How many ranks there were.
+    pub ranks: usize,
+    /// Blocks that were there from before.
+    pub known: u64,
+    /// By the clock of rank 0, from the start of the first block to the end of the last (s).
+    pub seconds: f64,
+    /// Part of the time of all ranks that went into blocks.
+    pub efficiency: f64,
+    /// In the order in which they came in.
+    pub blocks: Vec<BlockRecord>,
+}
+
+/// A block that was computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BlockRecord {
+    /// Its number, from 1 on, as in the name of its file.
+    pub block: u64,
+    /// Who computed it.
+    pub rank: usize,
+    /// How long, by the clock (s).
+    pub seconds: f64,
+    /// Length of the message with its result; 0 on rank 0.
+    pub bytes: usize,
+    /// How long rank 0 took to read and keep it (s).
+    pub taking: f64,
+}
+
+impl JobRecord {
+    fn new(report: &Report) -> Self {
+        let block = |it: &BlockReport| BlockRecord {
+            block: it.block + 1,
+            rank: it.rank,
+            seconds: it.seconds,
+            bytes: it.bytes,
+            taking: it.taking,
+        };
+        Self {
+            schema: "job/1".to_owned(),
+            ranks: report.n_ranks,
+            known: report.n_known,
+            seconds: report.seconds,
+            efficiency: report.efficiency(),
+            blocks: report.blocks.iter().map(block).collect(),
+        }
+    }
+}
+
+impl Run<'_> {
+    /// The ranks of the job that this process is one of; `None` where it is alone.
+    #[must_use]
+    pub fn ranks(&self) -> Option<&dyn Ranks> {
+        self.ranks
+    }
+
+    /// What the blocks of an ensemble have come to, in their order, each computed by one of the ranks or found in the folder; `None` on the
+    /// ranks that do not have the result. `words` tells what is known so far.
+    ///
+    /// # Errors
+    /// [`RunError::Job`] with rank and block where one fails; [`RunError::BlocksLeft`] where a run would start anew over others.
+    pub fn on_ranks<T: Serialize + DeserializeOwned + Send>(
+        &self,
+        ranks: &dyn Ranks,
+        inputs: &Inputs<'_, impl Serialize>,
+        n_blocks: u64,
+        compute: impl Fn(u64) -> Result<T, RunError> + Sync,
+        words: impl Fn(&mut dyn Iterator<Item = &T>) -> String,
+    ) -> Result<Option<Vec<T>>, RunError> {
+        let head = self.block_head(inputs)?;
+        let job = Job { n_blocks, identity: head.fields() };
+        let mut files = Files { folder: self.out().join(FOLDER), head, n_blocks };
+        if ranks.rank() == 0 {
+            files.open(self.options.start)?;
+        }
+        let compute = |block| compute(block).map_err(|error| with_causes(&error));
+        let mut look = |parts: &BTreeMap<u64, T>| {
+            self.progress.at((parts.len() as u64, n_blocks), || words(&mut parts.values()));
+        };
+        let Some(Finished { parts, report }) = job.run(ranks, compute, &mut files, &mut look)?
+        else {
+            return Ok(None);
+        };
+        write_json(&self.out().join("job.json"), &JobRecord::new(&report))?;
+        Ok(Some(parts))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_cover_everything_once_and_are_whole_units() {
+        for (n, unit) in [(1, 1), (7, 4), (100_000, 1), (1_000_003, 8), (65_537, 1)] {
+            let cut = Cut { n, unit };
+            let ranges: Vec<_> = (0..cut.n_blocks()).map(|block| cut.range(block)).collect();
+            assert!(ranges.len() as u64 <= MOST_BLOCKS);
+            assert_eq!((ranges[0].start, ranges[ranges.len() - 1].end), (0, n));
+            assert!(ranges.windows(2).all(|pair| pair[0].end == pair[1].start));
+            assert!(ranges.iter().all(|range| range.start < range.end && range.start % unit == 0));
+        }
+    }
+}

@@ -114,9 +114,10 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
                 Ok((block, result, seconds)) => {
                     let failed = |message| JobError::Block { rank: 0, block, message };
                     let (part, came) = (result.map_err(failed)?, Instant::now());
+                    // Who is free goes on while its result is taken in.
+                    self.seats[0] = self.order_own(orders);
                     let report = BlockReport { block, rank: 0, seconds, bytes: 0, taking: 0.0 };
                     self.accept(report, part, came)?;
-                    self.seats[0] = self.order_own(orders);
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
@@ -153,11 +154,11 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
                 if block == expected =>
             {
                 let (bytes, came) = (part.len(), Instant::now());
+                self.order(rank)?;
                 let part = postcard::from_bytes(&part)
                     .map_err(|source| JobError::Message { rank, source })?;
                 let report = BlockReport { block, rank, seconds, bytes, taking: 0.0 };
-                self.accept(report, part, came)?;
-                self.order(rank)
+                self.accept(report, part, came)
             }
             (Seat::Computes(_), Message::Failed { block, message }) => {
                 Err(JobError::Block { rank, block, message })

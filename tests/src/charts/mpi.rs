@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 use std::process::Command;
 
 use sde_integrators::{Noise, Purpose, Stream};
+use serde_json::json;
 
 use super::{ChartKind, Drawing};
 use crate::case::{CaseError, Context, Profile};
@@ -111,7 +112,10 @@ fn measure(context: &Context<'_>) -> Result<Vec<Measured>, CaseError> {
     let mut measured = Vec::new();
     for scene in scenes().into_iter().filter(|scene| scene.shards) {
         context.progress(scene.name);
-        let (file, out) = (scene.write(folder.path(), None)?, folder.path().join(scene.name));
+        // Enough blocks for a spread.
+        let more = ("/ensemble/realisations", json!(192));
+        let more = (scene.name == "cracks").then_some(&more);
+        let (file, out) = (scene.write(folder.path(), more)?, folder.path().join(scene.name));
         let mut command = Command::new(std::env::current_exe()?);
         command.arg("run").arg(file).arg("--out").arg(&out).args(["--threads", "1", "--blocks"]);
         finish(piped(command)?)?;

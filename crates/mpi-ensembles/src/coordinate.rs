@@ -177,20 +177,23 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         identity: &[(String, String)],
     ) -> Result<(), JobError> {
         let fields = |n_blocks: u64, identity: &[(String, String)]| {
-            let mut fields: BTreeMap<String, String> = identity.iter().cloned().collect();
-            fields.insert("number of blocks".to_owned(), n_blocks.to_string());
-            fields
+            let number = ("number of blocks".to_owned(), n_blocks.to_string());
+            identity.iter().cloned().chain([number]).collect::<Vec<_>>()
         };
         let here = fields(self.job.n_blocks, &self.job.identity);
         let there = fields(n_blocks, identity);
-        let absent = "absent".to_owned();
-        for field in here.keys().chain(there.keys()) {
-            let expected = here.get(field).unwrap_or(&absent).clone();
-            let found = there.get(field).unwrap_or(&absent).clone();
+        let value = |fields: &[(String, String)], name: &str| {
+            let field = fields.iter().find(|(known, _)| known == name);
+            field.map_or_else(|| "absent".to_owned(), |(_, value)| value.clone())
+        };
+        // In the order in which the job names them: what explains others comes first.
+        for (name, _) in here.iter().chain(&there) {
+            let (expected, found) = (value(&here, name), value(&there, name));
             if found != expected {
-                let field = field.clone();
-                let (f, x, e) = (field.clone(), found.clone(), expected.clone());
-                self.tell(rank, &Message::Foreign { field: f, found: x, expected: e })?;
+                let (f, e) = (found.clone(), expected.clone());
+                let message = Message::Foreign { field: name.clone(), found: f, expected: e };
+                self.tell(rank, &message)?;
+                let field = name.clone();
                 return Err(JobError::ForeignRank { rank, field, found, expected });
             }
         }

@@ -22,7 +22,8 @@ use crate::work::work;
 pub struct Job {
     /// Blocks `0..n_blocks`.
     pub n_blocks: u64,
-    /// What tells this ensemble from others, by name: version, scene, seed. A rank that differs in one is refused by its name.
+    /// What tells this ensemble from others, by name: version, scene, seed. A rank that differs is refused by the name of the
+    /// first that does.
     pub identity: Vec<(String, String)>,
 }
 

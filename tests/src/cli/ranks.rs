@@ -38,14 +38,17 @@ pub(super) fn run_alone(
 /// Runs a scene together with the other ranks. What fails on one rank ends all of them, and does not return.
 #[cfg(feature = "mpi")]
 pub(super) fn run_scene(
-    _: Launched,
+    launched: Launched,
     scene: &Path,
     options: &scenes::Options,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     use mpi_ensembles::{Ranks, World};
 
-    let world = World::start().map_err(miette::Report::from_err)?;
+    let Launched { name, value } = launched;
+    let started = format!("started by a launcher of MPI ({name} is {value})");
+    let world =
+        World::start().map_err(|error| miette::Report::from_err(error).wrap_err(started))?;
     let is_first = world.rank() == 0;
     let progress =
         if is_first { scenes::Progress::on_stderr() } else { scenes::Progress::silent() };

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::pull::Separation;
+use super::pull::{Growth, Separation};
 use super::stencil::{GROUP, Stencil, Vector};
 use super::vectors::Mask;
 use crate::real::Real;
@@ -74,7 +74,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> RowWork<'_, T, D, LINEAR> {
     #[inline(always)]
     fn is_near<S: Simd>(&mut self, simd: S, at: usize) -> bool {
         let (zero, limit) = (T::splat(simd, T::ZERO), T::splat(simd, self.limit));
-        let near = Separation::<T, S, D>::near::<LINEAR>(simd, limit);
+        let near = Growth::<T, S>::near::<LINEAR>(simd, limit);
         let (words, site) = (self.words(at), self.start + at);
         let u = components(self.padded);
         let u_i = u.map(|u| T::load::<S>(u, site));
@@ -83,8 +83,8 @@ impl<T: Real, const D: usize, const LINEAR: bool> RowWork<'_, T, D, LINEAR> {
             let separation =
                 bond::<T, S, D, LINEAR>(simd, (vector, site), (&u, &u_i), word >> (at % GROUP));
             // Squares are asked for in any case, and rise with |w|, rounded or not.
-            farthest = T::greater(simd, separation.square(simd), farthest);
-            let pull = separation.near_pull::<LINEAR>(simd);
+            farthest = T::greater(simd, separation.growth.square(simd), farthest);
+            let pull = separation.growth.near_pull::<LINEAR>(simd);
             add(simd, &mut total, (vector, pull), &separation);
         }
         if T::any_beyond(simd, farthest, T::times(simd, near, near)) {
@@ -107,7 +107,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> RowWork<'_, T, D, LINEAR> {
             let within = at % GROUP;
             let mut separation =
                 bond::<T, S, D, LINEAR>(simd, (vector, site), (&u, &u_i), *word >> within);
-            let pull = separation.pull::<LINEAR>(simd, limit, |reached| {
+            let pull = separation.growth.pull::<LINEAR>(simd, limit, |reached| {
                 *word &= !(reached << within);
                 for lane in (0..T::lanes::<S>()).filter(|lane| reached & 1 << lane != 0) {
                     self.row.broken.push((at + lane, number));

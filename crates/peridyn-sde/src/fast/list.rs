@@ -4,11 +4,11 @@ use sde_integrators::SimdLevel;
 
 use super::list_lanes::InLanes;
 use super::list_near::Near;
-use super::list_rows::InRows;
+use super::list_rows::{InRows, Padded};
 use super::strain::Strain;
-use super::vectors::{MOST_LANES, Mask, dispatch};
+use super::vectors::{MOST_LANES, Mask, dispatch, dispatch_narrow};
 use crate::body::{AtStrength, Body, BrokenBond, Cause};
-use crate::bonds::{Bonds, cut_numbers};
+use crate::bonds::{Bond, Bonds, cut_numbers};
 use crate::crossing::{Crossing, Standing};
 use crate::error::{Error, positive, same_length};
 use crate::nodes::Nodes;
@@ -21,12 +21,12 @@ use crate::real::Real;
 /// below `|w| = 0.02` (in `f32` 0.03) and in closed form beyond, and breaks at `w >= (1 + s_0)^2 - 1`. Against the sum in `f64`
 /// without a polynomial forces are within 1e-11, in `f32` within 5e-6 of the largest.
 ///
-/// With one lane, bonds are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple of 8 in `f64`
+/// With one lane, the bonds of a node are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple of 8 in `f64`
 /// and of 16 in `f32`, up to 16. Each realisation may have strengths and stiffnesses of its own.
 ///
 /// An evaluation reads 30 bytes of a bond in `f64`, 18 in `f32`: the other node (4), three numbers (24 or 12), in which lanes it is
-/// whole (2), shared by all lanes; `16 L` or `8 L` in place of two of the numbers where realisations have their own. Besides,
-/// [`Bonds`] keeps 16 bytes of a bond that an evaluation does not touch.
+/// whole (2, with one lane not read), shared by all lanes; `16 L` or `8 L` in place of two of the numbers where realisations have
+/// their own. Besides, [`Bonds`] keeps 16 bytes of a bond that an evaluation does not touch.
 #[derive(Debug, Clone)]
 pub struct BondList<T, const D: usize, const L: usize> {
     nodes: Nodes<D>,
@@ -42,13 +42,15 @@ pub struct BondList<T, const D: usize, const L: usize> {
     near: Vec<T>,
     /// Bonds to be looked at, with their ends.
     candidates: Vec<(usize, [usize; 2])>,
+    /// With one lane.
+    padded: Option<Padded<T>>,
     level: SimdLevel,
 }
 
 /// What does not change of bonds.
 #[derive(Debug, Clone)]
 pub(super) struct Columns<T> {
-    /// `1/|xi|^2`.
+    /// `1/|xi|^2`; with one lane zero where the bond is broken, so that it has not grown.
     pub(super) inverse_squares: Vec<T>,
     /// Stiffness over length; one for each bond, or for each bond and lane.
     pub(super) stiffness: Vec<T>,
@@ -56,6 +58,15 @@ pub(super) struct Columns<T> {
     pub(super) limits: Vec<T>,
     /// Whether there is one for each lane.
     pub(super) own: bool,
+}
+
+impl<T: Real> Columns<T> {
+    /// Registers that begin at the last bonds end within the columns.
+    fn fill_up(&mut self) {
+        self.inverse_squares.extend([T::ZERO; MOST_LANES]);
+        self.stiffness.extend([T::ZERO; MOST_LANES]);
+        self.limits.extend([T::LARGEST; MOST_LANES]);
+    }
 }
 
 impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
@@ -73,19 +84,19 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
             assert!(L == 1 || L.is_multiple_of(8) && L <= MOST_LANES, "1, 8 or 16 lanes");
         }
         same_length("nodes", nodes.positions().len(), bonds.n_nodes())?;
-        let columns = Columns {
-            inverse_squares: bonds
-                .all()
-                .iter()
-                .map(|b| T::of(1.0 / (b.length * b.length)))
-                .collect(),
+        let mut columns = Columns {
+            inverse_squares: bonds.all().iter().map(inverse_square).collect(),
             stiffness: bonds.all().iter().map(|b| T::of(b.stiffness / b.length)).collect(),
             limits: limits(strain, strengths, bonds.len())?,
             own: false,
         };
+        if L == 1 {
+            columns.fill_up();
+        }
         let whole = vec![all_lanes::<L>(); bonds.len()];
         let level = SimdLevel::best();
         Ok(Self {
+            padded: (L == 1).then(|| Padded::new(&nodes)),
             nodes,
             bonds,
             strain,
@@ -137,8 +148,18 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
 
     /// Leaves a lane out: all its bonds are as broken.
     pub(crate) fn leave_out(&mut self, lane: usize) {
-        for whole in &mut self.whole {
-            *whole &= !(1 << lane);
+        for bond in 0..self.bonds.len() {
+            self.set(bond, self.whole[bond] & !(1 << lane));
+        }
+    }
+
+    /// Says in which lanes a bond is whole.
+    fn set(&mut self, bond: usize, whole: Mask) {
+        self.whole[bond] = whole;
+        if L == 1 {
+            let whole = whole & 1 != 0;
+            self.columns.inverse_squares[bond] =
+                if whole { inverse_square(&self.bonds.all()[bond]) } else { T::ZERO };
         }
     }
 
@@ -161,10 +182,13 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
     fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength) {
         let level = self.level;
         let graph = (&self.nodes, &self.bonds);
-        let (columns, whole, broken) = (&self.columns, &mut self.whole[..], &mut self.broken);
-        if L == 1 {
-            let work = InRows::<T, D, LINEAR> { graph, columns, whole, broken, u, forces, at };
-            dispatch(level, work);
+        let (whole, broken) = (&mut self.whole[..], &mut self.broken);
+        let columns = &mut self.columns;
+        if let Some(padded) = &mut self.padded {
+            let bonds = &self.bonds;
+            let work =
+                InRows::<T, D, LINEAR> { bonds, columns, padded, whole, broken, u, forces, at };
+            dispatch_narrow(level, work);
         } else if columns.own {
             let work =
                 InLanes::<T, D, L, LINEAR, true> { graph, columns, whole, broken, u, forces, at };
@@ -283,7 +307,7 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for BondList<T, D, L
                 let stretch = [from, to].map(|u| self.stretch(bond, pair, u, lane));
                 let strength = self.strength(bond, lane);
                 if let Some(cause) = crossing.test(bond, lane, Standing { stretch, strength }) {
-                    self.whole[bond] &= !(1 << lane);
+                    self.set(bond, self.whole[bond] & !(1 << lane));
                     self.broken.push(BrokenBond { bond, lanes: 1 << lane, cause });
                 }
             }
@@ -295,7 +319,7 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for BondList<T, D, L
     fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
         cut_numbers(bonds, self.bonds.len())?;
         for &bond in bonds {
-            self.whole[bond] = 0;
+            self.set(bond, 0);
             self.broken.push(BrokenBond { bond, lanes: all_lanes::<L>(), cause: Cause::Cut });
         }
         Ok(())
@@ -328,7 +352,9 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for BondList<T, D, L
 
     fn set_whole(&mut self, whole: &[u16]) -> Result<(), Error> {
         same_length("saved bonds", whole.len(), self.whole.len())?;
-        self.whole.copy_from_slice(whole);
+        for (bond, &whole) in whole.iter().enumerate() {
+            self.set(bond, whole);
+        }
         Ok(())
     }
 
@@ -356,6 +382,10 @@ pub(super) fn growth<T: Real, const D: usize, const L: usize>(
         };
     }
     square / (length * length)
+}
+
+fn inverse_square<T: Real>(bond: &Bond) -> T {
+    T::of(1.0 / (bond.length * bond.length))
 }
 
 pub(super) fn all_lanes<const L: usize>() -> Mask {

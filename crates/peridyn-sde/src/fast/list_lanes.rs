@@ -75,7 +75,7 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
             let mut separation =
                 Separation::<T, S, D>::new::<LINEAR>(simd, (&xi, inverse_square), &eta, whole);
             let limit = self.limit(simd, bond, first);
-            let pull = separation.pull::<LINEAR>(simd, limit, |reached| {
+            let pull = separation.growth.pull::<LINEAR>(simd, limit, |reached| {
                 let lanes = reached << first;
                 self.whole[bond] &= !lanes;
                 self.broken.push(BrokenBond { bond, lanes, cause: Cause::Stretch });

@@ -74,7 +74,7 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> Near<'_, T, D,
                 eta[k] = T::minus(simd, T::load::<S>(u, at(j)), T::load::<S>(u, at(i)));
             }
             let shape = (&xi, T::splat(simd, self.inverse_squares[bond]));
-            let growth = Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, whole).growth;
+            let growth = Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, whole).growth.0;
             product = T::times(simd, product, T::minus(simd, limit, growth));
         }
         let below = T::greater(simd, T::minus(simd, near, product), zero);

@@ -1,4 +1,5 @@
-//! Forces of a list of bonds of one realisation, a bond in every lane.
+//! Forces of a list of bonds of one realisation: the components of a node in a register where bonds begin and end, bonds in
+//! between.
 
 #![allow(
     clippy::inline_always,
@@ -10,20 +11,107 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::list::Columns;
-use super::pull::Separation;
+use super::pull::Growth;
 use super::vectors::{MOST_LANES, Mask};
 use crate::body::{AtStrength, BrokenBond, Cause};
 use crate::bonds::Bonds;
 use crate::nodes::Nodes;
 use crate::real::Real;
 
-/// Bonds that are gathered before any is computed: as many as let a processor finish writing before it reads them in registers.
+/// Components of a node, zero beyond its dimensions.
+const WIDTH: usize = 4;
+
+/// Bonds of a node that are gathered before any is computed: as many as let a processor finish writing before it reads them.
 const BATCH: usize = 64;
 
-/// Forces under `u`: bonds are gathered, computed in registers, and their forces given back one by one.
+/// The nodes as registers hold them.
+#[derive(Debug, Clone)]
+pub(super) struct Padded<T>(Vec<Node<T>>);
+
+/// All of a node in one place: apart from each other, forces and places get into each other's way in the cache.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+struct Node<T> {
+    /// Where it is at rest.
+    x: [f64; WIDTH],
+    /// How far it has moved.
+    u: [T; WIDTH],
+    force: [T; WIDTH],
+}
+
+impl<T: Real> Padded<T> {
+    pub(super) fn new<const D: usize>(nodes: &Nodes<D>) -> Self {
+        const { assert!(D <= WIDTH, "components of a node in one register") };
+        let node = |of: &[f64; D]| {
+            let (mut x, none) = ([0.0; WIDTH], [T::ZERO; WIDTH]);
+            x[..D].copy_from_slice(of);
+            Node { x, u: none, force: none }
+        };
+        Self(nodes.positions().iter().map(node).collect())
+    }
+
+    #[inline(always)]
+    fn begin<const D: usize>(&mut self, u: &[T]) {
+        for (node, u) in self.0.iter_mut().zip(u.as_chunks::<D>().0) {
+            node.u[..D].copy_from_slice(u);
+            node.force = [T::ZERO; WIDTH];
+        }
+    }
+
+    #[inline(always)]
+    fn end<const D: usize>(&self, forces: &mut [T]) {
+        for (force, node) in forces.as_chunks_mut::<D>().0.iter_mut().zip(&self.0) {
+            force.copy_from_slice(&node.force[..D]);
+        }
+    }
+
+    #[inline(always)]
+    fn gather<const LINEAR: bool>(&self, batch: &mut Batch<T>, i: usize, partners: &[u32]) {
+        let Node { x: x_i, u: u_i, .. } = self.0[i];
+        let of_batch = batch.directions.iter_mut().zip(&mut batch.squares);
+        for ((direction, square), &j) in of_batch.zip(partners) {
+            let Node { x: x_j, u: u_j, .. } = &self.0[j as usize];
+            for k in 0..WIDTH {
+                let (xi, eta) = (T::of(x_j[k] - x_i[k]), u_j[k] - u_i[k]);
+                direction[k] = if LINEAR { xi } else { xi + eta };
+                square[k] = eta * (xi + direction[k]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn give_back(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
+        // The sum of a row is kept apart: adding each to memory would wait for the one before.
+        let mut sum = [T::ZERO; WIDTH];
+        let of_batch = batch.directions.iter().zip(&batch.tensions);
+        for ((direction, &tension), &j) in of_batch.zip(partners) {
+            let force_j = &mut self.0[j as usize].force;
+            for k in 0..WIDTH {
+                let force = tension * direction[k];
+                sum[k] += force;
+                force_j[k] -= force;
+            }
+        }
+        for k in 0..WIDTH {
+            self.0[i].force[k] += sum[k];
+        }
+    }
+}
+
+/// Bonds of a node.
+struct Batch<T> {
+    /// `xi + eta`, or `xi` where strains are linear.
+    directions: [[T; WIDTH]; BATCH],
+    /// By component, what the square of the length has grown by: `eta (2 xi + eta)`, or `2 eta xi`.
+    squares: [[T; WIDTH]; BATCH],
+    tensions: [T; BATCH],
+}
+
+/// Forces under `u`, node by node: its bonds are gathered, computed in registers, and their forces given back one by one.
 pub(super) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
-    pub(super) graph: (&'a Nodes<D>, &'a Bonds),
-    pub(super) columns: &'a Columns<T>,
+    pub(super) bonds: &'a Bonds,
+    pub(super) columns: &'a mut Columns<T>,
+    pub(super) padded: &'a mut Padded<T>,
     pub(super) whole: &'a mut [Mask],
     pub(super) broken: &'a mut Vec<BrokenBond>,
     pub(super) u: &'a [T],
@@ -31,158 +119,67 @@ pub(super) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
     pub(super) at: AtStrength,
 }
 
-/// Bonds side by side, component by component.
-struct Batch<T, const D: usize> {
-    xi: [[T; BATCH]; D],
-    eta: [[T; BATCH]; D],
-    force: [[T; BATCH]; D],
-}
-
-/// A part of the bonds of a node that fits in a batch.
-#[derive(Debug, Clone, Copy)]
-struct Part<'a> {
-    node: usize,
-    partners: &'a [u32],
-    /// Where in the batch.
-    at: usize,
-}
-
 impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, LINEAR> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let none = [[T::ZERO; BATCH]; D];
-        let mut batch = Batch { xi: none, eta: none, force: none };
-        self.forces.fill(T::ZERO);
-        let (mut node, n_bonds) = (0, self.graph.1.len());
-        for first in (0..n_bonds).step_by(BATCH) {
-            let bonds = first..n_bonds.min(first + BATCH);
-            for part in parts(self.graph.1, node, bonds.clone()) {
-                self.gather(&mut batch, part);
-            }
-            self.compute_all(simd, &mut batch, bonds.clone());
-            for part in parts(self.graph.1, node, bonds) {
-                self.give_back(&batch, part);
-                node = part.node;
+        let none = [[T::ZERO; WIDTH]; BATCH];
+        let mut batch = Batch { directions: none, squares: none, tensions: [T::ZERO; BATCH] };
+        self.padded.begin::<D>(self.u);
+        for i in 0..self.bonds.n_nodes() {
+            let row = self.bonds.row(i);
+            for first in row.clone().step_by(BATCH) {
+                let bonds = first..row.end.min(first + BATCH);
+                let partners = self.bonds.partners(bonds.clone());
+                self.padded.gather::<LINEAR>(&mut batch, i, partners);
+                self.pull(simd, &mut batch, bonds);
+                self.padded.give_back(&batch, i, partners);
             }
         }
+        self.padded.end::<D>(self.forces);
     }
-}
-
-/// The parts of nodes from a node on that some bonds are.
-#[inline(always)]
-fn parts(bonds: &Bonds, from: usize, of: Range<usize>) -> impl Iterator<Item = Part<'_>> {
-    (from..bonds.n_nodes()).map_while(move |node| {
-        let row = bonds.row(node);
-        let part = row.start.max(of.start)..row.end.min(of.end);
-        let at = part.start.saturating_sub(of.start);
-        (row.start < of.end).then(|| Part { node, partners: bonds.partners(part), at })
-    })
 }
 
 impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
+    /// Tensions of gathered bonds; those at their limit break.
     #[inline(always)]
-    fn gather(&self, batch: &mut Batch<T, D>, Part { node, partners, at }: Part<'_>) {
-        let (x, u) = (self.graph.0.positions(), self.u.as_chunks::<D>().0);
-        let (x_i, u_i) = (x[node], u[node]);
-        let (xi, eta) = (&mut batch.xi, &mut batch.eta);
-        for (at, &j) in (at..BATCH).zip(partners) {
-            let (x_j, u_j) = (&x[j as usize], &u[j as usize]);
-            for k in 0..D {
-                xi[k][at] = T::of(x_j[k] - x_i[k]);
-                eta[k][at] = u_j[k] - u_i[k];
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn give_back(&mut self, batch: &Batch<T, D>, Part { node, partners, at }: Part<'_>) {
-        let forces = self.forces.as_chunks_mut::<D>().0;
-        // The sum of a row is kept apart: adding each to memory would wait for the one before.
-        let mut sum = [T::ZERO; D];
-        for (at, &j) in (at..BATCH).zip(partners) {
-            let force_j = &mut forces[j as usize];
-            for k in 0..D {
-                let force = batch.force[k][at];
-                sum[k] += force;
-                force_j[k] -= force;
-            }
-        }
-        for k in 0..D {
-            forces[node][k] += sum[k];
-        }
-    }
-
-    #[inline(always)]
-    fn compute_all<S: Simd>(&mut self, simd: S, batch: &mut Batch<T, D>, bonds: Range<usize>) {
+    fn pull<S: Simd>(&mut self, simd: S, batch: &mut Batch<T>, bonds: Range<usize>) {
         let lanes = T::lanes::<S>();
-        let (first, count) = (bonds.start, bonds.len());
-        let whole = count / lanes * lanes;
-        for at in (0..whole).step_by(lanes) {
-            self.compute(simd, batch, (first, at), lanes);
-        }
-        if whole < count {
-            self.compute(simd, batch, (first, whole), count - whole);
-        }
-    }
-
-    /// A register of bonds, of which `count` exist; the others are as broken.
-    #[inline(always)]
-    fn compute<S: Simd>(
-        &mut self,
-        simd: S,
-        batch: &mut Batch<T, D>,
-        (first, at): (usize, usize),
-        count: usize,
-    ) {
-        let zero = T::splat(simd, T::ZERO);
-        let (mut xi, mut eta) = ([zero; D], [zero; D]);
-        for k in 0..D {
-            xi[k] = T::load::<S>(&batch.xi[k], at);
-            eta[k] = T::load::<S>(&batch.eta[k], at);
-        }
-        let bonds = first + at..first + at + count;
-        let whole = gather_bits(&self.whole[bonds.clone()]);
-        let columns = self.columns;
-        let inverse_square = load_some::<T, S>(&columns.inverse_squares[bonds.clone()], T::ZERO);
-        let mut separation =
-            Separation::<T, S, D>::new::<LINEAR>(simd, (&xi, inverse_square), &eta, whole);
-        let limit = match self.at {
-            AtStrength::Break => load_some::<T, S>(&columns.limits[bonds.clone()], T::LARGEST),
-            AtStrength::Hold => T::splat(simd, T::LARGEST),
+        let least = match self.at {
+            AtStrength::Break => T::ZERO,
+            AtStrength::Hold => T::LARGEST,
         };
-        let pull = separation.pull::<LINEAR>(simd, limit, |reached| {
-            for bond in bonds.clone().filter(|bond| reached & 1 << (bond - bonds.start) != 0) {
-                self.whole[bond] = 0;
-                self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+        // What the last register holds beside these bonds has not grown.
+        let n = bonds.len().next_multiple_of(lanes);
+        batch.squares[bonds.len()..n].fill([T::ZERO; WIDTH]);
+        let filled = bonds.start..bonds.start + n;
+        let Columns { inverse_squares, stiffness, limits, .. } = &mut *self.columns;
+        let inverse_squares = inverse_squares[filled.clone()].chunks_exact_mut(lanes);
+        let stiffness = stiffness[filled.clone()].chunks_exact(lanes);
+        let limits = limits[filled.clone()].chunks_exact(lanes);
+        let columns = inverse_squares.zip(stiffness.zip(limits));
+        let squares = batch.squares[..n].chunks_exact(lanes);
+        let registers = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
+        for (first, register) in filled.step_by(lanes).zip(registers) {
+            let ((squares, tensions), (inverse_squares, (stiffness, limits))) = register;
+            let mut grown = [T::ZERO; MOST_LANES];
+            for lane in 0..lanes {
+                let square = &squares[lane];
+                grown[lane] = square[1..D].iter().fold(square[0], |sum, &part| sum + part);
             }
-        });
-        let tension =
-            T::times(simd, load_some::<T, S>(&columns.stiffness[bonds.clone()], T::ZERO), pull);
-        for k in 0..D {
-            let force = T::times(simd, tension, separation.direction[k]);
-            T::store::<S>(force, &mut batch.force[k], at);
+            let of = (T::load::<S>(&grown, 0), T::load::<S>(inverse_squares, 0));
+            let limit = T::greater(simd, T::load::<S>(limits, 0), T::splat(simd, least));
+            let mut growth = Growth::<T, S>::new(simd, of, Mask::MAX);
+            let pull = growth.pull::<LINEAR>(simd, limit, |reached| {
+                for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
+                    let bond = first + lane;
+                    self.whole[bond] = 0;
+                    inverse_squares[lane] = T::ZERO;
+                    self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                }
+            });
+            T::store::<S>(T::times(simd, T::load::<S>(stiffness, 0), pull), tensions, 0);
         }
     }
-}
-
-/// A bit for each of at most sixteen bonds.
-#[inline(always)]
-fn gather_bits(whole: &[Mask]) -> Mask {
-    if whole.iter().fold(1, |all, one| all & one) == 1 {
-        return Mask::MAX >> (MOST_LANES - whole.len());
-    }
-    whole.iter().enumerate().fold(0, |bits, (lane, &one)| bits | (one & 1) << lane)
-}
-
-/// A register of as many numbers as there are, and what else stands for none.
-#[inline(always)]
-fn load_some<T: Real, S: Simd>(values: &[T], none: T) -> T::V<S> {
-    if values.len() == T::lanes::<S>() {
-        return T::load::<S>(values, 0);
-    }
-    let mut some = [none; MOST_LANES];
-    some[..values.len()].copy_from_slice(values);
-    T::load::<S>(&some, 0)
 }

@@ -208,17 +208,21 @@ vectors!(
 /// Runs work with the registers of a level.
 pub(crate) fn dispatch<W: pulp::WithSimd>(level: SimdLevel, work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
+    if level.name() == "avx512"
+        && let Some(simd) = pulp::x86::V4::try_new()
     {
-        if level.name() == "avx512"
-            && let Some(simd) = pulp::x86::V4::try_new()
-        {
-            return Simd::vectorize(simd, work);
-        }
-        if level.name() == "avx2"
-            && let Some(simd) = pulp::x86::V3::try_new()
-        {
-            return Simd::vectorize(simd, work);
-        }
+        return Simd::vectorize(simd, work);
+    }
+    dispatch_narrow(level, work)
+}
+
+/// The same with those of AVX2 at most: work that moves numbers between lanes gains nothing from wider ones.
+pub(crate) fn dispatch_narrow<W: pulp::WithSimd>(level: SimdLevel, work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if matches!(level.name(), "avx2" | "avx512")
+        && let Some(simd) = pulp::x86::V3::try_new()
+    {
+        return Simd::vectorize(simd, work);
     }
     let _ = level;
     Simd::vectorize(pulp::Scalar128b, work)

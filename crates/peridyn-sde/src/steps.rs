@@ -130,20 +130,31 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         if amplitude > 0.0 {
             self.kicks.kick(&self.resistance, Which::Step(self.step), &mut self.unknowns.kick)?;
         }
-        let (kept, amplitude, unknowns) = (T::of(kept), T::of(amplitude), &mut self.unknowns);
-        for i in 0..unknowns.u.len() {
-            let v = unknowns.v[i] + half * unknowns.drift[i];
-            let after = kept * v + amplitude * unknowns.kick[i];
-            unknowns.u[i] += half * (v + after);
-            unknowns.v[i] = after;
-        }
+        let (kept, amplitude) = (T::of(kept), T::of(amplitude));
+        let Unknowns { u, v, drift, kick, .. } = &mut self.unknowns;
+        self.level.call(
+            #[inline(always)]
+            || {
+                let moves = u.iter_mut().zip(v).zip(drift.iter().zip(&*kick));
+                for ((u, v), (&drift, &kick)) in moves {
+                    let before = *v + half * drift;
+                    *v = kept * before + amplitude * kick;
+                    *u += half * (before + *v);
+                }
+            },
+        );
         self.finish()?;
         self.evaluate(AtStrength::Break)?;
         self.drift_at(self.time_after())?;
-        let unknowns = &mut self.unknowns;
-        for (v, &drift) in unknowns.v.iter_mut().zip(&unknowns.drift) {
-            *v += half * drift;
-        }
+        let Unknowns { v, drift, .. } = &mut self.unknowns;
+        self.level.call(
+            #[inline(always)]
+            || {
+                for (v, &drift) in v.iter_mut().zip(&*drift) {
+                    *v += half * drift;
+                }
+            },
+        );
         Ok(())
     }
 
@@ -176,11 +187,16 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         let drift = &mut self.unknowns.drift;
         match &self.resistance {
             Resistance::Diagonal { values, .. } => {
-                for (drift, &value) in drift.as_chunks_mut::<L>().0.iter_mut().zip(values) {
-                    for drift in drift {
-                        *drift = *drift * value;
-                    }
-                }
+                self.level.call(
+                    #[inline(always)]
+                    || {
+                        for (drift, &value) in drift.as_chunks_mut::<L>().0.iter_mut().zip(values) {
+                            for drift in drift {
+                                *drift = *drift * value;
+                            }
+                        }
+                    },
+                );
                 Ok(())
             }
             coupled @ Resistance::Coupled { .. } => {

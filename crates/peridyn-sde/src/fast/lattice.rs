@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 use sde_integrators::SimdLevel;
 
-use super::lattice_rows::{RowState, RowWork};
+use super::lattice_rows::{Band, BandWork, Components};
 use super::list::growth;
 use super::stencil::{Sites, Stencil};
 use super::strain::Strain;
-use super::vectors::dispatch;
+use super::vectors::{Mask, dispatch};
 use crate::body::{AtStrength, Body, BrokenBond, Cause};
 use crate::bonds::{Bonds, cut_numbers};
 use crate::crossing::{Crossing, Standing};
@@ -16,12 +16,12 @@ use crate::nodes::Nodes;
 use crate::real::Real;
 
 /// A body whose nodes stand on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
-/// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads two bits of a bond, one at
-/// each end (more for the sites that fill up rows of 16). Besides, [`Bonds`] keeps 20 bytes of a bond that it does not touch.
+/// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more
+/// for the sites that fill up rows of 16). Besides, [`Bonds`] keeps 20 bytes of a bond that it does not touch.
 ///
-/// Every node sums over all its bonds, so that each is computed from both ends. Both see it at its strength at the same
-/// displacements, to the last bit, since `w` does not change when a bond is turned round. Rows of nodes are computed in parallel;
-/// the bits do not depend on the number of threads.
+/// Bonds of one vector from neighbouring nodes are computed side by side, each once, in bands of rows in parallel. What a band pulls
+/// with at nodes of the next is added to it afterwards. Where bands begin is the body's, so that the bits do not depend on the number
+/// of threads.
 #[derive(Debug, Clone)]
 pub struct LatticeBody<T, const D: usize> {
     nodes: Nodes<D>,
@@ -31,8 +31,8 @@ pub struct LatticeBody<T, const D: usize> {
     stencil: Stencil<T, D>,
     sites: Sites<D>,
     /// Displacements by component, over all sites.
-    padded: [Vec<T>; D],
-    rows: Vec<RowState<T, D>>,
+    padded: Components<T, D>,
+    bands: Vec<Band<T, D>>,
     broken: Vec<BrokenBond>,
     level: SimdLevel,
 }
@@ -53,17 +53,18 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         positive("strength of a bond", strength)?;
         let sites = Sites::new(&nodes, &bonds)?;
         let stencil = Stencil::new(&nodes, &bonds, &sites)?;
-        let padded = std::array::from_fn(|_| vec![T::ZERO; sites.len()]);
-        let mut rows = vec![RowState::new(sites.groups(), stencil.len()); sites.rows().len()];
-        for (i, j) in bonds.pairs() {
-            for (from, to) in [(i, j), (j, i)] {
-                let (row, word, bit) =
-                    sites.bit(from, stencil.vector(&sites, (from, to)), stencil.len());
-                rows[row].whole[word] |= bit;
-            }
+        let padded = Components::new(sites.len());
+        let (n_rows, of_band) = (sites.rows().len(), sites.rows_of_band());
+        let bands = (0..n_rows)
+            .step_by(of_band)
+            .map(|start| Band::new(start..n_rows.min(start + of_band), &sites, stencil.len()));
+        let (bands, broken, level) = (bands.collect(), Vec::new(), SimdLevel::best());
+        let mut body =
+            Self { nodes, bonds, strain, strength, stencil, sites, padded, bands, broken, level };
+        for bond in 0..body.bonds.len() {
+            body.set_one(bond, true);
         }
-        let (broken, level) = (Vec::new(), SimdLevel::best());
-        Ok(Self { nodes, bonds, strain, strength, stencil, sites, padded, rows, broken, level })
+        Ok(body)
     }
 
     /// With the instructions of a level; the bits are the same with any.
@@ -73,40 +74,63 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
     }
 
     fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength) {
-        for (node, u) in u.as_chunks::<D>().0.iter().enumerate() {
-            let site = self.sites.of(node);
-            for k in 0..D {
-                self.padded[k][site] = u[k];
-            }
-        }
         let limit = match at {
             AtStrength::Break => T::of(self.strain.growth(self.strength)),
             AtStrength::Hold => T::LARGEST,
         };
-        let (level, stencil, padded) = (self.level, &self.stencil, &self.padded);
-        let starts = self.sites.rows();
-        self.rows.par_iter_mut().zip(starts).with_min_len(8).for_each(|(row, &start)| {
-            dispatch(level, RowWork::<T, D, LINEAR> { row, start, stencil, padded, limit });
+        self.spread(u);
+        let (level, stencil, padded, sites) =
+            (self.level, &self.stencil, &self.padded, &self.sites);
+        self.bands.par_iter_mut().for_each(|band| {
+            dispatch(level, BandWork::<T, D, LINEAR> { band, sites, stencil, padded, limit });
         });
-        for (node, force) in forces.as_chunks_mut::<D>().0.iter_mut().enumerate() {
-            let (row, at) = self.sites.place(node);
-            for k in 0..D {
-                force[k] = self.rows[row].forces[k][at];
-            }
+        for next in 1..self.bands.len() {
+            let (before, after) = self.bands.split_at_mut(next);
+            after[0].add(&before[next - 1]);
         }
+        self.collect(forces);
         self.collect_broken();
     }
 
-    /// Bonds that rows have broken, each from one of its ends.
+    /// Displacements of nodes to their sites.
+    fn spread(&mut self, u: &[T]) {
+        let u = u.as_chunks::<D>().0;
+        let padded = self.padded.all_mut();
+        for run in self.sites.runs() {
+            let u = &u[run.node..run.node + run.length];
+            for k in 0..D {
+                let padded = &mut padded[k][run.site..run.site + run.length];
+                for (padded, u) in padded.iter_mut().zip(u) {
+                    *padded = u[k];
+                }
+            }
+        }
+    }
+
+    /// Forces at sites to their nodes.
+    fn collect(&self, forces: &mut [T]) {
+        let forces = forces.as_chunks_mut::<D>().0;
+        for run in self.sites.runs() {
+            let band = &self.bands[run.row / self.sites.rows_of_band()];
+            let (at, forces) =
+                (run.site - band.first, &mut forces[run.node..run.node + run.length]);
+            for k in 0..D {
+                let of_band = &band.forces.all()[k][at..at + run.length];
+                for (force, &of_band) in forces.iter_mut().zip(of_band) {
+                    force[k] = of_band;
+                }
+            }
+        }
+    }
+
+    /// Bonds that bands have broken.
     fn collect_broken(&mut self) {
-        for (row, state) in self.rows.iter_mut().enumerate() {
-            for (at, vector) in state.broken.drain(..) {
-                let site = self.sites.rows()[row] + at;
-                let ends = self.sites.nodes(site, self.stencil.offset(vector));
-                // A bond is in the row of one of its nodes, and told of from there.
-                if let Some((i, j)) = ends
-                    && let Some(bond) = self.bonds.number(i, j)
-                {
+        for band in &mut self.bands {
+            for (site, vector) in band.broken.drain(..) {
+                let ends = self.sites.nodes(site, self.stencil.vectors[vector].offset);
+                // A bond is in the row of one of its nodes.
+                let number = |(i, j)| self.bonds.number(i, j).or_else(|| self.bonds.number(j, i));
+                if let Some(bond) = ends.and_then(number) {
                     self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
                 }
             }
@@ -119,21 +143,26 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         self.broken.push(BrokenBond { bond, lanes: 1, cause });
     }
 
-    /// Takes a bond out or puts it in, at both its ends.
+    /// Takes a bond out or puts it in.
     fn set_one(&mut self, bond: usize, whole: bool) {
-        let (i, j) = self.bonds.ends(bond);
-        for (from, to) in [(i, j), (j, i)] {
-            let vector = self.stencil.vector(&self.sites, (from, to));
-            let (row, word, bit) = self.sites.bit(from, vector, self.stencil.len());
-            let word = &mut self.rows[row].whole[word];
-            *word = if whole { *word | bit } else { *word & !bit };
-        }
+        let (band, word, bit) = self.bit(self.bonds.ends(bond));
+        let word = &mut self.bands[band].whole[word];
+        *word = if whole { *word | bit } else { *word & !bit };
     }
 
-    fn is_whole(&self, (i, j): (usize, usize)) -> bool {
-        let vector = self.stencil.vector(&self.sites, (i, j));
-        let (row, word, bit) = self.sites.bit(i, vector, self.stencil.len());
-        self.rows[row].whole[word] & bit != 0
+    fn is_whole(&self, pair: (usize, usize)) -> bool {
+        let (band, word, bit) = self.bit(pair);
+        self.bands[band].whole[word] & bit != 0
+    }
+
+    /// Where the bit of a bond is: band, word and bit.
+    fn bit(&self, pair: (usize, usize)) -> (usize, usize, Mask) {
+        let ends = self.sites.in_order(pair);
+        let vector = self.stencil.vector(&self.sites, ends);
+        let (row, word, bit) = self.sites.bit(ends.0, vector, self.stencil.len());
+        let band = row / self.sites.rows_of_band();
+        let of_row = self.sites.groups() * self.stencil.len();
+        (band, (row - self.bands[band].rows.start) * of_row + word, bit)
     }
 }
 

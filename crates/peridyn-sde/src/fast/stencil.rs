@@ -1,5 +1,8 @@
 //! Where the nodes of a lattice are in memory, and the vectors of its bonds.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use super::vectors::{MOST_LANES, Mask};
 use crate::bonds::Bonds;
 use crate::error::Error;
@@ -8,6 +11,9 @@ use crate::real::Real;
 
 /// Sites that share the words of bits.
 pub(super) const GROUP: usize = MOST_LANES;
+
+/// Layers of a band at least, so that what it adds to the next is the lesser part.
+const LAYERS: usize = 8;
 
 /// Nodes off their sites by more of a spacing are no lattice.
 const OFF: f64 = 1e-6;
@@ -26,8 +32,22 @@ pub(super) struct Sites<const D: usize> {
     rows: Vec<usize>,
     /// Row of each node.
     rows_of_nodes: Vec<u32>,
-    groups: usize,
+    runs: Vec<Run>,
+    /// Of sites along a row within the margin.
+    width: usize,
+    /// Rows and sites to a layer across the last axis, and layers that a bond reaches over.
+    layer: (usize, usize),
+    reach: usize,
     coordinates: Vec<[i32; D]>,
+}
+
+/// Nodes one after the other that stand one after the other along a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    pub(super) node: usize,
+    pub(super) site: usize,
+    pub(super) row: usize,
+    pub(super) length: usize,
 }
 
 impl<const D: usize> Sites<D> {
@@ -42,10 +62,10 @@ impl<const D: usize> Sites<D> {
             reach = std::array::from_fn(|k| reach[k].max((b[k] - a[k]).abs()));
         }
         let along = |value: i32| usize::try_from(value).unwrap_or(0);
-        let groups = along(extent[0]).div_ceil(GROUP);
+        let width = along(extent[0]);
         // A register that begins at the last group and looks along a bond ends within the next row's margin.
         let mut strides = [1; D];
-        let mut size = groups * GROUP + 2 * along(reach[0]);
+        let mut size = width.next_multiple_of(GROUP) + 2 * along(reach[0]);
         for k in 1..D {
             strides[k] = size;
             size *= along(extent[k]) + 2 * along(reach[k]);
@@ -62,19 +82,37 @@ impl<const D: usize> Sites<D> {
             }
             row
         };
-        let n_rows = (1..D).map(|k| along(extent[k])).product();
+        let n_rows: usize = (1..D).map(|k| along(extent[k])).product();
         let mut rows = vec![0; n_rows];
         let mut occupants = vec![NOBODY; size + GROUP];
         let (mut of_nodes, mut rows_of_nodes) = (Vec::new(), Vec::new());
+        let mut runs: Vec<Run> = Vec::new();
         for (node, c) in (0_u32..).zip(&coordinates) {
             let (at, row) = (site(c), row_of(c));
             rows[row] = at - along(c[0]);
             occupants[at] = node;
             of_nodes.push(narrow(at));
             rows_of_nodes.push(narrow(row));
+            match runs.last_mut() {
+                Some(run) if run.row == row && run.site + run.length == at => run.length += 1,
+                _ => runs.push(Run { node: node as usize, site: at, row, length: 1 }),
+            }
         }
-        // Rows without a node keep the site zero; they have no bonds, and their forces go nowhere.
-        Ok(Self { of_nodes, occupants, rows, rows_of_nodes, groups, coordinates })
+        // Rows without a node keep the site zero.
+        let n_layers = if D > 1 { along(extent[D - 1]) } else { 1 };
+        let layer = (n_rows / n_layers, if D > 1 { strides[D - 1] } else { size });
+        let reach = if D > 1 { along(reach[D - 1]) } else { 0 };
+        Ok(Self {
+            of_nodes,
+            occupants,
+            rows,
+            rows_of_nodes,
+            runs,
+            width,
+            layer,
+            reach,
+            coordinates,
+        })
     }
 
     /// How many sites there are, with the margins.
@@ -86,35 +124,60 @@ impl<const D: usize> Sites<D> {
         &self.rows
     }
 
+    pub(super) fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// Sites along a row.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Groups of sites along a row.
     pub(super) fn groups(&self) -> usize {
-        self.groups
+        self.width.div_ceil(GROUP)
+    }
+
+    /// Rows to a band: layers enough that bonds of a band end in it or in the next.
+    pub(super) fn rows_of_band(&self) -> usize {
+        self.reach.max(LAYERS) * self.layer.0
+    }
+
+    /// The sites of some rows of whole layers and of those that their bonds reach.
+    pub(super) fn sites_of(&self, rows: &Range<usize>) -> Range<usize> {
+        let (rows_of_layer, sites_of_layer) = self.layer;
+        let layers = rows.start / rows_of_layer..rows.end / rows_of_layer;
+        let start = (layers.start + self.reach) * sites_of_layer;
+        let end = (layers.end + 2 * self.reach) * sites_of_layer + GROUP;
+        start..end.min(self.len())
     }
 
     pub(super) fn of(&self, node: usize) -> usize {
         self.of_nodes[node] as usize
     }
 
-    /// Row of a node, and its place in it.
-    pub(super) fn place(&self, node: usize) -> (usize, usize) {
-        let row = self.rows_of_nodes[node] as usize;
-        (row, self.of(node) - self.rows[row])
+    /// The ends of a bond in the order of their sites.
+    pub(super) fn in_order(&self, (i, j): (usize, usize)) -> (usize, usize) {
+        if self.of(i) < self.of(j) { (i, j) } else { (j, i) }
     }
 
-    /// Where the bit of a node's bond is: row, word and bit.
+    /// Where the bit of a bond from a node on is: row, word in the row, and bit.
     pub(super) fn bit(&self, node: usize, vector: usize, n_vectors: usize) -> (usize, usize, Mask) {
-        let (row, at) = self.place(node);
+        let row = self.rows_of_nodes[node] as usize;
+        let at = self.of(node) - self.rows[row];
         (row, at / GROUP * n_vectors + vector, 1 << (at % GROUP))
     }
 
     /// The nodes at a site and at an offset from it.
-    pub(super) fn nodes(&self, site: usize, offset: isize) -> Option<(usize, usize)> {
-        let other = site.checked_add_signed(offset)?;
+    pub(super) fn nodes(&self, site: usize, offset: usize) -> Option<(usize, usize)> {
+        let other = site + offset;
         let (i, j) = (*self.occupants.get(site)?, *self.occupants.get(other)?);
         (i != NOBODY && j != NOBODY).then_some((i as usize, j as usize))
     }
 
-    fn offset(&self, (from, to): (usize, usize)) -> isize {
-        self.of(to).cast_signed() - self.of(from).cast_signed()
+    /// From a node to another that stands further on.
+    fn offset(&self, (from, to): (usize, usize)) -> usize {
+        self.of(to) - self.of(from)
     }
 }
 
@@ -145,18 +208,18 @@ fn coordinates<const D: usize>(nodes: &Nodes<D>) -> Result<Vec<[i32; D]>, Error>
     nodes.positions().iter().enumerate().map(of).collect()
 }
 
-/// The vectors from a node to those it is bonded to.
+/// The vectors from a node to those further on that it is bonded to.
 #[derive(Debug, Clone)]
 pub(super) struct Stencil<T, const D: usize> {
-    /// Between sites, ascending.
-    offsets: Vec<isize>,
+    /// Between sites, ascending, and which of the vectors has it.
+    offsets: Vec<(usize, usize)>,
     pub(super) vectors: Vec<Vector<T, D>>,
 }
 
 /// One of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vector<T, const D: usize> {
-    pub(super) offset: isize,
+    pub(super) offset: usize,
     pub(super) xi: [T; D],
     /// `1/|xi|^2`.
     pub(super) inverse_square: T,
@@ -167,21 +230,20 @@ pub(super) struct Vector<T, const D: usize> {
 impl<T: Real, const D: usize> Stencil<T, D> {
     pub(super) fn new(nodes: &Nodes<D>, bonds: &Bonds, sites: &Sites<D>) -> Result<Self, Error> {
         let spacing = nodes.spacing();
-        let mut found: std::collections::BTreeMap<isize, ([i32; D], f64)> = [].into();
-        for (bond, (i, j)) in bonds.all().iter().zip(bonds.pairs()) {
+        // By their components, the first first: bonds to the same row are far from each other, whose forces overlap in memory.
+        let mut found: BTreeMap<[i32; D], (usize, f64)> = [].into();
+        for (bond, pair) in bonds.all().iter().zip(bonds.pairs()) {
+            let (i, j) = sites.in_order(pair);
             let (a, b) = (sites.coordinates[i], sites.coordinates[j]);
             let stiffness = bond.stiffness / bond.length;
-            for (from, to, sign) in [(i, j, 1), (j, i, -1)] {
-                let vector = std::array::from_fn(|k| sign * (b[k] - a[k]));
-                let (_, known) =
-                    *found.entry(sites.offset((from, to))).or_insert((vector, stiffness));
-                if (known - stiffness).abs() > UNLIKE * stiffness {
-                    let what = "the stiffness of a bond";
-                    return Err(Error::NotLattice { what, node: i, spacing });
-                }
+            let vector = std::array::from_fn(|k| b[k] - a[k]);
+            let (_, known) = *found.entry(vector).or_insert((sites.offset((i, j)), stiffness));
+            if (known - stiffness).abs() > UNLIKE * stiffness {
+                let what = "the stiffness of a bond";
+                return Err(Error::NotLattice { what, node: pair.0, spacing });
             }
         }
-        let vectors = found.iter().map(|(&offset, &(c, stiffness))| {
+        let vectors = found.iter().map(|(c, &(offset, stiffness))| {
             let xi: [f64; D] = c.map(|c| f64::from(c) * spacing);
             let square: f64 = xi.iter().map(|x| x * x).sum();
             Vector {
@@ -191,19 +253,19 @@ impl<T: Real, const D: usize> Stencil<T, D> {
                 stiffness: T::of(stiffness),
             }
         });
-        Ok(Self { offsets: found.keys().copied().collect(), vectors: vectors.collect() })
+        let vectors: Vec<_> = vectors.collect();
+        let mut offsets: Vec<_> = vectors.iter().map(|v| v.offset).zip(0..).collect();
+        offsets.sort_unstable();
+        Ok(Self { offsets, vectors })
     }
 
     pub(super) fn len(&self) -> usize {
-        self.offsets.len()
+        self.vectors.len()
     }
 
-    pub(super) fn offset(&self, vector: usize) -> isize {
-        self.offsets[vector]
-    }
-
-    /// Which of the vectors a bond has.
+    /// Which of the vectors a bond has, whose ends are in order.
     pub(super) fn vector(&self, sites: &Sites<D>, ends: (usize, usize)) -> usize {
-        self.offsets.partition_point(|&offset| offset < sites.offset(ends))
+        let at = self.offsets.partition_point(|&(offset, _)| offset < sites.offset(ends));
+        self.offsets[at].1
     }
 }

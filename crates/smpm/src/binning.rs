@@ -72,10 +72,8 @@ impl<const D: usize> Binning<D> {
         self.runs.clear();
         let mut begin = 0;
         while begin < self.bases.len() {
-            let tile = tile_of(&self.bases[begin]);
-            let further = &self.bases[begin..];
-            let n_particles = further.iter().take_while(|base| tile_of(base) == tile).count();
-            let end = begin + n_particles;
+            let (tile, end) =
+                (tile_of(&self.bases[begin]), begin + run_length(&self.bases[begin..]));
             self.runs.push(Run { tile, slot: 0, begin, end });
             begin = end;
         }
@@ -158,6 +156,24 @@ impl<const D: usize> Binning<D> {
         }
         &self.order
     }
+}
+
+/// How many particles from the first on stand in its tile. Groups of them are looked at together.
+fn run_length<const D: usize>(bases: &[[i32; D]]) -> usize {
+    const GROUP: usize = 8;
+    let stays = |group: &[[i32; D]]| {
+        // Edges are powers of two: nodes of one tile differ in the lowest bits alone.
+        let mut difference = 0;
+        for base in group {
+            for k in 0..D {
+                difference |= base[k] ^ bases[0][k];
+            }
+        }
+        (0..signed(tile_edge(D))).contains(&difference)
+    };
+    let together = GROUP * bases.chunks_exact(GROUP).take_while(|group| stays(group)).count();
+    let others = bases[together..].chunks(1).take_while(|one| stays(one)).count();
+    together + others
 }
 
 /// The number of a particle's cell.

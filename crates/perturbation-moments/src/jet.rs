@@ -324,6 +324,17 @@ pub fn in_widest_registers<R>(work: impl FnMut() -> R) -> R {
     pulp::Arch::new().dispatch(Work(work))
 }
 
+/// The same for registers of at most four numbers. For loops over few plain numbers at a time, which the compiler would fill the
+/// registers of AVX-512 for by gathering: that takes longer than the arithmetic.
+#[inline]
+pub fn in_registers_of_four<R>(work: impl FnMut() -> R) -> R {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(four) = pulp::x86::V3::try_new() {
+        return pulp::Simd::vectorize(four, Work(work));
+    }
+    pulp::Arch::new().dispatch(Work(work))
+}
+
 /// Called by reference: calling a closure by value goes through a function of the compiler's that is not inlined when there
 /// are two callers, and would then be compiled for the narrowest registers.
 struct Work<F>(F);

@@ -1,145 +1,199 @@
 //! Who stands in which tile, and the order in memory that follows from it.
 
-use crate::tiles::{block_edge, tile_edge, tile_len, tile_of};
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use std::ops::Range;
+
+use perturbation_moments::in_widest_registers;
+
+use crate::tiles::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 
 /// Particles are put in order when more than one in this many stands next to one of another tile without need.
 const DISORDER: usize = 8;
 
-/// A run of particles in one tile.
+/// Particles that stand next to each other in memory and in one tile.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Run<const D: usize> {
     pub(crate) tile: [i32; D],
-    n_particles: usize,
+    slot: u32,
+    begin: usize,
+    end: usize,
 }
 
-/// Particles of one body by the slot of their tile.
+impl<const D: usize> Run<D> {
+    /// Its particles, by their places in memory.
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.begin..self.end
+    }
+}
+
+/// Particles of one body by the slot of their tile. In memory they are nearly in the order of their tiles, so that runs are few, and
+/// what can be done for a run at once is.
 #[derive(Debug, Default)]
 pub(crate) struct Binning<const D: usize> {
     /// The lowest node that each particle sees.
     pub(crate) bases: Vec<[i32; D]>,
-    /// The slot of each particle's tile.
-    pub(crate) slot: Vec<u32>,
-    /// Particles that stand next to each other in memory and in one tile.
+    /// Where in the blocks of the grid this node is.
+    pub(crate) nodes: Vec<usize>,
+    /// In the order of memory.
     pub(crate) runs: Vec<Run<D>>,
-    /// Particles by slot, ascending within each.
+    /// Runs by slot, ascending within each; where particles are put in order, the particles.
     order: Vec<u32>,
-    /// Where the particles of a slot begin in `order`.
+    /// Where those of a slot begin in `order`.
     starts: Vec<u32>,
-    /// Where the next particle of a slot, or of a cell, goes.
+    /// Where the next one of a slot, or of a cell, goes.
     next: Vec<u32>,
     /// Particles whose neighbour in memory stands in another tile, beyond what there must be.
     breaks: usize,
 }
 
+/// Particles have numbers of 32 bits.
+fn short(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
 impl<const D: usize> Binning<D> {
     pub(crate) fn of(n_particles: usize) -> Self {
-        Self { bases: vec![[0; D]; n_particles], ..Self::default() }
+        let (bases, nodes) = (vec![[0; D]; n_particles], vec![0; n_particles]);
+        Self { bases, nodes, ..Self::default() }
     }
 
-    /// The particles of a tile.
-    pub(crate) fn members(&self, slot: usize) -> &[u32] {
-        &self.order[self.starts[slot] as usize..self.starts[slot + 1] as usize]
+    /// The particles of a tile, run by run.
+    pub(crate) fn runs_of(&self, slot: usize) -> impl Iterator<Item = Range<usize>> {
+        let members = self.starts[slot] as usize..self.starts[slot + 1] as usize;
+        self.order[members].iter().map(|&run| self.runs[run as usize].range())
     }
 
-    /// Finds the runs of particles in one tile. In memory particles are nearly in the order of their tiles, so that there are few,
-    /// and what follows is done for a run at once.
+    /// Finds the runs, without their slots.
     pub(crate) fn find_runs(&mut self) {
         self.runs.clear();
-        for base in &self.bases {
-            let tile = tile_of(base);
-            match self.runs.last_mut() {
-                Some(run) if run.tile == tile => run.n_particles += 1,
-                _ => self.runs.push(Run { tile, n_particles: 1 }),
-            }
+        let mut begin = 0;
+        while begin < self.bases.len() {
+            let (tile, end) =
+                (tile_of(&self.bases[begin]), begin + run_length(&self.bases[begin..]));
+            self.runs.push(Run { tile, slot: 0, begin, end });
+            begin = end;
         }
     }
 
-    /// Sorts the particles by slot.
-    pub(crate) fn bin(&mut self, n_slots: usize, slot_of: impl Fn(&[i32; D]) -> u32) {
-        self.slot.clear();
-        self.starts.clear();
-        self.starts.resize(n_slots + 1, 0);
-        for &Run { tile, n_particles } in &self.runs {
-            let slot = slot_of(&tile);
-            self.slot.resize(self.slot.len() + n_particles, slot);
-            // Particles have numbers of 32 bits.
-            self.starts[slot as usize + 1] += u32::try_from(n_particles).unwrap_or(u32::MAX);
+    /// Sorts the runs by slot, and finds the lowest node of each particle in the blocks: that of the tile in slot `k` is number
+    /// `block_of(k)` of them.
+    pub(crate) fn bin(
+        &mut self,
+        n_slots: usize,
+        slot_of: impl Fn(&[i32; D]) -> u32,
+        block_of: impl Fn(usize) -> usize,
+    ) {
+        self.begin_counts(n_slots);
+        for run in &mut self.runs {
+            run.slot = slot_of(&run.tile);
+            self.starts[run.slot as usize + 1] += 1;
         }
+        let Self { runs, nodes, bases, .. } = self;
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for run in &*runs {
+                    let (corner, first) = (corner_of(&run.tile), block_of(run.slot as usize));
+                    let first = first * block_len(D);
+                    for (node, base) in nodes[run.range()].iter_mut().zip(&bases[run.range()]) {
+                        *node = first + offset(base, &corner);
+                    }
+                }
+            },
+        );
         let needed = self.starts.iter().filter(|&&count| count > 0).count();
         self.breaks = self.runs.len() - needed;
-        self.begin_order(n_slots);
-        let mut first = 0_u32;
-        for run in &self.runs {
-            let next = &mut self.next[self.slot[first as usize] as usize];
-            let order = &mut self.order[*next as usize..][..run.n_particles];
-            for place in order {
-                *place = first;
-                first += 1;
-                *next += 1;
-            }
+        self.begin_order(n_slots, self.runs.len());
+        for (number, run) in (0_u32..).zip(&self.runs) {
+            let next = &mut self.next[run.slot as usize];
+            self.order[*next as usize] = number;
+            *next += 1;
         }
     }
 
-    /// Particles in the order of `key`, whose counts stand in `starts`, one place up.
-    fn distribute(&mut self, n_keys: usize, key: impl Fn(&Self, usize) -> usize) {
-        self.begin_order(n_keys);
-        for (particle, number) in (0_u32..).take(self.slot.len()).enumerate() {
-            let key = key(self, particle);
-            let place = &mut self.next[key];
-            self.order[*place as usize] = number;
-            *place += 1;
-        }
+    /// No counts yet.
+    fn begin_counts(&mut self, n_keys: usize) {
+        self.starts.clear();
+        self.starts.resize(n_keys + 1, 0);
     }
 
-    /// From counts, one place up, to where the particles of each key begin.
-    fn begin_order(&mut self, n_keys: usize) {
+    /// From counts, one place up, to where those of each key begin.
+    fn begin_order(&mut self, n_keys: usize, n_entries: usize) {
         for k in 0..n_keys {
             self.starts[k + 1] += self.starts[k];
         }
         self.next.clear();
         self.next.extend_from_slice(&self.starts);
-        self.order.resize(self.slot.len(), 0);
+        self.order.resize(n_entries, 0);
     }
 
     /// Whether so many particles have left their neighbours in memory that a new order is worth its cost.
     pub(crate) fn is_disordered(&self) -> bool {
-        self.breaks * DISORDER > self.slot.len()
+        self.breaks * DISORDER > self.bases.len()
     }
 
     /// The order in memory by tile and, within it, by cell: entry `i` is who comes to place `i`. To be binned anew after it.
     pub(crate) fn by_cell(&mut self) -> &[u32] {
         let n_slots = self.starts.len() - 1;
         let n_keys = n_slots * tile_len(D);
-        self.starts.clear();
-        self.starts.resize(n_keys + 1, 0);
-        for particle in 0..self.slot.len() {
-            let key = self.cell_of(particle);
-            self.starts[key + 1] += 1;
+        self.begin_counts(n_keys);
+        for run in &self.runs {
+            for base in &self.bases[run.range()] {
+                self.starts[cell_of(run, base) + 1] += 1;
+            }
         }
-        self.distribute(n_keys, Self::cell_of);
+        self.begin_order(n_keys, self.bases.len());
+        for run in &self.runs {
+            for (particle, base) in run.range().zip(&self.bases[run.range()]) {
+                let next = &mut self.next[cell_of(run, base)];
+                self.order[*next as usize] = short(particle);
+                *next += 1;
+            }
+        }
         &self.order
     }
+}
 
-    fn cell_of(&self, particle: usize) -> usize {
-        let mut local = 0;
-        for &node in self.bases[particle].iter().rev() {
-            let edge = tile_edge(D);
-            let along = node.rem_euclid(i32::try_from(edge).unwrap_or(i32::MAX));
-            local = local * edge + along.unsigned_abs() as usize;
+/// How many particles from the first on stand in its tile. Groups of them are looked at together.
+fn run_length<const D: usize>(bases: &[[i32; D]]) -> usize {
+    const GROUP: usize = 8;
+    let stays = |group: &[[i32; D]]| {
+        // Edges are powers of two: nodes of one tile differ in the lowest bits alone.
+        let mut difference = 0;
+        for base in group {
+            for k in 0..D {
+                difference |= base[k] ^ bases[0][k];
+            }
         }
-        self.slot[particle] as usize * tile_len(D) + local
-    }
+        (0..signed(tile_edge(D))).contains(&difference)
+    };
+    let together = GROUP * bases.chunks_exact(GROUP).take_while(|group| stays(group)).count();
+    let others = bases[together..].chunks(1).take_while(|one| stays(one)).count();
+    together + others
+}
 
-    /// Where in its block the lowest node of a particle is.
-    #[allow(clippy::inline_always, reason = "part of a loop inside a dispatched closure")]
-    #[inline(always)]
-    pub(crate) fn offset(base: &[i32; D], corner: &[i32; D]) -> usize {
-        let mut index = 0;
-        for k in (0..D).rev() {
-            index = index * block_edge(D) + base[k].abs_diff(corner[k]) as usize;
-        }
-        index
+/// The number of a particle's cell.
+fn cell_of<const D: usize>(run: &Run<D>, base: &[i32; D]) -> usize {
+    let mut local = 0;
+    for &node in base.iter().rev() {
+        let along = node.rem_euclid(signed(tile_edge(D)));
+        local = local * tile_edge(D) + along.unsigned_abs() as usize;
     }
+    run.slot as usize * tile_len(D) + local
+}
+
+/// Where in its block the lowest node of a particle is.
+#[inline(always)]
+fn offset<const D: usize>(base: &[i32; D], corner: &[i32; D]) -> usize {
+    let mut index = 0;
+    for k in (0..D).rev() {
+        index = index * block_edge(D) + base[k].abs_diff(corner[k]) as usize;
+    }
+    index
 }
 
 /// Brings entry `order[i]` to place `i` for every `i`, in place, along the cycles of the permutation. `done` is a buffer.

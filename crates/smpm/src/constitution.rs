@@ -11,10 +11,10 @@ use crate::binning::permute;
 use crate::config::{BulkViscosity, Config};
 use crate::error::Fault;
 use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
-use crate::number::Number;
+use crate::number::{Number, is_finite, is_plain};
 use crate::parallel::join;
 use crate::particles::Chunk;
-use crate::tensor::{Symmetric, volume_change};
+use crate::tensor::{Symmetric, in_plane, volume_change};
 use crate::transfer::Sweep;
 
 /// What the material made of a particle.
@@ -147,9 +147,10 @@ struct Motion {
 }
 
 /// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
-/// dimension: this is most of the code of a material, and there is one of it for each kind of number.
+/// dimension: this is most of the code of a material, and there is one of it for each kind of number; of plain numbers another
+/// for motion that is known to stay in the plane of the first two axes.
 #[inline(never)]
-fn update_batch<M: Material<S>, S: Number>(
+fn update_batch<M: Material<S>, S: Number, const PLANE: bool>(
     of: (&M, S),
     motion: Motion,
     gradients: &[[[S; 3]; 3]],
@@ -160,9 +161,12 @@ fn update_batch<M: Material<S>, S: Number>(
         #[inline(always)]
         || {
             let mut first: Option<(u32, Fault)> = None;
-            for i in 0..gradients.len() {
+            let n = gradients.len();
+            let (states, conditions) = (&mut states[..n], &mut conditions[..n]);
+            for i in 0..n {
                 let (state, condition) = (&mut states[i], &mut conditions[i]);
-                if let Err(fault) = next(of, motion, &gradients[i], state, condition)
+                let l = if PLANE { in_plane(&gradients[i]) } else { gradients[i] };
+                if let Err(fault) = next(of, motion, &l, state, condition)
                     && first.is_none_or(|(lowest, _)| numbers[i] < lowest)
                 {
                     first = Some((numbers[i], fault));
@@ -183,7 +187,7 @@ fn next<M: Material<S>, S: Number>(
     condition: &mut Condition<S>,
 ) -> Result<(), Fault> {
     let volume = condition.volume * volume_change(l, dt);
-    if !(volume.value() > 0.0 && volume.value().is_finite()) {
+    if !(volume.value() > 0.0 && is_finite(volume.value())) {
         let must = "above 0 and finite";
         return Err(Fault { quantity: "V/V_0", value: volume.value(), must });
     }
@@ -204,18 +208,18 @@ fn next<M: Material<S>, S: Number>(
         cell,
     };
     let stress = material.update(&now, state)?;
-    // A sum is finite if all its terms are; else one is to be found, or the sum itself is too large.
+    // A sum is not finite if a term is not; then one is to be found, or the sum itself is too large.
     let mut sum = q.value();
     for k in 0..6 {
-        sum += stress.0[k].value().abs();
+        sum += stress.0[k].value();
     }
-    if !sum.is_finite() {
+    if !is_finite(sum) {
         let value = stress.values().into_iter().find(|value| !value.is_finite()).unwrap_or(sum);
         return Err(Fault { quantity: "stress", value, must: "finite" });
     }
     let wave_speed = material.wave_speed(volume, state);
     let c = wave_speed.value();
-    if !(c >= 0.0 && c.is_finite()) {
+    if !(c >= 0.0 && is_finite(c)) {
         return Err(Fault { quantity: "wave speed", value: c, must: "0 or above and finite" });
     }
     *condition = Condition { stress, viscosity: q, volume, wave_speed, rate: trace.value() };
@@ -232,33 +236,36 @@ struct Portion<'a, M: Material<S>, S: Number, const D: usize> {
 }
 
 impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
-    fn split(&mut self, middle: usize) -> (Portion<'_, M, S, D>, Portion<'_, M, S, D>) {
-        let (material, density) = (self.material, self.density);
-        let (low, high) = self.chunk.split(middle);
-        let (states, further_states) = self.states.split_at_mut(middle);
-        let (conditions, further) = self.conditions.split_at_mut(middle);
+    #[inline]
+    fn split(self, middle: usize) -> (Self, Self) {
+        let Self { material, density, chunk, states, conditions } = self;
+        let (low, high) = chunk.split(middle);
+        let (states, further_states) = states.split_at_mut(middle);
+        let (conditions, further) = conditions.split_at_mut(middle);
         (
-            Portion { material, density, chunk: low, states, conditions },
-            Portion { material, density, chunk: high, states: further_states, conditions: further },
+            Self { material, density, chunk: low, states, conditions },
+            Self { material, density, chunk: high, states: further_states, conditions: further },
         )
     }
 
     /// In halves down to a share: the sums have a shape that the number of particles alone decides.
-    fn sweep(&mut self, sweep: &Sweep<'_, S, D>) -> Summary<D> {
+    fn sweep(self, sweep: &Sweep<'_, S, D>) -> Summary<D> {
         let n = self.chunk.len();
         if n > SHARE {
-            let (mut low, mut high) = self.split((n / 2).next_multiple_of(BATCH));
+            let (low, high) = self.split((n / 2).next_multiple_of(BATCH));
             let (one, two) = join(|| low.sweep(sweep), || high.sweep(sweep));
             return one.and(two);
         }
         let mut summary = Summary::none();
         let mut gradients = [[[S::constant(0.0); 3]; 3]; BATCH];
-        let mut start = 0;
-        while start < n {
-            let (_, mut rest) = self.split(start);
-            let (mut batch, _) = rest.split(BATCH.min(n - start));
+        let (mut batch, mut rest) = self.split(BATCH.min(n));
+        loop {
             batch.sweep_batch(sweep, &mut gradients, &mut summary);
-            start += BATCH;
+            let left = rest.chunk.len();
+            if left == 0 {
+                break;
+            }
+            (batch, rest) = rest.split(BATCH.min(left));
         }
         summary
     }
@@ -277,7 +284,12 @@ impl<M: Material<S>, S: Number, const D: usize> Portion<'_, M, S, D> {
             let motion = Motion { dt: sweep.dt, time: sweep.time, cell, viscosity };
             let kept = (&mut **states, &mut **conditions);
             let of = (*material, *density);
-            let fault = update_batch(of, motion, &gradients[..n], kept, chunk.number);
+            let (gradients, numbers) = (&gradients[..n], chunk.number);
+            let fault = if const { D < 3 && is_plain::<S>() } {
+                update_batch::<M, S, true>(of, motion, gradients, kept, numbers)
+            } else {
+                update_batch::<M, S, false>(of, motion, gradients, kept, numbers)
+            };
             if let Some((number, fault)) = fault {
                 summary.fail(number, fault);
             }
@@ -298,30 +310,54 @@ fn move_batch<S: Number, const D: usize>(
     sweep: &Sweep<'_, S, D>,
     summary: &mut Summary<D>,
 ) {
-    in_widest_registers(
+    let is_everywhere = in_widest_registers(
         #[inline(always)]
         || {
-            for (i, condition) in conditions.iter().enumerate() {
-                if let Err(fault) = chunk.move_one(i, sweep) {
-                    summary.fail(chunk.number[i], fault);
-                }
-                let velocity = &chunk.velocity[i];
-                let speed = signal_speed(velocity, condition, sweep.config);
-                let number = chunk.number[i];
-                if speed > summary.fastest.0
-                    || (speed >= summary.fastest.0 && number < summary.fastest.1)
-                {
-                    summary.fastest = (speed, number);
-                }
-                let mass = chunk.mass[i].value();
-                for k in 0..D {
-                    let v = velocity[k].value();
-                    summary.momentum[k] += mass * v;
-                    summary.kinetic += 0.5 * mass * v * v;
-                }
-            }
+            look(chunk, conditions, sweep.config, summary);
+            chunk.advance(sweep)
         },
     );
+    if !is_everywhere {
+        for i in 0..chunk.len() {
+            if let Err(fault) = chunk.check(i, sweep.config) {
+                summary.fail(chunk.number[i], fault);
+            }
+        }
+    }
+}
+
+/// Adds a batch to what is seen.
+#[inline(always)]
+fn look<S: Number, const D: usize>(
+    chunk: &Chunk<'_, S, D>,
+    conditions: &[Condition<S>],
+    config: &Config<D>,
+    summary: &mut Summary<D>,
+) {
+    let n = conditions.len().min(BATCH);
+    let (velocities, conditions) = (&chunk.velocity[..n], &conditions[..n]);
+    let (masses, numbers) = (&chunk.mass[..n], &chunk.number[..n]);
+    let mut speeds = [0.0; BATCH];
+    for i in 0..n {
+        speeds[i] = signal_speed(&velocities[i], &conditions[i], config);
+    }
+    for i in 0..n {
+        if speeds[i] >= summary.fastest.0 {
+            let tied = speeds[i] <= summary.fastest.0;
+            let number = if tied { numbers[i].min(summary.fastest.1) } else { numbers[i] };
+            summary.fastest = (speeds[i], number);
+        }
+    }
+    let Summary { mut kinetic, mut momentum, .. } = *summary;
+    for i in 0..n {
+        let mass = masses[i].value();
+        for k in 0..D {
+            let v = velocities[i][k].value();
+            kinetic += 0.5 * mass * v * v;
+            momentum[k] += mass * v;
+        }
+    }
+    (summary.kinetic, summary.momentum) = (kinetic, momentum);
 }
 
 /// Adds the internal energies of a batch, one by one.

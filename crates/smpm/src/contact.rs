@@ -16,8 +16,9 @@ use crate::number::Number;
 /// $$ J_n = m (v_a - v_b) \cdot n > 0, \qquad J_t = \min(m |v_t|, \mu J_n) $$
 #[inline(always)]
 pub(crate) fn meet<S: Number, const D: usize>(
-    (a, outward): (&mut Node<S, D>, [S; D]),
-    b: &mut Node<S, D>,
+    (a, mass_a): (&mut Node<S, D>, S),
+    (b, mass_b): (&mut Node<S, D>, S),
+    outward: [S; D],
     coefficient: f64,
 ) {
     let zero = S::constant(0.0);
@@ -51,10 +52,10 @@ pub(crate) fn meet<S: Number, const D: usize>(
             relative[k] = approach * normal[k] + slip[k] * share;
         }
     }
-    let both = (a.mass + b.mass).recip();
+    let both = (mass_a + mass_b).recip();
     for k in 0..D {
-        a.change[k] = a.change[k] - relative[k] * (b.mass * both);
-        b.change[k] = b.change[k] + relative[k] * (a.mass * both);
+        a.change[k] = a.change[k] - relative[k] * (mass_b * both);
+        b.change[k] = b.change[k] + relative[k] * (mass_a * both);
     }
 }
 
@@ -62,15 +63,15 @@ pub(crate) fn meet<S: Number, const D: usize>(
 mod tests {
     use super::*;
 
-    fn node(mass: f64, motion: [f64; 2]) -> Node<f64, 2> {
-        Node { mass, motion, change: [0.0; 2] }
+    fn node(motion: [f64; 2]) -> Node<f64, 2> {
+        Node { motion, change: [0.0; 2] }
     }
 
     /// Change of the first body and of the momentum of both.
     fn met(velocity: [f64; 2], coefficient: f64) -> ([f64; 2], [f64; 2]) {
-        let (mut a, mut b) = (node(2.0, velocity), node(3.0, [0.0; 2]));
+        let (mut a, mut b) = (node(velocity), node([0.0; 2]));
         // The normal is (0.6, 0.8).
-        meet((&mut a, [0.3, 0.4]), &mut b, coefficient);
+        meet((&mut a, 2.0), (&mut b, 3.0), [0.3, 0.4], coefficient);
         (a.change, std::array::from_fn(|k| 2.0 * a.change[k] + 3.0 * b.change[k]))
     }
 

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod binning;
+mod blocks;
 mod body;
 mod boundary;
 mod config;

@@ -1,9 +1,28 @@
 //! The number type of a run.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Scalar, in_registers_of_four, in_widest_registers};
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
 /// its history. Implemented for every [`Scalar`] that threads may share.
 pub trait Number: Scalar + std::fmt::Debug + Send + Sync + 'static {}
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync + 'static> Number for S {}
+
+/// Whether a value is finite, by one comparison: `is_finite` beside others becomes a test of bits, of twenty instructions.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
+pub(crate) fn is_finite(value: f64) -> bool {
+    value.abs() <= f64::MAX
+}
+
+/// Whether it is as small as an `f64`, of which a register takes several: a constant, for choices between paths that say the same.
+pub(crate) const fn is_plain<S>() -> bool {
+    size_of::<S>() == size_of::<f64>()
+}
+
+/// Runs work on nodes compiled for the registers that suit its numbers: four plain ones are those of a node in the plane.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
+pub(crate) fn in_registers_of<S, R>(work: impl FnMut() -> R) -> R {
+    if const { is_plain::<S>() } { in_registers_of_four(work) } else { in_widest_registers(work) }
+}

@@ -33,6 +33,24 @@ pub(crate) fn for_each_chunk<T: Send>(
     }
 }
 
+/// `work(k, chunk k of one, chunk k of two)` for every run of `length` entries of both, which is much work.
+pub(crate) fn for_each_pair_of_chunks<T: Send, U: Send>(
+    (one, two): (&mut [T], &mut [U]),
+    length: usize,
+    work: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        let pairs = one.par_chunks_mut(length).zip(two.par_chunks_mut(length));
+        pairs.enumerate().for_each(|(k, (one, two))| work(k, one, two));
+    }
+    #[cfg(not(feature = "rayon"))]
+    for (k, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {
+        work(k, one, two);
+    }
+}
+
 /// `work(entry)` for every entry, each much work; results in the order of the entries.
 pub(crate) fn map_in_order<T: Sync, U: Send>(
     entries: &[T],

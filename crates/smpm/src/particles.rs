@@ -9,7 +9,7 @@ use crate::binning::{Binning, permute};
 use crate::body::Fill;
 use crate::config::{Config, Geometry, Transfer, UpdateOrder};
 use crate::error::Fault;
-use crate::number::Number;
+use crate::number::{Number, is_finite};
 use crate::shape::Shape;
 use crate::transfer::Sweep;
 
@@ -48,7 +48,8 @@ pub(crate) struct Chunk<'a, S, const D: usize> {
     pub(crate) number: &'a [u32],
     /// The lowest node that it sees.
     pub(crate) base: &'a [[i32; D]],
-    pub(crate) slot: &'a [u32],
+    /// Where in the blocks of the grid this node is.
+    pub(crate) node: &'a [usize],
 }
 
 /// Both parts of a column, of one that may be empty too.
@@ -62,8 +63,8 @@ macro_rules! split {
         $(let $written = halves($chunk.$written, $middle);)+
         $(let $read = $chunk.$read.split_at($middle);)+
         (
-            Chunk { $($written: $written.0,)+ $($read: $read.0,)+ },
-            Chunk { $($written: $written.1,)+ $($read: $read.1,)+ },
+            Self { $($written: $written.0,)+ $($read: $read.0,)+ },
+            Self { $($written: $written.1,)+ $($read: $read.1,)+ },
         )
     }};
 }
@@ -73,10 +74,11 @@ impl<S, const D: usize> Chunk<'_, S, D> {
         self.position.len()
     }
 
-    pub(crate) fn split(&mut self, middle: usize) -> (Chunk<'_, S, D>, Chunk<'_, S, D>) {
+    #[inline]
+    pub(crate) fn split(self, middle: usize) -> (Self, Self) {
         split!(self at middle:
             position, velocity, displacement, affine, half_length, stretched;
-            mass, reference_volume, number, base, slot)
+            mass, reference_volume, number, base, node)
     }
 }
 
@@ -127,7 +129,7 @@ impl<S: Number, const D: usize> Particles<S, D> {
             reference_volume: &self.reference_volume,
             number: &self.number,
             base: &binning.bases,
-            slot: &binning.slot,
+            node: &binning.nodes,
         }
     }
 
@@ -147,35 +149,61 @@ impl<S: Number, const D: usize> Particles<S, D> {
 
 impl<S: Number, const D: usize> Chunk<'_, S, D> {
     /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
-    /// (Chen et al. 2019, eq 8).
+    /// (Chen et al. 2019, eq 8). Whether all of them are then where they may be; who is not, [`Self::check`] says.
     #[inline(always)]
-    pub(crate) fn move_one(&mut self, i: usize, sweep: &Sweep<'_, S, D>) -> Result<(), Fault> {
-        let x = &mut self.position[i];
-        for k in 0..D {
-            if !sweep.pass.takes_motion() {
-                x[k] = x[k] + self.displacement[i][k];
-            }
-            let value = x[k].value();
-            if !value.is_finite() {
-                return Err(Fault { quantity: "position", value, must: "finite" });
+    pub(crate) fn advance(&mut self, sweep: &Sweep<'_, S, D>) -> bool {
+        if !sweep.pass.takes_motion() {
+            for (x, by) in self.position.iter_mut().zip(&*self.displacement) {
+                for k in 0..D {
+                    x[k] = x[k] + by[k];
+                }
             }
         }
-        if sweep.config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
-            return Err(Fault { quantity: "radius", value: x[0].value(), must: "above 0" });
+        let mut are_finite = true;
+        for x in &*self.position {
+            for k in 0..D {
+                are_finite &= is_finite(x[k].value());
+            }
+        }
+        let mut is_allowed = true;
+        if sweep.config.geometry == Geometry::Axisymmetric {
+            for x in &*self.position {
+                is_allowed &= x[0].value() > 0.0;
+            }
         }
         if sweep.config.shape == Shape::Gimp {
-            for k in 0..D {
-                let length = self.stretched[i][k];
-                self.half_length[i][k] = length;
-                let value = length.value() / sweep.config.cell;
-                if !(value > 0.0 && value <= 1.0) {
-                    let must = "above 0 and at most 1: the grid is too fine for the stretch";
-                    return Err(Fault { quantity: "half length in cells", value, must });
-                }
+            self.half_length.copy_from_slice(self.stretched);
+            for length in self.half_length.as_flattened() {
+                is_allowed &= is_length(length.value() / sweep.config.cell);
+            }
+        }
+        are_finite && is_allowed
+    }
+
+    /// Whether a particle is where it may be, as long as it may be.
+    pub(crate) fn check(&self, i: usize, config: &Config<D>) -> Result<(), Fault> {
+        let x = &self.position[i];
+        if let Some(value) = x.iter().map(|x| x.value()).find(|&value| !is_finite(value)) {
+            return Err(Fault { quantity: "position", value, must: "finite" });
+        }
+        if config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
+            return Err(Fault { quantity: "radius", value: x[0].value(), must: "above 0" });
+        }
+        if config.shape == Shape::Gimp {
+            let lengths = self.half_length[i].iter().map(|length| length.value() / config.cell);
+            if let Some(value) = lengths.into_iter().find(|&value| !is_length(value)) {
+                let must = "above 0 and at most 1: the grid is too fine for the stretch";
+                return Err(Fault { quantity: "half length in cells", value, must });
             }
         }
         Ok(())
     }
+}
+
+/// Whether half a length, in cells, is one that GIMP can do with.
+#[inline(always)]
+fn is_length(half: f64) -> bool {
+    half > 0.0 && half <= 1.0
 }
 
 /// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.

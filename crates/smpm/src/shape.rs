@@ -7,6 +7,8 @@
 
 use perturbation_moments::Scalar;
 
+use crate::tiles::block_edge;
+
 /// Which shape function carries values between particles and nodes.
 ///
 /// | name | nodes per axis | smooth | note |
@@ -30,11 +32,12 @@ pub enum Shape {
 /// Most nodes that a particle sees along an axis.
 pub(crate) const MOST_NODES: usize = 4;
 
-/// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees.
+/// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees; of `N` particles, by
+/// nodes, so that a register takes several particles.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Axis<S> {
-    pub(crate) value: [S; MOST_NODES],
-    pub(crate) slope: [S; MOST_NODES],
+pub(crate) struct Axis<S, const N: usize> {
+    pub(crate) value: [[S; N]; MOST_NODES],
+    pub(crate) slope: [[S; N]; MOST_NODES],
 }
 
 /// A shape function as a type, so that loops over its nodes unroll.
@@ -44,9 +47,9 @@ pub(crate) trait ShapeFunction: std::fmt::Debug + Send + Sync + 'static {
     /// Whether the size of the particle matters.
     const SIZED: bool = false;
 
-    /// At the place `s` (in cells) of a particle that reaches `half` cells to either side and sees `base` as its lowest node.
+    /// At the place `s` (in cells) of a particle, given by its number among the `N`, which reaches `half` cells to either side and sees `base` as its lowest node.
     /// Only what belongs to [`Self::NODES`] nodes is written.
-    fn along<S: Scalar>(s: S, half: S, base: i32, axis: &mut Axis<S>);
+    fn along<S: Scalar, const N: usize>(s: S, half: S, base: i32, of: (&mut Axis<S, N>, usize));
 
     /// The lowest node that a particle at `s` sees.
     fn base(s: f64, half: f64) -> i32;
@@ -71,11 +74,11 @@ fn floor(s: f64) -> i32 {
     s.floor() as i32
 }
 
-impl<S: Scalar> Axis<S> {
+impl<S: Scalar, const N: usize> Axis<S, N> {
     #[inline(always)]
     pub(crate) fn empty() -> Self {
-        let zero = S::constant(0.0);
-        Self { value: [zero; MOST_NODES], slope: [zero; MOST_NODES] }
+        let zeros = [[S::constant(0.0); N]; MOST_NODES];
+        Self { value: zeros, slope: zeros }
     }
 }
 
@@ -88,10 +91,15 @@ impl ShapeFunction for Linear {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
+    fn along<S: Scalar, const N: usize>(
+        s: S,
+        _: S,
+        base: i32,
+        (axis, p): (&mut Axis<S, N>, usize),
+    ) {
         let f = s - f64::from(base);
-        (axis.value[0], axis.value[1]) = (-f + 1.0, f);
-        (axis.slope[0], axis.slope[1]) = (S::constant(-1.0), S::constant(1.0));
+        (axis.value[0][p], axis.value[1][p]) = (-f + 1.0, f);
+        (axis.slope[0][p], axis.slope[1][p]) = (S::constant(-1.0), S::constant(1.0));
     }
 }
 
@@ -104,14 +112,19 @@ impl ShapeFunction for QuadraticBSpline {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
+    fn along<S: Scalar, const N: usize>(
+        s: S,
+        _: S,
+        base: i32,
+        (axis, p): (&mut Axis<S, N>, usize),
+    ) {
         // From 1/2 to 3/2.
         let f = s - f64::from(base);
         let (left, centre, right) = (-f + 1.5, f - 1.0, f - 0.5);
-        axis.value[0] = left.squared() * 0.5;
-        axis.value[1] = -centre.squared() + 0.75;
-        axis.value[2] = right.squared() * 0.5;
-        (axis.slope[0], axis.slope[1], axis.slope[2]) = (-left, centre * -2.0, right);
+        axis.value[0][p] = left.squared() * 0.5;
+        axis.value[1][p] = -centre.squared() + 0.75;
+        axis.value[2][p] = right.squared() * 0.5;
+        (axis.slope[0][p], axis.slope[1][p], axis.slope[2][p]) = (f - 1.5, centre * -2.0, right);
     }
 }
 
@@ -125,19 +138,24 @@ impl ShapeFunction for CubicBSpline {
     }
 
     #[inline(always)]
-    fn along<S: Scalar>(s: S, _: S, base: i32, axis: &mut Axis<S>) {
+    fn along<S: Scalar, const N: usize>(
+        s: S,
+        _: S,
+        base: i32,
+        (axis, p): (&mut Axis<S, N>, usize),
+    ) {
         let f = s - f64::from(base + 1);
         let rest = -f + 1.0;
         let (f2, r2) = (f.squared(), rest.squared());
         let sixth = 1.0 / 6.0;
-        axis.value[0] = r2 * rest * sixth;
-        axis.value[1] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
-        axis.value[2] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
-        axis.value[3] = f2 * f * sixth;
-        axis.slope[0] = r2 * -0.5;
-        axis.slope[1] = f2 * 1.5 - f * 2.0;
-        axis.slope[2] = -(r2 * 1.5 - rest * 2.0);
-        axis.slope[3] = f2 * 0.5;
+        axis.value[0][p] = r2 * rest * sixth;
+        axis.value[1][p] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
+        axis.value[2][p] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
+        axis.value[3][p] = f2 * f * sixth;
+        axis.slope[0][p] = r2 * -0.5;
+        axis.slope[1][p] = f2 * 1.5 - f * 2.0;
+        axis.slope[2][p] = -(r2 * 1.5 - rest * 2.0);
+        axis.slope[3][p] = f2 * 0.5;
     }
 }
 
@@ -153,13 +171,18 @@ impl ShapeFunction for Gimp {
     /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
     /// length of the particle in cells.
     #[inline(always)]
-    fn along<S: Scalar>(s: S, half: S, base: i32, axis: &mut Axis<S>) {
+    fn along<S: Scalar, const N: usize>(
+        s: S,
+        half: S,
+        base: i32,
+        (axis, p): (&mut Axis<S, N>, usize),
+    ) {
         let inverse = half.recip() * 0.5;
         for (k, node) in (base..).take(Self::NODES).enumerate() {
             let d = s - f64::from(node);
             let (low, high) = (d - half, d + half);
-            axis.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
-            axis.slope[k] = (hat(high) - hat(low)) * inverse;
+            axis.value[k][p] = (hat_integral(high) - hat_integral(low)) * inverse;
+            axis.slope[k][p] = (hat(high) - hat(low)) * inverse;
         }
     }
 }
@@ -190,22 +213,24 @@ fn hat_integral<S: Scalar>(u: S) -> S {
     }
 }
 
-/// The part of the axes beyond the first in the shape function of a row of nodes, and its slopes (per cell) along these axes.
+/// The part of the axes beyond the first in the shape function of a particle at a row of nodes, and its slopes (per cell) along
+/// these axes.
 #[inline(always)]
-pub(crate) fn outer<S: Scalar, const D: usize>(
-    axes: &[Axis<S>; D],
+pub(crate) fn outer<S: Scalar, const D: usize, const N: usize>(
+    axes: &[Axis<S, N>; D],
+    p: usize,
     (j, k): (usize, usize),
 ) -> (S, [S; D]) {
     let mut slope = [S::constant(0.0); D];
     if D == 1 {
         return (S::constant(1.0), slope);
     }
-    let (value_y, slope_y) = (axes[1].value[j], axes[1].slope[j]);
+    let (value_y, slope_y) = (axes[1].value[j][p], axes[1].slope[j][p]);
     if D == 2 {
         slope[1] = slope_y;
         return (value_y, slope);
     }
-    let (value_z, slope_z) = (axes[2].value[k], axes[2].slope[k]);
+    let (value_z, slope_z) = (axes[2].value[k][p], axes[2].slope[k][p]);
     slope[1] = slope_y * value_z;
     slope[2] = value_y * slope_z;
     (value_y * value_z, slope)
@@ -216,14 +241,21 @@ pub(crate) const fn nodes_along<F: ShapeFunction, const D: usize>(axis: usize) -
     if axis < D { F::NODES } else { 1 }
 }
 
+/// Nodes of a block from the first that a particle sees to the last.
+pub(crate) const fn nodes_spanned<F: ShapeFunction, const D: usize>() -> usize {
+    let edge = block_edge(D);
+    let rows = (nodes_along::<F, D>(2) - 1) * edge + nodes_along::<F, D>(1) - 1;
+    rows * edge + F::NODES
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use perturbation_moments::Jet;
 
-    fn axis<F: ShapeFunction, S: Scalar>(s: S, half: f64) -> (i32, Axis<S>) {
+    fn axis<F: ShapeFunction, S: Scalar>(s: S, half: f64) -> (i32, Axis<S, 1>) {
         let (base, mut axis) = (F::base(s.value(), half), Axis::empty());
-        F::along(s, S::constant(half), base, &mut axis);
+        F::along(s, S::constant(half), base, (&mut axis, 0));
         (base, axis)
     }
 
@@ -234,10 +266,10 @@ mod tests {
             let (base, here) = axis::<F, f64>(s, half);
             let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
             for (k, node) in (base..).take(F::NODES).enumerate() {
-                sum += here.value[k];
-                slopes += here.slope[k];
-                place += here.value[k] * f64::from(node);
-                assert!(here.value[k] > -1e-15, "{name}: negative at {s}");
+                sum += here.value[k][0];
+                slopes += here.slope[k][0];
+                place += here.value[k][0] * f64::from(node);
+                assert!(here.value[k][0] > -1e-15, "{name}: negative at {s}");
             }
             assert!(
                 (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
@@ -253,14 +285,17 @@ mod tests {
                 (axis::<F, f64>(s + delta, half), axis::<F, f64>(s - delta, half));
             if over == base && under == base {
                 for k in 0..F::NODES {
-                    let slope = (above.value[k] - below.value[k]) / (2.0 * delta);
+                    let slope = (above.value[k][0] - below.value[k][0]) / (2.0 * delta);
                     // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
-                    assert!((slope - here.slope[k]).abs() < 1e-5, "{name}: slope {k} at {s}");
+                    assert!((slope - here.slope[k][0]).abs() < 1e-5, "{name}: slope {k} at {s}");
                 }
             }
             let (_, jet) = axis::<F, Jet>(Jet::variable(s, 0), half);
             for k in 0..F::NODES {
-                assert!((jet.value[k].first[0] - here.slope[k]).abs() < 1e-12, "{name} at {s}");
+                assert!(
+                    (jet.value[k][0].first[0] - here.slope[k][0]).abs() < 1e-12,
+                    "{name} at {s}"
+                );
             }
         }
     }

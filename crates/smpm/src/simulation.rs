@@ -280,8 +280,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         let (step, time) = (self.n_steps + 1, self.time + dt);
         let (mut all, mut fastest) = (Summary::none(), 0.0);
         for (number, body) in bodies.iter_mut().enumerate() {
-            let field = grid.field(number);
-            let sweep = Sweep { grid, config, carrier, dt, time, pass, field };
+            let sweep = Sweep { grid, config, carrier, dt, time, pass };
             let summary = body.sweep(&sweep);
             if let Some((particle, fault)) = summary.fault {
                 let particle = particle as usize;

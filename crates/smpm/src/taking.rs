@@ -5,16 +5,18 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::binning::Binning;
 use crate::config::{Geometry, Transfer};
 use crate::grid::{Grid, Node};
-use crate::number::Number;
+use crate::number::{Number, is_plain};
 use crate::particles::Chunk;
-use crate::shape::{Axis, Shape, ShapeFunction, nodes_along, outer};
+use crate::shape::{Axis, Shape, ShapeFunction, nodes_along, nodes_spanned, outer};
 use crate::tiles::block_edge;
 use crate::transfer::{Pass, Places, Sweep};
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// Particles whose sums stand in memory together: few enough for the nearest cache.
+const BATCH: usize = 8;
 
 /// What is taken, and how.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +24,6 @@ pub(crate) struct Taker<const D: usize> {
     places: Places<D>,
     dt: f64,
     pass: Pass,
-    field: usize,
     axisymmetric: bool,
     affine: bool,
     /// Whether velocities themselves are taken, not their changes alone.
@@ -38,7 +39,7 @@ pub(crate) struct Taker<const D: usize> {
 struct Sums<S, const D: usize> {
     velocity: [S; D],
     change: [S; D],
-    /// `sum_i v_k dN_i/dx_l`, per cell.
+    /// `sum_i v_k dN_i/dx_l`, per cell, by the axis `l`.
     gradient: [[S; D]; D],
     /// `sum_i v_k n_il N_i`, `n_il` the number of the node along axis `l` from the lowest.
     moment: [[S; D]; D],
@@ -59,7 +60,6 @@ impl<const D: usize> Taker<D> {
             places: Places::of(grid),
             dt: sweep.dt,
             pass: sweep.pass,
-            field: sweep.field,
             axisymmetric: config.geometry == Geometry::Axisymmetric,
             affine: config.transfer == Transfer::Apic,
             picks: shares.1 != 0.0,
@@ -81,56 +81,68 @@ impl<const D: usize> Taker<D> {
         gradients: &mut [[[S; 3]; 3]],
         grid: &Grid<S, D>,
     ) {
-        if const { size_of::<S>() > size_of::<f64>() } {
-            self.take_each::<F, S>(chunk, gradients, grid);
+        if const { !is_plain::<S>() } {
+            self.take_each::<F, S, 1>(chunk, gradients, grid);
             return;
         }
         let plain = Self { affine: false, picks: false, ..*self };
         match (self.pass, self.affine || self.picks) {
             (Pass::Whole, false) => {
-                Self { pass: Pass::Whole, ..plain }.take_each::<F, S>(chunk, gradients, grid);
+                Self { pass: Pass::Whole, ..plain }
+                    .take_each::<F, S, BATCH>(chunk, gradients, grid);
             }
             (Pass::Motion, false) => {
-                Self { pass: Pass::Motion, ..plain }.take_each::<F, S>(chunk, gradients, grid);
+                let motion = Self { pass: Pass::Motion, ..plain };
+                motion.take_each::<F, S, BATCH>(chunk, gradients, grid);
             }
             (Pass::StressAndMove, _) => {
                 let stress = Self { pass: Pass::StressAndMove, ..plain };
-                stress.take_each::<F, S>(chunk, gradients, grid);
+                stress.take_each::<F, S, BATCH>(chunk, gradients, grid);
             }
-            _ => self.take_each::<F, S>(chunk, gradients, grid),
+            _ => self.take_each::<F, S, BATCH>(chunk, gradients, grid),
         }
     }
 
+    /// `N` at a time: sums over nodes go through memory, whence registers take several numbers at once.
     #[inline(always)]
-    fn take_each<F: ShapeFunction, S: Number>(
+    fn take_each<F: ShapeFunction, S: Number, const N: usize>(
         &self,
         chunk: &mut Chunk<'_, S, D>,
         gradients: &mut [[[S; 3]; 3]],
         grid: &Grid<S, D>,
     ) {
-        let mut axes = [Axis::empty(); D];
-        for p in 0..gradients.len() {
-            self.take::<F, S>(chunk, p, (&mut axes, &mut gradients[p]), grid);
+        let mut axes = [Axis::<S, N>::empty(); D];
+        let mut sums = [Sums::none(); N];
+        let mut begin = 0;
+        while begin < gradients.len() {
+            let these = begin..gradients.len().min(begin + N);
+            let half_length = chunk.half_length.get(these.clone()).unwrap_or_default();
+            let (position, base) = (&chunk.position[these.clone()], &chunk.base[these.clone()]);
+            self.places.find_axes::<F, S, N>(position, half_length, base, &mut axes);
+            let (sums, node) = (&mut sums[..these.len()], &chunk.node[these.clone()]);
+            for p in 0..node.len() {
+                let nodes = &grid.from(node[p])[..nodes_spanned::<F, D>()];
+                self.sum::<F, S, N>((&axes, p), nodes, &mut sums[p]);
+            }
+            for (p, sums) in these.clone().zip(sums) {
+                self.apply::<F, S>(chunk, p, sums, &mut gradients[p]);
+            }
+            begin = these.end;
         }
     }
 
     #[inline(always)]
-    fn take<F: ShapeFunction, S: Number>(
+    fn apply<F: ShapeFunction, S: Number>(
         &self,
         chunk: &mut Chunk<'_, S, D>,
         p: usize,
-        (axes, l): (&mut [Axis<S>; D], &mut [[S; 3]; 3]),
-        grid: &Grid<S, D>,
+        sums: &Sums<S, D>,
+        l: &mut [[S; 3]; 3],
     ) {
-        let (base, slot) = (&chunk.base[p], chunk.slot[p] as usize);
-        let sized = (&chunk.position[p], &*chunk.half_length);
-        self.places.find_axes::<F, S>(sized, (p, base), axes);
-        let offset = Binning::offset(base, &grid.corner(slot));
-        let sums = self.sums::<F, S>(axes, &grid.block(slot, self.field)[offset..]);
         if self.pass.updates_stress() {
             for k in 0..D {
                 for m in 0..D {
-                    l[k][m] = sums.gradient[k][m] * self.places.per_cell;
+                    l[k][m] = sums.gradient[m][k] * self.places.per_cell;
                 }
             }
             if self.axisymmetric {
@@ -159,7 +171,7 @@ impl<const D: usize> Taker<D> {
             }
         }
         if self.affine {
-            chunk.affine[p] = self.matrix(&sums, base, &chunk.position[p]);
+            chunk.affine[p] = self.matrix(sums, &chunk.base[p], &chunk.position[p]);
         }
         // Where the stress is still to come from the same place, the particle stays until then.
         for k in 0..D {
@@ -177,12 +189,12 @@ impl<const D: usize> Taker<D> {
     #[inline(always)]
     fn matrix<S: Number>(&self, sums: &Sums<S, D>, base: &[i32; D], x: &[S; D]) -> [[S; D]; D] {
         let cell = self.places.cell;
-        let mut matrix = sums.gradient;
+        let mut matrix = sums.moment;
         for l in 0..D {
             let arm = -(x[l] - self.places.origin[l]) + f64::from(base[l]) * cell;
             for k in 0..D {
                 matrix[k][l] = match self.inverse_inertia {
-                    None => sums.gradient[k][l] * self.places.per_cell,
+                    None => sums.gradient[l][k] * self.places.per_cell,
                     Some(inverse) => (sums.velocity[k] * arm + sums.moment[k][l] * cell) * inverse,
                 };
             }
@@ -191,18 +203,14 @@ impl<const D: usize> Taker<D> {
     }
 
     #[inline(always)]
-    fn sums<F: ShapeFunction, S: Number>(
+    fn sum<F: ShapeFunction, S: Number, const N: usize>(
         &self,
-        axes: &[Axis<S>; D],
+        (axes, p): (&[Axis<S, N>; D], usize),
         nodes: &[Node<S, D>],
-    ) -> Sums<S, D> {
-        let (zero, edge) = (S::constant(0.0), block_edge(D));
-        let mut sums = Sums {
-            velocity: [zero; D],
-            change: [zero; D],
-            gradient: [[zero; D]; D],
-            moment: [[zero; D]; D],
-        };
+        sums: &mut Sums<S, D>,
+    ) {
+        let edge = block_edge(D);
+        *sums = Sums::none();
         let with_change = self.pass.takes_motion() && (!self.picks || self.shares.0 != 0.0);
         let with_matrix = self.pass.takes_motion() && self.affine;
         let with_gradient =
@@ -211,17 +219,17 @@ impl<const D: usize> Taker<D> {
         let (value, along) = (&axes[0].value, &axes[0].slope);
         for k in 0..nodes_along::<F, D>(2) {
             for j in 0..nodes_along::<F, D>(1) {
-                let (weight, slope) = outer(axes, (j, k));
+                let (weight, slope) = outer(axes, p, (j, k));
                 let start = (k * edge + j) * edge;
                 let row = &nodes[start..start + F::NODES];
-                let (mut velocity, mut change) = ([zero; D], [zero; D]);
+                let (mut velocity, mut change) = ([nothing::<S>(); D], [nothing::<S>(); D]);
                 for i in 0..F::NODES {
                     for c in 0..D {
-                        velocity[c] = velocity[c] + row[i].motion[c] * value[i];
+                        velocity[c] = velocity[c] + row[i].motion[c] * value[i][p];
                     }
                     if with_change {
                         for c in 0..D {
-                            change[c] = change[c] + row[i].change[c] * value[i];
+                            change[c] = change[c] + row[i].change[c] * value[i][p];
                         }
                     }
                 }
@@ -242,24 +250,24 @@ impl<const D: usize> Taker<D> {
                     }
                 }
                 if with_gradient {
-                    let mut steep = [zero; D];
+                    let mut steep = [nothing::<S>(); D];
                     for i in 0..F::NODES {
                         for c in 0..D {
-                            steep[c] = steep[c] + row[i].motion[c] * along[i];
+                            steep[c] = steep[c] + row[i].motion[c] * along[i][p];
                         }
                     }
                     for c in 0..D {
-                        sums.gradient[c][0] = sums.gradient[c][0] + steep[c] * weight;
+                        sums.gradient[0][c] = sums.gradient[0][c] + steep[c] * weight;
                         for l in 1..D {
-                            sums.gradient[c][l] = sums.gradient[c][l] + velocity[c] * slope[l];
+                            sums.gradient[l][c] = sums.gradient[l][c] + velocity[c] * slope[l];
                         }
                     }
                 }
                 if with_moment {
-                    let mut moment = [zero; D];
+                    let mut moment = [nothing::<S>(); D];
                     for i in 1..F::NODES {
                         for c in 0..D {
-                            moment[c] = moment[c] + row[i].motion[c] * (value[i] * i as f64);
+                            moment[c] = moment[c] + row[i].motion[c] * (value[i][p] * i as f64);
                         }
                     }
                     for c in 0..D {
@@ -268,6 +276,20 @@ impl<const D: usize> Taker<D> {
                 }
             }
         }
-        sums
+    }
+}
+
+/// What a sum starts with: minus zero, to which anything may be added without a change, so that for plain numbers the compiler
+/// leaves the addition out.
+#[inline(always)]
+fn nothing<S: Number>() -> S {
+    S::constant(-0.0)
+}
+
+impl<S: Number, const D: usize> Sums<S, D> {
+    #[inline(always)]
+    fn none() -> Self {
+        let (vector, matrix) = ([nothing(); D], [[nothing(); D]; D]);
+        Self { velocity: vector, change: vector, gradient: matrix, moment: matrix }
     }
 }

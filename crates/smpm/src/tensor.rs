@@ -244,6 +244,13 @@ pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
     m[0][0] * first - m[0][1] * second + m[0][2] * third
 }
 
+/// A velocity gradient with zeros, known to the compiler, where entries leave the plane of the first two axes.
+#[inline(always)]
+pub(crate) fn in_plane<S: Scalar>(l: &[[S; 3]; 3]) -> [[S; 3]; 3] {
+    let zero = S::constant(0.0);
+    [[l[0][0], l[0][1], zero], [l[1][0], l[1][1], zero], [zero, zero, l[2][2]]]
+}
+
 /// Whether the motion stays in the plane of the first two axes, by the values.
 #[inline(always)]
 fn leaves_no_plane<S: Scalar>(l: &[[S; 3]; 3]) -> bool {

@@ -106,9 +106,20 @@ impl<const D: usize> Directory<D> {
 pub(crate) fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
     let mut tile = *node;
     for place in &mut tile {
-        *place = place.div_euclid(signed(tile_edge(D)));
+        // Edges are powers of two: the quotient rounded down.
+        *place >>= const { tile_edge(D).trailing_zeros() };
     }
     tile
+}
+
+/// The lowest node of a tile.
+#[inline(always)]
+pub(crate) fn corner_of<const D: usize>(tile: &[i32; D]) -> [i32; D] {
+    let mut corner = *tile;
+    for place in &mut corner {
+        *place *= signed(tile_edge(D));
+    }
+    corner
 }
 
 /// Nodes of blocks and halos around it still have numbers.
@@ -138,18 +149,8 @@ pub(crate) struct Tile<const D: usize> {
 }
 
 impl<const D: usize> Tile<D> {
-    /// Its lowest node.
-    #[inline(always)]
-    pub(crate) fn corner(&self) -> [i32; D] {
-        let mut corner = self.at;
-        for place in &mut corner {
-            *place *= signed(tile_edge(D));
-        }
-        corner
-    }
-
     fn is_plain(&self, planes: &[Plane]) -> bool {
-        let (low, reach) = (self.corner(), signed(block_edge(D)) - 1);
+        let (low, reach) = (corner_of(&self.at), signed(block_edge(D)) - 1);
         planes.iter().all(|plane| {
             let low = low[plane.axis];
             plane.beyond(low).max(plane.beyond(low + reach)) < -MOST_DEPTH
@@ -173,28 +174,25 @@ impl<const D: usize> Tiles<D> {
         Self { directory, all: vec![], occupied: vec![] }
     }
 
-    /// Finds the tiles that particles see, by the lowest nodes of those of every body and by their runs.
+    /// Finds the tiles that particles see, by their runs.
     pub(crate) fn allocate<'a>(
         &mut self,
         bodies: impl Iterator<Item = &'a Binning<D>> + Clone,
         planes: &[Plane],
     ) -> Result<(), Error> {
         let (mut low, mut high) = ([i32::MAX; D], [i32::MIN; D]);
-        for base in bodies.clone().flat_map(|binning| &binning.bases) {
+        for run in bodies.clone().flat_map(|binning| &binning.runs) {
             for k in 0..D {
-                low[k] = low[k].min(base[k]);
-                high[k] = high[k].max(base[k]);
+                low[k] = low[k].min(run.tile[k]);
+                high[k] = high[k].max(run.tile[k]);
             }
         }
-        // A place too far away for a number ends up at the ends of the type.
-        for (&low, &high) in low.iter().zip(&high) {
-            let farthest = if i64::from(high) > -i64::from(low) { high } else { low };
-            if low <= high && i64::from(farthest).abs() > i64::from(FARTHEST_NODE) {
-                return Err(Error::FarFromOrigin { node: farthest, limit: FARTHEST_NODE });
-            }
+        let farthest_tile = FARTHEST_NODE / signed(tile_edge(D));
+        if low.iter().chain(&high).any(|tile| tile.abs() >= farthest_tile) {
+            check_places(&bodies)?;
         }
         // One more tile above: halos belong to it.
-        let (low, high) = (tile_of(&low), tile_of(&high).map(|tile| tile + 1));
+        let high = high.map(|tile| tile + 1);
         self.directory.span(low, high)?;
         self.occupied.clear();
         for run in bodies.flat_map(|binning| &binning.runs) {
@@ -259,4 +257,23 @@ impl<const D: usize> Tiles<D> {
             }
         }
     }
+}
+
+/// Refuses particles whose lowest node is too far away for halos around it to have numbers.
+fn check_places<'a, const D: usize>(
+    bodies: &(impl Iterator<Item = &'a Binning<D>> + Clone),
+) -> Result<(), Error> {
+    for k in 0..D {
+        let (mut low, mut high) = (i32::MAX, i32::MIN);
+        for base in bodies.clone().flat_map(|binning| &binning.bases) {
+            low = low.min(base[k]);
+            high = high.max(base[k]);
+        }
+        // A place too far away for a number ends up at the ends of the type.
+        let farthest = if i64::from(high) > -i64::from(low) { high } else { low };
+        if i64::from(farthest).abs() > i64::from(FARTHEST_NODE) {
+            return Err(Error::FarFromOrigin { node: farthest, limit: FARTHEST_NODE });
+        }
+    }
+    Ok(())
 }

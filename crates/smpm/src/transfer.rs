@@ -9,16 +9,14 @@ use perturbation_moments::in_widest_registers;
 
 use crate::binning::Binning;
 use crate::body::Body;
-use crate::config::{Config, Transfer};
-use crate::constitution::Condition;
-use crate::giving::{Given, Giver, give_outward};
-use crate::grid::{Grid, Node};
-use crate::number::Number;
+use crate::config::Config;
+use crate::giving::{Block, Given, Giver, give_outward};
+use crate::grid::Grid;
+use crate::number::{Number, in_registers_of};
 use crate::parallel::for_each_chunk;
 use crate::particles::{Chunk, Particles};
 use crate::shape::{Axis, CubicBSpline, Gimp, Linear, QuadraticBSpline, Shape, ShapeFunction};
 use crate::taking::Taker;
-use crate::tiles::block_len;
 
 /// Particles whose lowest nodes are found together.
 const SHARE: usize = 1024;
@@ -33,8 +31,6 @@ pub(crate) struct Sweep<'a, S, const D: usize> {
     /// At the end of the step.
     pub(crate) time: f64,
     pub(crate) pass: Pass,
-    /// The field of nodes of the body.
-    pub(crate) field: usize,
 }
 
 /// What a pass over the particles does. The last one of a step moves them.
@@ -113,19 +109,22 @@ impl<const D: usize> Places<D> {
         Self { origin: grid.origin, cell: grid.cell, per_cell: 1.0 / grid.cell }
     }
 
-    /// The shape function of particle `p` along all axes, from the lowest node that it sees.
+    /// The shape function of up to `N` particles along all axes, from the lowest node that each sees.
     #[inline(always)]
-    pub(crate) fn find_axes<F: ShapeFunction, S: Number>(
+    pub(crate) fn find_axes<F: ShapeFunction, S: Number, const N: usize>(
         &self,
-        (x, half_lengths): (&[S; D], &[[S; D]]),
-        (p, base): (usize, &[i32; D]),
-        axes: &mut [Axis<S>; D],
+        positions: &[[S; D]],
+        half_lengths: &[[S; D]],
+        bases: &[[i32; D]],
+        axes: &mut [Axis<S, N>; D],
     ) {
         let zero = S::constant(0.0);
-        for k in 0..D {
-            let half = if F::SIZED { half_lengths[p][k] * self.per_cell } else { zero };
-            let place = (x[k] - self.origin[k]) * self.per_cell;
-            F::along(place, half, base[k], &mut axes[k]);
+        for p in 0..positions.len().min(N) {
+            for k in 0..D {
+                let half = if F::SIZED { half_lengths[p][k] * self.per_cell } else { zero };
+                let place = (positions[p][k] - self.origin[k]) * self.per_cell;
+                F::along(place, half, bases[p][k], (&mut axes[k], p));
+            }
         }
     }
 }
@@ -134,16 +133,17 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     fn find_bases(&self, places: &Places<D>, body: &mut Body<S, D>) {
         let Particles { position, half_length, .. } = &body.particles;
         for_each_chunk(&mut body.binning.bases, SHARE, |chunk, bases| {
-            let start = chunk * SHARE;
+            let share = chunk * SHARE..chunk * SHARE + bases.len();
+            let position = &position[share.clone()];
+            let half_length = half_length.get(share).unwrap_or_default();
             in_widest_registers(
                 #[inline(always)]
                 || {
                     for p in 0..bases.len() {
-                        let x = &position[start + p];
                         for k in 0..D {
-                            let half =
-                                if F::SIZED { half_length[start + p][k].value() } else { 0.0 };
-                            let place = (x[k].value() - places.origin[k]) * places.per_cell;
+                            let half = if F::SIZED { half_length[p][k].value() } else { 0.0 };
+                            let place =
+                                (position[p][k].value() - places.origin[k]) * places.per_cell;
                             bases[p][k] = F::base(place, half * places.per_cell);
                         }
                     }
@@ -153,39 +153,12 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
     }
 
     fn give(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>], config: &Config<D>, given: Given) {
-        let places = Places::of(grid);
-        let last_field = grid.field(bodies.len() - 1);
-        let affine = config.transfer == Transfer::Apic;
-        grid.collect(|slot, corner, blocks| {
-            for (field, body) in bodies.iter().enumerate() {
-                let block = &mut blocks[field.min(last_field) * block_len(D)..][..block_len(D)];
-                let givers = Givers {
-                    places,
-                    body,
-                    members: body.binning.members(slot),
-                    conditions: body.constitution.conditions(),
-                    corner,
-                    config,
-                };
-                in_widest_registers(
+        let giver = Giver::of(config, Places::of(grid), given);
+        grid.collect(given != Given::MotionAgain, |slot, first, nodes, masses| {
+            for body in bodies {
+                in_registers_of::<S, _>(
                     #[inline(always)]
-                    || {
-                        if const { size_of::<S>() > size_of::<f64>() } {
-                            // Beside the arithmetic of a jet a question costs nothing, and its code is long.
-                            givers.give::<F>(given, affine, block);
-                            return;
-                        }
-                        // The same with the usual cases known to the compiler, which then asks at no node what is given.
-                        match (given, affine) {
-                            (Given::MotionAndForce, false) => {
-                                givers.give::<F>(Given::MotionAndForce, false, block);
-                            }
-                            (Given::MotionAgain, false) => {
-                                givers.give::<F>(Given::MotionAgain, false, block);
-                            }
-                            _ => givers.give::<F>(given, affine, block),
-                        }
-                    },
+                    || giver.give_all::<F, S>(body, slot, &mut Block { first, nodes, masses }),
                 );
             }
         });
@@ -193,17 +166,20 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
 
     fn give_outward(&self, grid: &mut Grid<S, D>, bodies: &[Body<S, D>]) {
         let places = Places::of(grid);
-        grid.collect_outward(|slot, corner, blocks| {
-            for (field, body) in bodies.iter().enumerate() {
+        grid.collect_outward(|slot, first, blocks| {
+            for body in bodies {
                 let Particles { position, half_length, mass, .. } = &body.particles;
-                let block = &mut blocks[field * block_len(D)..][..block_len(D)];
-                let mut axes = [Axis::empty(); D];
-                for &p in body.binning.members(slot) {
-                    let p = p as usize;
-                    let base = &body.binning.bases[p];
-                    places.find_axes::<F, S>((&position[p], half_length), (p, base), &mut axes);
-                    let nodes = &mut block[Binning::offset(base, &corner)..];
-                    give_outward::<F, S, D>(&axes, mass[p], nodes);
+                let Binning { bases, nodes, .. } = &body.binning;
+                let mut axes = [Axis::<S, 1>::empty(); D];
+                for p in body.binning.runs_of(slot).flatten() {
+                    let half_length = half_length.get(p..=p).unwrap_or_default();
+                    places.find_axes::<F, S, 1>(
+                        &position[p..=p],
+                        half_length,
+                        &bases[p..=p],
+                        &mut axes,
+                    );
+                    give_outward::<F, S, D>(&axes, mass[p], &mut blocks[nodes[p] - first..]);
                 }
             }
         });
@@ -216,38 +192,9 @@ impl<F: ShapeFunction, S: Number, const D: usize> Carrier<S, D> for F {
         sweep: &Sweep<'_, S, D>,
     ) {
         let taker = Taker::of(sweep);
-        in_widest_registers(
+        in_registers_of::<S, _>(
             #[inline(always)]
             || taker.take_all::<F, S>(chunk, gradients, sweep.grid),
         );
-    }
-}
-
-/// The particles of a body in a tile.
-struct Givers<'a, S, const D: usize> {
-    places: Places<D>,
-    body: &'a Body<S, D>,
-    members: &'a [u32],
-    conditions: &'a [Condition<S>],
-    /// The lowest node of the block.
-    corner: [i32; D],
-    config: &'a Config<D>,
-}
-
-impl<S: Number, const D: usize> Givers<'_, S, D> {
-    #[inline(always)]
-    fn give<F: ShapeFunction>(&self, given: Given, affine: bool, block: &mut [Node<S, D>]) {
-        let Self { places, body, members, conditions, corner, config } = *self;
-        let (particles, bases) = (&body.particles, &body.binning.bases);
-        let mut axes = [Axis::empty(); D];
-        for &p in members {
-            let p = p as usize;
-            let base = &bases[p];
-            let sized = (&particles.position[p], &particles.half_length[..]);
-            places.find_axes::<F, S>(sized, (p, base), &mut axes);
-            let nodes = &mut block[Binning::offset(base, &corner)..];
-            let of = Giver { places, particles, p, base, config, affine };
-            of.give::<F>(&axes, &conditions[p], given, nodes);
-        }
     }
 }

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::error::{Error, Fault, positive};
 use crate::material::equation_of_state::at_least;
+use crate::number::is_finite;
 use crate::tensor::Symmetric;
 
 /// A material by its equation of state and its strength, each checked when it was made.
@@ -68,27 +69,30 @@ where
 
     #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault> {
-        let half_change = (now.volume - now.volume_before) * 0.5;
-        let work = self.strength.update(now, &mut state.strength)?;
         self.equation.admit(now.volume.value())?;
         let mut line = self.equation.line(now.volume);
+        let half_change = (now.volume - now.volume_before) * 0.5;
+        let work = self.strength.update(now, &mut state.strength)?;
         if let Some(share) = self.equation.advance(now, &mut state.equation) {
             line.a = line.a * share;
             line.b = line.b * share;
         }
         let half_way = state.energy + work - (state.pressure + now.viscosity * 2.0) * half_change;
-        let resistance = line.b * half_change + 1.0;
-        if resistance.value() <= 0.0 {
-            return Err(Fault {
-                quantity: "1 + b dJ/2 of the energy of a step",
-                value: resistance.value(),
-                must: "greater than 0: the step compresses too much",
-            });
+        let mut solved = line.a;
+        if E::KNOWS_ENERGY {
+            let resistance = line.b * half_change + 1.0;
+            if resistance.value() <= 0.0 {
+                return Err(Fault {
+                    quantity: "1 + b dJ/2 of the energy of a step",
+                    value: resistance.value(),
+                    must: "greater than 0: the step compresses too much",
+                });
+            }
+            solved = (line.a + line.b * half_way) / resistance;
         }
-        let solved =
-            at_least((line.a + line.b * half_way) / resistance, self.equation.least_pressure());
+        let solved = at_least(solved, self.equation.least_pressure());
         let pressure = self.strength.carry(solved, &mut state.strength)?;
-        if !pressure.value().is_finite() {
+        if !is_finite(pressure.value()) {
             let value = pressure.value();
             return Err(Fault { quantity: "the pressure", value, must: "finite" });
         }

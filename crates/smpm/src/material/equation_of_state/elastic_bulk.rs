@@ -40,6 +40,8 @@ impl<S: Scalar> ElasticBulk<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBulk<S> {
     type State = ();
 
+    const KNOWS_ENERGY: bool = false;
+
     #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density

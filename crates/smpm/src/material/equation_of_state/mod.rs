@@ -47,6 +47,9 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers besides volume and energy; mostly `()`.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
+    /// Whether the pressure depends on the energy at all; false says that `b` is zero at every volume, and is not looked at.
+    const KNOWS_ENERGY: bool = true;
+
     /// `rho_0 > 0` (mass per volume).
     fn density(&self) -> S;
 

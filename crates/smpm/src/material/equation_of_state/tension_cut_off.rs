@@ -31,6 +31,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
 {
     type State = E::State;
 
+    const KNOWS_ENERGY: bool = E::KNOWS_ENERGY;
+
     #[inline(always)]
     fn density(&self) -> S {
         self.equation.density()

@@ -342,6 +342,14 @@ pub enum Error {
         /// What the store said.
         what: String,
     },
+    /// What a run had come to could not be kept, or taken up again.
+    #[error("{run}: what it has come to cannot be kept or taken up again: {what}")]
+    NotKept {
+        /// The run, as its study calls it.
+        run: String,
+        /// What the keeper said.
+        what: String,
+    },
     /// A run took more steps than it may.
     #[error("t = {time} after {limit} steps, the most allowed; {target} was asked for")]
     WorkLimit {

@@ -221,6 +221,12 @@ impl<const D: usize> Plan<D> {
         (response / (windows * quantities), response / windows % quantities, response % windows)
     }
 
+    /// The instants at which a run stops to look: begins and ends of windows but zero, ascending, each once.
+    #[must_use]
+    pub fn stops(&self) -> Vec<f64> {
+        stops(self.windows.iter().flat_map(|window| [window.from, window.to]))
+    }
+
     /// Finds the particles of every gauge in a simulation at its start.
     ///
     /// # Errors
@@ -249,6 +255,14 @@ impl<const D: usize> Plan<D> {
         }
         self.gauges.iter().map(|gauge| gauge.locate(simulation)).collect()
     }
+}
+
+/// All instants but zero, ascending, each once.
+pub(crate) fn stops(edges: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut stops: Vec<f64> = edges.filter(|&time| time > 0.0).collect();
+    stops.sort_by(f64::total_cmp);
+    stops.dedup();
+    stops
 }
 
 /// The particles of a gauge with their weights, which sum to one.

@@ -23,6 +23,11 @@ impl Schedule {
     pub fn n_steps(&self) -> usize {
         self.steps.iter().map(Vec::len).sum()
     }
+
+    /// The steps to each stop.
+    pub(crate) fn steps(&self) -> &[Vec<f64>] {
+        &self.steps
+    }
 }
 
 /// What a run has shown.
@@ -34,25 +39,47 @@ pub struct Record<S> {
     pub schedule: Schedule,
 }
 
+/// What a run has gathered by a step.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Gathered<T> {
+    /// The sums of the windows, in the order of the plan.
+    pub(crate) values: Vec<T>,
+    /// The steps to each stop that it has come to.
+    pub(crate) steps: Vec<Vec<f64>>,
+    /// Those towards the next.
+    pub(crate) taken: Vec<f64>,
+}
+
 /// Who looks on while a run is recorded.
-pub(crate) trait Witness<S, const D: usize> {
+pub(crate) trait Witness<S, T, const D: usize> {
+    /// Before the first step: where the run goes on from another, which has gathered this, the simulation takes its state.
+    fn begin(
+        &mut self,
+        _plan: &Plan<D>,
+        _simulation: &mut Simulation<S, D>,
+    ) -> Result<Option<Gathered<T>>, Error> {
+        Ok(None)
+    }
     /// After every step.
     fn step(&mut self, _simulation: &Simulation<S, D>, _located: &[Located]) {}
     /// At an instant at which windows begin or end.
     fn stop(&mut self, _time: f64, _simulation: &Simulation<S, D>) {}
+    /// After every step, at a stop after that.
+    fn gathered(
+        &mut self,
+        _simulation: &Simulation<S, D>,
+        _gathered: &Gathered<T>,
+    ) -> Result<(), Error> {
+        Ok(())
+    }
+    /// Calls with every number that it remembers of no one window: what is written there is remembered instead.
+    fn visit_memory(&mut self, _visit: &mut dyn FnMut(&mut f64)) {}
+    /// The same of a window.
+    fn visit_window(&mut self, _window: usize, _visit: &mut dyn FnMut(&mut f64)) {}
 }
 
 /// Nobody.
-impl<S, const D: usize> Witness<S, D> for () {}
-
-/// Stops of a plan: all its edges but zero, ascending.
-fn stops(windows: &[Window]) -> Vec<f64> {
-    let mut stops: Vec<f64> =
-        windows.iter().flat_map(|w| [w.from, w.to]).filter(|&time| time > 0.0).collect();
-    stops.sort_by(f64::total_cmp);
-    stops.dedup();
-    stops
-}
+impl<S, T, const D: usize> Witness<S, T, D> for () {}
 
 /// How a quantity is read at a gauge: in the numbers of the run, or in others.
 pub(crate) trait Reader<S, T, const D: usize> {
@@ -60,7 +87,7 @@ pub(crate) trait Reader<S, T, const D: usize> {
 }
 
 /// As it stands.
-struct Plain;
+pub(crate) struct Plain;
 
 impl<S: Number, const D: usize> Reader<S, S, D> for Plain {
     fn read(&self, run: &Simulation<S, D>, gauge: &Located, quantity: Quantity) -> S {
@@ -73,7 +100,7 @@ struct Windows<'a, T, R, const D: usize> {
     plan: &'a Plan<D>,
     located: &'a [Located],
     reader: &'a R,
-    values: Vec<T>,
+    gathered: Gathered<T>,
 }
 
 impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
@@ -90,7 +117,7 @@ impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
         for (w, window) in self.plan.windows.iter().enumerate() {
             let Some(factor) = factor(window) else { continue };
             for (entry, &value) in seen.iter().enumerate() {
-                let sum = &mut self.values[entry * self.plan.windows.len() + w];
+                let sum = &mut self.gathered.values[entry * self.plan.windows.len() + w];
                 *sum = *sum + value * factor;
             }
         }
@@ -105,6 +132,50 @@ impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
             let seen = self.read(run);
             self.add(&seen, at);
         }
+    }
+}
+
+impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
+    /// Runs to a stop from where the run is, which may be between the stop before it and this one.
+    fn run_to<S: Number>(
+        &mut self,
+        run: &mut Simulation<S, D>,
+        (stops, number): (&[f64], usize),
+        given: Option<&[f64]>,
+        witness: &mut impl Witness<S, T, D>,
+    ) -> Result<(), Error>
+    where
+        R: Reader<S, T, D>,
+    {
+        let (before, stop) = (number.checked_sub(1).map_or(0.0, |last| stops[last]), stops[number]);
+        let averaged = |window: &Window| window.from <= before && window.to >= stop;
+        let share = |window: &Window, dt: f64| {
+            averaged(window).then(|| 0.5 * dt / (window.to - window.from))
+        };
+        let any = self.plan.windows.iter().any(averaged);
+        let mut seen = if any { self.read(run) } else { vec![] };
+        loop {
+            let n_taken = self.gathered.taken.len();
+            let (dt, last) = match given {
+                Some(given) => (given[n_taken], n_taken + 1 == given.len()),
+                None => run.step_towards(stop),
+            };
+            let _ = run.step_of(dt)?;
+            self.gathered.taken.push(dt);
+            if any {
+                self.add(&seen, |window| share(window, dt));
+                seen = self.read(run);
+                self.add(&seen, |window| share(window, dt));
+            }
+            witness.step(run, self.located);
+            if last {
+                break;
+            }
+            witness.gathered(run, &self.gathered)?;
+        }
+        self.instant(run, stop);
+        witness.stop(stop, run);
+        Ok(())
     }
 }
 
@@ -128,67 +199,41 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         Ok(self.record_by(plan, Some(schedule), &Plain, &mut ())?.values)
     }
 
-    /// As [`replay`](Self::replay), with a witness.
-    pub(crate) fn replay_before(
-        &mut self,
-        plan: &Plan<D>,
-        schedule: &Schedule,
-        witness: &mut impl Witness<S, D>,
-    ) -> Result<Vec<S>, Error> {
-        Ok(self.record_by(plan, Some(schedule), &Plain, witness)?.values)
-    }
-
     pub(crate) fn record_by<T: Number>(
         &mut self,
         plan: &Plan<D>,
         schedule: Option<&Schedule>,
         reader: &impl Reader<S, T, D>,
-        witness: &mut impl Witness<S, D>,
+        witness: &mut impl Witness<S, T, D>,
     ) -> Result<Record<T>, Error> {
         if self.n_steps() > 0 {
             return Err(Error::NotAtStart { value: self.n_steps() });
         }
         let located = plan.resolve(self)?;
-        let stops = stops(&plan.windows);
+        let stops = plan.stops();
         if let Some(schedule) = schedule.filter(|schedule| schedule.stops != stops) {
             let (value, limit) = (stops.len(), schedule.stops.len());
             return Err(Error::OtherWindows { value, limit });
         }
-        let values = vec![T::constant(0.0); plan.n_responses()];
-        let mut windows = Windows { plan, located: &located, reader, values };
-        windows.instant(self, 0.0);
-        let (mut before, mut steps) = (0.0, Vec::with_capacity(stops.len()));
-        for (number, &stop) in stops.iter().enumerate() {
-            let averaged = |window: &Window| window.from <= before && window.to >= stop;
-            let share = |window: &Window, dt: f64| {
-                averaged(window).then(|| 0.5 * dt / (window.to - window.from))
-            };
-            let any = plan.windows.iter().any(averaged);
-            let given = schedule.map(|schedule| schedule.steps[number].as_slice());
-            let mut seen = if any { windows.read(self) } else { vec![] };
-            let mut taken = Vec::new();
-            loop {
-                let (dt, last) = match given {
-                    Some(given) => (given[taken.len()], taken.len() + 1 == given.len()),
-                    None => self.step_towards(stop),
-                };
-                let _ = self.step_of(dt)?;
-                taken.push(dt);
-                if any {
-                    windows.add(&seen, |window| share(window, dt));
-                    seen = windows.read(self);
-                    windows.add(&seen, |window| share(window, dt));
-                }
-                witness.step(self, &located);
-                if last {
-                    break;
-                }
-            }
-            windows.instant(self, stop);
-            witness.stop(stop, self);
-            steps.push(taken);
-            before = stop;
+        let past = witness.begin(plan, self)?;
+        let is_new = past.is_none();
+        let gathered = past.unwrap_or_else(|| Gathered {
+            values: vec![T::constant(0.0); plan.n_responses()],
+            steps: Vec::with_capacity(stops.len()),
+            taken: vec![],
+        });
+        let mut windows = Windows { plan, located: &located, reader, gathered };
+        if is_new {
+            windows.instant(self, 0.0);
         }
-        Ok(Record { values: windows.values, schedule: Schedule { stops, steps } })
+        for number in windows.gathered.steps.len()..stops.len() {
+            let given = schedule.map(|schedule| schedule.steps[number].as_slice());
+            windows.run_to(self, (&stops, number), given, witness)?;
+            let taken = std::mem::take(&mut windows.gathered.taken);
+            windows.gathered.steps.push(taken);
+            witness.gathered(self, &windows.gathered)?;
+        }
+        let Gathered { values, steps, .. } = windows.gathered;
+        Ok(Record { values, schedule: Schedule { stops, steps } })
     }
 }

@@ -23,9 +23,10 @@ pub(crate) struct Scene {
 
 pub(crate) type Change = (&'static str, Value);
 
-/// One of each solver, and of fpk-sph two.
+/// Of each solver a density or a single run, where it has one, and an ensemble.
 pub(crate) fn scenes() -> Vec<Scene> {
     let damper = include_str!("../../scenes/fpk/viscous_damper.json");
+    let plate = include_str!("../../scenes/smpm/plate_impact.json");
     let judge = json!({ "samples": 400, "seed": 7, "control": true });
     vec![
         Scene {
@@ -47,8 +48,19 @@ pub(crate) fn scenes() -> Vec<Scene> {
             shards: true,
         },
         Scene {
+            name: "derivatives-of-a-plate",
+            text: plate,
+            changes: vec![
+                ("/grid/cell", json!(0.02)),
+                ("/times", json!([0.5, [0.5, 1], 1, [1, 2], 2])),
+                ("/fields", json!(true)),
+            ],
+            shorter: Some(("/times", json!([0.5, [0.5, 1], 1]))),
+            shards: false,
+        },
+        Scene {
             name: "samples-of-a-plate",
-            text: include_str!("../../scenes/smpm/plate_impact.json"),
+            text: plate,
             changes: vec![("/method", json!({ "monte_carlo": judge }))],
             shorter: Some(("/method/monte_carlo/samples", json!(150))),
             shards: true,

@@ -2,6 +2,7 @@
 
 mod fields;
 mod ingredients;
+mod kept;
 mod ladder;
 mod solve;
 #[cfg(test)]
@@ -100,7 +101,7 @@ fn run_in<const D: usize>(
     let object = |objection: Objection| RunError::from(file.object_to(&objection));
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
-    let mut fields = Fields::new(scene, run.out());
+    let mut fields = Fields::new(scene, plan.stops(), run.out());
     // A scene with fewer parameters has more lanes for probes.
     let answer = match scene.random.len() {
         0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
@@ -142,6 +143,8 @@ fn run_in<const D: usize>(
     Ok(written)
 }
 
+const OTHER_TIMES: &str = "a run goes on from a checkpoint with the same times up to it; --overwrite starts from the beginning";
+
 /// An error that a key of the scene is to blame for is shown there.
 fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunError {
     let at =
@@ -158,6 +161,10 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             None => RunError::solver(error),
         },
         smpm::Error::WindowOrder { .. } => at("times".to_owned()),
+        smpm::Error::OtherWindows { .. } => {
+            let objection = Objection::new("times", error.to_string());
+            file.object_to(&objection.with_help(OTHER_TIMES)).into()
+        }
         smpm::Error::NotOnGrid { .. } | smpm::Error::BoundariesTooClose { .. } => {
             at("boundaries".to_owned())
         }

@@ -117,8 +117,8 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
                 }
             }
             let reader = FrozenReader { form, of_jets: &of_jets };
-            let schedule = Some(self.schedule());
-            passes.push(run.record_by(&self.plan, schedule, &reader, &mut ())?.values);
+            let name = format!("{form:?} local formulas {pass}").to_lowercase();
+            passes.push(self.follow(name, &mut run, &reader, ())?.0);
         }
         let moments = self.moments_of(&passes, 0)?;
         let keep = |(response, moments)| {

@@ -10,14 +10,18 @@
 //!
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
+//!
+//! A study that is [kept](Study::kept_by) goes on, after it was killed, from where each of its runs was last kept, to the same bits.
 
 mod frozen;
+mod keep;
 mod range;
 mod sampled;
 mod study;
 mod switch;
 
 pub use frozen::{FrozenForm, FrozenMoments};
+pub use keep::{Keep, Standing};
 pub use range::MOST_CHANCE_OUT_OF_RANGE;
 pub use sampled::{Exceedance, Sampled};
 pub use study::{Experiment, Propagated, Study};

@@ -4,14 +4,16 @@ use perturbation_moments::{
     AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints,
 };
 
+use super::keep::{Keep, Kept};
 use super::range;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::Error;
 use crate::number::Number;
 use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Record, Schedule, Witness};
+use crate::record::{Plain, Reader, Record, Schedule, Witness};
 use crate::simulation::Simulation;
+use crate::snapshot::Stored;
 
 /// A run as a function of `N` random parameters, written once over every number type.
 ///
@@ -31,6 +33,7 @@ pub struct Study<'a, X, const D: usize, const N: usize> {
     pub(super) experiment: &'a X,
     pub(super) inputs: RandomVector<N>,
     pub(super) plan: Plan<D>,
+    keep: Option<&'a dyn Keep>,
     mean_run: Record<f64>,
 }
 
@@ -53,10 +56,54 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment at the centre and of the plan; [`Error::LikelyOutOfRange`].
     pub fn new(experiment: &'a X, inputs: RandomVector<N>, plan: Plan<D>) -> Result<Self, Error> {
+        Self::of(experiment, inputs, plan, None)
+    }
+
+    /// As [`new`](Self::new), and every run but those of [`monte_carlo`](Self::monte_carlo) goes on from where it was last kept, to
+    /// the same bits, and is kept at its end, and before where that is due. What a plan has gained since must begin after what was
+    /// reached; what was kept of a longer plan serves a shorter one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::NotKept`]; [`Error::OtherWindows`] for a standing that came by other stops;
+    /// [`Error::ForeignSnapshot`] and [`Error::SnapshotNumber`] for one of another study; [`Error::MaterialNotStored`].
+    pub fn kept_by(
+        experiment: &'a X,
+        inputs: RandomVector<N>,
+        plan: Plan<D>,
+        keep: &'a dyn Keep,
+    ) -> Result<Self, Error> {
+        Self::of(experiment, inputs, plan, Some(keep))
+    }
+
+    fn of(
+        experiment: &'a X,
+        inputs: RandomVector<N>,
+        plan: Plan<D>,
+        keep: Option<&'a dyn Keep>,
+    ) -> Result<Self, Error> {
         let mut simulation = experiment.simulation(&inputs.centre())?;
         range::check(experiment, &inputs)?;
-        let mean_run = simulation.record(&plan)?;
-        Ok(Self { experiment, inputs, plan, mean_run })
+        let (run, n_stops) = ("mean run".to_owned(), plan.stops().len());
+        let windows = &plan.windows;
+        let mut kept = Kept { keep, run, windows, schedule: None, n_stops, witness: () };
+        let mean_run = simulation.record_by(&plan, None, &Plain, &mut kept)?;
+        Ok(Self { experiment, inputs, plan, keep, mean_run })
+    }
+
+    /// A run by the steps of the mean run, from where it was kept under its name, if it was.
+    pub(super) fn follow<S: Stored, T: Stored, W: Witness<S, T, D>>(
+        &self,
+        run: String,
+        simulation: &mut Simulation<S, D>,
+        reader: &impl Reader<S, T, D>,
+        witness: W,
+    ) -> Result<(Vec<T>, W), Error> {
+        let schedule = Some(self.schedule());
+        let (keep, windows, n_stops) =
+            (self.keep, &self.plan.windows, self.schedule().steps().len());
+        let mut kept = Kept { keep, run, windows, schedule, n_stops, witness };
+        let record = simulation.record_by(&self.plan, schedule, reader, &mut kept)?;
+        Ok((record.values, kept.witness))
     }
 
     /// What is looked at.
@@ -89,20 +136,21 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         self.experiment.simulation(&self.inputs.point(t))?.replay(&self.plan, self.schedule())
     }
 
-    /// The mean run once more, shown at the begins and ends of windows: what to draw fields from.
+    /// The mean run once more, shown at the begins and ends of windows: what to draw fields from. Where it goes on from another, it
+    /// is not shown what that one has passed.
     ///
     /// # Errors
     /// Those of the experiment and of the run.
     pub fn mean_run_seen(&self, look: impl FnMut(f64, &Simulation<f64, D>)) -> Result<(), Error> {
         struct Seen<F>(F);
-        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, D> for Seen<F> {
+        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, f64, D> for Seen<F> {
             fn stop(&mut self, time: f64, simulation: &Simulation<f64, D>) {
                 (self.0)(time, simulation);
             }
         }
         let mut simulation = self.experiment.simulation(&self.inputs.centre())?;
-        simulation.replay_before(&self.plan, self.schedule(), &mut Seen(look))?;
-        Ok(())
+        let run = "mean run, shown".to_owned();
+        self.follow(run, &mut simulation, &Plain, Seen(look)).map(drop)
     }
 
     /// Moments by the derivatives that every particle and node carries: one run with jets for up to eight parameters, one
@@ -116,7 +164,8 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     }
 
     /// As [`propagated`](Self::propagated), and shows the run of every pass at the begins and ends of windows: what to draw
-    /// fields from. Lane `k` of a jet is the derivative by the normal `8 pass + k`.
+    /// fields from. Lane `k` of a jet is the derivative by the normal `8 pass + k`. Where a run goes on from another, it is not shown
+    /// what that one has passed.
     ///
     /// # Errors
     /// As [`propagated`](Self::propagated).
@@ -132,8 +181,10 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         for pass in 0..n_passes {
             let jets = self.inputs.jets_of_pass(pass, &probes);
             let mut simulation = self.experiment.simulation(&jets)?;
-            let mut witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass, &mut look);
-            passes.push(simulation.replay_before(&self.plan, self.schedule(), &mut witness)?);
+            let witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass, &mut look);
+            let run = format!("run with derivatives {pass}");
+            let (values, witness) = self.follow(run, &mut simulation, &Plain, witness)?;
+            passes.push(values);
             switches_so_far = Some(match switches_so_far {
                 None => witness.at_windows,
                 Some(earlier) => Switch::join(earlier, &witness.at_windows),
@@ -194,7 +245,13 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     fn star(&self, distance: f64) -> Result<Vec<Vec<f64>>, Error> {
         let points = AlongDirections::<N>::star(distance);
         let mut table = vec![self.centre().to_vec()];
-        for run in map_in_order(&points[1..], |t| self.run(t)) {
+        let numbered: Vec<(usize, &[f64; N])> = points.iter().enumerate().skip(1).collect();
+        let run = |(point, t): &(usize, &[f64; N])| {
+            let mut simulation = self.experiment.simulation(&self.inputs.point(t))?;
+            let name = format!("point {point} at {distance} deviations");
+            self.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
+        };
+        for run in map_in_order(&numbered, run) {
             table.push(run?);
         }
         Ok(table)

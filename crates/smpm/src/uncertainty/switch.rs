@@ -25,6 +25,11 @@ impl Switch {
 
     const NONE: Self = Self { at_end: f64::INFINITY, so_far: f64::INFINITY };
 
+    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut f64)) {
+        visit(&mut self.at_end);
+        visit(&mut self.so_far);
+    }
+
     /// Of two passes over different parameters: variances add, `1/r^2 = 1/r_1^2 + 1/r_2^2`.
     pub(super) fn join(first: Vec<Vec<Self>>, second: &[Vec<Self>]) -> Vec<Vec<Self>> {
         let both = |a: f64, b: f64| 1.0 / a.recip().hypot(b.recip());
@@ -65,7 +70,7 @@ impl<'a, const D: usize> SwitchWitness<'a, D> {
     }
 }
 
-impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_, D> {
+impl<const D: usize> Witness<Jet, Jet, D> for SwitchWitness<'_, D> {
     fn step(&mut self, simulation: &Simulation<Jet, D>, located: &[Located]) {
         for (gauge, now) in located.iter().zip(&mut self.now) {
             let body = &simulation.bodies()[gauge.body];
@@ -90,5 +95,13 @@ impl<const D: usize> Witness<Jet, D> for SwitchWitness<'_, D> {
                 }
             }
         }
+    }
+
+    fn visit_memory(&mut self, visit: &mut dyn FnMut(&mut f64)) {
+        self.now.iter_mut().for_each(|switch| switch.visit_numbers(visit));
+    }
+
+    fn visit_window(&mut self, window: usize, visit: &mut dyn FnMut(&mut f64)) {
+        self.at_windows.iter_mut().for_each(|of| of[window].visit_numbers(visit));
     }
 }

@@ -5,6 +5,7 @@
 
 mod boundaries;
 mod contact;
+mod custom_keep;
 mod custom_material;
 mod invariants;
 mod materials;

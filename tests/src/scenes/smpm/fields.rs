@@ -15,28 +15,32 @@ use crate::smpm::scene::SmpmScene;
 /// Always shown, besides the quantities of the scene.
 const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];
 
-/// Writes a frame at every time that a scene looks at.
+/// Writes a frame at every time that a scene looks at. Those that a run has passed which this one goes on from are there already.
 pub(super) struct Fields {
     wanted: bool,
     quantities: Vec<Quantity>,
     folder: PathBuf,
+    /// Time and file of each frame there will be.
     frames: Vec<(f64, String)>,
+    are_shown: bool,
     failure: Option<CaseError>,
 }
 
 impl Fields {
-    pub(super) fn new(scene: &SmpmScene, out: &Path) -> Self {
+    pub(super) fn new(scene: &SmpmScene, times: Vec<f64>, out: &Path) -> Self {
         let mut quantities: Vec<Quantity> = ALWAYS.to_vec();
         for quantity in scene.quantities.iter().filter_map(|name| name.parse().ok()) {
             if !quantities.contains(&quantity) {
                 quantities.push(quantity);
             }
         }
+        let name = |(number, time)| (time, format!("fields-{number:04}.vtu"));
         Self {
             wanted: scene.fields,
             quantities,
             folder: out.join("fields"),
-            frames: Vec::new(),
+            frames: times.into_iter().enumerate().map(name).collect(),
+            are_shown: false,
             failure: None,
         }
     }
@@ -62,7 +66,13 @@ impl Fields {
         if self.wanted {
             study.mean_run_seen(|time, run| self.frame(time, run, |value| value, None))?;
         }
+        self.are_shown();
         Ok(())
+    }
+
+    /// Says that a run was shown to its end.
+    pub(super) const fn are_shown(&mut self) {
+        self.are_shown = true;
     }
 
     fn frame<S: Number, const D: usize>(
@@ -75,14 +85,12 @@ impl Fields {
         if !self.wanted || self.failure.is_some() {
             return;
         }
-        let name = format!("fields-{:04}.vtu", self.frames.len());
+        let is_it = |(of, _): &&(f64, String)| of.to_bits() == time.to_bits();
+        let Some((_, name)) = self.frames.iter().find(is_it) else { return };
         let written = std::fs::create_dir_all(&self.folder)
             .map_err(CaseError::from)
-            .and_then(|()| self.write(&name, time, run, mean, deviation));
-        match written {
-            Ok(()) => self.frames.push((time, name)),
-            Err(failure) => self.failure = Some(failure),
-        }
+            .and_then(|()| self.write(name, time, run, mean, deviation));
+        self.failure = written.err();
     }
 
     fn write<S: Number, const D: usize>(
@@ -124,14 +132,18 @@ impl Fields {
         if let Some(failure) = self.failure {
             return Err(failure);
         }
-        if self.frames.is_empty() {
+        if !(self.wanted && self.are_shown) || self.frames.is_empty() {
             return Ok(Vec::new());
+        }
+        let files: Vec<PathBuf> =
+            self.frames.iter().map(|(_, name)| self.folder.join(name)).collect();
+        if let Some(missing) = files.iter().find(|file| !file.exists()) {
+            let words = "was written by the run that this one went on from, and is gone";
+            return Err(format!("{} {words}: --overwrite starts over", missing.display()).into());
         }
         let path = self.folder.join("fields.pvd");
         let frames = self.frames.iter().map(|(time, name)| (*time, name.as_str()));
         write_pvd(frames, &mut BufWriter::new(File::create(&path)?))?;
-        let mut files = vec![path];
-        files.extend(self.frames.iter().map(|(_, name)| self.folder.join(name)));
-        Ok(files)
+        Ok([vec![path], files].concat())
     }
 }

@@ -10,6 +10,7 @@ use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
 use smpm::{Error, Plan, Simulation, Window};
 
 use super::fields::Fields;
+use super::kept::KeptRuns;
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::number::with_uncertainty;
 use crate::scenes::{Cut, Inputs, Part, Run, RunError};
@@ -102,11 +103,37 @@ pub(super) fn solve<const D: usize, const N: usize>(
     fields: &mut Fields,
     run: &Run<'_>,
 ) -> Result<Solved, SolveError> {
-    let clock = cpu_time::ProcessTime::now();
+    let kept = KeptRuns::new(checkpoint(scene, run)?);
+    let solved = solve_kept::<D, N>(scene, experiment, plan, fields, run, &kept);
+    // Of a checkpoint that has failed a study knows no more than that.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
+}
+
+/// The checkpoint of a scene whose samples are not those of files or of other ranks.
+fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Checkpoint>, RunError> {
+    if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
+        return Ok(None);
+    }
+    let (seed, aside) = match scene.method {
+        MethodScene::MonteCarlo { seed, .. } => (Some(seed), ASIDE_OF_SAMPLES.as_slice()),
+        _ => (None, ASIDE.as_slice()),
+    };
+    run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
+}
+
+/// The same, with runs that go on from those that were kept.
+fn solve_kept<const D: usize, const N: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields,
+    run: &Run<'_>,
+    kept: &KeptRuns<'_>,
+) -> Result<Solved, SolveError> {
     // The check of the scene has built these inputs with more certain parameters.
     let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
     run.progress.stage("mean run");
-    let study = Study::<_, D, N>::new(experiment, inputs, plan.clone())?;
+    let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
     let responses = match scene.method {
@@ -130,6 +157,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
                 fields.of_jets(time, run, scene.random.len());
             })?;
+            fields.are_shown();
             table.each(|i, response| {
                 let switch = Some(&propagated.switches[i]);
                 table.taylor(i, response, &propagated.moments[i], switch)
@@ -153,7 +181,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             n_runs += samples + u64::from(control);
             run.progress.stage("samples");
             let judge = MonteCarlo { seed, n_samples: samples };
-            let sampled = match sampled(&study, judge, scene, run)? {
+            let sampled = match sampled(&study, judge, scene, run, kept)? {
                 Samples::All(sampled, elsewhere) => {
                     seconds_elsewhere = elsewhere;
                     sampled
@@ -187,7 +215,7 @@ pub(super) fn solve<const D: usize, const N: usize>(
             })?
         }
     };
-    let cpu_seconds = clock.elapsed().as_secs_f64() + seconds_elsewhere;
+    let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
 }
@@ -216,7 +244,9 @@ impl From<RunError> for SolveError {
 /// What a checkpoint calls the samples that were run.
 const SAMPLES: &str = "samples";
 /// What samples do not depend on.
-const ASIDE: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+const ASIDE_OF_SAMPLES: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+/// What a run does not depend on before the times differ, which its standing tells.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
 /// Samples of a block of a rank.
 const SAMPLES_OF_BLOCK: u64 = 4;
 /// Samples of a thread between two looks.
@@ -238,6 +268,7 @@ fn sampled<const D: usize, const N: usize>(
     judge: MonteCarlo,
     scene: &SmpmScene,
     run: &Run<'_>,
+    kept: &KeptRuns<'_>,
 ) -> Result<Samples<N>, RunError> {
     let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
@@ -274,7 +305,10 @@ fn sampled<const D: usize, const N: usize>(
         let seconds = parts.iter().map(|(_, seconds)| seconds).sum();
         return joined(parts.into_iter().flat_map(|(responses, _)| responses).collect(), seconds);
     }
-    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
+    let checkpoint = match kept.checkpoint {
+        Some(checkpoint) => checkpoint,
+        None => run.checkpoint(inputs, &ASIDE_OF_SAMPLES)?,
+    };
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
     let sampled = study.monte_carlo_from(judge, range.clone(), &known, each, |so_far, tried| {

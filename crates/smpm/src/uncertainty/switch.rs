@@ -88,11 +88,11 @@ impl<const D: usize> Witness<Jet, Jet, D> for SwitchWitness<'_, D> {
 
     fn stop(&mut self, time: f64, simulation: &Simulation<Jet, D>) {
         (self.look)(time, simulation);
-        for (w, _) in self.windows.iter().enumerate().filter(|(_, window)| window.to <= time) {
+        // Stops are the ends of windows to the bit. One that has ended hears of no later step.
+        let ends = |window: &Window| window.to.total_cmp(&time).is_eq();
+        for (w, _) in self.windows.iter().enumerate().filter(|(_, window)| ends(window)) {
             for (at_windows, now) in self.at_windows.iter_mut().zip(&self.now) {
-                if at_windows[w] == Switch::NONE {
-                    at_windows[w] = *now;
-                }
+                at_windows[w] = *now;
             }
         }
     }

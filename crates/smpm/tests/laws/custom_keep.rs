@@ -281,3 +281,18 @@ fn a_forged_standing_goes_on_or_is_refused() {
     // A sum may be any number; lists, steps and windows may not.
     assert!(n_refused > 20 && n_accepted > 20, "{n_refused} {n_accepted}");
 }
+
+/// The first window ends before the first step, when nothing is random yet.
+#[test]
+fn a_window_that_has_ended_hears_of_no_later_step() {
+    let study = Study::new(&Yielding, inputs(), plan(windows())).unwrap();
+    let switches = study.propagated().unwrap().switches;
+    let n_windows = windows().len();
+    assert!(switches.len().is_multiple_of(n_windows));
+    for of_quantity in switches.chunks(n_windows) {
+        assert!(of_quantity[0].at_end.is_infinite() && of_quantity[0].so_far.is_infinite());
+        for later in &of_quantity[1..] {
+            assert!(later.so_far.is_finite() && later.so_far <= later.at_end, "{later:?}");
+        }
+    }
+}

@@ -160,3 +160,35 @@ fn the_forces_of_a_lattice_sum_to_nothing() {
         }
     }
 }
+
+fn goes_on_as_cut<T: Real, const D: usize, const L: usize>(
+    new: impl Fn() -> Box<dyn Body<T, D, L>>,
+) {
+    // In bits, under one displacement.
+    let forces_of = |body: &mut Box<dyn Body<T, D, L>>| {
+        let u = displacements::<T>(body.nodes().positions().len() * D * L, STRAINS[1]);
+        let mut forces = vec![T::ZERO; u.len()];
+        body.forces(&u, &mut forces, AtStrength::Hold).unwrap();
+        forces.iter().map(|force| force.to_f64().to_bits()).collect::<Vec<u64>>()
+    };
+    let (mut untouched, mut cut, mut other) = (new(), new(), new());
+    let bonds: Vec<usize> = (0..cut.bonds().len()).step_by(3).collect();
+    cut.cut(&bonds).unwrap();
+    let (before, after) = (forces_of(&mut untouched), forces_of(&mut cut));
+    assert!(before != after, "bonds that are cut pull on");
+    other.set_whole(&cut.whole().unwrap()).unwrap();
+    assert!(forces_of(&mut other) == after, "as saved");
+    other.set_whole(&untouched.whole().unwrap()).unwrap();
+    assert!(forces_of(&mut other) == before, "as if never cut");
+}
+
+#[test]
+fn bonds_that_are_cut_saved_and_put_back_pull_to_the_same_bits() {
+    let of = body::<2>(Condition::PlaneStress { thickness: 0.3 }, 9.0);
+    for kind in [Strain::Finite, Strain::Linear] {
+        goes_on_as_cut::<f64, 2, 1>(|| Box::new(list::<f64, 2, 1>(&of, kind)));
+        goes_on_as_cut::<f32, 2, 1>(|| Box::new(list::<f32, 2, 1>(&of, kind)));
+        goes_on_as_cut::<f64, 2, 8>(|| Box::new(list::<f64, 2, 8>(&of, kind)));
+        goes_on_as_cut::<f64, 2, 1>(|| Box::new(lattice::<f64, 2>(&of, kind)));
+    }
+}

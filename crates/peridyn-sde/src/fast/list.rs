@@ -21,8 +21,8 @@ use crate::real::Real;
 /// below `|w| = 0.02` (in `f32` 0.03) and in closed form beyond, and breaks at `w >= (1 + s_0)^2 - 1`. Against the sum in `f64`
 /// without a polynomial forces are within 1e-11, in `f32` within 5e-6 of the largest.
 ///
-/// With one lane, the bonds of a node are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple of 8 in `f64`
-/// and of 16 in `f32`, up to 16. Each realisation may have strengths and stiffnesses of its own.
+/// With one lane, the bonds of a node are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple
+/// of 8 in `f64` and of 16 in `f32`, up to 16. Each realisation may have strengths and stiffnesses of its own.
 ///
 /// An evaluation reads 30 bytes of a bond in `f64`, 18 in `f32`: the other node (4), three numbers (24 or 12), in which lanes it is
 /// whole (2, with one lane not read), shared by all lanes; `16 L` or `8 L` in place of two of the numbers where realisations have

@@ -5,8 +5,6 @@ mod ingredients;
 mod ladder;
 mod pictures;
 mod record;
-#[cfg(test)]
-mod tests;
 
 use std::path::PathBuf;
 

@@ -5,8 +5,6 @@ mod ingredients;
 mod kept;
 mod ladder;
 mod solve;
-#[cfg(test)]
-mod tests;
 
 use std::path::PathBuf;
 

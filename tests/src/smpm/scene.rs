@@ -426,3 +426,22 @@ impl TimeScene {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneFile;
+    use crate::schema::defaults;
+
+    #[test]
+    fn the_defaults_that_the_schema_tells_are_those_of_the_solver() {
+        let text = include_str!("../../scenes/smpm/plate_impact.json").to_owned();
+        let scene: SmpmScene = SceneFile::from_text("scene.json", text).unwrap().parse().unwrap();
+        let told = defaults::<SchemeScene>();
+        assert!(!told.is_empty());
+        let with = |scheme| SmpmScene { scheme, ..scene.clone() }.config::<1>().unwrap();
+        let usual = with(SchemeScene::default());
+        assert_ne!(with(scene.scheme.clone()), usual);
+        assert_eq!(with(serde_json::from_value(told.into()).unwrap()), usual);
+    }
+}

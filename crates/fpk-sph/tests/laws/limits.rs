@@ -1,5 +1,4 @@
 //! Limits in one, two and three dimensions: systems whose moments are known in closed form.
-#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};

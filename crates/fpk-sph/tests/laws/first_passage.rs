@@ -1,5 +1,4 @@
 //! First passage: rates of crossing with the bound that they give, and the absorbing boundary.
-#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
 use fpk_sph::observables::{FirstPassage, OutcrossingBound};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use twox_hash::XxHash64;
 
-use crate::checkpoint::{CheckpointError, Reason, Start};
-use crate::scenes::{ALL, Options, Progress, RunError, run};
+use verification::checkpoint::{CheckpointError, Reason, Start};
+use verification::scenes::{ALL, Options, Progress, RunError, run};
 
 /// A plate of steel runs into a wall, in uniaxial strain.
 const PLATE: &str = r#"{
@@ -261,20 +261,4 @@ fn mistakes_are_shown_where_they_stand() {
         assert!(mistake.message.contains(words), "{}", mistake.message);
         std::fs::remove_dir_all(&folder).unwrap();
     }
-}
-
-#[test]
-fn the_defaults_that_the_schema_tells_are_those_of_the_solver() {
-    use crate::scene::SceneFile;
-    use crate::smpm::scene::{SchemeScene, SmpmScene};
-    let read = |text: &str| -> SmpmScene {
-        SceneFile::from_text("scene.json", text.to_owned()).unwrap().parse().unwrap()
-    };
-    let told = crate::schema::defaults::<SchemeScene>();
-    assert!(!told.is_empty());
-    let scene = read(PLATE);
-    let with = |scheme| SmpmScene { scheme, ..scene.clone() }.config::<1>().unwrap();
-    let usual = with(SchemeScene::default());
-    assert_ne!(with(scene.scheme.clone()), usual);
-    assert_eq!(with(serde_json::from_value(told.into()).unwrap()), usual);
 }

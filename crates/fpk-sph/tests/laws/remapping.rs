@@ -8,12 +8,10 @@ use fpk_sph::{
 };
 use sde_integrators::{GaussianMixture, Sde};
 
-#[allow(clippy::unwrap_used, reason = "constants within their range")]
 fn linear() -> LinearOscillator {
     LinearOscillator::new(structure()).unwrap()
 }
 
-#[allow(clippy::unwrap_used, reason = "constants within their range")]
 fn duffing() -> Duffing {
     Duffing::new(DuffingParameters { structure: structure(), cubic_stiffness: 0.5 }).unwrap()
 }
@@ -36,7 +34,6 @@ fn config(method: Method, remapping: Option<Remapping>) -> Config<2> {
     }
 }
 
-#[allow(clippy::unwrap_used, reason = "constants within their range")]
 fn start<S: Sde<2, 1>>(system: S, config: &Config<2>) -> Simulation<S, 2, 1> {
     let law = GaussianMixture::independent([0.1, 0.0], [0.7, 0.9]).unwrap();
     Simulation::new(system, &law, config).unwrap()

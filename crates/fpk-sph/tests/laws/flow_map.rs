@@ -12,7 +12,6 @@ use fpk_sph::{
 use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
 
-#[allow(clippy::unwrap_used, reason = "constants within their range")]
 fn oscillator() -> LinearOscillator {
     LinearOscillator::new(LinearOscillatorParameters {
         natural_frequency: 2.0,

@@ -4,12 +4,9 @@ mod points;
 
 use std::path::{Path, PathBuf};
 
-use crate::checkpoint::Start;
-use crate::scene::SceneError;
-use crate::scenes::{Options, Part, Progress, RunError, SceneKind, run};
-
-/// The one kind that is tested here.
-const TABLE: [SceneKind; 1] = [super::KIND];
+use verification::checkpoint::Start;
+use verification::scene::SceneError;
+use verification::scenes::{ALL, Options, Part, Progress, RunError, run};
 
 /// A plate of 16 by 16 nodes with a field of strength and a little noise.
 const PLATE: &str = r#"{
@@ -54,7 +51,7 @@ impl Ran {
 
     /// The scene as it now stands in the folder, run again.
     fn again(&self, options: &Options) -> Result<Vec<PathBuf>, RunError> {
-        run(&TABLE, &self.folder.join("scene.json"), options, &Progress::silent())
+        run(ALL, &self.folder.join("scene.json"), options, &Progress::silent())
     }
 }
 
@@ -77,7 +74,7 @@ fn run_beside(name: &str, text: &str, files: &[(&str, &[u8])]) -> Ran {
     for (file, bytes) in files {
         std::fs::write(folder.join(file), bytes).unwrap();
     }
-    let written = run(&TABLE, &scene, &Options::new(folder.join("out")), &Progress::silent());
+    let written = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
     Ran { folder, written }
 }
 
@@ -317,8 +314,8 @@ fn an_unknown_key_is_told_the_nearest() {
 
 #[test]
 fn built_in_scenes_can_be_read_and_built() {
-    use crate::peridyn::{scene::CrackScene, scene_problem::CrackProblem};
-    use crate::scene::SceneFile;
+    use verification::peridyn::{scene::CrackScene, scene_problem::CrackProblem};
+    use verification::scene::SceneFile;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/peridyn");
     let mut n_scenes = 0;
     for entry in std::fs::read_dir(folder).unwrap() {

@@ -1,5 +1,4 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
-#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
 use fpk_sph::score::{
     Degree, Estimates, Fits, LogDensityFit, SummationDensity, Unresolved, VolumeEstimate,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use particle_store::ParticleStore;
 
 use super::*;
-use crate::checkpoint::{CheckpointError, Reason};
+use verification::checkpoint::{CheckpointError, Reason};
 
 const BODY: &str = "\"spacing\": 0.001,";
 

@@ -1,0 +1,13 @@
+//! What the method must keep, the limits that are known in closed form, and the seams where users plug in: in one program, since the
+//! step is compiled anew for every one.
+
+#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
+
+mod custom_estimator;
+mod custom_system;
+mod first_passage;
+mod flow_map;
+mod limits;
+mod method;
+mod remapping;
+mod tolerance;

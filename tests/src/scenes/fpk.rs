@@ -3,6 +3,7 @@
 mod ingredients;
 mod ladder;
 mod pictures;
+mod record;
 mod sampled;
 #[cfg(test)]
 mod tests;
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::chart::{Line, Scale, TimeSeries, Words};
 use crate::charts::Drawing;
 use crate::checkpoint::Checkpoint;
-use crate::fpk::density::{self, Asked, DensityRun, Erased, Exceedances, Reached, Row, Standing};
+use crate::fpk::density::{self, Asked, DensityRun, Erased, Reached, Row, Standing};
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
@@ -27,6 +28,9 @@ use crate::output::write_json;
 use crate::scene::SceneFile;
 use crate::scenes::{Inputs, Run, RunError, SceneKind};
 use pictures::{Pictures, Seen};
+use record::{
+    Observed, RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series,
+};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
 
@@ -39,76 +43,6 @@ pub(crate) const KIND: SceneKind = SceneKind {
     quantities: ladder::quantities,
     ingredients: ingredients::ingredients,
 };
-
-/// Everything that came of a run: the schema `run-result/1`.
-#[derive(Debug, Serialize)]
-struct RunResult<'a> {
-    schema: &'static str,
-    version: &'static str,
-    commit: Option<String>,
-    machine: Machine,
-    /// The scene as it was understood.
-    scene: &'a FpkScene,
-    seed: Option<u64>,
-    work: WorkRecord,
-    /// Why the run ended before its last time.
-    stopped: Option<String>,
-    /// What is not known, and why; nothing else is missing.
-    unknown: Vec<Unknown>,
-    quantities: Vec<Series>,
-}
-
-/// Work counted.
-#[derive(Debug, Default, Serialize)]
-struct WorkRecord {
-    particles: Option<usize>,
-    steps: Option<u64>,
-    evaluations: Option<u64>,
-    neighbour_visits: Option<u64>,
-    path_steps: Option<u64>,
-    cpu_seconds: f64,
-}
-
-/// A quantity over time.
-#[derive(Debug, Serialize)]
-struct Series {
-    id: String,
-    quantity: String,
-    unit: &'static str,
-    values: Vec<Observed>,
-}
-
-/// A quantity at a time, with its error.
-#[derive(Debug, Serialize)]
-struct Observed {
-    t: f64,
-    value: f64,
-    error: Option<f64>,
-    error_kind: ErrorOrigin,
-    /// What the value rests on, where that is not firm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    note: Option<String>,
-}
-
-impl Observed {
-    /// The value, unless its error leaves nothing of it.
-    fn known(&self) -> Option<f64> {
-        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
-    }
-}
-
-/// Where an error comes from.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum ErrorOrigin {
-    /// A second run with fewer intervals per axis, and the fitted order 2.
-    TwoResolutions,
-    StandardError,
-    Bound,
-    /// A count.
-    Exact,
-    Unknown,
-}
 
 /// What a method made of a scene.
 #[derive(Debug, Default)]
@@ -348,90 +282,6 @@ impl Visitor for Solved<'_> {
         let (seed, is_elsewhere) = (None, false);
         Ok(Outcome { work, stopped, unknown, quantities, seed, drawings, files, is_elsewhere })
     }
-}
-
-/// An estimator of exceedance, as the end of an id and as a field.
-type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
-
-const CELL: &str = "cell";
-const ESTIMATORS: [Estimator; 3] = [
-    (CELL, |e| e.cell_integrated),
-    ("log-interpolated", |e| Some(e.log_interpolated)),
-    ("indicator", |e| Some(e.indicator)),
-];
-
-/// All quantities of the scene; those that the method does not give are left out.
-fn series(both: &TwoResolutions, scene: &FpkScene, system: &SceneSystem) -> Vec<Series> {
-    let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
-    let mut all = Vec::new();
-    for (k, powers) in scene.moments.iter().enumerate() {
-        let values = both.values(|row| Some(row.moments[k]));
-        let quantity = moment_words(powers, system.states());
-        all.push(series(moment_id(powers), quantity, values));
-    }
-    let demand = demand_name(scene, system);
-    for (name, pick) in ESTIMATORS {
-        for (k, threshold) in scene.thresholds.iter().enumerate() {
-            let mut values = both.values(|row| pick(&row.exceedances[k]));
-            if name == CELL {
-                for observed in &mut values {
-                    let row = both.fine.at(observed.t);
-                    observed.note = row.and_then(|row| row.exceedances[k].note());
-                }
-            }
-            let quantity = format!("P(|{demand}| > {threshold})");
-            all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
-        }
-    }
-    all.push(series(
-        "total-mass".into(),
-        "sum of the masses".into(),
-        both.values(|row| Some(row.total_mass)),
-    ));
-    all.push(series(
-        "cell-mass".into(),
-        "mass over the cells".into(),
-        both.values(|row| row.cell_mass),
-    ));
-    all.push(series(
-        "entropy".into(),
-        "entropy (nats)".into(),
-        both.values(|row| Some(row.entropy)),
-    ));
-    let counted = |row: &Row| {
-        let value = row.distrusted_cells? as f64;
-        let error_kind = ErrorOrigin::Exact;
-        Some(Observed { t: row.t, value, error: None, error_kind, note: None })
-    };
-    all.push(series(
-        "distrusted-cells".into(),
-        "cells in which the fit was not trusted".into(),
-        both.fine.rows.iter().filter_map(counted).collect(),
-    ));
-    all.retain(|series| !series.values.is_empty());
-    all
-}
-
-/// `moment/2-0`.
-fn moment_id(powers: &[u32]) -> String {
-    let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
-    format!("moment/{}", powers.join("-"))
-}
-
-/// `E[q^2 v]`, without what is to the power of zero.
-fn moment_words(powers: &[u32], states: &[&str]) -> String {
-    let factor = |(name, &power): (&&str, &u32)| match power {
-        0 => None,
-        1 => Some((*name).to_owned()),
-        _ => Some(format!("{name}^{power}")),
-    };
-    let factors: Vec<String> = states.iter().zip(powers).filter_map(factor).collect();
-    format!("E[{}]", factors.join(" "))
-}
-
-/// The name of what exceeds the thresholds.
-fn demand_name(scene: &FpkScene, system: &SceneSystem) -> String {
-    scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
 }
 
 /// The second moments, and the probabilities, over time.

@@ -2,9 +2,8 @@
 
 use sde_integrators::{Estimate, Uncertainty};
 
-use super::{
-    ErrorOrigin, Observed, Outcome, Series, WorkRecord, asked, law, moment_id, moment_words,
-};
+use super::record::{ErrorOrigin, Observed, Series, WorkRecord, moment_id, moment_words};
+use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
 use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling};
 use crate::fpk::paths::Paths;

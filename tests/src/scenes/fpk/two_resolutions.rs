@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::fpk::density::{DensityRun, Row};
 
-use super::{ErrorOrigin, Observed};
+use super::record::{ErrorOrigin, Observed};
 
 /// What a run does not know, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,0 +1,163 @@
+//! What is told of a run: its quantities over time, each value with its error.
+
+use serde::Serialize;
+
+use super::two_resolutions::{TwoResolutions, Unknown};
+use crate::fpk::density::{Exceedances, Row};
+use crate::fpk::scene::FpkScene;
+use crate::fpk::scene_system::SceneSystem;
+use crate::machine::Machine;
+
+/// Everything that came of a run: the schema `run-result/1`.
+#[derive(Debug, Serialize)]
+pub(super) struct RunResult<'a> {
+    pub(super) schema: &'static str,
+    pub(super) version: &'static str,
+    pub(super) commit: Option<String>,
+    pub(super) machine: Machine,
+    /// The scene as it was understood.
+    pub(super) scene: &'a FpkScene,
+    pub(super) seed: Option<u64>,
+    pub(super) work: WorkRecord,
+    /// Why the run ended before its last time.
+    pub(super) stopped: Option<String>,
+    /// What is not known, and why; nothing else is missing.
+    pub(super) unknown: Vec<Unknown>,
+    pub(super) quantities: Vec<Series>,
+}
+
+/// Work counted.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct WorkRecord {
+    pub(super) particles: Option<usize>,
+    pub(super) steps: Option<u64>,
+    pub(super) evaluations: Option<u64>,
+    pub(super) neighbour_visits: Option<u64>,
+    pub(super) path_steps: Option<u64>,
+    pub(super) cpu_seconds: f64,
+}
+
+/// A quantity over time.
+#[derive(Debug, Serialize)]
+pub(super) struct Series {
+    pub(super) id: String,
+    pub(super) quantity: String,
+    pub(super) unit: &'static str,
+    pub(super) values: Vec<Observed>,
+}
+
+/// A quantity at a time, with its error.
+#[derive(Debug, Serialize)]
+pub(super) struct Observed {
+    pub(super) t: f64,
+    pub(super) value: f64,
+    pub(super) error: Option<f64>,
+    pub(super) error_kind: ErrorOrigin,
+    /// What the value rests on, where that is not firm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) note: Option<String>,
+}
+
+impl Observed {
+    /// The value, unless its error leaves nothing of it.
+    pub(super) fn known(&self) -> Option<f64> {
+        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
+    }
+}
+
+/// Where an error comes from.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ErrorOrigin {
+    /// A second run with fewer intervals per axis, and the fitted order 2.
+    TwoResolutions,
+    StandardError,
+    Bound,
+    /// A count.
+    Exact,
+    Unknown,
+}
+
+/// An estimator of exceedance, as the end of an id and as a field.
+type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
+
+const CELL: &str = "cell";
+const ESTIMATORS: [Estimator; 3] = [
+    (CELL, |e| e.cell_integrated),
+    ("log-interpolated", |e| Some(e.log_interpolated)),
+    ("indicator", |e| Some(e.indicator)),
+];
+
+/// All quantities of the scene; those that the method does not give are left out.
+pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &SceneSystem) -> Vec<Series> {
+    let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
+    let mut all = Vec::new();
+    for (k, powers) in scene.moments.iter().enumerate() {
+        let values = both.values(|row| Some(row.moments[k]));
+        let quantity = moment_words(powers, system.states());
+        all.push(series(moment_id(powers), quantity, values));
+    }
+    let demand = demand_name(scene, system);
+    for (name, pick) in ESTIMATORS {
+        for (k, threshold) in scene.thresholds.iter().enumerate() {
+            let mut values = both.values(|row| pick(&row.exceedances[k]));
+            if name == CELL {
+                for observed in &mut values {
+                    let row = both.fine.at(observed.t);
+                    observed.note = row.and_then(|row| row.exceedances[k].note());
+                }
+            }
+            let quantity = format!("P(|{demand}| > {threshold})");
+            all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
+        }
+    }
+    all.push(series(
+        "total-mass".into(),
+        "sum of the masses".into(),
+        both.values(|row| Some(row.total_mass)),
+    ));
+    all.push(series(
+        "cell-mass".into(),
+        "mass over the cells".into(),
+        both.values(|row| row.cell_mass),
+    ));
+    all.push(series(
+        "entropy".into(),
+        "entropy (nats)".into(),
+        both.values(|row| Some(row.entropy)),
+    ));
+    let counted = |row: &Row| {
+        let value = row.distrusted_cells? as f64;
+        let error_kind = ErrorOrigin::Exact;
+        Some(Observed { t: row.t, value, error: None, error_kind, note: None })
+    };
+    all.push(series(
+        "distrusted-cells".into(),
+        "cells in which the fit was not trusted".into(),
+        both.fine.rows.iter().filter_map(counted).collect(),
+    ));
+    all.retain(|series| !series.values.is_empty());
+    all
+}
+
+/// `moment/2-0`.
+pub(super) fn moment_id(powers: &[u32]) -> String {
+    let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
+    format!("moment/{}", powers.join("-"))
+}
+
+/// `E[q^2 v]`, without what is to the power of zero.
+pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
+    let factor = |(name, &power): (&&str, &u32)| match power {
+        0 => None,
+        1 => Some((*name).to_owned()),
+        _ => Some(format!("{name}^{power}")),
+    };
+    let factors: Vec<String> = states.iter().zip(powers).filter_map(factor).collect();
+    format!("E[{}]", factors.join(" "))
+}
+
+/// The name of what exceeds the thresholds.
+pub(super) fn demand_name(scene: &FpkScene, system: &SceneSystem) -> String {
+    scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
+}

@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 
 use sde_integrators::Sde;
 
-use crate::cloud::AxisNeighbours;
+use super::cell::{Cell, fraction_above, subdivisions, variation};
 use crate::error::{Error, finite};
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
-use crate::score::{LocalFit, LocalMap, determinant, lattice_jacobian};
+use crate::score::LocalMap;
 use crate::simulation::Simulation;
 
 /// The density as a function: around each particle `psi_i exp(g.u + u.H u / 2)` over the lattice cell as the flow has
@@ -45,33 +45,6 @@ pub const TAIL_SPACINGS: i32 = 3;
 /// A cell's mass by the fit over its particle's mass, above which (or below its inverse) the fit is not trusted. A
 /// Gaussian at 6 standard deviations and a spacing of 0.45 gives 1.34.
 const MOST_MASS_RATIO: f64 = 2.0;
-
-/// `y(u) = centre + E u + u.K u / 2` and the mass per unit of `u`, `weight exp(slope.u + u.bend u / 2)`, in lattice
-/// coordinates `u` of the cell, from -1/2 to 1/2.
-#[derive(Debug)]
-struct Cell<const D: usize> {
-    /// Centre in the metric.
-    centre: [f64; D],
-    map: LocalMap<D>,
-    weight: f64,
-    /// Places on the lattice beyond the cloud to which this cell goes on, as steps from it.
-    beyond: Vec<[i32; D]>,
-    /// Mass with what lies beyond.
-    mass: f64,
-    /// Whether the fit makes of the particle's mass what it should, within [`MOST_MASS_RATIO`].
-    trusted: bool,
-}
-
-/// Subdivisions of a cell per axis: about a hundred points where the dimension allows.
-const fn subdivisions(dimension: usize) -> usize {
-    match dimension {
-        1 => 64,
-        2 => 12,
-        3 => 5,
-        4 => 3,
-        _ => 2,
-    }
-}
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// The density as a function, from local fits at the present positions.
@@ -322,217 +295,6 @@ impl<const D: usize> CellIntegral<D> {
     }
 }
 
-impl<const D: usize> Cell<D> {
-    /// The cell as the flow has deformed it, with the quadratic of log density around its particle.
-    fn of_fit(
-        positions: &[[f64; D]],
-        lattice: &[AxisNeighbours<D>],
-        i: usize,
-        fit: &LocalFit<D>,
-    ) -> Result<Self, Error> {
-        let edges =
-            lattice_jacobian(positions, lattice, i).ok_or(Error::NoLatticeCell { particle: i })?;
-        let (mut slope, mut bend) = ([0.0; D], [[0.0; D]; D]);
-        for a in 0..D {
-            slope[a] = (0..D).map(|k| fit.gradient[k] * edges[k][a]).sum();
-            for b in 0..D {
-                for k in 0..D {
-                    bend[a][b] +=
-                        (0..D).map(|l| edges[k][a] * fit.hessian[k][l] * edges[l][b]).sum::<f64>();
-                }
-            }
-        }
-        let weight = fit.log_density.exp() * determinant(&edges).abs();
-        let curvature = [[[0.0; D]; D]; D];
-        let map = LocalMap { edges, curvature, slope, bend, resolved: true };
-        Ok(Self { centre: positions[i], map, weight, beyond: vec![], mass: 0.0, trusted: true })
-    }
-
-    /// The fit turns too sharply for this cell: keep its shape, but only the particle's own mass.
-    fn hold_own_mass(&mut self, particle_mass: f64, ratio: f64) {
-        self.trusted = false;
-        if ratio.is_finite() && ratio > 0.0 {
-            self.weight /= ratio;
-        } else {
-            self.weight = particle_mass;
-            (self.map.slope, self.map.bend) = ([0.0; D], [[0.0; D]; D]);
-        }
-    }
-
-    /// Takes in those places beyond the cloud towards which the mass falls. A cell that goes on has its map taken as
-    /// affine: a curvature by neighbours on one side is no ground to go beyond them.
-    fn go_on(&mut self, beyond: Vec<[i32; D]>) {
-        if beyond.is_empty() {
-            return;
-        }
-        self.map.curvature = [[[0.0; D]; D]; D];
-        self.beyond = beyond;
-        let LocalMap { slope, bend, .. } = self.map;
-        self.beyond.retain(|step| {
-            let (mut along, mut curvature) = (0.0, 0.0);
-            for k in 0..D {
-                along += slope[k] * f64::from(step[k]);
-                for l in 0..D {
-                    curvature += f64::from(step[k]) * bend[k][l] * f64::from(step[l]);
-                }
-            }
-            curvature <= 0.0 && along + 0.5 * curvature < 0.0
-        });
-    }
-
-    /// The point with the lattice coordinates `u` of the cell.
-    fn point(&self, u: &[f64; D]) -> [f64; D] {
-        let mut y = self.centre;
-        for k in 0..D {
-            for a in 0..D {
-                y[k] += self.map.edges[k][a] * u[a];
-                for b in 0..D {
-                    y[k] += 0.5 * u[a] * self.map.curvature[k][a][b] * u[b];
-                }
-            }
-        }
-        y
-    }
-
-    /// `exp(slope.u + u.bend u / 2)` at the lattice coordinates `u`.
-    fn shape(&self, u: &[f64; D]) -> f64 {
-        let mut exponent = 0.0;
-        for k in 0..D {
-            exponent += self.map.slope[k] * u[k];
-            for l in 0..D {
-                exponent += 0.5 * u[k] * self.map.bend[k][l] * u[l];
-            }
-        }
-        exponent.exp()
-    }
-
-    /// By how much the logarithm of the mass per unit of `u` grows across a part along each axis.
-    fn slope_across_part(&self, u: &[f64; D]) -> [f64; D] {
-        let LocalMap { slope, bend, .. } = &self.map;
-        std::array::from_fn(|k| {
-            (slope[k] + (0..D).map(|l| bend[k][l] * u[l]).sum::<f64>()) / subdivisions(D) as f64
-        })
-    }
-
-    /// The mean of the mass per unit of `u` over a part, over its value at the centre: of `exp(slope s + bend s^2 / 2)` for
-    /// `s` from -1/2 to 1/2 along each axis.
-    fn mean_over_part(&self, u: &[f64; D]) -> f64 {
-        let parts = subdivisions(D) as f64;
-        let slope = self.slope_across_part(u);
-        let along =
-            |k: usize| sinhc(0.5 * slope[k]) * (self.map.bend[k][k] / (24.0 * parts * parts)).exp();
-        (0..D).map(along).product()
-    }
-
-    fn integral(&self) -> f64 {
-        let mut mass = 0.0;
-        self.for_each_part(|_, part| mass += part);
-        mass
-    }
-
-    /// Calls with the centre (lattice coordinates) and the mass of every part of the cell and of what lies beyond.
-    fn for_each_part(&self, mut visit: impl FnMut(&[f64; D], f64)) {
-        let parts = subdivisions(D);
-        let part_weight = self.weight / (parts as f64).powi(i32::try_from(D).unwrap_or(0));
-        for place in std::iter::once(&[0; D]).chain(&self.beyond) {
-            let mut index = [0; D];
-            'parts: loop {
-                let u: [f64; D] = std::array::from_fn(|k| {
-                    f64::from(place[k]) + (index[k] as f64 + 0.5) / parts as f64 - 0.5
-                });
-                visit(&u, part_weight * self.shape(&u) * self.mean_over_part(&u));
-                // The next index, first axis fastest.
-                for axis in 0..D {
-                    index[axis] += 1;
-                    if index[axis] < parts {
-                        continue 'parts;
-                    }
-                    index[axis] = 0;
-                }
-                break;
-            }
-        }
-    }
-
-    /// Whether the demand is further from the threshold, at the centre of the cell and of each of those beyond, than twice
-    /// what it varies from there to any corner: no part of them comes near.
-    fn is_far(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
-        std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
-            let centre = demand_above_threshold(&place.map(f64::from));
-            let to_corner =
-                |bits: usize| (demand_above_threshold(&corner(place, bits)) - centre).abs();
-            let variation = (0..1 << D).map(to_corner).fold(0.0, f64::max);
-            centre.abs() > 2.0 * variation
-        })
-    }
-
-    /// Whether the demand stays below the threshold at the centre and at all corners of the cell and of what lies beyond.
-    fn lies_below(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
-        demand_above_threshold(&[0.0; D]) <= 0.0
-            && std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
-                (0..1 << D).all(|bits| demand_above_threshold(&corner(place, bits)) <= 0.0)
-            })
-    }
-}
-
-/// A corner of the cell at a place on the lattice, by the bits of its number.
-fn corner<const D: usize>(place: &[i32; D], bits: usize) -> [f64; D] {
-    std::array::from_fn(|k| f64::from(place[k]) + if bits >> k & 1 == 0 { -0.5 } else { 0.5 })
-}
-
-/// The part of a part's mass where the demand exceeds the threshold: over the part the demand is taken as uniform with the
-/// standard deviation that it has, `w/sqrt(12)`, and the logarithm of the density as linear in it, by `slope` across the
-/// part along each axis.
-fn fraction_above<const D: usize>(
-    demand_above_threshold: impl Fn(&[f64; D]) -> f64,
-    u: &[f64; D],
-    slope: &[f64; D],
-) -> f64 {
-    let centre = demand_above_threshold(u);
-    let across = across_part(demand_above_threshold, u);
-    let width = across.iter().map(|a| a * a).sum::<f64>().sqrt();
-    if centre.abs() >= 0.5 * width {
-        return f64::from(u8::from(centre > 0.0));
-    }
-    // The density is exp(tilt s) for s from -1/2 to 1/2, and the demand exceeds where s > -centre/width.
-    let tilt = (0..D).map(|k| slope[k] * across[k]).sum::<f64>() / width;
-    let above = 0.5 + centre / width;
-    exponential_share(tilt, above)
-}
-
-/// The share of the mass of `exp(tilt s)`, `s` from 0 to 1, that lies in the last part of length `above`.
-fn exponential_share(tilt: f64, above: f64) -> f64 {
-    if tilt.abs() < 1e-6 {
-        above
-    } else if tilt > 0.0 {
-        (-tilt * above).exp_m1() / (-tilt).exp_m1()
-    } else {
-        // The same with a power that does not overflow.
-        (tilt * (1.0 - above)).exp() * (tilt * above).exp_m1() / tilt.exp_m1()
-    }
-}
-
-/// How much the demand varies across a part, were it linear there.
-fn variation<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> f64 {
-    across_part(demand, u).iter().map(|a| a.abs()).sum()
-}
-
-/// By how much the demand grows across a part along each axis.
-fn across_part<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> [f64; D] {
-    let half = 0.5 / subdivisions(D) as f64;
-    std::array::from_fn(|axis| {
-        let (mut below, mut above) = (*u, *u);
-        below[axis] -= half;
-        above[axis] += half;
-        demand(&above) - demand(&below)
-    })
-}
-
-/// `sinh(x)/x`.
-fn sinhc(x: f64) -> f64 {
-    if x.abs() < 1e-4 { 1.0 + x * x / 6.0 } else { x.sinh() / x }
-}
-
 /// Adds a mass that is uniform from `from` to `to` to the bins it meets.
 fn spread(mass: f64, from: f64, to: f64, edges: &[f64], masses: &mut [f64]) {
     let first = edges.partition_point(|&edge| edge <= from).saturating_sub(1);
@@ -543,25 +305,5 @@ fn spread(mass: f64, from: f64, to: f64, edges: &[f64], masses: &mut [f64]) {
         }
         let overlap = (to.min(high) - from.max(low)).max(0.0);
         masses[bin] += mass * overlap / (to - from);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_share_of_an_exponential_is_right_on_both_sides_and_does_not_overflow() {
-        for above in [0.1, 0.5, 0.9] {
-            for tilt in [1e-7, 0.3, 4.0, 30.0] {
-                let share = exponential_share(tilt, above);
-                let rest = exponential_share(-tilt, 1.0 - above);
-                // What lies above with one tilt lies below with the other.
-                assert!((share + rest - 1.0).abs() < 1e-12, "{tilt} {above}: {share} {rest}");
-            }
-            assert!((exponential_share(1e4, above) - 1.0).abs() < 1e-12);
-            let far = exponential_share(-1e4, above);
-            assert!((0.0..1e-12).contains(&far), "{far}");
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! Files that a run leaves behind.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, BufWriter, IntoInnerError};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -48,6 +49,20 @@ pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
     }
     std::fs::write(path, text)
+}
+
+/// Writes a file that a checkpoint says is there: when this returns it is on the disk, and not cut off by a machine that ends.
+///
+/// # Errors
+/// Those of `write`, and of the file system.
+pub fn write_to_disk<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut out = BufWriter::new(File::create(path)?);
+    write(&mut out)?;
+    out.into_inner().map_err(IntoInnerError::into_error)?.sync_all()?;
+    Ok(())
 }
 
 /// The root of the workspace; the current folder where cargo did not start the program.

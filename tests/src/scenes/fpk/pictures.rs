@@ -16,6 +16,7 @@ use crate::fpk::density::{Row, Standing};
 use crate::fpk::plane_density::plane_density;
 use crate::fpk::scene::FpkScene;
 use crate::machine::Machine;
+use crate::output::write_to_disk;
 use crate::scenes::RunError;
 
 /// The bandwidth of a plane's density over the spacing of the lattice.
@@ -164,7 +165,7 @@ impl<'a> Pictures<'a> {
         store.set_attribute("time", Attribute::Real(row.t));
         std::fs::create_dir_all(&self.folder)?;
         let name = format!("cloud-{:04}.vtu", self.seen.frames.len());
-        store.write_vtu(places, BufWriter::new(File::create(self.folder.join(&name))?))?;
+        write_to_disk(&self.folder.join(&name), |out| store.write_vtu(places, out))?;
         self.seen.frames.push((row.t, name));
         Ok(())
     }

@@ -10,6 +10,7 @@ use smpm::uncertainty::{Experiment, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
 use crate::case::CaseError;
+use crate::output::write_to_disk;
 use crate::smpm::scene::SmpmScene;
 
 /// Always shown, besides the quantities of the scene.
@@ -123,7 +124,7 @@ impl Fields {
             }
         }
         store.set_attribute("time", Attribute::Real(time));
-        store.write_vtu(places, BufWriter::new(File::create(self.folder.join(name))?))?;
+        write_to_disk(&self.folder.join(name), |out| store.write_vtu(places, out))?;
         Ok(())
     }
 

@@ -50,8 +50,9 @@ impl CrackStudy<'_> {
 /// Joins all shards of an ensemble, given in any order: the bits are those of one run.
 ///
 /// # Errors
-/// [`Error::TooFew`] for no shard, [`Error::ForeignShard`] for one of another ensemble, [`Error::NoSuchShard`],
-/// [`Error::Doubled`] and [`Error::Missing`] for a realisation that is there twice or not at all.
+/// [`Error::TooFew`] for no shard, [`Error::ForeignShard`] for one of another ensemble; [`Error::Doubled`] and [`Error::Missing`] for
+/// a realisation that is there twice or not at all, [`Error::NoSuchRealisation`] for one beyond the last; those of
+/// [`CrackRun::append`].
 pub fn merge_shards(mut shards: Vec<CrackShard>) -> Result<CrackRun, Error> {
     shards.sort_by_key(|shard| shard.place);
     let mut shards = shards.into_iter();
@@ -70,19 +71,20 @@ pub fn merge_shards(mut shards: Vec<CrackShard>) -> Result<CrackRun, Error> {
         whole.append(shard.run)?;
     }
     let n_realisations = first.n_realisations;
-    for (expected, record) in (0..first.n_realisations).zip(&whole.records) {
-        match record.realisation.cmp(&expected) {
-            std::cmp::Ordering::Less => {
-                return Err(Error::Doubled { realisation: record.realisation });
-            }
-            std::cmp::Ordering::Greater => {
-                return Err(Error::Missing { realisation: expected, n_realisations });
-            }
-            std::cmp::Ordering::Equal => {}
+    for (expected, record) in (0..).zip(&whole.records) {
+        let realisation = record.realisation;
+        if realisation < expected {
+            return Err(Error::Doubled { realisation });
+        }
+        if realisation >= n_realisations {
+            return Err(Error::NoSuchRealisation { realisation, limit: n_realisations });
+        }
+        if realisation > expected {
+            return Err(Error::Missing { realisation: expected, n_realisations });
         }
     }
     let found = whole.records.len() as u64;
-    if found < first.n_realisations {
+    if found < n_realisations {
         return Err(Error::Missing { realisation: found, n_realisations });
     }
     Ok(whole)

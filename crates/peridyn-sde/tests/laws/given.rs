@@ -9,17 +9,20 @@ use peridyn_sde::{
 use sde_integrators::Noise;
 
 const N: usize = 16;
+pub(super) const N_NODES: usize = N * N;
+/// Damage from which a node counts as damaged.
+pub(super) const THRESHOLD: f64 = 0.3;
 const SEED: u64 = 11;
-const STRETCH: f64 = 1e-3;
+pub(super) const STRETCH: f64 = 1e-3;
 const REALISATION: u64 = 5;
 const NOTCH: Notch = Notch { mouth: [0.0, 8.0], tip: [5.0, 8.0] };
 
 /// A plate of 16 by 16 nodes whose lowest and highest two rows are pulled apart.
-struct Plate {
+pub(super) struct Plate {
     nodes: Nodes<2>,
     bonds: Bonds,
     loading: Loading<2>,
-    simulation: SimulationConfig,
+    pub(super) simulation: SimulationConfig,
     upper: Vec<usize>,
 }
 
@@ -60,13 +63,17 @@ impl Plate {
         Self { nodes, bonds, loading, simulation, upper }
     }
 
-    fn lattice() -> Self {
+    pub(super) fn lattice() -> Self {
         let condition = Condition::PlaneStress { thickness: 1.0 };
         Self::new(Nodes::lattice(1.0, ([0.0; 2], [N as f64; 2]), condition, |_| true).unwrap())
     }
 
-    fn run(&self, strength: Strength<'_>, stiffness: Stiffness<'_>) -> Result<CrackRun, Error> {
-        let study = CrackStudy {
+    pub(super) fn study<'a>(
+        &'a self,
+        strength: Strength<'a>,
+        stiffness: Stiffness<'a>,
+    ) -> CrackStudy<'a> {
+        CrackStudy {
             nodes: &self.nodes,
             bonds: &self.bonds,
             strain: Strain::Finite,
@@ -81,8 +88,12 @@ impl Plate {
             n_windows: 10,
             path: PathConfig::of_horizon(2.0),
             border: 14.0,
-            damage_threshold: 0.3,
-        };
+            damage_threshold: THRESHOLD,
+        }
+    }
+
+    fn run(&self, strength: Strength<'_>, stiffness: Stiffness<'_>) -> Result<CrackRun, Error> {
+        let study = self.study(strength, stiffness);
         study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION], &|_| {})
     }
 
@@ -152,7 +163,7 @@ fn given_values_of_another_body_or_without_sign_are_refused() {
     for refused in run(&[STRETCH; N]) {
         assert!(matches!(refused, Error::Length { name: "the field", value: N, .. }), "{refused}");
     }
-    let mut values = vec![STRETCH; N * N];
+    let mut values = vec![STRETCH; N_NODES];
     values[7] = 0.0;
     for refused in run(&values) {
         assert!(matches!(refused, Error::Node { node: 7, .. }), "{refused}");

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
+mod bridge;
 mod constants;
 mod custom_law;
 mod disorder;
@@ -12,7 +13,9 @@ mod forces;
 mod given;
 mod inference;
 mod mobility;
+mod note;
 mod paths;
 mod repulsion;
 mod repulsion_bits;
+mod shards;
 mod statics;

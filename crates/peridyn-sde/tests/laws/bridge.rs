@@ -1,0 +1,98 @@
+//! Bonds that reach their strength between the ends of a step.
+
+use std::collections::BTreeSet;
+
+use peridyn_sde::{
+    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence,
+    LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig, Strain,
+    SurfaceCorrection, VolumeCorrection,
+};
+use sde_integrators::Noise;
+
+const N_STEPS: usize = 20;
+const STRENGTH: f64 = 0.08;
+
+fn plate() -> (Nodes<2>, Bonds) {
+    let condition = Condition::PlaneStress { thickness: 1.0 };
+    let nodes = Nodes::lattice(1.0, ([0.0; 2], [7.0; 2]), condition, |_| true).unwrap();
+    let config = BondConfig {
+        horizon: Horizon::of_shells(2, 1.0).unwrap(),
+        young_modulus: 1.0,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let bonds = Bonds::new(&nodes, &config).unwrap();
+    (nodes, bonds)
+}
+
+/// Which bond broke in which step and realisation, and whether it did so within the step.
+type Broken = BTreeSet<(u64, u64, usize, bool)>;
+
+fn broken<T: Real, B: Body<T, 2, L>, const L: usize>(
+    body: B,
+    breaking: Breaking,
+    realisations: [u64; L],
+) -> Broken {
+    let n = body.nodes().positions().len();
+    let dynamics = Dynamics::Overdamped {
+        mobility: Mobility::identity(&vec![true; n], 1.0).unwrap(),
+        temperature: 2e-3,
+        scheme: Scheme::EulerMaruyama,
+    };
+    let config =
+        SimulationConfig { dynamics, dt: 0.05, breaking, confinement: 0.0, noise: Noise::new(3) };
+    let mut run = Simulation::new(body, Loading::new(n), config, realisations).unwrap();
+    let events: Vec<_> = (0..N_STEPS).flat_map(|_| run.step().unwrap().broken).collect();
+    let lanes = |lanes: u16| (0..L).filter(move |lane| lanes & 1 << lane != 0);
+    let all = events.iter().flat_map(|event| {
+        let within = event.cause == Cause::Crossing;
+        lanes(event.lanes).map(move |lane| (realisations[lane], event.step, event.bond, within))
+    });
+    all.collect()
+}
+
+fn list<T: Real, const L: usize>(strain: Strain, ids: [u64; L], breaking: Breaking) -> Broken
+where
+    BondList<T, 2, L>: Body<T, 2, L>,
+{
+    let (nodes, bonds) = plate();
+    let strengths = vec![STRENGTH; bonds.len()];
+    let body = BondList::<T, 2, L>::new(nodes, bonds, strain, &strengths).unwrap();
+    broken(body, breaking, ids)
+}
+
+fn lattice(strain: Strain, id: u64) -> Broken {
+    let (nodes, bonds) = plate();
+    let body = LatticeBody::<f64, 2>::new(nodes, bonds, strain, STRENGTH).unwrap();
+    broken(body, Breaking::Bridge, [id])
+}
+
+/// Draws are a function of seed, realisation, step and bond: who stands in the next lane changes nothing.
+#[test]
+fn bonds_cross_alike_in_lanes_alone_and_on_a_lattice() {
+    let ids: [u64; 8] = std::array::from_fn(|k| 5 + k as u64);
+    for strain in [Strain::Finite, Strain::Linear] {
+        let in_lanes = list::<f64, 8>(strain, ids, Breaking::Bridge);
+        let alone = ids.map(|id| list::<f64, 1>(strain, [id], Breaking::Bridge));
+        let on_lattice = ids.map(|id| lattice(strain, id));
+        let crossed = in_lanes.iter().filter(|event| event.3).count();
+        assert!(crossed > 20 && crossed < in_lanes.len(), "{crossed} of {}", in_lanes.len());
+        assert_eq!(in_lanes, alone.into_iter().flatten().collect(), "{strain:?}");
+        assert_eq!(in_lanes, on_lattice.into_iter().flatten().collect(), "{strain:?}");
+    }
+}
+
+/// What is looked for between the ends is found earlier, and more of it.
+#[test]
+fn a_bridge_breaks_more_than_is_seen_at_the_ends() {
+    let ids: [u64; 16] = std::array::from_fn(|k| k as u64);
+    let bridged = list::<f32, 16>(Strain::Finite, ids, Breaking::Bridge);
+    let at_ends = list::<f32, 16>(Strain::Finite, ids, Breaking::AtEnds);
+    assert!(at_ends.iter().all(|event| !event.3));
+    let of = |events: &Broken| -> BTreeSet<(u64, usize)> {
+        events.iter().map(|&(realisation, _, bond, _)| (realisation, bond)).collect()
+    };
+    let (bridged, at_ends) = (of(&bridged), of(&at_ends));
+    assert!(bridged.len() > at_ends.len(), "{} {}", bridged.len(), at_ends.len());
+}

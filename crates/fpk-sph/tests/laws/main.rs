@@ -9,5 +9,6 @@ mod first_passage;
 mod flow_map;
 mod limits;
 mod method;
+mod observables;
 mod remapping;
 mod tolerance;

@@ -1,6 +1,6 @@
 //! Points with all pairs within a radius, and the neighbours of one of them, as SVG.
 //!
-//! `cargo run -p neighbour-search --example picture > docs/pictures/neighbour-search.svg`
+//! `cargo run -p neighbour-search --example pairs_within > docs/pictures/neighbour-search.svg`
 
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use std::error::Error;

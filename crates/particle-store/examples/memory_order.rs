@@ -1,6 +1,6 @@
 //! A lattice in the order of its rows and in Morton order: a line joins particles that are next to each other in memory. SVG.
 //!
-//! `cargo run -p particle-store --example picture > docs/pictures/particle-store.svg`
+//! `cargo run -p particle-store --example memory_order > docs/pictures/particle-store.svg`
 
 use particle_store::{Lattice, ParticleStore, morton_order};
 use std::error::Error;

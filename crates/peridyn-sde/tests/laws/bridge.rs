@@ -3,28 +3,15 @@
 use std::collections::BTreeSet;
 
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence,
-    LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    Body, BondList, Breaking, Cause, Dynamics, LatticeBody, Loading, Mobility, Real, Scheme,
+    Simulation, SimulationConfig, Strain,
 };
 use sde_integrators::Noise;
 
+use crate::dynamics::plate;
+
 const N_STEPS: usize = 20;
 const STRENGTH: f64 = 0.08;
-
-fn plate() -> (Nodes<2>, Bonds) {
-    let condition = Condition::PlaneStress { thickness: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [7.0; 2]), condition, |_| true).unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
-    let bonds = Bonds::new(&nodes, &config).unwrap();
-    (nodes, bonds)
-}
 
 /// Which bond broke in which step and realisation, and whether it did so within the step.
 type Broken = BTreeSet<(u64, u64, usize, bool)>;
@@ -56,14 +43,14 @@ fn list<T: Real, const L: usize>(strain: Strain, ids: [u64; L], breaking: Breaki
 where
     BondList<T, 2, L>: Body<T, 2, L>,
 {
-    let (nodes, bonds) = plate();
+    let (nodes, bonds) = plate(7.0);
     let strengths = vec![STRENGTH; bonds.len()];
     let body = BondList::<T, 2, L>::new(nodes, bonds, strain, &strengths).unwrap();
     broken(body, breaking, ids)
 }
 
 fn lattice(strain: Strain, id: u64) -> Broken {
-    let (nodes, bonds) = plate();
+    let (nodes, bonds) = plate(7.0);
     let body = LatticeBody::<f64, 2>::new(nodes, bonds, strain, STRENGTH).unwrap();
     broken(body, Breaking::Bridge, [id])
 }

@@ -8,7 +8,8 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-fn plate(side: f64) -> (Nodes<2>, Bonds) {
+/// Of spacing 1, with a horizon of three shells.
+pub(super) fn plate(side: f64) -> (Nodes<2>, Bonds) {
     let condition = Condition::PlaneStress { thickness: 1.0 };
     let nodes = Nodes::lattice(1.0, ([0.0; 2], [side; 2]), condition, |_| true).unwrap();
     let config = BondConfig {

@@ -16,7 +16,7 @@ pub(super) struct Cell<const D: usize> {
     pub(super) beyond: Vec<[i32; D]>,
     /// Mass with what lies beyond.
     pub(super) mass: f64,
-    /// Whether the fit makes of the particle's mass what it should, within a factor that is stated where it is judged.
+    /// Whether the fit makes of the particle's mass what it should, within `MOST_MASS_RATIO` of the integral.
     pub(super) trusted: bool,
 }
 

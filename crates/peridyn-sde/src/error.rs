@@ -1,5 +1,7 @@
 //! What can go wrong, with the value and its limit.
 
+use crate::real::Real;
+
 /// Why a body could not be made, bonded, or loaded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -187,6 +189,24 @@ pub enum Error {
     /// A body whose state is more than which of its bonds are whole.
     #[error("the bonds of this body remember more than whether they are whole: it cannot be saved")]
     NotSaved,
+    /// A saved state after more steps than are counted.
+    #[error("a saved state is after {value} steps; at most {limit} are counted")]
+    SavedStep {
+        /// What was given.
+        value: u64,
+        /// The most.
+        limit: u64,
+    },
+    /// A saved bond that is whole in a lane that there is not.
+    #[error("saved bond {bond} is whole in the lanes {value:#b}; the body has {lanes}")]
+    SavedBond {
+        /// Which bond.
+        bond: usize,
+        /// A bit for each lane.
+        value: u16,
+        /// How many lanes there are.
+        lanes: usize,
+    },
     /// A displacement that two conditions give.
     #[error("component {component} of node {node} is gripped twice")]
     GrippedTwice {
@@ -382,6 +402,20 @@ pub enum Error {
 
 pub(crate) fn same_length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
     if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
+}
+
+/// A number of a node in the precision of the body.
+pub(crate) fn node_number<T: Real>(
+    name: &'static str,
+    node: usize,
+    value: f64,
+) -> Result<T, Error> {
+    let number = T::of(value);
+    if number.to_f64().is_finite() {
+        Ok(number)
+    } else {
+        Err(Error::Node { name, node, value, must: "finite in the precision of the body" })
+    }
 }
 
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {

@@ -1,9 +1,12 @@
 //! A simulation put away, and taken up again.
 
 use crate::body::{AtStrength, Body};
-use crate::error::{Error, same_length};
+use crate::error::{Error, node_number, same_length};
 use crate::real::Real;
 use crate::simulation::Simulation;
+
+/// Beyond it a double no longer counts steps one by one, and times are no longer told apart.
+const MOST_STEPS: u64 = 1 << 53;
 
 /// What a simulation needs to go on to the same bits: with the body it was made of, its loading and its configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,25 +40,42 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// Goes on from a saved state of the same body, loading and configuration.
     ///
     /// # Errors
-    /// [`Error::Length`] for the state of another body, [`Error::Node`] for a number that is not finite.
+    /// Which leave the simulation as it was:
+    /// [`Error::Length`] for the state of another body, [`Error::SavedStep`] for a step that is beyond counting,
+    /// [`Error::SavedBond`] for a lane that there is not, [`Error::Node`] for a number that is not finite in the precision of
+    /// the body. Then those of the forces, after which it is not to be used.
     pub fn restore(&mut self, saved: &SavedState) -> Result<(), Error> {
-        for (name, values) in
-            [("displacements", &saved.displacements), ("velocities", &saved.velocities)]
-        {
-            same_length(name, values.len(), self.unknowns.u.len())?;
-            if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-                let (node, value) = (at / (D * L), values[at]);
-                return Err(Error::Node { name: "a saved number", node, value, must: "finite" });
-            }
+        if saved.step > MOST_STEPS {
+            return Err(Error::SavedStep { value: saved.step, limit: MOST_STEPS });
+        }
+        let u = self.numbers("displacements", "a saved displacement", &saved.displacements)?;
+        let v = self.numbers("velocities", "a saved velocity", &saved.velocities)?;
+        let beyond = |whole: &u16| u32::from(*whole) >> L != 0;
+        if let Some(bond) = saved.whole.iter().position(beyond) {
+            return Err(Error::SavedBond { bond, value: saved.whole[bond], lanes: L });
         }
         self.body.set_whole(&saved.whole)?;
         self.step = saved.step;
         self.time = saved.step as f64 * self.config.dt;
-        self.unknowns.u = saved.displacements.iter().map(|&u| T::of(u)).collect();
-        self.unknowns.v = saved.velocities.iter().map(|&v| T::of(v)).collect();
+        (self.unknowns.u, self.unknowns.v) = (u, v);
         // What Leimkuhler and Matthews' method keeps of the step before is drawn again.
         self.unknowns.work = std::array::from_fn(|_| Vec::new());
         self.evaluate(AtStrength::Hold)
+    }
+
+    /// A saved column in the precision of the body.
+    fn numbers(
+        &self,
+        column: &'static str,
+        name: &'static str,
+        saved: &[f64],
+    ) -> Result<Vec<T>, Error> {
+        same_length(column, saved.len(), self.unknowns.u.len())?;
+        saved
+            .iter()
+            .enumerate()
+            .map(|(at, &value)| node_number(name, at / (D * L), value))
+            .collect()
     }
 
     /// Gives a lane velocities (length over time), in inertial dynamics; what is gripped stays.

@@ -4,7 +4,7 @@ use sde_integrators::{Noise, SimdLevel};
 
 use crate::body::{AtStrength, Body, BrokenBond};
 use crate::crossing::Crossing;
-use crate::error::{Error, finite, positive, same_length};
+use crate::error::{Error, finite, node_number, positive, same_length};
 use crate::loading::Loading;
 use crate::real::Real;
 use crate::repelled::Repelled;
@@ -224,11 +224,9 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         same_length("nodes", values.len(), self.body.nodes().positions().len())?;
         for (node, value) in values.iter().enumerate() {
             for k in 0..D {
-                if !value[k].is_finite() {
-                    return Err(Error::Node { name, node, value: value[k], must: "finite" });
-                }
+                let number = node_number(name, node, value[k])?;
                 if !self.loading.gripped()[node][k] {
-                    column(&mut self.unknowns)[(node * D + k) * L + lane] = T::of(value[k]);
+                    column(&mut self.unknowns)[(node * D + k) * L + lane] = number;
                 }
             }
         }

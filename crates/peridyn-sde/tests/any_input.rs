@@ -9,10 +9,11 @@ use cap::Cap;
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
     BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
-    Mobility, Network, Nodes, Program, Repulsion, Scheme, Simulation, SimulationConfig, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    Mobility, Network, Nodes, Program, Real, Repulsion, SavedState, Scheme, Simulation,
+    SimulationConfig, Strain, SurfaceCorrection, VolumeCorrection,
 };
 use proptest::prelude::*;
+use proptest::sample::Index;
 use sde_integrators::Noise;
 
 /// An allocation beyond it ends the program.
@@ -192,9 +193,111 @@ pub(crate) fn starts(plate: Plate) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// A plate of 25 nodes whose edges are held, in `L` lanes.
+fn held<T: Real, const L: usize>(is_inertial: bool) -> Simulation<T, BondList<T, 2, L>, 2, L> {
+    let body = Body {
+        spacing: 1.0,
+        edge: 5.0,
+        thickness: 1.0,
+        shells: 2,
+        young_modulus: 1.0,
+        influence: Influence::Constant,
+    };
+    let (nodes, bonds) = body.build().unwrap();
+    let n = nodes.positions().len();
+    let held: Vec<usize> = (0..n).filter(|node| node % 5 == 0).collect();
+    let free: Vec<bool> = (0..n).map(|node| node % 5 != 0).collect();
+    let program = Program::Linear { rate: 0.1 };
+    let loading = Loading::new(n).displace(&held, [true; 2], [1.0, 0.0], program).unwrap();
+    let dynamics = if is_inertial {
+        Dynamics::Inertial { density: 1.0, friction: 1.0, temperature: 1e-4 }
+    } else {
+        let mobility = Mobility::identity(&free, 1.0).unwrap();
+        Dynamics::Overdamped { mobility, temperature: 1e-4, scheme: Scheme::LeimkuhlerMatthews }
+    };
+    let noise = Noise::new(3);
+    let breaking = Breaking::AtEnds;
+    let config = SimulationConfig { dynamics, dt: 1e-3, breaking, confinement: 0.0, noise };
+    let strengths = vec![0.1; bonds.len()];
+    let list = BondList::new(nodes, bonds, Strain::Finite, &strengths).unwrap();
+    Simulation::new(list, loading, config, std::array::from_fn(|lane| lane as u64)).unwrap()
+}
+
+/// What was saved, with other numbers.
+#[derive(Debug, Clone)]
+pub(crate) struct Forged {
+    is_inertial: bool,
+    step: u64,
+    /// Of displacements and velocities: where, and what stands there.
+    numbers: [Vec<(Index, f64)>; 2],
+    whole: Vec<(Index, u16)>,
+    /// How long the columns are, of what they should be.
+    lengths: [Option<Index>; 3],
+}
+
+pub(crate) fn forged() -> impl Strategy<Value = Forged> {
+    let step = prop_oneof![4 => 0_u64..1000, 1 => any::<u64>(), 1 => Just(u64::MAX)];
+    let changes = || prop::collection::vec((any::<Index>(), number()), 0..4);
+    let whole = prop_oneof![4 => 0_u16..2, 1 => any::<u16>()];
+    let whole = prop::collection::vec((any::<Index>(), whole), 0..4);
+    let lengths = prop::array::uniform3(prop::option::weighted(0.05, any::<Index>()));
+    (any::<bool>(), step, [changes(), changes()], whole, lengths).prop_map(
+        |(is_inertial, step, numbers, whole, lengths)| Forged {
+            is_inertial,
+            step,
+            numbers,
+            whole,
+            lengths,
+        },
+    )
+}
+
+fn goes_on_in<T: Real, const L: usize>(forged: &Forged) -> Result<(), TestCaseError> {
+    let mut run = held::<T, L>(forged.is_inertial);
+    let _ = run.step().unwrap();
+    let before = run.save().unwrap();
+    let mut saved = SavedState { step: forged.step, ..before.clone() };
+    let columns = [&mut saved.displacements, &mut saved.velocities];
+    for ((column, changes), length) in columns.into_iter().zip(&forged.numbers).zip(&forged.lengths)
+    {
+        for (at, value) in changes {
+            let at = at.index(column.len());
+            column[at] = *value;
+        }
+        column.truncate(length.map_or(column.len(), |length| length.index(column.len())));
+    }
+    let n = saved.whole.len();
+    for (at, whole) in &forged.whole {
+        saved.whole[at.index(n)] = *whole;
+    }
+    saved.whole.truncate(forged.lengths[2].map_or(n, |length| length.index(n)));
+    if run.restore(&saved).is_err() {
+        prop_assert_eq!(run.save().unwrap(), before);
+        return Ok(());
+    }
+    prop_assert_eq!(run.steps(), forged.step);
+    if run.step().is_ok() {
+        prop_assert!(run.time().is_finite());
+        let lanes = (0..L).flat_map(|lane| run.displacements(lane));
+        prop_assert!(lanes.flatten().all(|u| u.is_finite()));
+    }
+    Ok(())
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "every check takes what is drawn")]
+pub(crate) fn goes_on_or_is_refused(forged: Forged) -> Result<(), TestCaseError> {
+    goes_on_in::<f64, 1>(&forged)?;
+    goes_on_in::<f32, 16>(&forged)
+}
+
 proptest! {
     #[test]
     fn a_plate_starts_or_says_why_not(plate in plate()) {
         starts(plate)?;
+    }
+
+    #[test]
+    fn a_forged_state_goes_on_or_is_refused(forged in forged()) {
+        goes_on_or_is_refused(forged)?;
     }
 }

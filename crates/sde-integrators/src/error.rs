@@ -82,6 +82,12 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A quantity is not a number.
+    #[error("the {quantity} is NaN, must be a number")]
+    NotANumber {
+        /// Which one.
+        quantity: &'static str,
+    },
     /// A quantity is infinite or not a number.
     #[error("{quantity} {index} is {value}, must be finite")]
     NotFinite {

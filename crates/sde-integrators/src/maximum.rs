@@ -89,7 +89,8 @@ impl<const D: usize> fmt::Debug for Between<'_, D> {
 ///
 /// # Errors
 /// As [`simulate`](crate::simulate); [`Error::NoSuchComponent`]; [`Error::NotPositive`] for the frequency of an arc,
-/// [`Error::ArcTooLong`] where a step is half a turn or more.
+/// [`Error::ArcTooLong`] where a step is half a turn or more; [`Error::NotFinite`] for the sample that is, as for an intensity
+/// which is not a number.
 pub fn maxima<S, I, L, const D: usize, const M: usize>(
     system: &S,
     integrator: &I,
@@ -169,11 +170,11 @@ impl<'a, const D: usize> Maximum<'a, D> {
     #[inline(always)]
     fn raise(&mut self, above: impl Fn(usize, f64) -> f64) {
         for lane in 0..LANES {
-            self.running[lane] = self.running[lane].max(above(lane, 1.0));
+            self.running[lane] = larger(self.running[lane], above(lane, 1.0));
         }
         if self.response.side == Side::Magnitude {
             for lane in 0..LANES {
-                self.running[lane] = self.running[lane].max(above(lane, -1.0));
+                self.running[lane] = larger(self.running[lane], above(lane, -1.0));
             }
         }
     }
@@ -239,7 +240,13 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
     }
 }
 
-/// The maximum over `[0, 1]` of the cubic with these values and slopes at its ends.
+/// The larger of two; not a number where one is not, so that a maximum that is not known is refused with the samples.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// The maximum over `[0, 1]` of the cubic with these values and slopes at its ends; not a number where they are too large to tell.
 #[inline(always)]
 fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
     let drop = q[0] - q[1];
@@ -248,6 +255,9 @@ fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
     let b = -6.0 * drop - 4.0 * slope[0] - 2.0 * slope[1];
     let c = slope[0];
     let discriminant = b * b - 4.0 * a * c;
+    if !discriminant.is_finite() {
+        return f64::NAN;
+    }
     // The two roots without cancellation; where there is none, a root is not a number and its value not taken.
     let t = -0.5 * (b + discriminant.sqrt().copysign(b));
     let value = |s: f64| {

@@ -6,12 +6,31 @@ use std::ops::Range;
 
 use crate::blocks::{BLOCK_LENGTH, map_blocks, reduce_blocks};
 use crate::error::Error;
-use crate::estimate::{Accumulator, Estimate};
+use crate::estimate::{Accumulator, Estimate, Uncertainty};
 use crate::integrator::Integrator;
 use crate::noise::{Increment, Noise, Purpose, Stream};
 
-/// A response as a function of independent standard normals. The rare event is that it exceeds a threshold.
+/// A response as a function of independent standard normals. The rare event is that it exceeds a threshold. It may be infinite.
 pub type NormalResponse<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
+
+/// The most normals that are held at once: 32 GiB of them.
+const MOST_NORMALS: f64 = u32::MAX as f64;
+/// The most runs of which a spread is taken.
+const MOST_RUNS: u64 = 1 << 16;
+
+/// Refuses what is not a number: no comparison with it tells anything.
+fn number(quantity: &'static str, value: f64) -> Result<f64, Error> {
+    if value.is_nan() { Err(Error::NotANumber { quantity }) } else { Ok(value) }
+}
+
+/// The response at a point.
+fn respond(response: NormalResponse<'_>, normals: &[f64]) -> Result<f64, Error> {
+    number("response", response(normals)?)
+}
+
+fn at_most(quantity: &'static str, value: f64, limit: f64) -> Result<(), Error> {
+    if value > limit { Err(Error::TooMany { quantity, value, limit }) } else { Ok(()) }
+}
 
 /// A path as a function of the normals that drive it: per step `M` for `w`, then, where the method looks at them, `M` for
 /// the areas.
@@ -36,13 +55,13 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
     where
         I: Integrator<S, D, M>,
     {
-        self.n_steps * M * (1 + usize::from(I::USES_AREA))
+        self.n_steps.saturating_mul(M * (1 + usize::from(I::USES_AREA)))
     }
 
     /// Follow the path; `look` sees time and state before and after every step. Returns the last state.
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for a wrong number of normals; [`Error::Step`] and [`Error::NonFiniteState`], where the
+    /// [`Error::WrongLength`] for a wrong number of normals; [`Error::NotPositive`] for the step length; [`Error::Step`] and [`Error::NonFiniteState`], where the
     /// realisation is given as 0.
     pub fn run<const M: usize>(
         &self,
@@ -58,6 +77,9 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
             return Err(Error::WrongLength { quantity, value, expected });
         }
         let (dt, mut x, mut memory) = (self.dt, self.start, I::Memory::default());
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(Error::NotPositive { quantity: "dt", value: dt });
+        }
         let (deviation, area_deviation) = (dt.sqrt(), (dt / 12.0).sqrt());
         let per_step = expected / self.n_steps.max(1);
         for (k, normals) in normals.chunks_exact(per_step.max(1)).enumerate() {
@@ -106,7 +128,8 @@ pub struct DesignPoint {
 /// Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
 ///
 /// # Errors
-/// Those of the response; [`Error::NoDesignPoint`] where the gradient vanishes or 50 iterations are not enough.
+/// Those of the response; [`Error::NotANumber`] for the response or the threshold; [`Error::NoDesignPoint`] where the gradient
+/// vanishes, the point runs away or 50 iterations are not enough; [`Error::TooMany`] for 2^32 normals or more.
 pub fn design_point(
     response: NormalResponse<'_>,
     n_normals: usize,
@@ -114,14 +137,16 @@ pub fn design_point(
 ) -> Result<DesignPoint, Error> {
     const STEP: f64 = 1e-4;
     const MAX_ITERATIONS: usize = 50;
+    number("threshold", threshold)?;
+    at_most("normals", n_normals as f64, MOST_NORMALS)?;
     let mut u = vec![0.0; n_normals];
     for iterations in 1..=MAX_ITERATIONS {
-        let value = response(&u)?;
+        let value = respond(response, &u)?;
         let mut gradient = vec![0.0; n_normals];
         for (k, slope) in gradient.iter_mut().enumerate() {
             let mut shifted = u.clone();
             shifted[k] += STEP;
-            *slope = (response(&shifted)? - value) / STEP;
+            *slope = (respond(response, &shifted)? - value) / STEP;
         }
         let square: f64 = gradient.iter().map(|g| g * g).sum();
         if !(square.is_finite() && square > 0.0) {
@@ -136,6 +161,9 @@ pub fn design_point(
             length += next * next;
             *u = next;
         }
+        if !length.is_finite() {
+            return Err(Error::NoDesignPoint { iterations, gradient_square: square });
+        }
         if moved <= 1e-6 * length {
             return Ok(DesignPoint { normals: u, reliability_index: length.sqrt(), iterations });
         }
@@ -147,11 +175,12 @@ pub fn design_point(
 ///
 /// $$ \hat p = \frac1n \sum_k 1_{g(u^* + z_k) > b}  e^{-u^* \cdot z_k - |u^*|^2/2} . $$
 ///
-/// Unbiased for every `u*`; good where one design point has the most of the probability: one time, one threshold, a
+/// The error is unknown where no sample exceeded. Unbiased for every `u*`; good where one design point has the most of the probability: one time, one threshold, a
 /// response not far from linear. For a first passage there is a design point for every time: use [`subset_simulation`].
 ///
 /// # Errors
-/// Those of the response, of the lowest sample that fails; [`Error::TooFew`] for fewer than 2 samples.
+/// Those of the response, of the lowest sample that fails; [`Error::NotANumber`] for the response or the threshold,
+/// [`Error::NotFinite`] for the design point; [`Error::TooFew`] for fewer than 2 samples.
 pub fn importance_sampling(
     response: NormalResponse<'_>,
     threshold: f64,
@@ -159,7 +188,11 @@ pub fn importance_sampling(
     noise: &Noise,
     n_samples: u64,
 ) -> Result<Estimate, Error> {
+    number("threshold", threshold)?;
     let shift = &design_point.normals;
+    if let Some(index) = shift.iter().position(|u| !u.is_finite()) {
+        return Err(Error::NotFinite { quantity: "normal", index, value: shift[index] });
+    }
     let half_square = 0.5 * shift.iter().map(|u| u * u).sum::<f64>();
     let block = |ids: Range<u64>| {
         let (mut sum, mut normals) = (Accumulator::default(), vec![0.0; shift.len()]);
@@ -170,7 +203,7 @@ pub fn importance_sampling(
                 product += u * *z;
                 *z += u;
             }
-            let exceeds = response(&normals)? > threshold;
+            let exceeds = respond(response, &normals)? > threshold;
             sum.push(if exceeds { (-product - half_square).exp() } else { 0.0 });
         }
         Ok(sum)
@@ -179,17 +212,24 @@ pub fn importance_sampling(
         earlier.merge(&later);
         earlier
     };
-    reduce_blocks(n_samples, block, merge)?.unwrap_or_default().estimate()
+    Ok(seen(reduce_blocks(n_samples, block, merge)?.unwrap_or_default().estimate()?))
+}
+
+/// An event that was never seen: zeros have no spread, which says nothing of the error.
+fn seen(estimate: Estimate) -> Estimate {
+    let uncertainty =
+        if estimate.value > 0.0 { estimate.uncertainty } else { Uncertainty::Unknown };
+    Estimate { uncertainty, ..estimate }
 }
 
 /// How subset simulation is run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubsetConfig {
-    /// Samples per level, a multiple of 10 and at least 100: a tenth of them carries on to the next level.
+    /// Samples per level, at least 100: a tenth of them carries on to the next level.
     pub n_samples: usize,
     /// `rho` of the proposal `rho u + sqrt(1 - rho^2) z`, in `(0, 1)`; 0.8 is usual.
     pub correlation: f64,
-    /// Independent runs, at least 2; their spread gives the standard error.
+    /// Independent runs, at least 2 and at most 65,536; their spread gives the standard error.
     pub n_runs: u64,
 }
 
@@ -198,14 +238,16 @@ pub struct SubsetConfig {
 ///
 /// The proposal leaves the normal law as it is, so that only the level decides on acceptance. The mean over independent
 /// runs is given, with its standard error; a run has a bias of the order of the square of its coefficient of variation,
-/// which falls with `n_samples`.
+/// which falls with `n_samples`. The error is unknown where no run reached the event, and a bound by the rule of three where
+/// every sample was one: see [`Estimate::probability`].
 ///
 /// Sources: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation;
 /// Papaioannou, Betz, Zwirglmaier and Straub 2015, MCMC algorithms for subset simulation, section 4.
 ///
 /// # Errors
-/// Those of the response, of the lowest run; [`Error::TooFew`] for samples or runs, [`Error::NotPositive`] for a
-/// correlation outside `(0, 1)`, [`Error::TooManyLevels`] where the threshold is not reached.
+/// Those of the response, of the lowest run; [`Error::NotANumber`] for the response or the threshold; [`Error::TooFew`] and
+/// [`Error::TooMany`] for samples or runs, also where the samples of a level have 2^32 normals or more together;
+/// [`Error::NotPositive`] for a correlation outside `(0, 1)`, [`Error::TooManyLevels`] where the threshold is not reached.
 pub fn subset_simulation(
     response: NormalResponse<'_>,
     n_normals: usize,
@@ -225,8 +267,12 @@ pub fn subset_simulation(
         let quantity = "correlation, which must be below 1,";
         return Err(Error::NotPositive { quantity, value: correlation });
     }
+    number("threshold", threshold)?;
+    at_most("runs", n_runs as f64, MOST_RUNS as f64)?;
+    let held = n_samples as f64 * n_normals.max(1) as f64;
+    at_most("normals of the samples of a level", held, MOST_NORMALS)?;
     // One run to a block, so that runs go to different threads.
-    let n = n_runs.saturating_mul(BLOCK_LENGTH);
+    let n = n_runs * BLOCK_LENGTH;
     let runs = map_blocks(n, 0..n_runs, |ids| {
         let stream = noise.stream(Purpose::MarkovChain, ids.start / BLOCK_LENGTH);
         Subset { response, threshold, stream, n_normals, config }.run()
@@ -235,7 +281,12 @@ pub fn subset_simulation(
     for run in runs {
         probabilities.push(run?);
     }
-    probabilities.estimate()
+    let estimate = probabilities.estimate()?;
+    if estimate.value == 1.0 {
+        let trials = n_runs * n_samples as u64;
+        return Estimate::probability(trials, trials);
+    }
+    Ok(seen(estimate))
 }
 
 /// One run.
@@ -261,7 +312,7 @@ impl Subset<'_> {
         for _ in 0..n {
             let mut u = vec![0.0; self.n_normals];
             self.stream.fill_normal(&mut u);
-            let value = (self.response)(&u)?;
+            let value = respond(self.response, &u)?;
             samples.push((u, value));
         }
         let mut probability = 1.0;
@@ -297,7 +348,7 @@ impl Subset<'_> {
                 self.stream.fill_normal(&mut z);
                 let proposal: Vec<f64> =
                     current.0.iter().zip(&z).map(|(u, z)| correlation * u + fresh * z).collect();
-                let value = (self.response)(&proposal)?;
+                let value = respond(self.response, &proposal)?;
                 if value > level {
                     current = (proposal, value);
                 }

@@ -6,12 +6,13 @@ use std::alloc::System;
 use cap::Cap;
 use proptest::prelude::*;
 use sde_integrators::{
-    AdaptivePath, Additive, Baoab, DenseFactor, DiagonalFactor, DiagonalNoise, DiagonalSde,
-    EnsembleConfig, Estimate, EulerMaruyama, FieldPath, FieldSde, GaussianComponent,
-    GaussianMixture, Heun, Integrator, LeimkuhlerMatthews, LinearTheta, LowRankFactor, Milstein,
-    Noise, NoiseFactor, Observable, Samples, Sde, SecondOrder, SemiImplicitEuler, Shark, SkRock,
-    SparseFactor, Sra1, Sra3, Sriw1, StepControl, StochasticTheta, StrangOscillator,
-    StratonovichForm, TamedEuler, Uncertainty, simulate,
+    AdaptivePath, Additive, Baoab, Between, DenseFactor, DesignPoint, DiagonalFactor,
+    DiagonalNoise, DiagonalSde, DrivenPath, EnsembleConfig, Estimate, EulerMaruyama, FieldPath,
+    FieldSde, GaussianComponent, GaussianMixture, Heun, Integrator, LeimkuhlerMatthews,
+    LinearTheta, LowRankFactor, Milstein, Noise, NoiseFactor, Observable, Response, Samples, Sde,
+    SecondOrder, SemiImplicitEuler, Shark, Side, SkRock, SparseFactor, Sra1, Sra3, Sriw1,
+    StepControl, StochasticTheta, StrangOscillator, StratonovichForm, SubsetConfig, TamedEuler,
+    Uncertainty, design_point, importance_sampling, maxima, simulate, subset_simulation,
 };
 
 /// An allocation beyond it ends the program.
@@ -252,6 +253,140 @@ pub(crate) fn is_followed_by_every_method(
     follow::<_, _, 2>(&StratonovichForm(system), &Heun, &law, &config)
 }
 
+/// What is looked at of an ensemble: component and side, the velocity of a cubic, and the intensity of a bridge or the frequency of an
+/// arc.
+type Watched = (Ensemble, (usize, bool), usize, f64);
+
+pub(crate) fn watched() -> impl Strategy<Value = Watched> {
+    let component = || prop_oneof![4 => 0_usize..2, 1 => count()];
+    (ensemble(), (component(), any::<bool>()), component(), number())
+}
+
+pub(crate) fn has_maxima(
+    ((system, law, config, ..), (component, is_above), velocity, value): Watched,
+) -> Result<(), TestCaseError> {
+    let Ok(law) = GaussianMixture::mixture(&law) else { return Ok(()) };
+    let side = if is_above { Side::Above } else { Side::Magnitude };
+    let intensity = |_: f64, x: &[f64; 2]| value * (1.0 + x[0]);
+    let ways = [
+        Between::Endpoints,
+        Between::BrownianBridge { intensity: &intensity },
+        Between::CubicHermite { velocity },
+        Between::RotationArc { natural_frequency: value },
+    ];
+    let mut lowest = Vec::new();
+    for between in ways {
+        let response = Response { component, side, between };
+        let found = maxima::<_, _, _, 2, 1>(&system, &Heun, &law, &config, &response);
+        let Ok(samples) = found else { continue };
+        prop_assert_eq!(samples.len(), config.times.len());
+        let medians: Vec<f64> = samples
+            .iter()
+            .flat_map(|samples| samples.quantile(0.5))
+            .map(|estimate| estimate.value)
+            .collect();
+        prop_assert!(medians.iter().all(|median| median.is_finite()));
+        // The ends of steps are part of every path.
+        if matches!(between, Between::Endpoints) {
+            lowest = medians;
+        } else {
+            prop_assert!(medians.iter().zip(&lowest).all(|(median, lowest)| median >= lowest));
+        }
+    }
+    Ok(())
+}
+
+/// A path and what of it is rare.
+#[derive(Debug)]
+pub(crate) struct Rare {
+    system: Cubic,
+    start: [f64; 2],
+    dt: f64,
+    n_steps: usize,
+    /// Beside those that the path takes, as a rule none.
+    more_normals: usize,
+    /// Whether the response is a ratio, which need not be a number.
+    is_ratio: bool,
+    threshold: f64,
+    /// In place of the one that is found.
+    point: Option<Vec<f64>>,
+    n_samples: u64,
+    subset: SubsetConfig,
+}
+
+pub(crate) fn rare() -> impl Strategy<Value = Rare> {
+    let more = prop_oneof![20 => Just(0), 1 => count()];
+    let n_samples = prop_oneof![9 => 100_usize..120, 1 => count()];
+    let n_runs = prop_oneof![9 => 0_u64..4, 1 => any::<u64>()]
+        .prop_filter("runs that are made, and only slow", |n| !(4..=1 << 16).contains(n));
+    let correlation = prop_oneof![4 => 0.1..0.9, 1 => number()];
+    let subset = (n_samples, correlation, n_runs).prop_map(|(n_samples, correlation, n_runs)| {
+        SubsetConfig { n_samples, correlation, n_runs }
+    });
+    (
+        (cubic(), prop::array::uniform2(number()), number(), 0_usize..4),
+        (more, any::<bool>(), number()),
+        (prop::option::weighted(0.2, numbers()), 0_u64..100, subset),
+    )
+        .prop_map(
+            |(
+                (system, start, dt, n_steps),
+                (more_normals, is_ratio, threshold),
+                (point, n_samples, subset),
+            )| Rare {
+                system,
+                start,
+                dt,
+                n_steps,
+                more_normals,
+                is_ratio,
+                threshold,
+                point,
+                n_samples,
+                subset,
+            },
+        )
+}
+
+/// A probability with an error, or one of which no error is known.
+fn is_probability(estimate: &Estimate, largest: f64) -> bool {
+    is_told(estimate)
+        && (0.0..=largest).contains(&estimate.value)
+        && (estimate.value > 0.0 || estimate.uncertainty == Uncertainty::Unknown)
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "every check takes what is drawn")]
+pub(crate) fn estimates_the_rare(rare: Rare) -> Result<(), TestCaseError> {
+    let Rare { system, start, dt, n_steps, threshold, .. } = rare;
+    let path = DrivenPath { system: &system, integrator: &Heun, start, dt, n_steps };
+    let n_normals = path.n_normals::<1>().saturating_add(rare.more_normals);
+    let response = |normals: &[f64]| {
+        let [x, v] = path.run::<1>(normals, |_, _, _| ())?;
+        Ok(if rare.is_ratio { x / v } else { x })
+    };
+    let noise = Noise::new(1);
+    let given = rare.point.map(|normals| DesignPoint {
+        reliability_index: normals.iter().map(|u| u * u).sum::<f64>().sqrt(),
+        normals,
+        iterations: 0,
+    });
+    let point = match given {
+        Some(point) => Some(point),
+        None => design_point(&response, n_normals, threshold).ok(),
+    };
+    if let Some(point) = point
+        && let Ok(estimate) =
+            importance_sampling(&response, threshold, &point, &noise, rare.n_samples)
+    {
+        prop_assert!(is_probability(&estimate, f64::MAX), "{estimate:?}");
+    }
+    let subset = subset_simulation(&response, n_normals, threshold, &noise, &rare.subset);
+    if let Ok(estimate) = subset {
+        prop_assert!(is_probability(&estimate, 1.0), "{estimate:?}");
+    }
+    Ok(())
+}
+
 /// A system, its start, the control of its step, seed and realisation.
 type Path = (Cubic, [f64; 2], StepControl, (u64, u64));
 
@@ -400,5 +535,15 @@ proptest! {
     #[test]
     fn a_sample_tells_numbers_or_says_why_not(sample in sample()) {
         tells_numbers(sample)?;
+    }
+
+    #[test]
+    fn an_ensemble_has_maxima_or_says_why_not(watched in watched()) {
+        has_maxima(watched)?;
+    }
+
+    #[test]
+    fn the_rare_is_estimated_or_says_why_not(rare in rare()) {
+        estimates_the_rare(rare)?;
     }
 }

@@ -1,11 +1,11 @@
 //! Studies, bridges, samples, rare events: what must hold of each.
 
 use sde_integrators::{
-    Additive, Between, BrownianTree, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Increment,
-    Integrator, Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response, Samples,
-    Sampling, Sde, SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator, Study,
-    SubsetConfig, design_point, importance_sampling, maxima, merge, merge_so_far,
-    subset_simulation,
+    Additive, Between, BrownianTree, DesignPoint, DrivenPath, EnsembleConfig, Error, EulerMaruyama,
+    Increment, Integrator, Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response,
+    Samples, Sampling, Sde, SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator,
+    Study, SubsetConfig, Uncertainty, design_point, importance_sampling, maxima, merge,
+    merge_so_far, subset_simulation,
 };
 
 use crate::methods::Linear;
@@ -314,6 +314,9 @@ fn a_response_that_cannot_be_is_refused() {
     assert!(matches!(arc, Error::ArcTooLong { angle, .. } if (angle - 3.2).abs() < 1e-15));
     let arc = run(0, Between::RotationArc { natural_frequency: -1.0 });
     assert!(matches!(arc, Error::NotPositive { .. }));
+    let bridge =
+        run(0, Between::BrownianBridge { intensity: &|t, _| if t > 1.0 { f64::NAN } else { 1.0 } });
+    assert!(matches!(bridge, Error::NotFinite { .. }));
 }
 
 #[test]
@@ -337,6 +340,56 @@ fn rare_event_methods_refuse_what_cannot_be() {
     assert!(matches!(subset(SubsetConfig { n_runs: 1, ..config }), Err(Error::TooFew { .. })));
     let wrong = SubsetConfig { correlation: 1.0, ..config };
     assert!(matches!(subset(wrong), Err(Error::NotPositive { .. })));
+    let large = SubsetConfig { n_samples: usize::MAX, ..config };
+    assert!(matches!(subset(large), Err(Error::TooMany { .. })));
+    let many = SubsetConfig { n_runs: u64::MAX, ..config };
+    assert!(matches!(subset(many), Err(Error::TooMany { .. })));
+    assert!(matches!(design_point(&constant, usize::MAX, 2.0), Err(Error::TooMany { .. })));
+    let backwards = DrivenPath { dt: -0.1, ..path }.run::<1>(&[0.0; 20], |_, _, _| ());
+    assert!(matches!(backwards, Err(Error::NotPositive { value: -0.1, .. })));
+}
+
+/// Compared with a threshold, NaN is as if it had not exceeded.
+#[test]
+fn rare_event_methods_refuse_what_is_not_a_number() {
+    let sometimes = |u: &[f64]| Ok(u[0].sqrt());
+    let always = |u: &[f64]| Ok(u[0]);
+    let of_response = Err(Error::NotANumber { quantity: "response" });
+    let of_threshold = Err(Error::NotANumber { quantity: "threshold" });
+    let noise = Noise::new(1);
+    let point = DesignPoint { normals: vec![0.0], reliability_index: 0.0, iterations: 0 };
+    let sampled = |response, threshold| {
+        importance_sampling(response, threshold, &point, &noise, 100).map(|_| ())
+    };
+    assert_eq!(sampled(&sometimes, 3.0), of_response);
+    assert_eq!(sampled(&always, f64::NAN), of_threshold);
+    let nowhere = DesignPoint { normals: vec![f64::NAN], ..point.clone() };
+    let nowhere = importance_sampling(&always, 3.0, &nowhere, &noise, 100);
+    assert!(matches!(nowhere, Err(Error::NotFinite { index: 0, .. })));
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let subset = |response, threshold| {
+        subset_simulation(response, 1, threshold, &noise, &config).map(|_| ())
+    };
+    assert_eq!(subset(&sometimes, 3.0), of_response);
+    assert_eq!(subset(&always, f64::NAN), of_threshold);
+    assert_eq!(design_point(&always, 1, f64::NAN).map(|_| ()), of_threshold);
+    assert_eq!(design_point(&|_| Ok(f64::NAN), 1, 3.0).map(|_| ()), of_response);
+}
+
+/// Zeros have no spread, and ones have none.
+#[test]
+fn what_was_never_seen_has_no_error() {
+    let response = |u: &[f64]| Ok(u[0].min(1.0));
+    let noise = Noise::new(1);
+    let point = DesignPoint { normals: vec![0.0], reliability_index: 0.0, iterations: 0 };
+    let never = importance_sampling(&response, 2.0, &point, &noise, 100).unwrap();
+    assert_eq!((never.value, never.uncertainty), (0.0, Uncertainty::Unknown));
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let subset = |threshold| subset_simulation(&response, 1, threshold, &noise, &config).unwrap();
+    let never = subset(2.0);
+    assert_eq!((never.value, never.uncertainty), (0.0, Uncertainty::Unknown));
+    let always = subset(-20.0);
+    assert_eq!((always.value, always.uncertainty), (1.0, Uncertainty::Bound(3.0 / 200.0)));
 }
 
 /// `P(u > 3) = 1.3499e-3` (Abramowitz and Stegun, table 26.1) from a single normal.

@@ -1,0 +1,7 @@
+//! Rare events of sde-integrators.
+#![no_main]
+
+#[path = "../../../crates/sde-integrators/tests/any_input.rs"]
+mod any_input;
+
+fuzz_targets::fuzz_drawn!(any_input::rare(), any_input::estimates_the_rare);

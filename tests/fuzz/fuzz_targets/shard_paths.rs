@@ -1,6 +1,8 @@
 //! Shards of paths, joined to another.
 #![no_main]
 
+#[path = "../../tests/any_input/changes.rs"]
+mod changes;
 #[path = "../../tests/any_input/shard.rs"]
 mod shard;
 

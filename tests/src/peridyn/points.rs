@@ -31,6 +31,9 @@ const KEY: &str = "body.points";
 /// Two points as near as this (spacings) are at one place.
 const AT_ONE_PLACE: f64 = 1e-6;
 
+/// A body has no more points than this.
+const MOST_POINTS: usize = 10_000_000;
+
 /// What was read of a file.
 #[derive(Debug, Clone, PartialEq)]
 struct Table {
@@ -53,22 +56,28 @@ impl Cloud {
     /// Reads the file that a body names, from the folder of its scene.
     ///
     /// # Errors
-    /// An [`Objection`] to a file that is not there, is neither `.csv` nor `.vtu`, holds no points, lacks a column, or has a number
-    /// that cannot be, by its row and column.
+    /// An [`Objection`] to a file that is not there, is neither `.csv` nor `.vtu`, holds no points or more than
+    /// 10,000,000, lacks a column, or has a number that cannot be, by its row and column.
     pub fn read(file: &str, folder: &Path) -> Result<Self, Objection> {
-        let (named, bytes) = NamedFile::read(file, folder).map_err(|error| {
+        let (_, bytes) = NamedFile::read(file, folder).map_err(|error| {
             let message = format!("cannot read the points {file}: {error}");
             let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
             let help =
                 format!("a path is taken from the folder of the scene, {}", folder.display());
             Objection::new(KEY, message).with_help(help)
         })?;
+        Self::of(file, &bytes)
+    }
+
+    /// The points in a file that holds these bytes.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), of a file that is there.
+    pub fn of(file: &str, bytes: &[u8]) -> Result<Self, Objection> {
         let extension = Path::new(file).extension().and_then(|extension| extension.to_str());
         let table = match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("csv") => {
-                csv::read(&bytes).map_err(|wrong| Objection::new(KEY, wrong.of(file)))?
-            }
-            Some("vtu") => vtu::read(&bytes).map_err(|error| {
+            Some("csv") => csv::read(bytes).map_err(|wrong| Objection::new(KEY, wrong.of(file)))?,
+            Some("vtu") => vtu::read(bytes).map_err(|error| {
                 let objection = Objection::new(KEY, format!("{file}: {error}"));
                 match error.help() {
                     Some(help) => objection.with_help(help),
@@ -80,7 +89,7 @@ impl Cloud {
                 return Err(Objection::new(KEY, message));
             }
         };
-        let cloud = Self { file: named, table };
+        let cloud = Self { file: NamedFile::of(file, bytes), table };
         cloud.check_names()?;
         for (k, name) in COLUMNS.into_iter().enumerate() {
             cloud.check_numbers(name, k < 2)?;

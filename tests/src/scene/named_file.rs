@@ -22,8 +22,14 @@ impl NamedFile {
     /// Those of the file system.
     pub fn read(path: &str, folder: &Path) -> io::Result<(Self, Vec<u8>)> {
         let bytes = std::fs::read(folder.join(path))?;
-        let xxh64 = format!("{:016x}", XxHash64::oneshot(0, &bytes));
-        Ok((Self { path: path.to_owned(), xxh64 }, bytes))
+        Ok((Self::of(path, &bytes), bytes))
+    }
+
+    /// A file that holds these bytes.
+    #[must_use]
+    pub fn of(path: &str, bytes: &[u8]) -> Self {
+        let xxh64 = format!("{:016x}", XxHash64::oneshot(0, bytes));
+        Self { path: path.to_owned(), xxh64 }
     }
 }
 

@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
+mod changes;
+mod points;
 mod scene;
 mod shard;
 

@@ -1,6 +1,6 @@
 //! Points as lines of numbers between commas.
 
-use super::{COLUMNS, Table};
+use super::{COLUMNS, MOST_POINTS, Table};
 
 /// What is wrong, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +43,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, Wrong> {
         if row.len() != names.len() {
             let what = format!("has {} fields; the head has {}", row.len(), names.len());
             return Err(Wrong::Line(line, what));
+        }
+        if lines.len() == MOST_POINTS {
+            return Err(Wrong::File(format!("has more points than {MOST_POINTS}")));
         }
         for (place, values) in places.iter().zip(&mut columns) {
             if let (Some(place), Some(values)) = (place, values) {

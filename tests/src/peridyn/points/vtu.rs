@@ -8,10 +8,13 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use roxmltree::{Document, Node};
 
-use super::{COLUMNS, Table};
+use super::{COLUMNS, MOST_POINTS, Table};
 
 /// The tag that data behind the head begin with.
 const APPENDED: &[u8] = b"<AppendedData";
+
+/// No array has as many bytes: a short one that is compressed can hold more than there is memory for.
+const MOST_BYTES: usize = 3 * 8 * MOST_POINTS + 1;
 
 /// Why a file does not hold points.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,13 +25,15 @@ pub(super) enum VtuError {
     Empty,
     #[error("it holds no points")]
     NoPoints,
+    #[error("it holds {value} points; at most {MOST_POINTS} are read")]
+    TooMany { value: usize },
     #[error("`{tag}` is missing")]
     Missing { tag: &'static str },
     #[error("there are {count} pieces; there must be one")]
     Pieces { count: usize },
     #[error("`{attribute}` is `{value}`, which is not read here")]
     Unread { attribute: &'static str, value: String },
-    #[error("the array `{name}` is cut short or not of its type and format")]
+    #[error("the array `{name}` is cut short, too long, or not of its type and format")]
     Array { name: String },
     #[error("the array `{name}` has {value} numbers; there must be {expected}")]
     Length { name: String, value: usize, expected: usize },
@@ -79,8 +84,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, VtuError> {
     if n_points == 0 {
         return Err(VtuError::NoPoints);
     }
+    if n_points > MOST_POINTS {
+        return Err(VtuError::TooMany { value: n_points });
+    }
     let places = child(child(piece, "Points")?, "DataArray")?;
-    let places = layout.array(places, "Points", n_points.saturating_mul(3))?;
+    let places = layout.array(places, "Points", 3 * n_points)?;
     check_plane(&places)?;
     let along = |k: usize| Some(places.chunks_exact(3).map(|x| x[k]).collect::<Vec<_>>());
     let mut table = Table {
@@ -203,7 +211,11 @@ impl<'a> Layout<'a> {
         let (mut out, mut rest) = (Vec::new(), blocks.as_slice());
         for size in sizes {
             let (block, after) = rest.split_at_checked(size)?;
-            flate2::read::ZlibDecoder::new(block).read_to_end(&mut out).ok()?;
+            let left = MOST_BYTES - out.len();
+            let mut decoder = flate2::read::ZlibDecoder::new(block).take(left as u64);
+            if decoder.read_to_end(&mut out).ok()? == left {
+                return None;
+            }
             rest = after;
         }
         Some(out)

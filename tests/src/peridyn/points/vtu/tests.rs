@@ -28,15 +28,15 @@ fn bytes() -> [Vec<u8>; 2] {
     [points, VOLUMES.iter().flat_map(|volume| volume.to_le_bytes()).collect()]
 }
 
-/// In blocks of 32 bytes, each by zlib, with the header encoded apart.
-fn compressed(bytes: &[u8]) -> String {
+/// In blocks, each by zlib, with the header encoded apart.
+fn compressed(bytes: &[u8], length: usize) -> String {
     let deflate = |block: &[u8]| {
-        let mut out = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        let mut out = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
         out.write_all(block).unwrap();
         out.finish().unwrap()
     };
-    let blocks: Vec<Vec<u8>> = bytes.chunks(32).map(deflate).collect();
-    let counts = [blocks.len(), 32, bytes.len() % 32].into_iter();
+    let blocks: Vec<Vec<u8>> = bytes.chunks(length).map(deflate).collect();
+    let counts = [blocks.len(), length, bytes.len() % length].into_iter();
     let counts = counts.chain(blocks.iter().map(Vec::len));
     let header: Vec<u8> = counts.flat_map(|n| u32::try_from(n).unwrap().to_le_bytes()).collect();
     BASE64_STANDARD.encode(header) + &BASE64_STANDARD.encode(blocks.concat())
@@ -63,7 +63,7 @@ fn text_base64_and_compressed_arrays_are_the_same_numbers() {
     let [points, volumes] = bytes().map(|bytes| format!("format=\"binary\">\n {}\n", wide(&bytes)));
     check(&read(&file("header_type=\"UInt64\"", [&points, &volumes], "")).unwrap());
 
-    let [points, volumes] = bytes().map(|bytes| compressed(&bytes));
+    let [points, volumes] = bytes().map(|bytes| compressed(&bytes, 32));
     let second = format!("format=\"appended\" offset=\"{}\">", points.len());
     let appended =
         format!("\n<AppendedData encoding=\"base64\">\n_{points}{volumes}\n</AppendedData>");
@@ -107,10 +107,10 @@ fn files_that_are_no_points_of_a_plane_are_refused_in_words() {
     let expected = "the array `volume` has 2 numbers; there must be 3";
     assert_eq!(refused(&file("", short, "")), expected);
     let word = ["format=\"ascii\">0 0 0 1 0 0 2 0 0", ">1 one 1"];
-    let expected = "the array `volume` is cut short or not of its type and format";
+    let expected = "the array `volume` is cut short, too long, or not of its type and format";
     assert_eq!(refused(&file("", word, "")), expected);
     let behind = ["format=\"appended\" offset=\"0\">", ">1 1 1"];
-    let expected = "the array `Points` is cut short or not of its type and format";
+    let expected = "the array `Points` is cut short, too long, or not of its type and format";
     assert_eq!(refused(&file("", behind, "")), expected);
     let high = ["format=\"ascii\">0 0 0 1 0 0.5 2 0 0", ">1 1 1"];
     let expected = "point 1 is at z = 0.5, point 0 at z = 0: the body is plane";
@@ -120,4 +120,18 @@ fn files_that_are_no_points_of_a_plane_are_refused_in_words() {
     assert_eq!(refused(none.as_bytes()), "it holds no points");
     let two = none.replace("<Piece ", "<Piece/><Piece ");
     assert_eq!(refused(two.as_bytes()), "there are 2 pieces; there must be one");
+}
+
+/// A third of a megabyte that holds 240 MB, and a count of points without any.
+#[test]
+fn more_than_can_be_read_is_refused_before_it_is_there() {
+    let zeros = compressed(&vec![0; MOST_BYTES], MOST_BYTES);
+    assert!(zeros.len() < 1 << 20);
+    let points = format!("format=\"binary\">{zeros}");
+    let bomb = file("compressor=\"vtkZLibDataCompressor\"", [&points, ">1 1 1"], "");
+    assert_eq!(read(&bomb), Err(VtuError::Array { name: "Points".to_owned() }));
+    let plain = ["format=\"ascii\">0 0 0 1 0 0 2 0 0", ">1 1 1"];
+    let many = String::from_utf8(file("", plain, "")).unwrap();
+    let many = many.replace("NumberOfPoints=\"3\"", "NumberOfPoints=\"10000001\"");
+    assert_eq!(read(many.as_bytes()), Err(VtuError::TooMany { value: 10_000_001 }));
 }

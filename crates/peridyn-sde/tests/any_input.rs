@@ -279,7 +279,7 @@ fn goes_on_in<T: Real, const L: usize>(forged: &Forged) -> Result<(), TestCaseEr
     if run.step().is_ok() {
         prop_assert!(run.time().is_finite());
         let lanes = (0..L).flat_map(|lane| run.displacements(lane));
-        prop_assert!(lanes.flatten().all(|u| u.is_finite()));
+        prop_assert!(lanes.flatten().all(f64::is_finite));
     }
     Ok(())
 }

@@ -282,7 +282,7 @@ pub fn subset_simulation(
         probabilities.push(run?);
     }
     let estimate = probabilities.estimate()?;
-    if estimate.value == 1.0 {
+    if estimate.value >= 1.0 {
         let trials = n_runs * n_samples as u64;
         return Estimate::probability(trials, trials);
     }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use twox_hash::XxHash64;
 
 use verification::checkpoint::{CheckpointError, Reason, Start};
-use verification::scenes::{ALL, Options, Progress, RunError, run};
+use verification::scenes::{ALL, Options, Part, Progress, RunError, run};
 
 /// A plate of steel runs into a wall, in uniaxial strain.
 const PLATE: &str = r#"{
@@ -225,6 +225,21 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
     for folder in [folder, anew] {
         std::fs::remove_dir_all(&folder).unwrap();
     }
+}
+
+/// The plate is too fast for its equation of state, which only a run tells.
+#[test]
+fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
+    let sampled = r#"{ "monte_carlo": { "samples": 8, "seed": 1, "control": false } }"#;
+    let text = PLATE.replace("[-0.1]", "[-5]").replace("\"propagated\"", sampled);
+    let (folder, whole) = run_text("no-shard", &text);
+    assert!(matches!(whole, Err(RunError::Solver(_))), "{whole:?}");
+    let file = folder.join("scene.json");
+    let part = Part::Merged(vec![file.clone()]);
+    let options = Options { part, ..Options::new(folder.join("joined")) };
+    let joined = run(ALL, &file, &options, &Progress::silent());
+    assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

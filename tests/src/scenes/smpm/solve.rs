@@ -130,6 +130,8 @@ fn solve_kept<const D: usize, const N: usize>(
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
 ) -> Result<Solved, SolveError> {
+    // A file that is no shard of this scene is refused before anything is run.
+    let shards = shards(scene, plan, run)?;
     // The check of the scene has built these inputs with more certain parameters.
     let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
     run.progress.stage("mean run");
@@ -181,7 +183,7 @@ fn solve_kept<const D: usize, const N: usize>(
             n_runs += samples + u64::from(control);
             run.progress.stage("samples");
             let judge = MonteCarlo { seed, n_samples: samples };
-            let sampled = match sampled(&study, judge, scene, run, kept)? {
+            let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
                 Samples::All(sampled, elsewhere) => {
                     seconds_elsewhere = elsewhere;
                     sampled
@@ -252,6 +254,25 @@ const SAMPLES_OF_BLOCK: u64 = 4;
 /// Samples of a thread between two looks.
 const SAMPLES_OF_THREAD: usize = 4;
 
+/// The samples of all shards, where such files are to be joined.
+fn shards<const D: usize>(
+    scene: &SmpmScene,
+    plan: &Plan<D>,
+    run: &Run<'_>,
+) -> Result<Option<Responses>, RunError> {
+    let (Part::Merged(files), MethodScene::MonteCarlo { seed, .. }) = (run.part(), &scene.method)
+    else {
+        return Ok(None);
+    };
+    let inputs = &Inputs { scene, seed: Some(*seed), files: &[] };
+    let shards: Vec<Responses> = run.read_shards(inputs, files)?;
+    let samples: Responses = shards.into_iter().flatten().collect();
+    for responses in samples.values() {
+        Run::require("responses", responses.len(), plan.n_responses())?;
+    }
+    Ok(Some(samples))
+}
+
 /// What came of the samples that were to be run.
 enum Samples<const N: usize> {
     /// All, and the CPU time that went into them on other ranks or before (s).
@@ -269,21 +290,18 @@ fn sampled<const D: usize, const N: usize>(
     scene: &SmpmScene,
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
+    shards: Option<Responses>,
 ) -> Result<Samples<N>, RunError> {
     let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let range = run.range(judge.n_samples);
     let joined = |known: Responses, seconds: f64| {
-        for responses in known.values() {
-            Run::require("responses", responses.len(), study.plan().n_responses())?;
-        }
         let all = study
             .monte_carlo_from(judge, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
         Ok(Samples::All(all, seconds))
     };
-    if let Part::Merged(files) = run.part() {
-        let shards: Vec<Responses> = run.read_shards(inputs, files)?;
-        return joined(shards.into_iter().flatten().collect(), 0.0);
+    if let Some(shards) = shards {
+        return joined(shards, 0.0);
     }
     if let Some(ranks) = run.ranks() {
         let blocks = Cut { n: judge.n_samples, unit: SAMPLES_OF_BLOCK };

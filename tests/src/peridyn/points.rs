@@ -53,6 +53,14 @@ pub struct Cloud {
 }
 
 impl Cloud {
+    /// The points that a body names, if it does, from the folder of its scene.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn of_body(body: &BodyScene, folder: &Path) -> Result<Option<Self>, Objection> {
+        body.points.as_deref().map(|file| Self::read(file, folder)).transpose()
+    }
+
     /// Reads the file that a body names, from the folder of its scene.
     ///
     /// # Errors

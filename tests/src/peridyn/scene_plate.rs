@@ -1,7 +1,5 @@
 //! The plate of a scene of cracks: its nodes, from a lattice or a file, and their bonds.
 
-use std::path::Path;
-
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Condition, Correlation, DisorderField, Error, GaussianField,
     Horizon, Nodes, Stiffness, Strain, Strength, critical_stretch,
@@ -63,11 +61,9 @@ impl Variation {
 }
 
 impl Plate {
-    pub(super) fn new(scene: &CrackScene, folder: &Path) -> Result<Self, Objection> {
+    pub(super) fn new(scene: &CrackScene, cloud: Option<Cloud>) -> Result<Self, Objection> {
         let (spacing, condition) = (scene.body.spacing, Condition::from(scene.body.condition));
         let horizon = scene.bonds.horizon.of(spacing)?;
-        let cloud = scene.body.points.as_deref().map(|file| Cloud::read(file, folder));
-        let cloud = cloud.transpose()?;
         let nodes = match &cloud {
             Some(cloud) => cloud.nodes(&scene.body)?,
             None => lattice(&scene.body)?,

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use std::path::Path;
-
 use peridyn_sde::{
     BondList, Bonds, CrackRun, CrackStudy, Dynamics, Error, Loading, Nodes, Notch, PathConfig,
     Program, Simulation, SimulationConfig, Stiffness, Strain, between_nodes,
@@ -11,6 +9,7 @@ use peridyn_sde::{
 use sde_integrators::Noise;
 use serde::Serialize;
 
+use super::points::Cloud;
 use super::scene::{CrackScene, LoadingScene, PrecisionScene, StrainScene};
 use super::scene_dynamics::StepScene;
 use super::scene_plate::{Plate, Variation, at};
@@ -87,13 +86,12 @@ struct Grips {
 }
 
 impl CrackProblem {
-    /// Builds bodies, notch, loading, dynamics and fields of a scene that has been checked. Files that it names are sought from a
-    /// folder.
+    /// Builds bodies, notch, loading, dynamics and fields of a scene that has been checked, with the points that it names.
     ///
     /// # Errors
     /// An [`Objection`] that names the key which the solver refuses.
-    pub fn new(scene: &CrackScene, folder: &Path) -> Result<Self, Objection> {
-        let plate = Plate::new(scene, folder)?;
+    pub fn new(scene: &CrackScene, cloud: Option<Cloud>) -> Result<Self, Objection> {
+        let plate = Plate::new(scene, cloud)?;
         let (strength, stiffness) = (plate.strength(scene)?, plate.stiffness(scene)?);
         let grips = Grips::of(scene, &plate.nodes)?;
         // Which nodes are gripped does not depend on how fast.

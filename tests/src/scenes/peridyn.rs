@@ -17,9 +17,10 @@ use self::record::{Record, RunResult, WorkRecord};
 use crate::machine::{Machine, commit};
 use crate::number::with_uncertainty;
 use crate::output::write_json;
+use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
-use crate::scene::SceneFile;
+use crate::scene::{NamedFile, Objection, SceneFile};
 use crate::scenes::{Cut, Inputs, Part, Run, RunError, SceneKind};
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -70,21 +71,27 @@ type Ended = (CrackRun, f64);
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let scene: CrackScene = run.parse(file)?;
-    let problem =
-        CrackProblem::new(&scene, file.folder()).map_err(|objection| file.object_to(&objection))?;
-    let seed = Some(scene.ensemble.seed);
-    let inputs = &Inputs { scene: &scene, seed, files: &problem.files };
-    let (crack_run, cpu_seconds) = match (run.part(), run.ranks()) {
-        (Part::Merged(files), _) => joined(run.read_shards(inputs, files)?)?,
-        (_, Some(ranks)) => match on_ranks(ranks, inputs, &problem, run)? {
+    let refused = |objection: Objection| file.object_to(&objection);
+    let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
+    let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();
+    let inputs = &Inputs { scene: &scene, seed: Some(scene.ensemble.seed), files: &files };
+    // A file that is no shard of this scene is refused before the body is built.
+    let shards = match run.part() {
+        Part::Merged(files) => Some(joined(run.read_shards(inputs, files)?)?),
+        Part::Whole | Part::Shard(_) => None,
+    };
+    let problem = CrackProblem::new(&scene, cloud).map_err(refused)?;
+    let (crack_run, cpu_seconds) = match (shards, run.ranks(), run.part()) {
+        (Some(shards), ..) => shards,
+        (None, Some(ranks), _) => match on_ranks(ranks, inputs, &problem, run)? {
             Some(parts) => joined(parts)?,
             None => return Ok(Vec::new()),
         },
-        (Part::Whole, None) => realisations(inputs, &problem, run)?,
-        (Part::Shard(place), None) => {
+        (None, None, Part::Shard(place)) => {
             let shard = realisations(inputs, &problem, run)?;
             return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
         }
+        (None, None, _) => realisations(inputs, &problem, run)?,
     };
     write(&scene, &problem, (&crack_run, cpu_seconds), run)
 }

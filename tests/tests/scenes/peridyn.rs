@@ -4,7 +4,7 @@ mod points;
 
 use std::path::{Path, PathBuf};
 
-use verification::checkpoint::Start;
+use verification::checkpoint::{CheckpointError, Start};
 use verification::scene::SceneError;
 use verification::scenes::{ALL, Options, Part, Progress, RunError, run};
 
@@ -304,6 +304,16 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
     }
 }
 
+/// The step is longer than any that is stable, which only the body tells.
+#[test]
+fn a_file_that_is_no_shard_is_refused_before_the_body_is_built() {
+    let ran = run_text("no-shard", &with(&[("\"z\": 0.9", "\"dt\": 1")]));
+    assert!(matches!(&ran.written, Err(RunError::Scene(_))), "{:?}", ran.written);
+    let part = Part::Merged(vec![ran.folder.join("scene.json")]);
+    let joined = ran.again(&Options { part, ..Options::new(ran.folder.join("joined")) });
+    assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
+}
+
 #[test]
 fn an_unknown_key_is_told_the_nearest() {
     let ran = run_text("key", &with(&[("\"spacing\"", "\"spaceing\"")]));
@@ -314,6 +324,7 @@ fn an_unknown_key_is_told_the_nearest() {
 
 #[test]
 fn built_in_scenes_can_be_read_and_built() {
+    use verification::peridyn::points::Cloud;
     use verification::peridyn::{scene::CrackScene, scene_problem::CrackProblem};
     use verification::scene::SceneFile;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/peridyn");
@@ -321,7 +332,8 @@ fn built_in_scenes_can_be_read_and_built() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let file = SceneFile::read(&entry.unwrap().path()).unwrap();
         let scene: CrackScene = file.parse().unwrap();
-        let nodes = CrackProblem::new(&scene, file.folder()).unwrap().resolved.nodes;
+        let cloud = Cloud::of_body(&scene.body, file.folder()).unwrap();
+        let nodes = CrackProblem::new(&scene, cloud).unwrap().resolved.nodes;
         let whole = scene.body.size.iter().map(|side| side / scene.body.spacing).product::<f64>();
         let holes = whole - nodes as f64;
         assert!(if scene.body.holes.is_empty() { holes < 0.5 } else { holes > 0.5 });

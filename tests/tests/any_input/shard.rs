@@ -14,7 +14,7 @@ use super::changes::changes;
 const BEFORE: usize = 16;
 const BEHIND: usize = 8;
 
-/// So many times fewer inputs are tried where what is before the shards takes so many times longer.
+/// So many times fewer inputs are tried where what is joined takes so many times longer.
 const SLOWER: u32 = 100;
 
 /// Two shards of a scene, and where they are joined.
@@ -156,7 +156,7 @@ proptest! {
 }
 
 proptest! {
-    // Each begins with the mean run, or with the bonds of a plate.
+    // What is joined takes the mean run, or the bonds of a plate.
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases.div_ceil(SLOWER)))]
 
     #[test]

@@ -10,15 +10,45 @@ const UNIT: f64 = 1.0 / (1_u64 << 40) as f64;
 /// The damage of each node over realisations: how often it reaches a threshold, and its mean.
 ///
 /// Sums are kept in whole numbers of units of 2^-40, so that maps of shards merge to the same bits in any order; a mean is off
-/// by that at most.
+/// by that at most. A map that is read is refused where its realisations cannot have its sums.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Read")
+)]
 pub struct DamageMap {
     threshold: f64,
     /// Ascending.
     realisations: Vec<u64>,
     /// Of each node: how often, the sum of damage, the sum of its square.
     sums: Vec<[u64; 3]>,
+}
+
+/// A map as it is read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Read {
+    threshold: f64,
+    realisations: Vec<u64>,
+    sums: Vec<[u64; 3]>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Read> for DamageMap {
+    type Error = Error;
+
+    fn try_from(read: Read) -> Result<Self, Error> {
+        let Read { threshold, realisations, sums } = read;
+        let empty = Self::new(sums.len(), threshold)?;
+        Self::room(realisations.len())?;
+        if let Some(pair) = realisations.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(Error::Doubled { realisation: pair[1] });
+        }
+        let map = Self { realisations, sums, ..empty };
+        map.require_possible()?;
+        Ok(map)
+    }
 }
 
 impl DamageMap {
@@ -66,7 +96,7 @@ impl DamageMap {
     /// Takes in the realisations of another map of the same body.
     ///
     /// # Errors
-    /// As [`DamageMap::push`], with [`Error::Foreign`] for another threshold and for sums that cannot be; nothing is taken in then.
+    /// As [`DamageMap::push`], with [`Error::Foreign`] for another threshold; nothing is taken in then.
     pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
         let (value, expected) = (other.sums.len(), self.sums.len());
         if value != expected {
@@ -82,7 +112,6 @@ impl DamageMap {
             return Err(Error::Doubled { realisation });
         }
         Self::room(self.realisations.len() + other.realisations.len())?;
-        other.require_possible()?;
         self.realisations.extend(&other.realisations);
         self.realisations.sort_unstable();
         for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
@@ -94,16 +123,20 @@ impl DamageMap {
     }
 
     /// Refuses sums that its realisations cannot have, which overflow when they are added.
+    #[cfg(feature = "serde")]
     fn require_possible(&self) -> Result<(), Error> {
+        const NAMES: [&str; 3] =
+            ["a count of damage", "a sum of damage", "a sum of squared damage"];
         let n = self.realisations.len() as u64;
         let most = [n, n * units(1.0), n * units(1.0)];
-        match self.sums.iter().find(|sums| (0..3).any(|k| sums[k] > most[k])) {
-            Some(sums) => {
-                let (value, expected) = (sums[1] as f64 * UNIT, most[1] as f64 * UNIT);
-                Err(Error::Foreign { name: "a sum of damage", value, expected })
+        for (k, name) in NAMES.into_iter().enumerate() {
+            if let Some(sums) = self.sums.iter().find(|sums| sums[k] > most[k]) {
+                let unit = if k == 0 { 1.0 } else { UNIT };
+                let (value, to) = (sums[k] as f64 * unit, most[k] as f64 * unit);
+                return Err(Error::OutOfRange { name, value, from: 0.0, to });
             }
-            None => Ok(()),
         }
+        Ok(())
     }
 
     /// The realisations that are in, ascending.
@@ -214,5 +247,24 @@ mod tests {
         let other = DamageMap::new(5, 0.5).unwrap();
         assert!(matches!(map.merge(&other), Err(Error::Foreign { .. })));
         assert!(DamageMap::new(5, 0.0).is_err() && other.probability().is_err());
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn a_map_that_cannot_be_is_not_read() {
+        let text = serde_json::to_string(&map(0..3)).unwrap();
+        assert_eq!(serde_json::from_str::<DamageMap>(&text).unwrap(), map(0..3));
+        let read = |from: &str, to: &str| {
+            assert!(text.contains(from), "{text}");
+            serde_json::from_str::<DamageMap>(&text.replacen(from, to, 1)).unwrap_err().to_string()
+        };
+        assert_eq!(read("[0,1,2]", "[0,2,2]"), "realisation 2 is there twice");
+        let many = read("[0,0,0]]", "[4,0,0]]");
+        assert!(many.starts_with("a count of damage is 4; it must lie between 0 and 3"), "{many}");
+        let large = read("[0,0,0]]", "[0,0,18446744073709551615]]");
+        assert!(large.starts_with("a sum of squared damage is 16777216"), "{large}");
+        assert!(read("0.4", "1.5").contains("threshold of damage"));
+        let empty = r#"{"threshold":0.4,"realisations":[],"sums":[]}"#;
+        assert!(serde_json::from_str::<DamageMap>(empty).is_err());
     }
 }

@@ -7,11 +7,6 @@
 //! [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion measures what takes microseconds as well, and
 //! keeps it for comparison between runs.
 
-// What pages and machines have in common with the package `verification`, which takes too long to build to depend on it here.
-#[path = "../../tests/src/machine.rs"]
-pub mod machine;
-#[path = "../../tests/src/markdown.rs"]
-pub mod markdown;
 pub mod output;
 pub mod page;
 pub mod ratios;

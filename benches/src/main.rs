@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-use benches::machine::{self, Machine};
 use benches::output::workspace;
 use benches::page::{PAGE, file_of, render};
 use benches::record::{
     RecordError, Recorded, TABLES, TARGETS, Tables, measured, read, write, write_text,
 };
+use scenes::machine::{self, Machine};
 use sde_integrators::SimdLevel;
 
 fn main() -> ExitCode {

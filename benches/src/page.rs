@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::machine::{commit_words, short};
-use crate::markdown::{table, text};
 use crate::record::{Measured, RecordError, Recorded, TARGETS, read};
+use figures::markdown::{table, text};
+use scenes::machine::{commit_words, short};
 
 /// The page, from the root of the workspace.
 pub const PAGE: &str = "docs/benchmarks.md";

@@ -11,20 +11,12 @@ mod peridyn;
 mod perturbation_moments;
 mod ranks;
 mod resume;
-pub(crate) mod runs;
 mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;
 mod smpm;
 
 use crate::case::Case;
-pub(crate) use fpk::bouc_wen::{LATTICE as BOUC_WEN_LATTICE, of_tail as bouc_wen_tail};
-pub(crate) use fpk::canor_denoel::config as papers_config;
-pub(crate) use fpk::linear_systems::LATTICE as KANAI_TAJIMI_LATTICE;
-pub(crate) use fpk::rivals::{OF_HYSTERESIS, OF_OSCILLATOR};
-pub(crate) use sde::oscillator_bias::damper as viscous_damper_at_rest;
-pub(crate) use sde::oscillator_limits;
-pub(crate) use smpm::quantile;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[
@@ -98,7 +90,7 @@ pub const ALL: &[Case] = &[
     sde::orders::DIAGONAL,
     sde::orders::SECOND_ORDER,
     sde::stationary::CASE,
-    oscillator_limits::CASE,
+    sde::oscillator_limits::CASE,
     sde::mean_square::CASE,
     sde::quartic::CASE,
     sde::explosion::CASE,

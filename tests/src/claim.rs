@@ -6,7 +6,8 @@
 #[cfg(test)]
 mod tests;
 
-use crate::report::{Claim, ErrorKind};
+use crate::report::Claim;
+use figures::{ErrorKind, Measured, Reference, Spread};
 
 /// Begins the reason of a claim that is held to where it was seen.
 const BAND: &str = "as measured, ";
@@ -34,52 +35,6 @@ impl Subject {
     #[must_use]
     pub fn new(id: impl Into<String>, quantity: &str, unit: &str, method: &str) -> Self {
         Self { id: id.into(), quantity: quantity.into(), unit: unit.into(), method: method.into() }
-    }
-}
-
-/// A value found by a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
-    /// The value.
-    pub value: f64,
-    /// Its standard error, if it has one.
-    pub standard_error: Option<f64>,
-}
-
-impl Measured {
-    /// A value of a deterministic run.
-    #[must_use]
-    pub const fn exact(value: f64) -> Self {
-        Self { value, standard_error: None }
-    }
-
-    /// A value with its standard error.
-    #[must_use]
-    pub const fn sampled(value: f64, standard_error: f64) -> Self {
-        Self { value, standard_error: Some(standard_error) }
-    }
-}
-
-/// A value expected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reference {
-    /// The value.
-    pub value: f64,
-    /// Its error (one sigma, or a bound), if it has one.
-    pub error: Option<f64>,
-}
-
-impl Reference {
-    /// A closed form.
-    #[must_use]
-    pub const fn exact(value: f64) -> Self {
-        Self { value, error: None }
-    }
-
-    /// A value known up to an error.
-    #[must_use]
-    pub const fn uncertain(value: f64, error: f64) -> Self {
-        Self { value, error: Some(error) }
     }
 }
 
@@ -241,41 +196,6 @@ impl Claim {
             passed: false,
         }
     }
-}
-
-impl ErrorKind {
-    /// The distance of m from r in this measure; NaN where it has none.
-    #[must_use]
-    pub fn error(self, m: f64, r: f64) -> f64 {
-        match self {
-            Self::Relative if r == 0.0 => f64::NAN,
-            Self::Relative => (m - r) / r.abs(),
-            Self::Absolute | Self::Order => m - r,
-            Self::Log10 if m > 0.0 && r > 0.0 => (m / r).log10(),
-            Self::Ratio if m > 0.0 && r > 0.0 => (m / r).max(r / m),
-            Self::Log10 | Self::Ratio => f64::NAN,
-        }
-    }
-
-    /// One sigma of that distance, to first order in the errors of m and r.
-    fn spread(self, measured: Measured, reference: Reference) -> Spread {
-        let (m, r) = (measured.value, reference.value);
-        let (of_m, of_r) = (measured.standard_error.unwrap_or(0.0), reference.error.unwrap_or(0.0));
-        let (from_m, from_r) = match self {
-            Self::Relative => (of_m / r.abs(), of_r * m.abs() / (r * r)),
-            Self::Absolute | Self::Order => (of_m, of_r),
-            Self::Log10 => (of_m / m / std::f64::consts::LN_10, of_r / r / std::f64::consts::LN_10),
-            Self::Ratio => (of_m / m * self.error(m, r), of_r / r * self.error(m, r)),
-        };
-        Spread { of_measured: from_m, of_reference: from_r }
-    }
-}
-
-/// One sigma of an error, by where it comes from.
-#[derive(Clone, Copy)]
-struct Spread {
-    of_measured: f64,
-    of_reference: f64,
 }
 
 struct Verdict {

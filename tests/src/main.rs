@@ -1,4 +1,4 @@
-//! The `verification` command: verify, run, chart, stability.
+//! The `verification` command: verify.
 
 mod cli;
 

@@ -1,12 +1,13 @@
 //! What a run of the proof leaves behind: the schema `verification-report/1`.
 //!
 //! The fields and their order are the schema; they are kept stable.
-//! Numbers are finite or `null`: [`crate::finite`] refuses the rest.
+//! Numbers are finite or `null`: [`figures::finite`] refuses the rest.
 
+use figures::ErrorKind;
 use serde::{Deserialize, Serialize};
 
 use crate::case::Profile;
-use crate::machine::Machine;
+use scenes::machine::Machine;
 
 /// The name of the schema, the first field of every report.
 pub const SCHEMA: &str = "verification-report/1";
@@ -89,36 +90,6 @@ pub struct Claim {
     pub passed: bool,
 }
 
-/// How the distance between a measured value m and its reference r is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ErrorKind {
-    /// (m - r) / |r|
-    Relative,
-    /// m - r
-    Absolute,
-    /// log10(m / r), for probabilities.
-    Log10,
-    /// The factor max(m / r, r / m), at least 1, for costs.
-    Ratio,
-    /// m - r of two orders of convergence; m must carry its standard error.
-    Order,
-}
-
-impl ErrorKind {
-    /// The word used in the report.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Relative => "relative",
-            Self::Absolute => "absolute",
-            Self::Log10 => "log10",
-            Self::Ratio => "ratio",
-            Self::Order => "order",
-        }
-    }
-}
-
 impl Report {
     /// Gathers the cases and counts their claims.
     #[must_use]
@@ -129,7 +100,7 @@ impl Report {
         Self {
             schema: SCHEMA.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: crate::machine::commit(),
+            commit: scenes::machine::commit(),
             profile,
             machine,
             cases,
@@ -147,7 +118,8 @@ impl Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::claim::{Criterion, Measured, Reference, Subject};
+    use crate::claim::{Criterion, Subject};
+    use figures::{Measured, Reference};
 
     fn sample() -> Report {
         let subject = Subject::new("self-check/pi/value", "pi", "rad", "22/7");
@@ -172,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_keys_of_the_schema_are_the_agreed_ones_in_their_order() {
-        let text = crate::finite::to_json(&sample()).unwrap();
+        let text = figures::finite::to_json(&sample()).unwrap();
         let keys = [
             "schema",
             "version",
@@ -216,7 +188,7 @@ mod tests {
     #[test]
     fn a_report_survives_writing_and_reading() {
         let report = sample();
-        let text = crate::finite::to_json(&report).unwrap();
+        let text = figures::finite::to_json(&report).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
         assert_eq!((report.passed, report.failed), (1, 0));
     }

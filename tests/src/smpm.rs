@@ -1,12 +1,3 @@
-//! Explosions and impacts: what the cases, scenes and charts of `smpm` share.
+//! What only cases of `smpm` use.
 
-pub mod experiment;
-pub mod material_scene;
-mod material_schema;
-pub mod problems;
-pub mod quantity_name;
-pub mod reading;
-mod region;
 pub mod riemann;
-pub mod scene;
-pub mod schemes;

@@ -18,11 +18,14 @@ pub use self::run::{Outcome, run_cases};
 pub use self::select::{TableError, check_table, select};
 pub use self::table::{Style, write_failures, write_summary};
 
-use crate::case::{Case, Profile};
-use crate::finite::{self, JsonError};
-use crate::number;
-use crate::record::{self, RecordError, Recording};
+use crate::case::Case;
+use crate::case::Profile;
 use crate::report::Report;
+use figures::finite;
+use figures::finite::JsonError;
+use figures::number;
+use work_precision::record;
+use work_precision::record::{RecordError, Recording};
 
 /// What is to be run, and where the report goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -205,16 +208,18 @@ fn to_terminal(source: std::io::Error) -> VerifyError {
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), VerifyError> {
-    crate::output::write_text(path, text)
+    scenes::output::write_text(path, text)
         .map_err(|source| VerifyError::Write { path: path.into(), source })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::Context;
-    use crate::claim::{Criterion, Measured, Reference};
-    use crate::report::{Claim, ErrorKind};
+    use crate::case::{Context, Schedule};
+    use crate::claim::Criterion;
+    use crate::report::Claim;
+    use figures::ErrorKind;
+    use figures::{Measured, Reference};
 
     const METHOD: &str = "log-density fit, whitened, RK4, 1,700 particles";
 
@@ -249,6 +254,7 @@ mod tests {
             title: "Made-up rows in the shape of real ones",
             source: "made up",
             cost: Profile::Quick,
+            schedule: Schedule::Together,
             run: |context| Ok(sample_claims(context)),
         },
         Case {
@@ -256,6 +262,7 @@ mod tests {
             title: "A case that cannot be judged",
             source: "made up",
             cost: Profile::Quick,
+            schedule: Schedule::Together,
             run: |_| Err("step collapsed at t = 3.2: dt = 3e-8 is below 1e-6 of a period".into()),
         },
     ];

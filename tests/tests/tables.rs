@@ -5,7 +5,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use verification::{cases, charts, scenes, schema, verify};
+use scenes::schema;
+use verification::{cases, verify};
+use work_precision::{charts, draw};
 
 #[test]
 fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableError> {
@@ -14,7 +16,7 @@ fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableEr
 
 #[test]
 fn names_of_charts_sweeps_and_scenes_are_unique() {
-    let names = |table: &[charts::ChartKind]| table.iter().map(|kind| kind.name).collect();
+    let names = |table: &[draw::ChartKind]| table.iter().map(|kind| kind.name).collect();
     let solvers = scenes::ALL.iter().map(|kind| kind.solver).collect();
     for names in [names(charts::ALL), names(charts::MODELS), names(charts::STABILITY), solvers] {
         let names: Vec<&str> = names;

@@ -58,9 +58,16 @@ the tests are built: slower, with checks of overflow, and without another build 
 `cargo xtask COMMAND --help` says more about all of these but bench and ci.
 ";
 
-/// Commands that the binary of `verification` runs.
-const OF_VERIFICATION: [&str; 7] =
-    ["verify", "run", "advise", "merge", "chart", "stability", "schema"];
+/// The commands, and the package whose binary runs each.
+const PACKAGES: [(&str, &str); 7] = [
+    ("run", "scenes"),
+    ("advise", "scenes"),
+    ("merge", "scenes"),
+    ("schema", "scenes"),
+    ("chart", "work-precision"),
+    ("stability", "work-precision"),
+    ("verify", "verification"),
+];
 
 /// Asks a benchmark to be kept.
 const RECORD: &str = "--record";
@@ -81,41 +88,68 @@ fn main() -> ExitCode {
         say(HELP);
         return ExitCode::from(USAGE);
     };
-    match command.as_str() {
-        command if checked && OF_VERIFICATION.contains(&command) => {
-            let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
-            if built != ExitCode::SUCCESS {
-                return built;
+    match (command.as_str(), package_of(command)) {
+        ("run", _) if !checked && rest.iter().any(|argument| argument == MPI) => {
+            match ranks(rest) {
+                Ok((n_ranks, rest)) => run_on_ranks(n_ranks, &rest),
+                Err(error) => {
+                    say(&format!("error: {error}\n"));
+                    ExitCode::from(USAGE)
+                }
             }
-            start(Command::new(binary("debug")).arg(command).args(rest))
         }
-        "run" if rest.iter().any(|argument| argument == MPI) => match ranks(rest) {
-            Ok((n_ranks, rest)) => run_on_ranks(n_ranks, &rest),
-            Err(error) => {
-                say(&format!("error: {error}\n"));
-                ExitCode::from(USAGE)
-            }
-        },
-        command if OF_VERIFICATION.contains(&command) => {
-            if !binary("release").exists() {
-                say("building verification (release); the first time takes a few minutes ...\n");
-            }
-            start(cargo().args(verification_arguments(command, rest)))
-        }
-        "bench" => start(cargo().args(bench_arguments(rest))),
-        "ci" => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
-        "audit" => audit::run(rest),
-        "help" | "-h" | "--help" => print(HELP),
-        unknown => {
+        (command, Some(package)) => run_package(
+            package,
+            checked,
+            &[&[command.to_owned()], &documents(command, rest)[..]].concat(),
+        ),
+        ("bench", _) => start(cargo().args(bench_arguments(rest))),
+        ("ci", _) => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
+        ("audit", _) => audit::run(rest),
+        ("help" | "-h" | "--help", _) => print(HELP),
+        (unknown, None) => {
             say(&format!("error: there is no command `{unknown}`\n\n{HELP}"));
             ExitCode::from(USAGE)
         }
     }
 }
 
-fn verification_arguments(command: &str, rest: &[String]) -> Vec<String> {
-    let start = ["run", "--release", "--quiet", "--package", "verification", "--", command];
-    start.into_iter().map(str::to_owned).chain(rest.iter().cloned()).collect()
+/// The package whose binary runs a command.
+fn package_of(command: &str) -> Option<&'static str> {
+    PACKAGES.iter().find(|(name, _)| *name == command).map(|(_, package)| *package)
+}
+
+/// Builds the binary of a package, as for the tests or for speed, and starts it.
+fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
+    if !checked {
+        if !binary("release", package).exists() {
+            say(&format!("building {package} (release); the first time takes a few minutes ...\n"));
+        }
+        return start(cargo().args(run_arguments(package, arguments)));
+    }
+    let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
+    if built != ExitCode::SUCCESS {
+        return built;
+    }
+    start(Command::new(binary("debug", package)).args(arguments))
+}
+
+fn run_arguments(package: &str, arguments: &[String]) -> Vec<String> {
+    let start = ["run", "--release", "--quiet", "--package", package, "--"];
+    start.into_iter().map(str::to_owned).chain(arguments.iter().cloned()).collect()
+}
+
+/// The arguments of `schema` with the folders of the workspace; those of other commands as they are.
+fn documents(command: &str, rest: &[String]) -> Vec<String> {
+    if command != "schema" {
+        return rest.to_vec();
+    }
+    let folder = |path: &str| workspace().join(path).to_string_lossy().into_owned();
+    let is_record = rest.iter().any(|argument| argument == RECORD);
+    let out = folder(if is_record { "docs" } else { "target/schema" });
+    let places = ["--scenes".to_owned(), folder("tests/scenes"), "--out".to_owned(), out];
+    let rest = rest.iter().filter(|argument| *argument != RECORD).cloned();
+    places.into_iter().chain(rest).collect()
 }
 
 /// The number behind `--mpi`, and the arguments without both.
@@ -136,13 +170,19 @@ fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
-    say("building verification with MPI (release); the first time takes a few minutes ...\n");
-    let build = ["build", "--release", "--quiet", "--package", "verification", "--features", "mpi"];
+    say("building scenes with MPI (release); the first time takes a few minutes ...\n");
+    let build = ["build", "--release", "--quiet", "--package", "scenes", "--features", "mpi"];
     let built = start(cargo().args(build));
     if built != ExitCode::SUCCESS {
         return built;
     }
-    start(mpirun().args(["-n", &n_ranks.to_string()]).arg(binary("release")).arg("run").args(rest))
+    start(
+        mpirun()
+            .args(["-n", &n_ranks.to_string()])
+            .arg(binary("release", "scenes"))
+            .arg("run")
+            .args(rest),
+    )
 }
 
 fn bench_arguments(rest: &[String]) -> Vec<String> {
@@ -170,11 +210,11 @@ fn workspace() -> PathBuf {
     package.as_deref().and_then(Path::parent).map_or_else(|| ".".into(), Path::to_owned)
 }
 
-/// The binary of `verification` as a profile builds it.
-fn binary(profile: &str) -> PathBuf {
+/// The binary of a package as a profile builds it.
+fn binary(profile: &str, package: &str) -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| workspace().join("target"), PathBuf::from);
-    target.join(profile).join(format!("verification{}", std::env::consts::EXE_SUFFIX))
+    target.join(profile).join(format!("{package}{}", std::env::consts::EXE_SUFFIX))
 }
 
 fn start(command: &mut Command) -> ExitCode {
@@ -214,10 +254,23 @@ mod tests {
     }
 
     #[test]
-    fn arguments_reach_the_verification_binary_unchanged() {
+    fn each_command_reaches_its_package_with_its_arguments() {
         let expected =
             words("run --release --quiet --package verification -- verify fpk-sph --quick");
-        assert_eq!(verification_arguments("verify", &words("fpk-sph --quick")), expected);
+        let package = package_of("verify").unwrap();
+        assert_eq!(run_arguments(package, &words("verify fpk-sph --quick")), expected);
+        assert_eq!(package_of("run"), Some("scenes"));
+        assert_eq!(package_of("chart"), Some("work-precision"));
+        assert_eq!(package_of("bench"), None);
+    }
+
+    #[test]
+    fn schemas_go_where_they_are_recorded_only_if_asked() {
+        let written = documents("schema", &words("--record"));
+        assert!(written.last().unwrap().ends_with("docs"), "{written:?}");
+        let tried = documents("schema", &[]);
+        assert!(tried.last().unwrap().ends_with("target/schema"), "{tried:?}");
+        assert_eq!(documents("run", &words("--record")), words("--record"));
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! Points as lines of numbers.
 #![no_main]
 
-#[path = "../../tests/any_input/changes.rs"]
+#[path = "../../../crates/scenes/tests/any_input/changes.rs"]
 mod changes;
-#[path = "../../tests/any_input/points.rs"]
+#[path = "../../../crates/scenes/tests/any_input/points.rs"]
 mod points;
 
 fuzz_targets::fuzz_read!(points::CSV.as_bytes().to_vec(), points::lines);

@@ -1,7 +1,7 @@
 //! Texts of scenes, read and checked: built-in ones, changed by what `any_input` does to them in turns with what libFuzzer does.
 #![no_main]
 
-#[path = "../../tests/any_input/scene.rs"]
+#[path = "../../../crates/scenes/tests/any_input/scene.rs"]
 mod scene;
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};

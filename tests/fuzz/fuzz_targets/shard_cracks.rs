@@ -1,9 +1,9 @@
 //! Shards of cracks, joined to another.
 #![no_main]
 
-#[path = "../../tests/any_input/changes.rs"]
+#[path = "../../../crates/scenes/tests/any_input/changes.rs"]
 mod changes;
-#[path = "../../tests/any_input/shard.rs"]
+#[path = "../../../crates/scenes/tests/any_input/shard.rs"]
 mod shard;
 
 use proptest::test_runner::TestCaseError;

@@ -1,16 +1,19 @@
 //! What is claimed of `advise`: on the built-in scenes its short trials find what longer ones confirm.
 
-use crate::advise::{Advice, Candidate, Options, from_trials};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::Measured;
-use crate::ladder::{BuiltIn, Trial, is_next_beyond, try_rung};
+use crate::case::Case;
+use crate::case::Schedule;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
+use figures::Measured;
+use scenes::advise::{Advice, Candidate, Options, from_trials};
+use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_rung};
 
 pub(super) const CASE: Case = Case {
     id: "advise/built-in-scenes",
     title: "What `advise` says from short trials, against longer ones of all methods",
     source: "the ladders of the built-in scenes, climbed until a run costs 5 s of CPU instead of 0.3 s",
     cost: Profile::Full,
+    schedule: Schedule::Alone,
     run,
 };
 
@@ -45,7 +48,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     for solver in ["fpk", "smpm", "peridyn"] {
         let mut all = Tally::default();
-        for scene in BuiltIn::all()? {
+        for scene in
+            BuiltIn::all(scenes::ALL, &work_precision::record::workspace().join("tests/scenes"))?
+        {
             if scene.name.starts_with(solver) {
                 context.progress(&scene.name);
                 tally(&scene, &mut all)?;

@@ -18,12 +18,14 @@ pub(crate) mod stationary_oscillators;
 pub(crate) mod viscous_damper;
 
 use crate::case::{CaseError, Context};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
-use crate::fpk::problem::Problem;
-use crate::fpk::scene::FpkScene;
-use crate::report::{Claim, ErrorKind};
-use crate::scene::SceneFile;
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
+use scenes::fpk::scene::FpkScene;
+use scenes::scene::SceneFile;
+use work_precision::problems::fpk::problem::Problem;
 
 /// The moments that the references hold.
 const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];

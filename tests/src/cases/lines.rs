@@ -1,8 +1,10 @@
 //! Claims of one run of any dimension.
 
 use crate::case::Context;
-use crate::claim::{Criterion, Measured, Reference, Subject};
-use crate::report::{Claim, ErrorKind};
+use crate::claim::{Criterion, Subject};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 /// One run: the front of its ids, empty for none, and its method.
 pub(super) struct Lines<'a> {

@@ -1,11 +1,13 @@
 //! What is claimed of `neighbour-search`: the pairs of brute force, no more and no fewer.
 
+use crate::case::Schedule;
 use neighbour_search::{
     BruteForce, CellGrid, Criterion, Domain, LeafTree, NeighbourList, NeighbourSearch, Radii,
 };
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -13,6 +15,7 @@ pub(crate) const CASE: Case = Case {
     title: "Cell grid and leaf tree against brute force: every pair, in every dimension, periodic or not, on clouds that break searches",
     source: "by definition: pairs within a radius in f64, the particle itself excluded",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -145,7 +148,7 @@ fn claim(
     let subject = context.subject(id, "pairs that differ", "", &setup);
     if n_points < 2 {
         // No pair can be compared: what is claimed is that none is found.
-        let none = crate::claim::Measured::exact(different as f64);
+        let none = figures::Measured::exact(different as f64);
         let reason = "a cloud of fewer than two points has no pair";
         Claim::as_measured(subject, none, 0.0, 0.0, reason)
     } else {

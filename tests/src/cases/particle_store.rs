@@ -1,17 +1,20 @@
 //! What is claimed of `particle-store`: columns stay together, and a snapshot comes back bit for bit.
 
+use crate::case::Schedule;
 use particle_store::{Lattice, ParticleStore};
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::Measured;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
+use figures::Measured;
 
 pub(crate) const CASE: Case = Case {
     id: "particle-store/order",
     title: "Columns in one order under permutation and removal; snapshots bit for bit; lattices",
     source: "by definition",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,5 +1,6 @@
 //! What is claimed of mpi-ensembles: a scene on ranks comes to the bits of one process, and what is killed or damaged is named.
 
+use crate::case::Schedule;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,17 +10,22 @@ use std::time::Duration;
 use mpi_ensembles::ThreadRank;
 use serde_json::Value;
 
-use super::runs::{Scene, finish, outcome, piped, scenes, started};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference, Subject};
-use crate::report::{Claim, ErrorKind};
-use crate::scenes::{ALL, Options, Progress, run_on_ranks};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::{Criterion, Subject};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::ALL;
+use scenes::kind::{Options, Progress, run_on_ranks};
+use work_precision::processes::{Scene, finish, outcome, piped, scenes, started};
 
 pub(super) const CASE: Case = Case {
     id: "mpi-ensembles/same-bits",
     title: "Ensembles on ranks that are threads, and on those of mpirun: whole, restarted, killed",
     source: "a run of the same scene in one process",
     cost: Profile::Default,
+    schedule: Schedule::Alone,
     run,
 };
 
@@ -218,7 +224,7 @@ impl Ensemble<'_> {
         let mut options = Options::new(out);
         options.seed = more.contains(&"--seed").then_some(99);
         if more.contains(&"--resume") {
-            options.start = crate::checkpoint::Start::GoOn;
+            options.start = scenes::checkpoint::Start::GoOn;
         }
         let (options, file) = (&options, &self.file);
         let ended: Vec<Result<(), String>> = thread::scope(|scope| {

@@ -1,5 +1,6 @@
 //! What is claimed of runs that were killed, were shorter, or were divided: that they come to the same bits.
 
+use crate::case::Schedule;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,16 +8,20 @@ use std::time::{Duration, Instant};
 
 use sde_integrators::{Noise, Purpose};
 
-use super::runs::{Change, Scene, finish, outcome, piped, scenes, started};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference, Subject};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::{Criterion, Subject};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::processes::{Change, Scene, finish, outcome, piped, scenes, started};
 
 pub(super) const CASE: Case = Case {
     id: "run/resume",
     title: "Runs of scenes that are killed at random moments, made longer, or divided into shards",
     source: "a run of the same scene that nobody disturbs",
     cost: Profile::Default,
+    schedule: Schedule::Alone,
     run,
 };
 

@@ -9,8 +9,10 @@ pub(crate) mod reproducibility;
 use sde_integrators::{Estimate, SecondOrder};
 
 use crate::case::{CaseError, Context};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 /// `q'' + 2 xi omega q' + omega^2 q = s W`.
 #[derive(Debug, Clone, Copy)]

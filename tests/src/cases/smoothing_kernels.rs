@@ -1,16 +1,21 @@
 //! What is claimed of `smoothing-kernels`: every kernel integrates to one and has the gradient it says.
 
+use crate::case::Schedule;
 use smoothing_kernels::{Kernel, all, unit_sphere_surface};
 
-use crate::case::{Case, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "smoothing-kernels/laws",
     title: "Every kernel in one to six dimensions: unit integral, gradient, compact support",
     source: "definition of a kernel; Canor & Denoël 2013, section 2.2",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: |context| Ok(run(context)),
 };
 

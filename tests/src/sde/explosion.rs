@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use sde_integrators::{EulerMaruyama, Integrator, Noise, StepError};
 
-use super::problems::Cubic;
+use work_precision::problems::sde::problems::Cubic;
 
 /// Where and when a path left.
 #[derive(Debug, Clone, Copy, PartialEq)]

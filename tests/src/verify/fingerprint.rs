@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use twox_hash::XxHash64;
 
-use crate::case::{Case, Profile};
+use crate::case::Case;
+use crate::case::Profile;
 
 /// What is hashed, from the root of the workspace: a file, or a folder with all in it.
 const SOURCES: [&str; 4] =
@@ -174,7 +175,14 @@ pub(super) mod tests {
     use super::*;
 
     const fn case(id: &'static str, cost: Profile) -> Case {
-        Case { id, title: "t", source: "s", cost, run: |_| Ok(Vec::new()) }
+        Case {
+            id,
+            title: "t",
+            source: "s",
+            cost,
+            schedule: crate::case::Schedule::Together,
+            run: |_| Ok(Vec::new()),
+        }
     }
 
     const CASES: [Case; 3] = [
@@ -195,7 +203,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::verify) fn write(root: &Path, path: &str, text: &str) {
-        crate::output::write_text(&root.join("tests").join(path), text).unwrap();
+        scenes::output::write_text(&root.join("tests").join(path), text).unwrap();
     }
 
     fn read(root: &Path, cases: &[Case]) -> Fingerprint {

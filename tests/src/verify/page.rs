@@ -3,9 +3,9 @@
 use minijinja::{AutoEscape, Environment, Value, context};
 
 use crate::case::InlineChart;
-use crate::machine;
-use crate::number;
 use crate::report::{CaseRecord, Claim, Report};
+use figures::number;
+use scenes::machine;
 
 const TEMPLATE: &str = include_str!("page.html");
 
@@ -78,9 +78,10 @@ fn claim_value(claim: &Claim, case_id: &str) -> Value {
 mod tests {
     use super::*;
     use crate::case::Profile;
-    use crate::claim::{Criterion, Measured, Reference, Subject};
-    use crate::machine::Machine;
-    use crate::report::ErrorKind;
+    use crate::claim::{Criterion, Subject};
+    use figures::ErrorKind;
+    use figures::{Measured, Reference};
+    use scenes::machine::Machine;
 
     fn claim(name: &str, value: f64) -> Claim {
         Claim::judge(
@@ -160,7 +161,7 @@ mod tests {
             case("self-check/oscillator", "Made-up rows of an oscillator", None),
             case("self-check/damper", "Made-up rows of a damper", Some(failed)),
         ];
-        let svg = crate::chart::work_precision(&crate::chart::samples::work_precision()).unwrap();
+        let svg = figures::work_precision(&figures::samples::work_precision()).unwrap();
         let chart = InlineChart {
             case_id: "self-check/oscillator".into(),
             title: "Error against cost".into(),

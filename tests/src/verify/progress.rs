@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Tells which case runs.
+#[derive(Debug)]
 pub(super) struct Progress {
     bar: ProgressBar,
     is_terminal: bool,

@@ -1,19 +1,20 @@
-//! Runs cases one after the other; a case that errors or panics becomes a failed row and the others go on.
+//! Runs cases on all cores; a case that errors or panics becomes a failed row and the others go on.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Sender};
 use std::time::Instant;
 
-use cpu_time::ProcessTime;
+use scenes::causes::with_causes;
+use scenes::clock::CpuClock;
+use scenes::machine::Machine;
 
 use super::progress::Progress;
 use super::select::well_formed;
 use super::table::{Style, write_case, write_header};
-use crate::case::{Case, Context, InlineChart, Profile, Shared};
-use crate::causes::with_causes;
-use crate::machine::Machine;
+use crate::case::{Case, Context, InlineChart, Profile, Schedule, Shared};
 use crate::report::{CaseRecord, Claim, Report};
 
 /// What a run brought.
@@ -25,7 +26,21 @@ pub struct Outcome {
     pub charts: Vec<InlineChart>,
 }
 
-/// Runs `cases` in order and prints each as it ends.
+/// What all cases of a run share.
+#[derive(Debug)]
+struct Proof<'a> {
+    cases: &'a [&'a Case],
+    profile: Profile,
+    shared: Shared,
+    progress: Progress,
+}
+
+/// A case that has come to its end, by its place in the table.
+type Ended = (usize, CaseRecord, Vec<InlineChart>);
+
+/// Runs `cases` and prints each in the order of the table.
+///
+/// Each case has one core; those that run alone have all of them, after the others. The result does not depend on it.
 ///
 /// # Errors
 /// Those of writing to `output`.
@@ -36,54 +51,132 @@ pub fn run_cases(
     output: &mut dyn Write,
 ) -> io::Result<Outcome> {
     let machine = Machine::read();
-    let (shared, charts) = (Shared::default(), Mutex::new(Vec::new()));
     let progress = Progress::new(cases.len());
-    let mut seen = BTreeSet::new();
-    let mut records = Vec::new();
     progress.suspend(|| write_header(style, output))?;
-    for case in cases {
-        progress.start(case.id);
-        let tell = |what: &str| progress.tell(case.id, what);
-        let context = Context::new(case.id, profile, &shared, &charts, &tell);
-        let record = run_case(case, &context, &mut seen);
-        progress.suspend(|| write_case(&record, style, output))?;
-        progress.finish_case();
-        records.push(record);
-    }
-    progress.finish();
-    let charts = charts.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(Outcome { report: Report::new(profile, machine, records), charts })
+    let proof = Proof { cases, profile, shared: Shared::default(), progress };
+    let (sender, ended) = mpsc::channel();
+    let mut printed = Printed::new(cases.len());
+    std::thread::scope(|scope| {
+        scope.spawn(|| proof.run(&sender));
+        let taken =
+            ended.iter().try_for_each(|case| printed.take(case, &proof.progress, style, output));
+        // Nothing more is run for an output that cannot be written.
+        drop(ended);
+        taken
+    })?;
+    proof.progress.finish();
+    Ok(Outcome { report: Report::new(profile, machine, printed.records), charts: printed.charts })
 }
 
-/// Runs one case; `seen` holds the ids of all claims so far.
-fn run_case(case: &Case, context: &Context<'_>, seen: &mut BTreeSet<String>) -> CaseRecord {
-    let (start, cpu) = (Instant::now(), ProcessTime::now());
-    // Whatever a panicking case leaves half done is its own: shared results are stored only when complete.
-    let result = catch_unwind(AssertUnwindSafe(|| (case.run)(context)));
-    let (seconds, cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
-    let mut claims = match result {
-        Ok(Ok(claims)) if claims.is_empty() => {
-            vec![Claim::case_error(case.id, "the case claims nothing")]
+impl Proof<'_> {
+    /// Those that run together on as many threads as there are cores, then the others one by one.
+    fn run(&self, ended: &Sender<Ended>) {
+        let (together, alone): (Vec<_>, Vec<_>) = (0..self.cases.len())
+            .partition(|&index| self.cases[index].schedule == Schedule::Together);
+        let together = self.longest_first(together);
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..rayon::current_num_threads().min(together.len()) {
+                let (sender, together, next) = (ended.clone(), &together, &next);
+                scope.spawn(move || self.work(together, next, &sender));
+            }
+        });
+        for index in alone {
+            // The receiver is gone where the output could not be written.
+            if ended.send(self.run_case(index)).is_err() {
+                return;
+            }
         }
-        Ok(Ok(claims)) => claims,
-        Ok(Err(error)) => vec![Claim::case_error(case.id, &with_causes(error.as_ref()))],
-        Err(panic) => {
-            vec![Claim::case_error(case.id, &format!("panicked: {}", panic_message(&*panic)))]
-        }
-    };
-    let faults: Vec<String> =
-        claims.iter().filter_map(|claim| fault_of_id(&claim.id, case.id, seen)).collect();
-    if !faults.is_empty() {
-        claims.push(Claim::case_error(case.id, &faults.join("; ")));
     }
-    CaseRecord {
-        id: case.id.into(),
-        title: case.title.into(),
-        source: case.source.into(),
-        seconds,
-        cpu_seconds,
-        claims,
-        skipped: context.take_skipped(),
+
+    /// Takes one case after the other into a pool of one thread.
+    fn work(&self, cases: &[usize], next: &AtomicUsize, ended: &Sender<Ended>) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        while let Some(&index) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let case = match &pool {
+                Ok(pool) => pool.install(|| self.run_case(index)),
+                Err(_) => self.run_case(index),
+            };
+            if ended.send(case).is_err() {
+                return;
+            }
+        }
+    }
+
+    /// A long case that begins last is waited for.
+    fn longest_first(&self, mut cases: Vec<usize>) -> Vec<usize> {
+        cases.sort_by_key(|&index| std::cmp::Reverse(self.cases[index].cost));
+        cases
+    }
+
+    fn run_case(&self, index: usize) -> Ended {
+        let case = self.cases[index];
+        self.progress.start(case.id);
+        let tell = |what: &str| self.progress.tell(case.id, what);
+        let context = Context::new(case.id, self.profile, &self.shared, &tell);
+        let (start, cpu) = (Instant::now(), CpuClock::start());
+        // What a panicking case leaves half done is its own: shared results are stored only when complete.
+        let result = catch_unwind(AssertUnwindSafe(|| (case.run)(&context)));
+        let (seconds, cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.seconds());
+        let claims = match result {
+            Ok(Ok(claims)) if claims.is_empty() => {
+                vec![Claim::case_error(case.id, "the case claims nothing")]
+            }
+            Ok(Ok(claims)) => claims,
+            Ok(Err(error)) => vec![Claim::case_error(case.id, &with_causes(error.as_ref()))],
+            Err(panic) => {
+                vec![Claim::case_error(case.id, &format!("panicked: {}", panic_message(&*panic)))]
+            }
+        };
+        let (id, title, source) = (case.id.into(), case.title.into(), case.source.into());
+        let (skipped, charts) = context.into_parts();
+        (index, CaseRecord { id, title, source, seconds, cpu_seconds, claims, skipped }, charts)
+    }
+}
+
+/// The cases that have been printed, and those that wait for one above them.
+struct Printed {
+    waiting: Vec<Option<(CaseRecord, Vec<InlineChart>)>>,
+    records: Vec<CaseRecord>,
+    charts: Vec<InlineChart>,
+    /// The ids of all claims so far.
+    seen: BTreeSet<String>,
+}
+
+impl Printed {
+    fn new(n_cases: usize) -> Self {
+        let waiting = (0..n_cases).map(|_| None).collect();
+        Self { waiting, records: Vec::new(), charts: Vec::new(), seen: BTreeSet::new() }
+    }
+
+    /// Prints all whose turn has come.
+    fn take(
+        &mut self,
+        (index, record, charts): Ended,
+        progress: &Progress,
+        style: Style,
+        output: &mut dyn Write,
+    ) -> io::Result<()> {
+        progress.finish_case();
+        self.waiting[index] = Some((record, charts));
+        while let Some((mut record, charts)) =
+            self.waiting.get_mut(self.records.len()).and_then(Option::take)
+        {
+            self.check_ids(&mut record);
+            progress.suspend(|| write_case(&record, style, output))?;
+            self.records.push(record);
+            self.charts.extend(charts);
+        }
+        Ok(())
+    }
+
+    fn check_ids(&mut self, record: &mut CaseRecord) {
+        let seen = &mut self.seen;
+        let ids = record.claims.iter().map(|claim| &claim.id);
+        let faults: Vec<String> = ids.filter_map(|id| fault_of_id(id, &record.id, seen)).collect();
+        if !faults.is_empty() {
+            record.claims.push(Claim::case_error(&record.id, &faults.join("; ")));
+        }
     }
 }
 
@@ -108,8 +201,9 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 mod tests {
     use super::*;
     use crate::case::CaseError;
-    use crate::claim::{Criterion, Measured, Reference};
-    use crate::report::ErrorKind;
+    use crate::claim::Criterion;
+    use figures::ErrorKind;
+    use figures::{Measured, Reference};
 
     fn claim(context: &Context<'_>, name: &str, value: f64) -> Claim {
         Claim::judge(
@@ -125,7 +219,14 @@ mod tests {
         id: &'static str,
         run: fn(&Context<'_>) -> Result<Vec<Claim>, CaseError>,
     ) -> Case {
-        Case { id, title: "a self-check", source: "none", cost: Profile::Quick, run }
+        Case {
+            id,
+            title: "a self-check",
+            source: "none",
+            cost: Profile::Quick,
+            schedule: Schedule::Together,
+            run,
+        }
     }
 
     fn run(cases: &[Case]) -> (Outcome, String) {

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::VerifyError;
-use crate::case::{Case, Profile};
-use crate::nearest::nearest;
+use crate::case::Case;
+use crate::case::Profile;
+use scenes::nearest::nearest;
 
 /// A mistake in the table of cases.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
@@ -99,7 +100,14 @@ mod tests {
     use super::*;
 
     const fn case(id: &'static str, cost: Profile) -> Case {
-        Case { id, title: "t", source: "s", cost, run: |_| Ok(Vec::new()) }
+        Case {
+            id,
+            title: "t",
+            source: "s",
+            cost,
+            schedule: crate::case::Schedule::Together,
+            run: |_| Ok(Vec::new()),
+        }
     }
 
     const CASES: [Case; 3] = [

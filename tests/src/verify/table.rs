@@ -4,8 +4,9 @@ use std::io::{self, IsTerminal, Write};
 
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 
-use crate::number;
-use crate::report::{CaseRecord, Claim, ErrorKind, Report};
+use crate::report::{CaseRecord, Claim, Report};
+use figures::ErrorKind;
+use figures::number;
 
 /// Stands for the method of the row above.
 const DITTO: &str = "\"";

@@ -1,21 +1,25 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
-use fpk_sph::score::{Degree, VolumeEstimate};
+use crate::case::Schedule;
 use fpk_sph::systems::BoucWen;
 use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method, Metric,
-    Remapping, Simulation,
+    Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping,
+    Simulation,
 };
+use scenes::clock::CpuClock;
 use sde_integrators::GaussianMixture;
+use work_precision::problems::fpk::methods::{BOUC_WEN_LATTICE, bouc_wen_tail};
 
 use super::scene;
 use super::stationary_oscillators::remapped as fresh_lattices;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
-use crate::fpk::reference::ReferenceTable;
-use crate::fpk::scene_system::SceneSystem;
-use crate::report::{Claim, ErrorKind};
+use crate::report::Claim;
+use figures::ErrorKind;
+use scenes::fpk::scene_system::SceneSystem;
+use work_precision::problems::fpk::reference::ReferenceTable;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.2; references by Monte Carlo and importance sampling";
@@ -25,6 +29,7 @@ pub(crate) const COARSE: Case = Case {
     title: "Building that yields in an earthquake, flow-map fit, spacing 0.6",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: coarse,
 };
 
@@ -33,6 +38,7 @@ pub(crate) const CASE: Case = Case {
     title: "Building that yields in an earthquake, flow-map fit, 8,217 particles",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: fine,
 };
 
@@ -41,6 +47,7 @@ pub(crate) const TAIL: Case = Case {
     title: "Building that yields in an earthquake, its tail, log-density fit, ball of 6 sigma",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: tail,
 };
 
@@ -49,6 +56,7 @@ pub(crate) const PAPER: Case = Case {
     title: "Building that yields in an earthquake, the paper's method: 13^3 particles, 21^3 in full",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: paper,
 };
 
@@ -57,11 +65,9 @@ pub(crate) const REMAPPED: Case = Case {
     title: "Building that yields in an earthquake, spacing 0.6, with and without fresh lattices",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: remapped,
 };
-
-/// The lattice of the claims on moments.
-pub(crate) const LATTICE: InitialLattice<3> = InitialLattice::Ball { reach: 5.0, spacing: 0.4 };
 
 /// What was seen at one time.
 struct Seen {
@@ -116,7 +122,7 @@ fn watched(
     times: &[f64],
 ) -> Result<Run, CaseError> {
     let limit = system.z_limit();
-    let start = cpu_time::ProcessTime::now();
+    let start = CpuClock::start();
     let mut simulation = Simulation::new(system, law, config)?;
     let (mut seen, mut stopped, mut z, mut looks) = (Vec::new(), None, 0.0_f64, 0.0);
     'times: for &t in times {
@@ -149,7 +155,7 @@ fn watched(
         "{} particles, {} steps, {:.1} s CPU with observation",
         simulation.n_particles(),
         simulation.work().steps,
-        start.elapsed().as_secs_f64()
+        start.seconds()
     );
     Ok(Run { seen, words, reference: ReferenceTable::bouc_wen()?, stopped })
 }
@@ -254,7 +260,7 @@ const MISSED: [(f64, f64, f64, f64); 13] = [
 
 fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let times = [1.0, 2.0, 3.0, 3.6, 4.0, 5.0, 6.0];
-    let run = run(Method::FlowMapFit, LATTICE, &times, DEFAULT_MOST_STEPS)?;
+    let run = run(Method::FlowMapFit, BOUC_WEN_LATTICE, &times, DEFAULT_MOST_STEPS)?;
     run.to_its_end()?;
     let lines = run.lines(context, "flow-map-fit", "flow-map fit, ball, 5 sigma, spacing 0.4");
     let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud; seen within 0.72 %";
@@ -274,19 +280,8 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// The method and the lattice for the tail alone. The flow-map fit folds its rim (see [`MISSED`]); the log-density fit finds
-/// its neighbours anew where the rim has gone, and kernel sums need no lattice cell.
-pub(crate) fn of_tail() -> (Method, InitialLattice<3>) {
-    let (volume, degree) = (VolumeEstimate::KernelSum, Degree::Quadratic);
-    let method = Method::Custom(Combination {
-        estimator: Estimator::LogDensityFit { volume, degree },
-        ..Method::LogDensityFit.combination()
-    });
-    (method, InitialLattice::Ball { reach: 6.0, spacing: 0.35 })
-}
-
 fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let (method, lattice) = of_tail();
+    let (method, lattice) = bouc_wen_tail();
     let run = run(method, lattice, &[3.6], DEFAULT_MOST_STEPS)?;
     let words = "log-density fit, kernel sums, 6 sigma, spacing 0.35";
     let lines = run.lines(context, "log-density-fit", words);

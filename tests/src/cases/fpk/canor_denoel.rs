@@ -1,31 +1,25 @@
 //! The paper's method as printed, on both oscillators: reproduced, with its errors.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use crate::case::Schedule;
+use work_precision::problems::fpk::methods::papers_config;
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured};
-use crate::fpk::density::{DensityRun, run as run_density};
-use crate::fpk::problem::Problem;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
 use crate::report::Claim;
+use figures::Measured;
+use scenes::fpk::density::{DensityRun, run as run_density};
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/canor-denoel-2013",
     title: "The paper's method as printed: 50 x 33 particles, Courant 0.8, support/spacing 2.5",
     source: "Canor & Denoël 2013, sections 3 and 4.1",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
-
-/// The lattice of section 4.1 with the method of section 3.
-pub(crate) fn config(period: f64) -> Config<2> {
-    Config {
-        method: Method::CanorDenoel2013,
-        lattice: InitialLattice::CANOR_DENOEL_2013,
-        reference_period: period,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
-}
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
@@ -37,7 +31,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let run = run_density(
             &problem.system,
             &problem.law,
-            &config(problem.system.period()),
+            &papers_config(problem.system.period()),
             &asked(&[2.0, 6.0], &problem, false),
         )?;
         let method = run.words("Canor & Denoël 2013");

@@ -1,24 +1,27 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
+use crate::case::Schedule;
 use fpk_sph::systems::GeometricBrownianMotion;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
 use sde_integrators::{GaussianMixture, Sde};
 
 use super::scene;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::Reference;
-use crate::fpk::problem::Problem;
-use crate::fpk::reference::ReferenceTable;
-use crate::fpk::scene::System;
-use crate::fpk::scene_system::SceneSystem;
 use crate::report::Claim;
+use figures::Reference;
+use scenes::fpk::scene::System;
+use scenes::fpk::scene_system::SceneSystem;
+use work_precision::problems::fpk::problem::Problem;
+use work_precision::problems::fpk::reference::ReferenceTable;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/effectivity",
     title: "Estimated over true error of second moments, three lattices finer by the square root of two",
     source: "Roache 1994; Oberkampf & Roy 2010; references of the scenes",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,27 +1,30 @@
 //! Where the method leaves its range it says so.
 
+use crate::case::Schedule;
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
 
 use super::asked;
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::Measured;
-use crate::fpk::density::run as run_density;
-use crate::fpk::problem::Problem;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
+use figures::Measured;
+use scenes::fpk::density::run as run_density;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/failures",
     title: "Runs that leave their stable range end in a typed error, at a time",
     source: "measured thresholds: 8 neighbours clump, too long a step diverges",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let period = problem.system.period();
-    let paper = super::canor_denoel::config(period);
+    let paper = work_precision::problems::fpk::methods::papers_config(period);
     let narrow = Combination { support_over_spacing: 1.5, ..Method::CanorDenoel2013.combination() };
     let mut claims = vec![ended(
         context,

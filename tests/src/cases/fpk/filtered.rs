@@ -1,25 +1,30 @@
 //! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
 
+use crate::case::Schedule;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use sde_integrators::{Estimate, GaussianMixture};
 
 use super::{row, scene};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
-use crate::fpk::method_scene::IntegratorScene;
-use crate::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
-use crate::fpk::paths::Paths;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::scene_system::SceneSystem;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
+use scenes::fpk::method_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
+use scenes::fpk::paths::Paths;
+use scenes::fpk::scene::FpkScene;
+use scenes::fpk::scene_system::SceneSystem;
 
 pub(crate) const DAMPER: Case = Case {
     id: "fpk-sph/filtered-damper",
     title: "Building with a viscous damper behind Kanai-Tajimi, 4 states, against Monte Carlo",
     source: "the same system sampled by ShARK",
     cost: Profile::Full,
+    schedule: Schedule::Together,
     run: damper,
 };
 
@@ -28,6 +33,7 @@ pub(crate) const BOUC_WEN: Case = Case {
     title: "Building that yields behind Kanai-Tajimi, 5 states, against Monte Carlo",
     source: "the same system sampled by ShARK; spectrum of Housner & Jennings 1964, window C of Jennings, Housner & Tsai 1968",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: bouc_wen,
 };
 

@@ -1,23 +1,28 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
+use crate::case::Schedule;
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
 use fpk_sph::{Error, Simulation};
+use scenes::clock::CpuClock;
 use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
     maxima, simulate,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::linear_moments::linear_moments;
-use crate::fpk::problem::{Problem, bouc_wen};
-use crate::fpk::reference::ReferenceTable;
-use crate::fpk::scene::System;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use scenes::fpk::scene::System;
+use work_precision::problems::fpk::linear_moments::linear_moments;
+use work_precision::problems::fpk::problem::{Problem, bouc_wen};
+use work_precision::problems::fpk::reference::ReferenceTable;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, sections 4.1 and 4.2; references by Monte Carlo with parabolic peaks";
@@ -27,6 +32,7 @@ pub(crate) const DAMPER: Case = Case {
     title: "First passage of a building with a viscous damper, from the run of its density",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: damper,
 };
 
@@ -35,6 +41,7 @@ pub(crate) const CROSSINGS: Case = Case {
     title: "Expected number of crossings of a building with a viscous damper, against Monte Carlo",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: crossings,
 };
 
@@ -43,6 +50,7 @@ pub(crate) const BOUC_WEN: Case = Case {
     title: "First passage of a building that yields, from the run of its density",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: hysteresis,
 };
 
@@ -51,6 +59,7 @@ pub(crate) const FRAGILITY: Case = Case {
     title: "Fragility over the intensity, and its sensitivity, from the same deterministic run",
     source: "paths of the same system by Strang's splitting",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: fragility,
 };
 
@@ -74,7 +83,7 @@ fn watch<S: Sde<D, M>, const D: usize, const M: usize>(
     interval: Option<f64>,
 ) -> Result<Watched, CaseError> {
     let demand = |x: &[f64; D]| x[0].abs();
-    let start = cpu_time::ProcessTime::now();
+    let start = CpuClock::start();
     let mut simulation = Simulation::new(system, law, config)?;
     let mut passage = FirstPassage::new(&simulation, demand, thresholds)?;
     let mut bounds: Vec<OutcrossingBound> = passage
@@ -108,7 +117,7 @@ fn watch<S: Sde<D, M>, const D: usize, const M: usize>(
             "{} particles, {} steps, {:.1} s CPU",
             simulation.n_particles(),
             simulation.work().steps,
-            start.elapsed().as_secs_f64()
+            start.seconds()
         ),
     })
 }

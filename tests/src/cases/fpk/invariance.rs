@@ -1,20 +1,23 @@
 //! Same bits whatever the number of threads, and after a restart.
 
+use crate::case::Schedule;
 use fpk_sph::{Config, Simulation};
 use sde_integrators::Sde;
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::fpk::method_scene::IntegratorScene;
-use crate::fpk::monte_carlo::{Sampling, run as run_sampled};
-use crate::fpk::problem::Problem;
-use crate::fpk::scene::System;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
+use scenes::fpk::method_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{Sampling, run as run_sampled};
+use scenes::fpk::scene::System;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/invariance",
     title: "Threads and restarts change no bit",
     source: "by construction: every particle writes its own entry, sums have one order",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,5 +1,6 @@
 //! Densities that are known: a double well, processes with multiplicative noise, and a rotated pair of them.
 
+use crate::case::Schedule;
 use fpk_sph::systems::{
     Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
     GeometricBrownianMotion, RotatedPair,
@@ -9,18 +10,22 @@ use fpk_sph::{
 };
 use sde_integrators::{GaussianMixture, Sde};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::reference::BistableReference;
-use crate::order;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::order;
+use work_precision::problems::fpk::reference::BistableReference;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/known-densities",
     title: "Double well, Cox-Ingersoll-Ross, geometric Brownian motion, a rotated pair: L1 error of the density",
     source: "finite volumes with extrapolation; Cox, Ingersoll and Ross 1985, eq 18; lognormal law",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,21 +1,26 @@
 //! The linear oscillator, whose answer is exact, by the better method.
 
+use crate::case::Schedule;
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Config, Estimator, Method, Simulation};
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{DensityRun, Row, run_on};
-use crate::fpk::problem::Problem;
-use crate::fpk::scene::System;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::fpk::density::{DensityRun, Row, run_on};
+use scenes::fpk::scene::System;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-oscillator",
     title: "Linear oscillator in an earthquake: exact answer",
     source: "Canor & Denoël 2013, eq 26 with eta = 0, window of eq 27; Lyapunov equation",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -24,6 +29,7 @@ pub(crate) const FLOW_MAP_FIT: Case = Case {
     title: "Linear oscillator in an earthquake, flow-map fit: exact answer",
     source: CASE.source,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: flow_map_fit,
 };
 

@@ -1,23 +1,29 @@
 //! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
 
+use crate::case::Schedule;
 use fpk_sph::systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use sde_integrators::{GaussianMixture, Sde};
+use work_precision::problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 
 use super::{row, scene};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::density::{Asked, Demand, DensityRun, run_on};
-use crate::fpk::linear_moments::{NormalLaw, linear_moments};
-use crate::fpk::scene_system::SceneSystem;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
+use scenes::fpk::scene_system::SceneSystem;
+use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-systems",
     title: "Ornstein-Uhlenbeck in 1 to 4 dimensions, by the flow-map fit",
     source: "Risken 1996, section 6.5: exact",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: processes,
 };
 
@@ -26,6 +32,7 @@ pub(crate) const KANAI_TAJIMI: Case = Case {
     title: "Linear building on filtered ground motion, 4 states, by the flow-map fit",
     source: "Lyapunov equation; Kanai 1957, Tajimi 1960",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: kanai_tajimi,
 };
 
@@ -37,9 +44,6 @@ fn processes(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ornstein_uhlenbeck::<4>(context, 1.2)?,
     ])
 }
-
-/// The lattice of the building behind the filter.
-pub(crate) const LATTICE: InitialLattice<4> = InitialLattice::Ball { reach: 5.0, spacing: 1.2 };
 
 /// States whose product is taken.
 const PAIRS: [(usize, usize); 5] = [(0, 0), (0, 1), (1, 1), (2, 2), (3, 3)];
@@ -56,7 +60,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let laws = linear_moments(system, &law, &times, 2e-3)?;
     let config = Config {
         method: Method::FlowMapFit,
-        lattice: LATTICE,
+        lattice: KANAI_TAJIMI_LATTICE,
         reference_period: built.reference_period(),
         most_steps: DEFAULT_MOST_STEPS,
     };

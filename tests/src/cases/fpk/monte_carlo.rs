@@ -1,19 +1,24 @@
 //! The rival: Monte Carlo on the same declarations.
 
 use super::{POWERS, asked, moment_words};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::charts;
-use crate::claim::{Criterion, Measured};
-use crate::fpk::method_scene::IntegratorScene;
-use crate::fpk::monte_carlo::{SampledRun, Sampling, run as run_sampled};
-use crate::fpk::problem::Problem;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::Schedule;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Measured;
+use scenes::fpk::method_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{SampledRun, Sampling, run as run_sampled};
+use work_precision::charts;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/monte-carlo",
     title: "Monte Carlo on the same systems: Strang splitting, and the paper's forward Euler",
     source: "Canor & Denoël 2013, section 4.1: 1e5 samples by forward Euler",
     cost: Profile::Quick,
+    schedule: Schedule::Alone,
     run,
 };
 

@@ -1,25 +1,31 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
+use crate::case::Schedule;
 use fpk_sph::systems::{BoucWen, Duffing};
 use sde_integrators::{GaussianMixture, Sde, StrangOscillator, SubsetConfig};
+use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 
 use super::moment_words;
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::grid::{GridConfig, GridDensity};
-use crate::fpk::linearisation::{Linearisation, Quadrature};
-use crate::fpk::problem::{Problem, bouc_wen, duffing};
-use crate::fpk::reference::DuffingReference;
-use crate::fpk::scene::System;
-use crate::fpk::tail::TailPaths;
-use crate::order;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::fpk::scene::System;
+use work_precision::order;
+use work_precision::problems::fpk::grid::{GridConfig, GridDensity};
+use work_precision::problems::fpk::linearisation::{Linearisation, Quadrature};
+use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
+use work_precision::problems::fpk::reference::DuffingReference;
+use work_precision::problems::fpk::tail::TailPaths;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/rivals",
     title: "Rivals: a grid, statistical linearisation, importance sampling, subset simulation",
     source: "conservative semi-Lagrangian grid; Roberts & Spanos 1990; Der Kiureghian 2000; Au & Beck 2001",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -217,16 +223,6 @@ fn linearised(
         Criterion::AsMeasured { from, to, reason },
     )
 }
-
-/// Statistical linearisation of an oscillator whose drift has a root or a kink where the velocity vanishes.
-pub(crate) const OF_OSCILLATOR: Linearisation<2> =
-    Linearisation { order: [(1, Quadrature::SplitAtZero), (0, Quadrature::Hermite)], step: 0.05 };
-
-/// The same with hysteresis, which has kinks where the velocity or `z` vanishes.
-pub(crate) const OF_HYSTERESIS: Linearisation<3> = Linearisation {
-    order: [(1, Quadrature::SplitAtZero), (2, Quadrature::SplitAtZero), (0, Quadrature::Hermite)],
-    step: 0.05,
-};
 
 fn linearised_damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;

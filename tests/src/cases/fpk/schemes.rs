@@ -1,5 +1,6 @@
 //! The schemes in time, on an oscillator without damping and noise, where each particle is a path of its own.
 
+use crate::case::Schedule;
 use std::f64::consts::PI;
 
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
@@ -9,17 +10,21 @@ use fpk_sph::{
 };
 use sde_integrators::GaussianMixture;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::problem::Problem;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/schemes",
     title: "Energy that the schemes in time give to an undamped oscillator; what leap-frog makes of damping",
     source: "closed form, from the roots of each scheme for x' = i w x",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -170,14 +175,14 @@ fn leap_frog(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// makes it grow.
 fn with_noise(context: &Context<'_>) -> Result<Claim, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let crate::fpk::scene::System::Damper(system) = problem.system.clone() else {
+    let scenes::fpk::scene::System::Damper(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let combination =
         Combination { scheme: Scheme::LeapFrog, ..Method::CanorDenoel2013.combination() };
     let config = Config {
         method: Method::Custom(combination),
-        ..super::canor_denoel::config(problem.system.period())
+        ..work_precision::problems::fpk::methods::papers_config(problem.system.period())
     };
     let mut simulation = Simulation::new(system, &problem.law, &config)?;
     let (time, words) = match simulation.advance_to(6.0) {

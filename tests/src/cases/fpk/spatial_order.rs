@@ -1,23 +1,28 @@
 //! The order in which the error falls with the spacing of the particles.
 
+use crate::case::Schedule;
 use fpk_sph::{
     Combination, Config, DEFAULT_REACH, Estimator, InitialLattice, InitialSmoothing, Method,
     StepRule,
 };
 
 use super::{POWERS, index_of};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::fpk::density::{Asked, Demand, run as run_density};
-use crate::fpk::problem::Problem;
-use crate::order;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::fpk::density::{Asked, Demand, run as run_density};
+use work_precision::order;
+use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/spatial-order",
     title: "Order of the moment error in the particle spacing",
     source: "Canor & Denoël 2013, both oscillators of section 4.1",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -111,11 +116,9 @@ fn config(problem: &Problem, n: usize, estimator: Estimator) -> Config<2> {
     Config {
         method: Method::Custom(combination),
         lattice: InitialLattice::Box { reach: reach(estimator), count: [n, n] },
-        ..problem
-            .scene
-            .method
-            .density_config(problem.system.period(), 1.0)
-            .unwrap_or_else(|| super::canor_denoel::config(problem.system.period()))
+        ..problem.scene.method.density_config(problem.system.period(), 1.0).unwrap_or_else(|| {
+            work_precision::problems::fpk::methods::papers_config(problem.system.period())
+        })
     }
 }
 

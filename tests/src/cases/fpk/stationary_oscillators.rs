@@ -1,5 +1,6 @@
 //! Oscillators with an exact stationary law, from a Gaussian, with fresh lattices laid over the cloud on the way.
 
+use crate::case::Schedule;
 use fpk_sph::systems::StationaryOscillator;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
@@ -9,18 +10,22 @@ use sde_integrators::{GaussianMixture, Sde};
 
 use super::invariance::over_threads;
 use super::{row, scene};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::fpk::density::{Asked, Demand, run_on};
-use crate::fpk::scene_system::SceneSystem;
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use scenes::fpk::density::{Asked, Demand, run_on};
+use scenes::fpk::scene_system::SceneSystem;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",
     title: "Duffing's oscillator from a Gaussian to its exact stationary law, with fresh lattices",
     source: "Caughey 1971: exact stationary density",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: duffing,
 };
 
@@ -29,6 +34,7 @@ pub(crate) const VAN_DER_POL: Case = Case {
     title: "Oscillator of van der Pol and Rayleigh from a Gaussian to its ring, with fresh lattices",
     source: "Caughey & Payne 1967: exact stationary density",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: van_der_pol,
 };
 

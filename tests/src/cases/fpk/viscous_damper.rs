@@ -1,15 +1,18 @@
 //! The building with a viscous damper of the paper's section 4.1, by the better method.
 
+use crate::case::Schedule;
 use fpk_sph::{Config, Error, Method, Remapping};
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::charts;
-use crate::claim::{Criterion, Measured};
-use crate::fpk::density::run;
-use crate::fpk::problem::Problem;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
 use crate::report::Claim;
+use figures::Measured;
+use scenes::fpk::density::run;
+use work_precision::charts;
+use work_precision::problems::fpk::problem::Problem;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.1; references by grid, Monte Carlo and importance sampling";
@@ -19,6 +22,7 @@ pub(crate) const CASE: Case = Case {
     title: "Building with a viscous damper in an earthquake, 1,681 particles",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: scene,
 };
 
@@ -27,6 +31,7 @@ pub(crate) const REFINED: Case = Case {
     title: "Building with a viscous damper in an earthquake, 6,561 particles",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: refined,
 };
 
@@ -35,6 +40,7 @@ pub(crate) const FLOW_MAP_FIT: Case = Case {
     title: "Building with a viscous damper in an earthquake, flow-map fit, 1,681 particles",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: flow_map_fit,
 };
 
@@ -43,6 +49,7 @@ pub(crate) const REMAPPED: Case = Case {
     title: "Building with a viscous damper in an earthquake, with and without fresh lattices",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: remapped,
 };
 

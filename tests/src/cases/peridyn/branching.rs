@@ -1,18 +1,21 @@
 //! A plate of glass with a notch, pulled at once: the crack branches.
 
+use crate::case::Schedule;
 use peridyn_sde::{Loading, Notch, Program};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::chart::{Field, Words, field};
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
+use figures::{Field, Words, field};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/branching",
     title: "A notched plate of glass under a sudden traction: where and how the crack branches",
     source: "after Ha and Bobaru 2010, constants of prototype_dynamic.json, which are mixed ones; its results are compared with and are no truth",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

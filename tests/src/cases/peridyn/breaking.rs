@@ -1,19 +1,24 @@
 //! Plates in noise and without load: how many bonds break, by step and by temperature.
 
+use crate::case::Schedule;
 use peridyn_sde::Scheme;
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::peridyn::background::{broken, noise_of_bonds, temperature};
-use crate::peridyn::first_passage::rate;
-use crate::peridyn::network::Network;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::peridyn::background::{broken, noise_of_bonds, temperature};
+use work_precision::problems::peridyn::first_passage::rate;
+use work_precision::problems::peridyn::network::Network;
 
 pub(crate) const LATTICE: Case = Case {
     id: "peridyn-sde/breaking-by-step",
     title: "A plate of 48 x 48 nodes in noise: bonds broken after a fixed time, for steps of z = 0.1, 0.05, 0.025",
     source: "the same time at half the step; research of the prototype: 6.0 % against 2.95 % by two schemes at z = 0.11",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: by_step,
 };
 
@@ -22,6 +27,7 @@ pub(crate) const BACKGROUND: Case = Case {
     title: "Bonds that break without load: their rate against that of killed Ornstein-Uhlenbeck paths",
     source: "K^-1 of the network for the variance of each bond; lowest eigenvalue of the killed process",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: background,
 };
 

@@ -1,5 +1,6 @@
 //! Waves in a long bar: how their frequency depends on their length.
 
+use crate::case::Schedule;
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, Nodes, Strain,
     SurfaceCorrection, VolumeCorrection,
@@ -7,7 +8,8 @@ use peridyn_sde::{
 use serde_json::Value;
 
 use super::rest::numbers;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -16,6 +18,7 @@ pub(crate) const CASE: Case = Case {
     title: "Frequency of waves in a bar by their length, on the lattice and in the limit of a fine one",
     source: "sums over the bonds of a lattice, and rho w^2 = (4 E/delta^2) (gamma + ln(k delta) - Ci(k delta)): dispersion1d.json",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,5 +1,6 @@
 //! The stationary law of each scheme on small networks: exactly, and sampled.
 
+use crate::case::Schedule;
 use nalgebra::DMatrix;
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Error,
@@ -7,18 +8,26 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Measured, Reference};
-use crate::peridyn::network::{Network, distance, foster, lanes, rate, stationary};
-use crate::peridyn::stationary::{TEMPERATURE, covariance_of_baoab, law_of, overdamped};
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::peridyn::network::{
+    Network, distance, foster, lanes, rate, stationary,
+};
+use work_precision::problems::peridyn::stationary::{
+    TEMPERATURE, covariance_of_baoab, law_of, overdamped,
+};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/equilibrium",
     title: "Covariance of small networks with linear bonds against kT K^-1: the maps of the schemes, and samples",
     source: "discrete Lyapunov equation of each scheme; kT min(i, j) of a chain (chain10.json); Leimkuhler and Matthews 2013; Foster 1961",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,5 +1,6 @@
 //! Forces of a strained block, against LAMMPS and between all paths.
 
+use crate::case::Schedule;
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, LatticeBody,
@@ -7,7 +8,8 @@ use peridyn_sde::{
 };
 use serde::Deserialize;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -16,6 +18,7 @@ pub(crate) const CASE: Case = Case {
     title: "Forces on 6 x 6 x 6 nodes against LAMMPS peri/pmb; strains at the border of the series of the fast paths",
     source: "LAMMPS 22Jul2025 peri/pmb, lammps_pmb_forces_6x6x6.json, with the same sums in 40 digits",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,22 +1,25 @@
 //! From cracks back to strength, correlation length and `kT`: do posterior intervals hold the truth?
 
+use crate::case::Schedule;
 use peridyn_sde::inference::{
     Emulator, EmulatorMixture, LoadSummary, Observations, Parameter, ParameterPosterior,
     ParameterSpace, Posterior, Prior, SamplerConfig, Scale, Summaries, SummaryConfig, Verdict,
 };
 use sde_integrators::{Estimate, Noise, Purpose};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::Measured;
-use crate::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 use crate::report::Claim;
+use figures::Measured;
+use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/inference",
     title: "Strength, correlation length and kT from cracks of 16 plates, by an emulator of ensembles: 20 synthetic data sets of a finer mesh",
     source: "synthetic truth; coverage of 90 % intervals",
     cost: Profile::Full,
+    schedule: Schedule::Together,
     run,
 };
 

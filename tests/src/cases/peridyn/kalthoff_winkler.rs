@@ -1,19 +1,24 @@
 //! A plate of steel with two notches that is struck between them: two cracks at a steep angle to the notches.
 
+use crate::case::Schedule;
 use peridyn_sde::{Loading, Notch};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::chart::{Field, Words, field};
-use crate::claim::{Criterion, Reference};
+use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
-use crate::report::{Claim, ErrorKind};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use figures::{Field, Words, field};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/kalthoff-winkler",
     title: "A plate with two notches, struck between them: angle and speed of the cracks",
     source: "experiment of Kalthoff and Winkler 1988, about 70 degrees, and Silling 2001, about 68, both from memory; set-up of prototype_dynamic.json, whose own angles are compared with and are no truth",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,19 +1,22 @@
 //! What bonds on a lattice amount to: stiffness, strain energy, energy of a crack.
 
+use crate::case::Schedule;
 use peridyn_sde::{Condition, Horizon, Influence, VolumeCorrection};
 use serde_json::Value;
 
 use super::rest::number;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 use crate::report::Claim;
+use work_precision::problems::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/lattice",
     title: "Stiffness of lattices; energy of a uniform extension and of a crack for every influence function and condition",
     source: "sums over the bonds of one node, lattice_stiffness.json; the elastic body and its G0",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

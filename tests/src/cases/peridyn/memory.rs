@@ -1,20 +1,23 @@
 //! Bonds that wear out: the exact step of their law against an integration that shares nothing with it.
 
+use crate::case::Schedule;
 use peridyn_sde::BondLaw;
 use peridyn_sde::law::Memory;
 use serde_json::Value;
 
 use super::rest::{number, numbers};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::peridyn::memory::{Wear, stepped};
 use crate::report::Claim;
+use work_precision::problems::peridyn::memory::{Wear, stepped};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/memory",
     title: "Damage with memory: ramp, hold, unload, and a sine, for several exponents",
     source: "section 2.1 of the note, eq 5 as d alpha/dt = -lambda exp(k s) alpha^n (1 - alpha)^m, by a Runge-Kutta method of fourth order; alpha_ramp.json",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

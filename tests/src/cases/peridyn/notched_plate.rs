@@ -1,20 +1,23 @@
 //! How far cracks from a notch scatter, and whether that survives another lattice.
 
+use crate::case::Schedule;
 use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, CrackOutcome, Interval};
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::Measured;
-use crate::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 use crate::report::Claim;
+use figures::Measured;
+use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/notched-plate",
     title: "Cracks from an edge notch: what noise and random stiffness scatter, on lattices of 32, 64 and 128 rows",
     source: "self-convergence; white noise: sd in proportion to dx^0.9 (measured with a prototype)",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,11 +1,13 @@
 //! The note as printed: where it is off, and by how much.
 
+use crate::case::Schedule;
 use peridyn_sde::{
     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
     VolumeCorrection,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -14,6 +16,7 @@ pub(crate) const CASE: Case = Case {
     title: "The note's bonds to the letter against those that are meant: stiffness by dimension and volume, the horizon of whole spacings",
     source: "docs/errata.md; 18 K/(pi delta^4) is the constant of three dimensions; eq 3 weighs a bond by the volume of one end",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

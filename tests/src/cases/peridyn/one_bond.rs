@@ -1,19 +1,24 @@
 //! One bond in noise: when it first comes to its strength.
 
+use crate::case::Schedule;
 use peridyn_sde::{Breaking, Scheme};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Measured, Reference};
-use crate::peridyn::first_passage::{rate, rate_with_bridge};
-use crate::peridyn::one_bond::{BONDS, seen};
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::peridyn::first_passage::{rate, rate_with_bridge};
+use work_precision::problems::peridyn::one_bond::{BONDS, seen};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/one-bond",
     title: "A bond as an Ornstein-Uhlenbeck path: the rate at which it breaks, by scheme, with and without the bridge",
     source: "lowest eigenvalue of the killed process, f'' - x f' + lambda f = 0, f(s0/sigma) = 0; Karatzas and Shreve 1991, eq 4.3.40",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,5 +1,6 @@
 //! A block with a flat notch, pulled apart: its crack front, by two paths, on any number of threads.
 
+use crate::case::Schedule;
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Fractured, FrontPoint,
     Horizon, Influence, LatticeBody, Loading, Nodes, PathConfig, PlaneNotch, Simulation,
@@ -7,7 +8,8 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -16,6 +18,7 @@ pub(crate) const CASE: Case = Case {
     title: "A block with a notch through half of it: lattice against bond list, the crack front, threads",
     source: "symmetry of the block; two implementations of one law",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

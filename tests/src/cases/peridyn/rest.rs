@@ -1,11 +1,13 @@
 //! A bar and a plate at rest under a pull at their ends.
 
+use crate::case::Schedule;
 use peridyn_sde::{
     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, SurfaceCorrection, VolumeCorrection,
 };
 use serde_json::Value;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::peridyn::rest::displacements;
 use crate::report::Claim;
@@ -15,6 +17,7 @@ pub(crate) const CASE: Case = Case {
     title: "A bar and plates under tension at rest: elongation, modulus and Poisson's ratio at the centre, with and without surface correction",
     source: "bar1d_static.json and plate_static.json, by other solvers; the elastic bar and plate",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,22 +1,27 @@
 //! A plate with two notches of which neither is preferred: noise chooses.
 
+use crate::case::Schedule;
 use peridyn_sde::{
     BondList, Bonds, Breaking, Dynamics, Fractured, Loading, Mobility, Nodes, Notch, PathConfig,
     Program, Scheme, Simulation, SimulationConfig, Strain, crack_path,
 };
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Measured, Reference};
+use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
-use crate::report::{Claim, ErrorKind};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/two-notches",
     title: "A symmetric plate with two notches, pulled slowly: with noise each crack is as likely to win",
     source: "symmetry: exactly 1/2 with noise, equal cracks without",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,16 +1,21 @@
 //! 51 cases against automatic differentiation, OpenTURNS and quadrature.
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
+use crate::case::Case;
+use crate::case::Schedule;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::{Assessed, assess};
-use crate::report::{Claim, ErrorKind};
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/reference",
     title: "Derivatives, moments and their distance to the true ones, 51 cases",
     source: "derivatives by JAX, moments by OpenTURNS 1.27 and by Gauss-Hermite quadrature",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,18 +1,21 @@
 //! The warning against the truth: how often it is right.
 
+use crate::case::Schedule;
 use perturbation_moments::{Trust, Verdict};
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::Measured;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::{Assessed, assess};
 use crate::report::Claim;
+use figures::Measured;
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/trust",
     title: "Warnings against the true error of the first-order variance, 49 cases and a pole",
     source: "variances by Gauss-Hermite quadrature; failures of the research note",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

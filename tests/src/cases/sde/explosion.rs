@@ -1,22 +1,27 @@
 //! Where Euler-Maruyama explodes on `dX = -X^3 dt + sigma dB`, and how the library says so.
 
+use crate::case::Schedule;
 use sde_integrators::{
     EnsembleConfig, Error, EulerMaruyama, Increment, Integrator, Observable, Sra1, StepError,
     StochasticTheta, TamedEuler, simulate,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
 use crate::sde::explosion::departures;
-use crate::sde::problems::Cubic;
-use crate::sde::reference::Explosion as Survey;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::sde::problems::Cubic;
+use work_precision::problems::sde::reference::Explosion as Survey;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/explosion",
     title: "explosion of Euler-Maruyama on -X^3: the edge sqrt(2/h) without noise, fractions of paths with noise",
     source: "derived/sde/explosion.json, an independent code with 10,000 paths",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,22 +1,27 @@
 //! Fields: the noisy heat equation on a rod, short and long.
 
+use crate::case::Schedule;
 use rayon::prelude::*;
 use sde_integrators::{
     DenseFactor, DiagonalFactor, Error, FieldIntegrator, FieldPath, LinearTheta, Noise,
     NoiseFactor, Shark, SkRock, SparseFactor,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::sde::problems::Rod;
-use crate::sde::stability::sk_rock_factors;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::sde::problems::Rod;
+use work_precision::problems::sde::stability::sk_rock_factors;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/fields",
     title: "the noisy heat equation on a rod: stationary variance, a correlated factor, a million unknowns",
     source: "eigenvalues of the second difference; a step of each method on one eigenvalue",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,22 +1,27 @@
 //! Mean-square stability on `dX = l X dt + m X dB`: the amplification of one step by quadrature, never by sampling.
 
+use crate::case::Schedule;
 use sde_integrators::{
     DiagonalNoise, Increment, Integrator, SkRock, StochasticTheta, StratonovichForm,
 };
 use sde_integrators::{EulerMaruyama, Heun, Milstein};
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::sde::problems::Geometric;
-use crate::sde::reference::MeanSquare;
-use crate::sde::stability::{Formula, boundary, formula_boundary};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::sde::problems::Geometric;
+use work_precision::problems::sde::reference::MeanSquare;
+use work_precision::problems::sde::stability::{Formula, boundary, formula_boundary};
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/mean-square-stability",
     title: "mean-square amplification and its boundary on the linear test equation, by quadrature",
     source: "Higham 2000; Abdulle, Almuslimani and Vilmart 2018; derived/sde/mean_square_stability.json",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -131,7 +136,12 @@ fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         [Formula::Theta(0.0), Formula::Milstein, Formula::Heun, Formula::SkRock(5)]
             .map(|formula| (formula, dt))
     }) {
-        let measured = crate::sde::stability::amplification_of(formula, -3.0, 3.0_f64.sqrt(), dt)?;
+        let measured = work_precision::problems::sde::stability::amplification_of(
+            formula,
+            -3.0,
+            3.0_f64.sqrt(),
+            dt,
+        )?;
         let expected = formula.amplification(-3.0 * dt, 3.0 * dt);
         worst = worst.max((measured / expected - 1.0).abs());
     }
@@ -155,7 +165,8 @@ fn unlimited_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
                 let dt = 10.0_f64.powi(exponent);
                 let (l, m) = (-1.0, (2.0_f64 * ray).sqrt());
                 let formula = Formula::Theta(theta);
-                let measured = crate::sde::stability::amplification_of(formula, l, m, dt)?;
+                let measured =
+                    work_precision::problems::sde::stability::amplification_of(formula, l, m, dt)?;
                 largest = if measured.is_nan() { f64::NAN } else { largest.max(measured) };
             }
         }

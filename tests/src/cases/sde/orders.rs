@@ -1,24 +1,30 @@
 //! Strong, weak and noise-free orders of every method of the tables.
 
+use crate::case::Schedule;
 use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Reference};
-use crate::order;
-use crate::report::{Claim, ErrorKind};
-use crate::sde::linear::StepMap;
-use crate::sde::methods::{Method, additive, diagonal, follow, second_order};
-use crate::sde::orders::{Study, Tolerance, claim, measure};
-use crate::sde::problems::{
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use crate::sde::order_claims::{Tolerance, claim};
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::order;
+use work_precision::problems::sde::linear::StepMap;
+use work_precision::problems::sde::methods::{Method, additive, diagonal, follow, second_order};
+use work_precision::problems::sde::orders::{Study, measure};
+use work_precision::problems::sde::problems::{
     Ageing, Duffing, Geometric, HyperbolicSine, Oscillator, Populations, Sine,
 };
-use crate::sde::quadrature::{expectation, gauss_hermite};
+use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
 
 pub(crate) const ADDITIVE: Case = Case {
     id: "sde-integrators/order-additive",
     title: "orders for additive noise, on a drift nonlinear in the noisy variable and on noise that changes in time",
     source: "Rößler 2010; Foster, dos Reis and Strange 2024; SciML prob_sde_additive; fine reference by SRA3",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: run_additive,
 };
 
@@ -27,6 +33,7 @@ pub(crate) const DIAGONAL: Case = Case {
     title: "orders for diagonal noise: geometric Brownian motion without sampling, hyperbolic sine, two populations",
     source: "closed solutions of Kloeden and Platen 1992, section 4.4; Rößler 2010",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: run_diagonal,
 };
 
@@ -35,6 +42,7 @@ pub(crate) const SECOND_ORDER: Case = Case {
     title: "orders on Duffing's oscillator with additive noise on the velocity",
     source: "fine reference by ShARK",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: run_second_order,
 };
 
@@ -59,8 +67,8 @@ fn order_claims<S, const D: usize, const M: usize>(
     context: &Context<'_>,
     problem: &str,
     methods: &[Method<S, D, M>],
-    strong: Option<&[crate::sde::orders::Outcome]>,
-    weak: Option<(&[crate::sde::orders::Outcome], &[&str])>,
+    strong: Option<&[work_precision::problems::sde::orders::Outcome]>,
+    weak: Option<(&[work_precision::problems::sde::orders::Outcome], &[&str])>,
 ) -> Vec<Claim> {
     let mut claims = Vec::new();
     for (k, method) in methods.iter().enumerate() {

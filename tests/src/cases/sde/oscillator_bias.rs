@@ -1,42 +1,33 @@
 //! The bias of `E[q^2]` of the oscillator with a viscous damper against the step length, by coupled differences.
 
-use fpk_sph::systems::{
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
+use crate::case::Schedule;
+use fpk_sph::systems::ViscousDamper;
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, Sra1, StrangOscillator};
+use work_precision::problems::sde::damper::viscous_damper_at_rest;
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::sde::methods::{Method, follow, method};
-use crate::sde::orders::{Level, Study, measure};
-use crate::sde::reference::OscillatorBias;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::problems::sde::methods::{Method, follow, method};
+use work_precision::problems::sde::orders::{Level, Study, measure};
+use work_precision::problems::sde::reference::OscillatorBias;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-bias",
     title: "bias of E[q^2] against step length on the oscillator with a viscous damper, T = 10 s from rest",
     source: "Canor and Denoël 2013, eq 26 with a = 1; derived/sde/oscillator_bias.json, 80,000 paths",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
 const END: f64 = 10.0;
 
-/// The structure of the paper with its damper, under noise that does not fade.
-pub(crate) fn damper() -> Result<ViscousDamper, CaseError> {
-    let structure = LinearOscillatorParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.01,
-        noise_intensity: 0.2,
-        window: Window::Stationary,
-    };
-    let parameters =
-        ViscousDamperParameters { structure, damper_coefficient: 0.25, damper_exponent: 0.35 };
-    Ok(ViscousDamper::new(parameters)?)
-}
-
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let system = damper()?;
+    let system = viscous_damper_at_rest()?;
     let none = [f64::NAN; 3];
     let methods: Vec<Method<ViscousDamper, 2, 1>> = vec![
         method("euler-maruyama", "Euler-Maruyama", EulerMaruyama, none),

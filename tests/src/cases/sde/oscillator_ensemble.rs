@@ -1,6 +1,7 @@
 //! Ensembles of the paper's oscillator with viscous damper against an independent code; and proof that the comparison
 //! can fail: with a constant changed, it does.
 
+use crate::case::Schedule;
 use fpk_sph::systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
@@ -9,17 +10,21 @@ use sde_integrators::{
     StrangOscillator, simulate,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::sde_ensembles::sampled;
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::sde::reference::OscillatorEnsemble;
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::problems::sde::reference::OscillatorEnsemble;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-ensemble",
     title: "E[q^2], E[v^2] and P(|q| > 0.5) of the damped building over time, and the same with a constant changed",
     source: "Canor and Denoël 2013, eq 26-27; derived/sde/oscillator_ensemble.json, 320,000 paths of an independent code",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -171,7 +176,7 @@ fn mutations(context: &Context<'_>, system: &Changed) -> Result<Vec<Claim>, Case
                 "",
                 &format!("Strang, h = 0.04, {n_paths} paths, one constant changed"),
             ),
-            crate::claim::Measured::exact(n_failed as f64),
+            figures::Measured::exact(n_failed as f64),
             1.0,
             claims.len() as f64,
             "of 15 claims that hold with the right constant: at least one must see the wrong one",

@@ -1,23 +1,28 @@
 //! The stationary law of `dX = -X^3 dt + sqrt(2) dB` under each method, by iterating its transition operator: no
 //! sampling.
 
+use crate::case::Schedule;
 use sde_integrators::{
     EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Shark, Sra1, StepError,
     StochasticTheta, TamedEuler,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::order;
-use crate::report::{Claim, ErrorKind};
-use crate::sde::problems::Cubic;
-use crate::sde::quadrature::{expectation, gauss_hermite};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::order;
+use work_precision::problems::sde::problems::Cubic;
+use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/quartic-law",
     title: "bias of the stationary E[x^2] in a quartic potential, by the transition operator of each method",
     source: "2 Gamma(3/4)/Gamma(1/4) = 0.6759782401; derived/sde: 2e7 steps of an independent code",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,22 +1,27 @@
 //! Stationary laws of the linear oscillator by the discrete Lyapunov equation: no sampling.
 
+use crate::case::Schedule;
 use sde_integrators::{
     Additive, Baoab, EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Sde,
     SecondOrder, SemiImplicitEuler, Sra1, StateSpace, StepError, StochasticTheta, StrangOscillator,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::order;
-use crate::report::{Claim, ErrorKind};
-use crate::sde::linear::probe;
-use crate::sde::problems::Oscillator;
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use work_precision::order;
+use work_precision::problems::sde::linear::probe;
+use work_precision::problems::sde::problems::Oscillator;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/stationary-law",
     title: "stationary covariance of the linear oscillator, by one step of each method",
     source: "discrete Lyapunov equation; closed forms of the covariance of a second-order autoregression",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,19 +1,24 @@
 //! Paths that fail are counted and told, never dropped.
 
+use crate::case::Schedule;
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, Observable, Sampling, Sde, SimdLevel, Study,
 };
 
 use super::sampled;
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/failures",
     title: "Euler's method on dX = -X^3 dt + s dB: the paths that explode are counted",
     source: "an independent program in C++, 10,000 paths: fraction of |X| > 1e10 by t = 20, from 0",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,20 +1,25 @@
 //! First passage: what happens between the steps, by the right rule and by the wrong ones.
 
+use crate::case::Schedule;
 use sde_integrators::{
     Additive, Between, EnsembleConfig, Estimate, EulerMaruyama, GaussianMixture, Response, Sde,
     Side, StrangOscillator, maxima,
 };
 
 use super::{Oscillator, against_exact, sampled, upper_tail};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/first-passage",
     title: "First passage between the steps: bridges for a component with diffusion, cubics for an oscillator",
     source: "reflection principle; step halving",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 
@@ -114,7 +119,7 @@ fn misses(
     let distance = (wrong.value - right.value).abs() / spread;
     Ok(Claim::as_measured(
         context.subject(name, "distance of the wrong rule", "s.e.", "wrong against right rule"),
-        crate::claim::Measured::exact(distance),
+        figures::Measured::exact(distance),
         10.0,
         1e4,
         "the wrong rule must be told from the right one",

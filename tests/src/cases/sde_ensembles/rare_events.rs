@@ -1,5 +1,6 @@
 //! Rare events and smaller errors: importance sampling, subset simulation, control variates, antithetic paths.
 
+use crate::case::Schedule;
 use sde_integrators::{
     Additive, DrivenPath, Ensemble, EnsembleConfig, Error, EulerMaruyama, Noise, Observable,
     Sampling, Sde, SimdLevel, StrangOscillator, Study, SubsetConfig, design_point,
@@ -7,15 +8,19 @@ use sde_integrators::{
 };
 
 use super::{Oscillator, against_exact, upper_tail};
-use crate::case::{Case, CaseError, Context, Profile};
-use crate::claim::{Criterion, Measured, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/rare-events",
     title: "Importance sampling, subset simulation, control variates and antithetic paths against exact values",
     source: "Caughey & Stumpf 1961; reflection principle",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

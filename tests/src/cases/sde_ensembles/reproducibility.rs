@@ -1,12 +1,14 @@
 //! The same bits for any number of threads, any division into shards, every level of instructions, and after a file.
 
+use crate::case::Schedule;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Error, GaussianMixture, Observable, Outcome, Sampling, ShardRecord,
     SimdLevel, StrangOscillator, Study, Uncertainty, merge,
 };
 
 use super::Oscillator;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -14,6 +16,7 @@ pub(crate) const CASE: Case = Case {
     title: "Ensembles: the same bits on 1, 2 and 8 threads, in shards, at every level of instructions",
     source: "by construction: sums over fixed blocks of paths in a tree of fixed shape",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

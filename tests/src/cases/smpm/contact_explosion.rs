@@ -1,17 +1,19 @@
 //! The two examples of Chen et al. 2019: jets against whole runs, differenced and sampled, and the frozen formulas beside them.
 
+use crate::case::Schedule;
 use std::sync::Arc;
 
 use perturbation_moments::{Moments, MonteCarlo};
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
 use smpm::{Plan, Quantity};
 
-use super::quantile;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::problems::{Problem, experiment};
+use scenes::smpm::experiment::SceneExperiment;
+use work_precision::problems::smpm::problems::{Problem, experiment};
+use work_precision::quantile::quantile;
 
 const SOURCE: &str =
     "own whole runs; Chen et al. 2019, section 5, with the geometry of docs/methods/smpm.md";
@@ -21,6 +23,7 @@ pub(crate) const DIFFERENCES: Case = Case {
     title: "Derivatives carried through an explosion against central differences of whole runs",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: differences,
 };
 
@@ -29,6 +32,7 @@ pub(crate) const SAMPLES: Case = Case {
     title: "Mean and variance behind an explosion, from one run, against sampled runs",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: samples,
 };
 

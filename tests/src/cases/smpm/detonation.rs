@@ -1,5 +1,6 @@
 //! TNT: the state behind its front, and what it does to steel that it touches.
 
+use crate::case::Schedule;
 use perturbation_moments::{Jet, Scalar};
 use smpm::material::{Detonation, Fluid, Jwl, MieGruneisen, Solid, Units, library};
 use smpm::{
@@ -7,7 +8,8 @@ use smpm::{
     Transfer,
 };
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -16,6 +18,7 @@ pub(crate) const CASE: Case = Case {
     title: "Plane detonation of TNT: Chapman-Jouguet state, energy released, and the shock in steel behind it",
     source: "Chapman-Jouguet state of the JWL equation with E_0 = 7 GPa; impedance match with the isentrope; Dobratz and Crawford 1985",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

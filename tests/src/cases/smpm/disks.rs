@@ -1,5 +1,6 @@
 //! Two elastic disks that collide: when they touch, what is kept, what they part with.
 
+use crate::case::Schedule;
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
@@ -7,7 +8,8 @@ use smpm::{
 };
 
 use super::methods::{METHODS, Method, ended};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -16,6 +18,7 @@ pub(crate) const CASE: Case = Case {
     title: "Two elastic disks collide, bonded as in the paper and with contact of their own",
     source: "Sulsky, Chen and Schreyer 1994, section 4; the time of contact is (0.6 - 0.4/sqrt(2))/0.2, and by symmetry the momentum stays zero",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

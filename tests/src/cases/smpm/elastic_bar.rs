@@ -1,6 +1,7 @@
 //! An elastic bar, in its first mode and against a wall: closed forms, order, energy and momentum, by shape function, update
 //! order and transfer.
 
+use crate::case::Schedule;
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
@@ -9,7 +10,8 @@ use smpm::{
 };
 
 use super::methods::{METHODS, Method, ended};
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 
@@ -18,6 +20,7 @@ pub(crate) const CASE: Case = Case {
     title: "An elastic bar, fixed and free, in its first mode; one that runs into a wall; two that meet",
     source: "linear vibration: v = v_0 cos(w t) sin(b x), b = pi/(2 L), w = b sqrt(E/rho), the bar of Bardenhagen 2002; impact: sigma = -rho c V until 2 L/c",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

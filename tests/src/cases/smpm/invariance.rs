@@ -1,16 +1,19 @@
 //! The same bits on any number of threads, in numbers and with derivatives.
 
+use crate::case::Schedule;
 use smpm::uncertainty::Study;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::report::Claim;
-use crate::smpm::problems::{Problem, experiment};
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/invariance",
     title: "The explosion on 1, 2 and 8 threads",
     source: "by construction: every entry is written once, sums have one order",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

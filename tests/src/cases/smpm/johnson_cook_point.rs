@@ -1,21 +1,26 @@
 //! A point of steel at a constant rate: what jets carry and what the frozen formulas say, against quadrature.
 
+use crate::case::Schedule;
 use perturbation_moments::{AlongDirections, Jet, Moments, RandomVector, Scalar};
 use rayon::prelude::*;
 use serde::Deserialize;
 use smpm::Number;
 use smpm::material::{JohnsonCook, JohnsonCookParameters, Now, Observed, Strength};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/johnson-cook-point",
     title: "A point of 4340 steel strained at 1e4/s with five random constants",
     source: "tensor Gauss-Hermite quadrature with 9 nodes a parameter, own and of the reference; Chen et al. 2019, eq 34-35",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

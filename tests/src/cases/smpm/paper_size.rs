@@ -1,25 +1,30 @@
 //! The second example of Chen et al. 2019 with as many particles as there, beside its tables.
 
+use crate::case::Schedule;
 use std::collections::BTreeMap;
 
-use cpu_time::ProcessTime;
+use scenes::clock::CpuClock;
 use serde::Deserialize;
 use smpm::Quantity;
 use smpm::uncertainty::{Propagated, Study};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::problems::{Problem, experiment};
-use crate::smpm::scene::{SmpmScene, SolidScene};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::{SmpmScene, SolidScene};
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/paper-size",
     title: "Contact explosion with 160,000 particles beside Tables 6 to 8 of the paper, and its cost",
     source: "Chen et al. 2019, Tables 6-9, as printed; what its code must have done: docs/errata.md",
     cost: Profile::Full,
+    schedule: Schedule::Alone,
     run,
 };
 
@@ -91,13 +96,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let n_particles = experiment.n_particles();
     context.progress("mean run");
     let study = Study::<_, 2, 5>::new(&experiment, scene.inputs()?, scene.plan()?)?;
-    let start = ProcessTime::now();
+    let start = CpuClock::start();
     let _ = study.run(&[0.0; 5])?;
-    let of_one = start.elapsed().as_secs_f64();
+    let of_one = start.seconds();
     context.progress("run with derivatives");
-    let start = ProcessTime::now();
+    let start = CpuClock::start();
     let propagated = study.propagated()?;
-    let of_jets = start.elapsed().as_secs_f64();
+    let of_jets = start.seconds();
 
     let method = format!(
         "jets, {n_particles} particles, cells of 5 mm, {} steps, Johnson-Cook as published",

@@ -1,18 +1,21 @@
 //! A plane shock: its state and the variance of its pressure, exact by the Hugoniot.
 
+use crate::case::Schedule;
 use smpm::uncertainty::{FrozenForm, Study};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use crate::smpm::problems::{Problem, experiment};
-use crate::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
+use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/plate-impact",
     title: "A plane shock in steel: pressure, density, front, and the variance of its pressure",
     source: "Hugoniot u_s = C + S_1 u_p, exact: p = rho_0 u_s u_p; Meyers 1994, chapter 4",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,18 +1,23 @@
 //! What of the contact explosion converges with the cell, and what does not at the cell of the paper.
 
+use crate::case::Schedule;
 use smpm::uncertainty::Experiment;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::smpm::problems::{Problem, experiment};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/refinement",
     title: "Flow stress, deviator and pressure at H, 9 us, over the cell",
     source: "own runs; Chen et al. 2019, section 5.2, whose cells are 0.5 cm",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

@@ -1,9 +1,11 @@
 //! Riemann problems between gases, liquids and metal as stiffened gases: profiles against the exact solution.
 
+use crate::case::Schedule;
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Side, Simulation, Transfer};
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 use crate::smpm::riemann::{Gas, Riemann};
@@ -13,6 +15,7 @@ pub(crate) const CASE: Case = Case {
     title: "Riemann problems: Sod's, water, steel",
     source: "exact solution of the Riemann problem; Sod 1978, Toro 2009",
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run,
 };
 

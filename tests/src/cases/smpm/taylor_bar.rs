@@ -1,14 +1,18 @@
 //! A cylinder of copper that runs end on into a rigid wall, axisymmetric and as a quarter in three dimensions.
 
+use crate::case::Schedule;
 use serde::Deserialize;
 use smpm::Body;
 use smpm::uncertainty::Experiment;
 
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
-use crate::claim::{Criterion, Reference};
-use crate::report::{Claim, ErrorKind};
-use crate::smpm::problems::{Problem, experiment};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use figures::ErrorKind;
+use figures::Reference;
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
 const SOURCE: &str = "shape of the recovered bar: Johnson and Holmquist 1988, a secondary source, from memory and not looked up; set-up and constants of the Taylor bar of MPM3D-F90";
 
@@ -17,6 +21,7 @@ pub(crate) const AXISYMMETRIC: Case = Case {
     title: "Taylor bar of copper at 190 m/s, axisymmetric: length, foot, bulge",
     source: SOURCE,
     cost: Profile::Quick,
+    schedule: Schedule::Together,
     run: axisymmetric,
 };
 
@@ -25,6 +30,7 @@ pub(crate) const QUARTER: Case = Case {
     title: "The same as a quarter in three dimensions",
     source: SOURCE,
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run: quarter,
 };
 

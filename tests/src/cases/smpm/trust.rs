@@ -1,19 +1,22 @@
 //! Whether the indicators of a Taylor series say when to believe it: all responses of the two explosions.
 
+use crate::case::Schedule;
 use smpm::uncertainty::Switch;
 
 use super::contact_explosion::solved;
-use super::quantile;
-use crate::case::{Case, CaseError, Context, Profile};
+use crate::case::Case;
+use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use crate::smpm::problems::Problem;
+use work_precision::problems::smpm::problems::Problem;
+use work_precision::quantile::quantile;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/trust",
     title: "Curvature ratio and distance to a switch against the true error of the variance, over all responses of the explosions",
     source: "own sampled runs with control variate",
     cost: Profile::Default,
+    schedule: Schedule::Together,
     run,
 };
 

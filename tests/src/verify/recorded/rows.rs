@@ -1,8 +1,11 @@
 //! The rows of a case: all claims where they are few, the worst of each family where they are many.
 
-use crate::markdown::{self, text};
-use crate::number::{self, counted};
-use crate::report::{CaseRecord, Claim, ErrorKind};
+use crate::report::{CaseRecord, Claim};
+use figures::ErrorKind;
+use figures::markdown;
+use figures::markdown::text;
+use figures::number;
+use figures::number::counted;
 
 /// Of more claims than this the worst are shown.
 pub(super) const MOST_ROWS: usize = 12;

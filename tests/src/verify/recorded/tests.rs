@@ -1,10 +1,13 @@
 use super::rows::MOST_ROWS;
 use super::*;
 use crate::case::Case;
-use crate::claim::{Criterion, Measured, Reference, Subject};
-use crate::machine::Machine;
-use crate::report::{Claim, ErrorKind};
+use crate::case::Schedule;
+use crate::claim::{Criterion, Subject};
+use crate::report::Claim;
 use crate::verify::fingerprint::tests::workspace;
+use figures::ErrorKind;
+use figures::{Measured, Reference};
+use scenes::machine::Machine;
 
 const METHOD: &str = "log-density fit";
 const TRUNCATION: &str = "truncation < 1 %";
@@ -50,6 +53,7 @@ fn page(name: &str, claims: Vec<Claim>) -> String {
         title: "",
         source: "",
         cost: Profile::Quick,
+        schedule: Schedule::Together,
         run: |_| Ok(Vec::new()),
     };
     let fingerprint = Fingerprint::read(&root, &[case], Profile::Default).unwrap();
@@ -126,7 +130,7 @@ fn recorded_page_for_the_eye() {
     };
     let Ok(report) = std::fs::read_to_string(folder.join("report.json")) else { return };
     let report: Report = serde_json::from_str(&report).unwrap();
-    let root = crate::output::workspace();
+    let root = work_precision::record::workspace();
     let fingerprint = Fingerprint::read(&root, &[], report.profile).unwrap();
     std::fs::write(folder.join("verification.md"), render_record(&report, &fingerprint)).unwrap();
 }

@@ -1,0 +1,148 @@
+//! A picture or a page with the numbers in it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::cheapest::{Choice, choices, choices_table};
+use crate::curve::Curves;
+use crate::curves::curves;
+use crate::data::{Field, PathMap, Plane, TimeSeries, WorkPrecision};
+use crate::error::ChartError;
+use crate::field::field;
+use crate::finite::{self, JsonError};
+use crate::path_map::path_map;
+use crate::plane::plane;
+use crate::time_series::time_series;
+use crate::work_precision::work_precision;
+
+/// A picture or a page, and the numbers in it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Drawing {
+    /// Name of the files, without their endings.
+    pub name: String,
+    /// What is looked at.
+    pub face: Face,
+    /// Its numbers, JSON.
+    pub data: String,
+    /// What is printed below its path; empty for nothing.
+    pub table: String,
+}
+
+/// A chart as it stands in its file.
+#[derive(Serialize)]
+struct Chosen<'a> {
+    #[serde(flatten)]
+    chart: &'a WorkPrecision,
+    cheapest: Vec<Choice>,
+}
+
+/// What is looked at.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Face {
+    /// A picture, SVG.
+    Picture(String),
+    /// A page, Markdown.
+    Page(String),
+}
+
+/// A chart whose picture or numbers cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DrawingError {
+    /// The picture.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// The numbers.
+    #[error(transparent)]
+    Json(#[from] JsonError),
+}
+
+impl Drawing {
+    /// Error against cost, with the cheapest method for a tolerance in its numbers and as its table.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn work_precision(name: &str, data: &WorkPrecision) -> Result<Self, DrawingError> {
+        let cheapest = choices(data);
+        let table = choices_table(&cheapest, &data.reading);
+        Ok(Self {
+            name: name.into(),
+            face: Face::Picture(work_precision(data)?),
+            data: finite::to_json(&Chosen { chart: data, cheapest })?,
+            table: table.trim_end().to_owned(),
+        })
+    }
+
+    /// Prints `rows` as well, before what it prints by itself.
+    #[must_use]
+    pub fn with_rows(self, rows: &str) -> Self {
+        let table = [rows, &self.table].into_iter().filter(|part| !part.is_empty());
+        Self { table: table.collect::<Vec<_>>().join("\n"), ..self }
+    }
+
+    /// Values over time.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn time_series(name: &str, data: &TimeSeries) -> Result<Self, DrawingError> {
+        Ok(Self {
+            name: name.into(),
+            face: Face::Picture(time_series(data)?),
+            data: finite::to_json(data)?,
+            table: String::new(),
+        })
+    }
+
+    /// Curves over a parameter.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn curves(name: &str, data: &Curves) -> Result<Self, DrawingError> {
+        let face = Face::Picture(curves(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
+    /// A density over a plane.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn plane(name: &str, data: &Plane) -> Result<Self, DrawingError> {
+        let face = Face::Picture(plane(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
+    /// A quantity over a plane.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn field(name: &str, data: &Field) -> Result<Self, DrawingError> {
+        let face = Face::Picture(field(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
+    /// A probability over a plane and a path on it.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that cannot be drawn.
+    pub fn path_map(name: &str, data: &PathMap) -> Result<Self, DrawingError> {
+        let face = Face::Picture(path_map(data)?);
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+    }
+
+    /// A page of text.
+    ///
+    /// # Errors
+    /// [`DrawingError`] for numbers that JSON does not hold.
+    pub fn page<T: Serialize>(name: &str, text: String, data: &T) -> Result<Self, DrawingError> {
+        let data = finite::to_json(data)?;
+        Ok(Self { name: name.into(), face: Face::Page(text), data, table: String::new() })
+    }
+
+    /// The picture, where it is one.
+    #[must_use]
+    pub fn into_svg(self) -> Option<String> {
+        match self.face {
+            Face::Picture(svg) => Some(svg),
+            Face::Page(_) => None,
+        }
+    }
+}

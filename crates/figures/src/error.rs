@@ -1,0 +1,64 @@
+//! Data that cannot be drawn.
+
+/// Data that cannot be drawn.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
+pub enum ChartError {
+    /// A value is NaN or infinite.
+    #[error("series `{series}`: the {quantity} is {value}, not a finite number")]
+    NotFinite {
+        /// Which series.
+        series: String,
+        /// Which of its quantities.
+        quantity: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// A logarithmic axis was given zero or less.
+    #[error("series `{series}`: the {quantity} {value} has no place on a logarithmic axis")]
+    NotPositive {
+        /// Which series.
+        series: String,
+        /// Which of its quantities.
+        quantity: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// There is no point to draw.
+    #[error("the chart `{title}` has no point to draw")]
+    Empty {
+        /// Its title.
+        title: String,
+    },
+    /// The picture could not be made.
+    #[error("the picture could not be made: {message}")]
+    Picture {
+        /// What the drawing library said.
+        message: String,
+    },
+}
+
+pub(crate) fn check_finite(
+    series: &str,
+    quantity: &'static str,
+    value: f64,
+) -> Result<f64, ChartError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ChartError::NotFinite { series: series.into(), quantity, value })
+    }
+}
+
+pub(crate) fn check_positive(
+    series: &str,
+    quantity: &'static str,
+    value: f64,
+) -> Result<f64, ChartError> {
+    let value = check_finite(series, quantity, value)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err(ChartError::NotPositive { series: series.into(), quantity, value })
+    }
+}

@@ -1,0 +1,168 @@
+//! Advice as it is printed.
+
+use std::io::Write;
+
+use serde_json::Value;
+
+use super::{Advice, AdviseError, Candidate, Unreached};
+use crate::ladder::{Outcome, Trial};
+use figures::markdown;
+use figures::number::{percent, short};
+
+/// Prints what was tried, the cheapest methods, and what to write into the scene.
+///
+/// # Errors
+/// [`AdviseError::Write`].
+pub fn print(advice: &Advice, output: &mut dyn Write) -> Result<(), AdviseError> {
+    let blocks = [tried(advice), cheapest(advice), verdict(advice)];
+    let text = blocks.join("\n");
+    writeln!(output, "{}", text.trim_end()).map_err(AdviseError::Write)
+}
+
+fn heads(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+fn tried(advice: &Advice) -> String {
+    let row = |trial: &Trial| {
+        let method = advice.ladder.methods[trial.method].name.clone();
+        let mut row = vec![method, trial.rung.label.clone()];
+        match &trial.outcome {
+            Outcome::Failed { reason } => {
+                row.extend([
+                    String::new(),
+                    String::new(),
+                    format!("ended: {reason}"),
+                    String::new(),
+                ]);
+            }
+            Outcome::Answered(answer) => {
+                let worst = worst(advice, trial);
+                row.push(short(Some(answer.cpu_seconds)));
+                row.push(n_within(advice, trial));
+                row.push(worst.as_ref().map_or_else(String::new, |(error, _)| percent(*error)));
+                row.push(worst.map_or_else(String::new, |(_, words)| words));
+            }
+        }
+        row.iter().map(|cell| markdown::text(cell)).collect()
+    };
+    let rows: Vec<Vec<String>> = advice.trials.iter().map(row).collect();
+    let within = format!("within {}", percent(advice.options.tolerance));
+    let heads = heads(&["tried", "size", "CPU (s)", &within, "largest error", "in"]);
+    format!("{}\n{}", markdown::table(&heads, &rows), notes(advice))
+}
+
+fn notes(advice: &Advice) -> String {
+    let mut notes = String::from(
+        "Errors are relative, those of covariances to the deviations: the run's own estimate, two standard errors of what is sampled, \
+         or what other trials contradict it by, those that sample beyond four.\n",
+    );
+    notes.push_str(advice.ladder.left_out);
+    notes.push('\n');
+    let unknown: Vec<&str> = (0..advice.judgements.len())
+        .filter(|&q| !advice.is_known(q))
+        .map(|q| advice.judgements[q].words.as_str())
+        .collect();
+    if !unknown.is_empty() {
+        notes.push_str("Not judged, since no trial knows more than its order of magnitude: ");
+        notes.push_str(&unknown.join(", "));
+        notes.push_str(".\n");
+    }
+    notes
+}
+
+/// The errors of a trial over known quantities, with their places.
+fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
+    let of = |q: usize| Some((advice.judgements[q].error_of(trial)?, q));
+    (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(of).collect()
+}
+
+/// How many of the known quantities a trial has within the tolerance.
+fn n_within(advice: &Advice, trial: &Trial) -> String {
+    let errors = errors(advice, trial);
+    let n = errors.iter().filter(|(error, _)| *error <= advice.options.tolerance).count();
+    format!("{n} of {}", errors.len())
+}
+
+/// The largest error of a trial among known quantities, and of which.
+fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
+    let largest = errors(advice, trial).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((largest.0, advice.judgements[largest.1].words.clone()))
+}
+
+fn cheapest(advice: &Advice) -> String {
+    let row = |q: usize| {
+        let judgement = &advice.judgements[q];
+        let relative = judgement.error / judgement.scale;
+        let value = format!("{} ({})", short(Some(judgement.value)), percent(relative));
+        let candidates = advice.candidates(q);
+        let mut cells = candidates.iter().map(|candidate| cells(advice, candidate));
+        let none = || ["none".to_owned(), String::new()];
+        let first = cells.next().unwrap_or_else(|| [why_not(advice, q), String::new()]);
+        let second = cells.next().unwrap_or_else(none);
+        [vec![markdown::text(&judgement.words), value], first.to_vec(), second.to_vec()].concat()
+    };
+    let known = (0..advice.judgements.len()).filter(|&q| advice.is_known(q));
+    let rows: Vec<Vec<String>> = known.map(row).collect();
+    let within = format!("cheapest within {}", percent(advice.options.tolerance));
+    markdown::table(
+        &heads(&["quantity", "value (known to)", &within, "CPU (s)", "runner-up", "CPU (s)"]),
+        &rows,
+    )
+}
+
+fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
+    let method = &advice.ladder.methods[candidate.method];
+    let name = advice
+        .changes(candidate)
+        .map_or_else(|| method.name.clone(), |(label, _)| method.at(&label));
+    let mark = if candidate.needed.beyond > 1.0 + 1e-9 { "~" } else { "" };
+    [markdown::text(&name), format!("{mark}{}", short(Some(candidate.needed.cost)))]
+}
+
+/// The method that came nearest, and why it is not enough.
+fn why_not(advice: &Advice, quantity: usize) -> String {
+    let unreached = advice.needs[quantity].iter().enumerate();
+    let nearest = unreached.filter_map(|(method, need)| match need {
+        Err(Unreached::NotFalling { error }) => Some((method, *error, "and does not fall")),
+        Err(Unreached::TooFar { error }) => {
+            Some((method, *error, "and the rest is too far to tell"))
+        }
+        Ok(_) | Err(Unreached::NoAnswer) => None,
+    });
+    match nearest.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((method, error, why)) => {
+            let name = markdown::text(&advice.ladder.methods[method].name);
+            format!("none; {name} has {} {why}", percent(error))
+        }
+        None => "none".to_owned(),
+    }
+}
+
+fn verdict(advice: &Advice) -> String {
+    let within = percent(advice.options.tolerance);
+    let candidates = advice.candidates_for_all();
+    let Some(best) = candidates.first() else {
+        return format!(
+            "No method is seen to bring all of them within {within}. A larger --budget sees further; --quantity asks for less."
+        );
+    };
+    let Some((label, changes)) = advice.changes(best) else { return String::new() };
+    let name = advice.ladder.methods[best.method].at(&label);
+    let cost = short(Some(best.needed.cost));
+    let seen = if best.needed.beyond > 1.0 + 1e-9 {
+        format!("expected, {:.1} times the largest size that was tried", best.needed.beyond)
+    } else {
+        "as tried".to_owned()
+    };
+    let keys: Vec<String> =
+        changes.iter().map(|(key, value)| format!("  \"{key}\": {}", compact(value))).collect();
+    format!(
+        "For all of them within {within}: {name}, {cost} s of CPU ({seen}).\nWrite into the scene:\n{}\n",
+        keys.join(",\n")
+    )
+}
+
+fn compact(value: &Value) -> String {
+    serde_json::to_string(value).unwrap_or_default()
+}

@@ -1,0 +1,13 @@
+//! The kinds of scene that this build knows.
+
+use crate::kind::SceneKind;
+
+/// Every kind of scene, by the features of the build.
+pub const ALL: &[SceneKind] = &[
+    #[cfg(feature = "fpk")]
+    crate::fpk::run::KIND,
+    #[cfg(feature = "smpm")]
+    crate::smpm::run::KIND,
+    #[cfg(feature = "peridyn")]
+    crate::peridyn::run::KIND,
+];

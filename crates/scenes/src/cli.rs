@@ -1,0 +1,280 @@
+//! The command line of scenes: words to options, errors to exit codes.
+
+mod ranks;
+
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::built_in::ALL;
+use crate::checkpoint::Start;
+use crate::kind::{self, Options, Part, Place, Progress};
+use crate::{advise, schema};
+
+/// Exit code of a program whose reader went away.
+const BROKEN_PIPE: u8 = 141;
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "scenes",
+    bin_name = "cargo xtask",
+    version,
+    about = "Runs scenes of stochastic mechanics"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// What is done with scenes.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene file
+    Run(Run),
+    /// Name the cheapest method and size for a tolerance on a scene, from short trial runs
+    Advise(Advise),
+    /// Join the shards of a scene to the result of one run
+    Merge(Merge),
+    /// Write the schemas of scenes and the page of all their keys
+    Schema(Schema),
+}
+
+/// How a scene is run.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Where the results go
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Threads of parallel loops; the results are the same for any number [default: all processors, or 1 for each rank of mpirun]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// A seed in place of that of the scene
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Go on from the last checkpoint in DIR, to the same bits; its end may have been earlier
+    #[arg(long)]
+    resume: bool,
+    /// Start from the beginning over the checkpoint in DIR of a run that has not come to its end, which is refused otherwise
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
+    /// The least time between two checkpoints
+    #[arg(long, value_name = "SECONDS", default_value_t = Options::CHECKPOINT_EVERY.as_secs())]
+    checkpoint_every: u64,
+    /// Run shard K of N of an ensemble, which `merge` joins
+    #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
+    shard: Option<Place>,
+    /// Run an ensemble block by block as ranks of mpirun do, in this process: each block is kept in a file, and job.json tells what
+    /// it took
+    #[arg(long, conflicts_with_all = ["shard", "tolerance"])]
+    blocks: bool,
+    /// The largest error over the value, e.g. 1e-2: the scene's own method, at the size that short trial runs say it needs
+    #[arg(long, value_name = "T")]
+    tolerance: Option<f64>,
+    #[command(flatten)]
+    wanted: Wanted,
+}
+
+/// For which scene, and how exactly.
+#[derive(Debug, Args)]
+pub struct Advise {
+    /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    #[command(flatten)]
+    wanted: Wanted,
+    /// The largest error over the value, e.g. 1e-2
+    #[arg(long, value_name = "T")]
+    tolerance: f64,
+}
+
+/// What is asked of trial runs.
+#[derive(Debug, Args)]
+struct Wanted {
+    /// CPU seconds that no trial run may be expected to exceed; the first of each method is always made
+    #[arg(long, value_name = "SECONDS", default_value_t = advise::Options::BUDGET)]
+    budget: f64,
+    /// The beginning of the id of a quantity, e.g. moment/ or exceedance/1; may be repeated; none asks for all
+    #[arg(long = "quantity", value_name = "ID")]
+    quantities: Vec<String>,
+}
+
+impl Wanted {
+    fn within(self, tolerance: f64) -> advise::Options {
+        let Self { budget, quantities } = self;
+        advise::Options { tolerance, budget, quantities }
+    }
+}
+
+/// Which shards are joined.
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// The scene that the shards are of
+    #[arg(value_name = "SCENE.json")]
+    scene: PathBuf,
+    /// Files that `run --shard` has left, all of them, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    shards: Vec<PathBuf>,
+    /// Where the results go
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// The seed that the shards were run with, where it is not that of the scene
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+}
+
+/// Where the schemas go.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// The folder of the built-in scenes, from which examples are taken
+    #[arg(long, value_name = "DIR", default_value = "tests/scenes")]
+    scenes: PathBuf,
+    /// Where the schemas and the page go
+    #[arg(long, value_name = "DIR", default_value = "target/schema")]
+    out: PathBuf,
+}
+
+/// Reads the command line, runs it, and returns the exit code.
+pub fn main() -> ExitCode {
+    exit_code(execute(Cli::parse().command, &mut io::stdout().lock()))
+}
+
+/// The exit code of a command; an error is printed on standard error.
+pub fn exit_code(result: miette::Result<ExitCode>) -> ExitCode {
+    match result {
+        Ok(code) => code,
+        Err(report) if is_broken_pipe(&report) => ExitCode::from(BROKEN_PIPE),
+        Err(report) => {
+            // Without a standard error the exit code still reports it.
+            let _ = writeln!(io::stderr(), "{report:?}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a command.
+///
+/// # Errors
+/// Any error of the scene, the solver or the files, as a report.
+pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    match command {
+        Command::Run(arguments) => execute_run(arguments, output),
+        Command::Advise(Advise { scene, wanted, tolerance }) => {
+            let (options, progress) = (wanted.within(tolerance), Progress::on_stderr());
+            let advice = advise::advise(ALL, &scene, &options, &progress);
+            progress.finish();
+            advise::print(&advice?, output)?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Merge(Merge { scene, shards, out, seed }) => {
+            let part = Part::Merged(shards);
+            run_scene(&scene, &Options { seed, part, ..Options::new(out) }, output)
+        }
+        Command::Schema(arguments) => execute_schema(&arguments, output),
+    }
+}
+
+fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    let started = ranks::started();
+    // Ranks are as many as there are cores.
+    let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));
+    if let Some(threads) = threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        pool.build_global().map_err(miette::Report::from_err)?;
+    }
+    let options = Options {
+        out: arguments.out,
+        seed: arguments.seed,
+        start: match (arguments.resume, arguments.overwrite) {
+            (true, _) => Start::GoOn,
+            (_, true) => Start::Overwrite,
+            _ => Start::Anew,
+        },
+        checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
+        part: arguments.shard.map_or(Part::Whole, Part::Shard),
+    };
+    if let Some(n_ranks) = started {
+        if arguments.tolerance.is_some() {
+            return Err(miette::miette!(
+                "--tolerance tries sizes in one process: leave out mpirun"
+            ));
+        }
+        return ranks::run_scene(n_ranks, &arguments.scene, &options, output);
+    }
+    if arguments.blocks {
+        return ranks::run_alone(&arguments.scene, &options, output);
+    }
+    match arguments.tolerance {
+        None => run_scene(&arguments.scene, &options, output),
+        Some(tolerance) => {
+            let wanted = arguments.wanted.within(tolerance);
+            run_within(&arguments.scene, &options, &wanted, output)
+        }
+    }
+}
+
+/// Fails where the run itself tells a larger error than was asked for.
+fn run_within(
+    scene: &Path,
+    options: &Options,
+    wanted: &advise::Options,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let progress = Progress::on_stderr();
+    let ran = advise::run_within(ALL, scene, options, wanted, &progress);
+    progress.finish();
+    let within = ran?;
+    advise::print_within(&within, wanted, output)?;
+    Ok(if within.is_reached(wanted.tolerance) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn run_scene(scene: &Path, options: &Options, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    let progress = Progress::on_stderr();
+    let written = kind::run(ALL, scene, options, &progress);
+    progress.finish();
+    print_paths(&written?, output)
+}
+
+fn print_paths(written: &[PathBuf], output: &mut dyn Write) -> miette::Result<ExitCode> {
+    for path in written {
+        writeln!(output, "{}", path.display()).map_err(miette::Report::from_err)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    schema::write(ALL, &arguments.scenes, &arguments.out, output)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn is_broken_pipe(report: &miette::Report) -> bool {
+    let broken = |error: &io::Error| error.kind() == io::ErrorKind::BrokenPipe;
+    report.chain().any(|error| error.downcast_ref::<io::Error>().is_some_and(broken))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn to_go_on_and_to_overwrite_exclude_each_other() {
+        let run = |flags: &[&str]| {
+            Cli::try_parse_from([&["x", "run", "scene.json", "--out", "out"], flags].concat())
+        };
+        assert!(run(&["--resume"]).is_ok() && run(&["--overwrite"]).is_ok());
+        assert!(run(&["--resume", "--overwrite"]).is_err());
+    }
+}

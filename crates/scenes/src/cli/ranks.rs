@@ -1,0 +1,97 @@
+//! A scene on the ranks that mpirun has started.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+use mpi_ensembles::Alone;
+
+use crate::built_in::ALL;
+use crate::kind::{self, Options, Progress};
+
+/// What launchers of MPI set in the processes that they start: OpenMPI, Hydra (MPICH, Intel MPI), PMIx by itself (srun).
+const OF_LAUNCHERS: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];
+
+/// What a launcher of MPI has said, if one has started this process.
+pub(super) fn started() -> Option<Launched> {
+    let value = |name: &'static str| Some(Launched { name, value: std::env::var(name).ok()? });
+    OF_LAUNCHERS.into_iter().find_map(value)
+}
+
+/// A variable of a launcher.
+#[derive(Debug, Clone)]
+pub(super) struct Launched {
+    name: &'static str,
+    value: String,
+}
+
+/// Runs a scene block by block on one rank, which is this process.
+pub(super) fn run_alone(
+    scene: &Path,
+    options: &Options,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let progress = Progress::on_stderr();
+    let written = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
+    progress.finish();
+    super::print_paths(&written?, output)
+}
+
+/// Runs a scene together with the other ranks. What fails on one rank ends all of them, and does not return.
+#[cfg(feature = "mpi")]
+pub(super) fn run_scene(
+    launched: Launched,
+    scene: &Path,
+    options: &Options,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    use mpi_ensembles::{Ranks, World};
+
+    let Launched { name, value } = launched;
+    let started = format!("started by a launcher of MPI ({name} is {value})");
+    let world =
+        World::start().map_err(|error| miette::Report::from_err(error).wrap_err(started))?;
+    let is_first = world.rank() == 0;
+    let progress = if is_first { Progress::on_stderr() } else { Progress::silent() };
+    let written = kind::run_on_ranks(ALL, scene, options, &progress, &world);
+    progress.finish();
+    match written {
+        Ok(written) => super::print_paths(&written, output),
+        Err(error) => {
+            // What rank 0 refuses, others refuse as well, or never hear of.
+            if is_first {
+                let report = miette::Report::new(error);
+                let _ = writeln!(std::io::stderr(), "{report:?}");
+                world.abort(1)
+            }
+            hold(&world, error)
+        }
+    }
+}
+
+/// A rank other than 0 whose run ended in an error: rank 0 tells it, if it knows of it; after a while this rank does.
+#[cfg(feature = "mpi")]
+fn hold(world: &mpi_ensembles::World, error: kind::RunError) -> ! {
+    use mpi_ensembles::Ranks;
+
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let rank = world.rank();
+    let report = miette::Report::new(error).wrap_err(format!("rank {rank}"));
+    let _ = writeln!(std::io::stderr(), "{report:?}");
+    world.abort(1)
+}
+
+/// Refuses: each of the processes would write the same files.
+#[cfg(not(feature = "mpi"))]
+pub(super) fn run_scene(
+    launched: Launched,
+    _: &Path,
+    _: &Options,
+    _: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let Launched { name, value } = launched;
+    Err(miette::miette!(
+        help = "cargo build --release --package scenes --features mpi",
+        "started by a launcher of MPI ({name} is {value}), and built without MPI"
+    ))
+}

@@ -1,0 +1,213 @@
+//! The rival: Monte Carlo on the same system and initial law.
+
+use std::ops::Range;
+
+use crate::clock::CpuClock;
+use sde_integrators::{
+    Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
+    merge_so_far,
+};
+use serde::{Deserialize, Serialize};
+
+use super::density::Asked;
+use super::method_scene::IntegratorScene;
+use super::paths::{PathEnsemble, Paths, PathsError};
+use super::scene::System;
+
+/// What is sampled, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// Number of paths.
+    pub paths: u64,
+    /// Longest step.
+    pub step: f64,
+    /// How a path is stepped.
+    pub integrator: IntegratorScene,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// What was observed at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledRow {
+    /// The time.
+    pub t: f64,
+    /// Raw moments, in the order asked.
+    pub moments: Vec<Estimate>,
+    /// `P(|q| > T)`, in the order of the thresholds.
+    pub exceedances: Vec<Estimate>,
+}
+
+/// An ensemble.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledRun {
+    /// One row per time.
+    pub rows: Vec<SampledRow>,
+    /// Steps of all paths.
+    pub path_steps: u128,
+    /// CPU time (s).
+    pub cpu_seconds: f64,
+}
+
+impl SampledRun {
+    /// The row of a time that was asked.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Option<&SampledRow> {
+        self.rows.iter().find(|row| (row.t - t).abs() < 1e-9)
+    }
+}
+
+impl IntegratorScene {
+    /// Its name for the reader.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EulerMaruyama => "forward Euler",
+            Self::SemiImplicitEuler => "semi-implicit Euler",
+            Self::StrangOscillator => "Strang",
+            Self::StrangBoucWen => "Strang with hysteresis",
+            Self::Shark => "ShARK",
+        }
+    }
+}
+
+/// Samples one of the systems of section 4.1; [`Asked::cells`] has no meaning here.
+///
+/// # Errors
+/// Those of [`run_on`].
+pub fn run(
+    system: &System,
+    law: &GaussianMixture<2>,
+    sampling: &Sampling,
+    asked: &Asked,
+) -> Result<SampledRun, PathsError> {
+    match system {
+        System::Linear(system) => run_on(system, law, sampling, asked),
+        System::Damper(system) => run_on(system, law, sampling, asked),
+    }
+}
+
+/// As [`run`], for any system of a scene.
+///
+/// # Errors
+/// Those of the ensemble: bad numbers, or a path that is no longer finite; an integrator that does not step the system.
+pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    law: &GaussianMixture<D>,
+    sampling: &Sampling,
+    asked: &Asked<D>,
+) -> Result<SampledRun, PathsError> {
+    let so_far = SampledSoFar::default();
+    sample(system, law, sampling, asked, (0..1, 1), so_far, |_| Ok::<(), PathsError>(()))?
+        .run(asked)
+}
+
+/// Shards of an ensemble that are done.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SampledSoFar {
+    shards: Vec<ShardRecord>,
+    cpu_seconds: f64,
+}
+
+impl SampledSoFar {
+    /// How many.
+    #[must_use]
+    pub fn n_shards(&self) -> u64 {
+        self.shards.len() as u64
+    }
+
+    /// All shards of some parts.
+    pub fn of(parts: impl IntoIterator<Item = Self>) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.shards.extend(part.shards);
+            all.cpu_seconds += part.cpu_seconds;
+        }
+        all
+    }
+
+    /// What all shards have come to.
+    ///
+    /// # Errors
+    /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed; [`PathsError::OtherResults`] for
+    /// shards of another question.
+    pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
+        self.of_ensemble(asked, &merge(&self.shards)?.ensemble()?)
+    }
+
+    /// What those that there are have come to.
+    ///
+    /// # Errors
+    /// As [`SampledSoFar::run`], but for shards that are missing.
+    pub fn present<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
+        self.of_ensemble(asked, &merge_so_far(&self.shards)?.ensemble()?)
+    }
+
+    fn of_ensemble<const D: usize>(
+        &self,
+        asked: &Asked<D>,
+        ensemble: &Ensemble,
+    ) -> Result<SampledRun, PathsError> {
+        let (n_moments, n_thresholds) = (asked.powers.len(), asked.thresholds.len());
+        let expected = n_moments + n_thresholds;
+        let other = ensemble.estimates.iter().map(Vec::len).find(|&found| found != expected);
+        if let Some(found) = other {
+            return Err(PathsError::OtherResults { found, expected });
+        }
+        let row = |(&t, estimates): (&f64, &Vec<Estimate>)| SampledRow {
+            t,
+            moments: estimates[..n_moments].to_vec(),
+            exceedances: estimates[n_moments..].to_vec(),
+        };
+        Ok(SampledRun {
+            rows: ensemble.times.iter().zip(&ensemble.estimates).map(row).collect(),
+            path_steps: ensemble.path_steps,
+            cpu_seconds: self.cpu_seconds,
+        })
+    }
+}
+
+/// Samples a range of the shards of an ensemble one after the other, of which the first may be done. `look` sees them after each, and
+/// may end the run.
+///
+/// # Errors
+/// As [`run_on`], and those of `look`.
+pub fn sample<S: Paths<D, M>, E: From<PathsError>, const D: usize, const M: usize>(
+    system: &S,
+    law: &GaussianMixture<D>,
+    sampling: &Sampling,
+    asked: &Asked<D>,
+    (range, n_shards): (Range<u64>, u64),
+    mut so_far: SampledSoFar,
+    mut look: impl FnMut(&SampledSoFar) -> Result<(), E>,
+) -> Result<SampledSoFar, E> {
+    let Asked { times, powers, demand, thresholds, .. } = asked;
+    let monomials: Vec<_> =
+        powers.iter().map(|&powers| move |_: f64, x: &[f64; D]| monomial(powers, x)).collect();
+    let events: Vec<_> = thresholds
+        .iter()
+        .map(|&threshold| move |_: f64, x: &[f64; D]| demand.magnitude(x) > threshold)
+        .collect();
+    let mut observables: Vec<Observable<'_, D>> = Vec::new();
+    observables.extend(monomials.iter().map(|f| Observable::Mean(f)));
+    observables.extend(events.iter().map(|event| Observable::Probability(event)));
+    let config = EnsembleConfig {
+        seed: sampling.seed,
+        n_paths: sampling.paths,
+        dt: sampling.step,
+        times: times.clone(),
+    };
+    let paths = PathEnsemble { law, config: &config, observables: &observables };
+    for shard in range.start + so_far.n_shards()..range.end {
+        let start = CpuClock::start();
+        so_far.shards.push(system.shard(sampling.integrator, &paths, (shard, n_shards))?);
+        so_far.cpu_seconds += start.seconds();
+        look(&so_far)?;
+    }
+    Ok(so_far)
+}
+
+fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
+    let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
+    x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
+}

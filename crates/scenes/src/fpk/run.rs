@@ -1,0 +1,359 @@
+//! Runs a density scene: two resolutions for the error, or Monte Carlo with its standard error.
+
+mod ingredients;
+mod ladder;
+mod pictures;
+mod record;
+mod sampled;
+#[cfg(test)]
+mod tests;
+mod two_resolutions;
+
+use std::path::PathBuf;
+
+use sde_integrators::{GaussianMixture, Sde};
+use serde::{Deserialize, Serialize};
+
+use crate::checkpoint::Checkpoint;
+use crate::fpk::density;
+use crate::fpk::density::{Asked, DensityRun, Erased, Reached, Row, Standing};
+use crate::fpk::method_scene::MethodScene;
+use crate::fpk::monte_carlo::Sampling;
+use crate::fpk::paths::{Paths, PathsError};
+use crate::fpk::scene::FpkScene;
+use crate::fpk::scene_system::{SceneSystem, Visitor};
+use crate::kind::{Inputs, Run, RunError, SceneKind};
+use crate::machine::{Machine, commit};
+use crate::output::{write_drawing, write_json};
+use crate::scene::SceneFile;
+use figures::Drawing;
+use figures::{Line, Scale, TimeSeries, Words};
+use pictures::{Pictures, Seen};
+use record::{
+    Observed, RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series,
+};
+use sampled::Sampled;
+use two_resolutions::{TwoResolutions, Unknown};
+
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "fpk-sph",
+    schema: || schemars::schema_for!(FpkScene),
+    check: |file| file.parse::<FpkScene>().map(drop),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
+
+/// What a method made of a scene.
+#[derive(Debug, Default)]
+struct Outcome {
+    work: WorkRecord,
+    stopped: Option<fpk_sph::Error>,
+    unknown: Vec<Unknown>,
+    quantities: Vec<Series>,
+    seed: Option<u64>,
+    /// Pictures of the density itself.
+    drawings: Vec<Drawing>,
+    /// Files already written.
+    files: Vec<PathBuf>,
+    /// The result is that of a shard, or on another rank.
+    is_elsewhere: bool,
+}
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: FpkScene = run.parse(file)?;
+    let system = scene.system.build().map_err(RunError::solver)?;
+    let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
+        if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
+            run.progress.stage("Monte Carlo");
+            let sampling = Sampling { paths, step, integrator, seed };
+            system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
+        } else {
+            run.no_shards()?;
+            let inputs = &Inputs { scene: &scene, seed: None, files: &[] };
+            let checkpoint = run.checkpoint(inputs, &["/title", "/times/until"])?;
+            system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
+        };
+    if is_elsewhere {
+        return Ok(files);
+    }
+    for Unknown { what, reason } in &unknown {
+        run.progress.stage(&format!("unknown: {what}: {reason}"));
+    }
+    let drawings = drawings(&scene, &system, &quantities)?;
+    let result = RunResult {
+        schema: "run-result/1",
+        version: env!("CARGO_PKG_VERSION"),
+        commit: commit(),
+        machine: Machine::read(),
+        scene: &scene,
+        seed,
+        work,
+        stopped: stopped.as_ref().map(ToString::to_string),
+        unknown,
+        quantities,
+    };
+    let path = run.out().join("result.json");
+    write_json(&path, &result)?;
+    let mut written = vec![path];
+    written.extend(files);
+    for drawing in drawings.into_iter().chain(planes) {
+        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
+    }
+    // What was reached is written; that it was not all is the run's outcome.
+    stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
+}
+
+/// What the scene asks, in the dimension of its system. The scene has been checked: its lists have as many entries as
+/// the system has states.
+fn asked<const D: usize>(
+    scene: &FpkScene,
+    system: &SceneSystem,
+    cells: bool,
+) -> Result<Asked<D>, RunError> {
+    let powers = |powers: &Vec<u32>| {
+        powers.as_slice().try_into().map_err(|_| RunError::solver(OtherDimension { states: D }))
+    };
+    Ok(Asked {
+        times: scene.times.list(),
+        powers: scene.moments.iter().map(powers).collect::<Result<_, _>>()?,
+        demand: scene
+            .demand(system.states())
+            .map_err(|_| RunError::solver(OtherDimension { states: D }))?,
+        thresholds: scene.thresholds.clone(),
+        cells,
+    })
+}
+
+/// A scene that was not checked.
+#[derive(Debug, thiserror::Error)]
+#[error("the scene is of another dimension than its system, which has {states} states")]
+struct OtherDimension {
+    states: usize,
+}
+
+/// The law of the scene in the dimension of its system.
+fn law<const D: usize>(
+    scene: &FpkScene,
+    system: &SceneSystem,
+) -> Result<GaussianMixture<D>, RunError> {
+    scene.initial.build(system.filter_covariance().as_deref()).map_err(RunError::solver)
+}
+
+/// Most states for which exceedances are integrated over cells: beyond, each cell has thousands of parts.
+const MOST_STATES_OF_CELLS: usize = 4;
+
+/// Why nothing is integrated over cells, where that is so.
+fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
+    let reason = match method {
+        MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_) => {
+            (states > MOST_STATES_OF_CELLS).then(|| {
+                format!(
+                    "cells are integrated in {MOST_STATES_OF_CELLS} dimensions at most, and there are {states} states: \
+                     read exceedance-log-interpolated"
+                )
+            })
+        }
+        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => Some(
+            "the method has no local fits, which integrals over cells need: read exceedance-log-interpolated"
+                .to_owned(),
+        ),
+    }?;
+    Some(Unknown { what: "exceedance-cell, cell-mass and distrusted-cells".to_owned(), reason })
+}
+
+impl From<PathsError> for RunError {
+    fn from(error: PathsError) -> Self {
+        Self::solver(error)
+    }
+}
+
+/// The density solver at two resolutions.
+struct Solved<'a> {
+    scene: &'a FpkScene,
+    system: &'a SceneSystem,
+    run: &'a Run<'a>,
+    checkpoint: &'a Checkpoint,
+}
+
+/// What a checkpoint holds of a density run: how far it has come, and what was seen of it.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Kept {
+    reached: Reached,
+    seen: Seen,
+}
+
+impl Solved<'_> {
+    /// A run from where the part of the checkpoint has come to, and the pictures of it.
+    fn density<S: Sde<D, M>, const D: usize, const M: usize>(
+        &self,
+        part: &str,
+        density: Density<'_, S, D>,
+        mut pictures: Option<&mut Pictures<'_>>,
+    ) -> Result<Result<DensityRun, fpk_sph::Error>, RunError> {
+        let Density { system, law, config, asked, past } = density;
+        let n_times = asked.times.len();
+        let mut failure = None;
+        let look = |standing: Standing<'_, S, D, M>| {
+            if let Some(pictures) = &mut pictures {
+                pictures.look(&standing);
+            }
+            self.tell(standing.rows, n_times);
+            let is_last = standing.rows.len() == n_times;
+            if failure.is_none() && (is_last || self.checkpoint.is_due()) {
+                let seen = pictures.as_ref().map_or_else(Seen::default, |p| p.seen().clone());
+                let kept = standing.reached().map(|reached| Kept { reached, seen });
+                failure = match kept {
+                    Ok(kept) => self.checkpoint.keep(part, &kept).err().map(RunError::from),
+                    Err(error) => Some(RunError::solver(error)),
+                };
+            }
+        };
+        let run = density::run_from(system, law, config, asked, past, look);
+        failure.map_or(Ok(run), Err)
+    }
+
+    /// The first moment that the scene asks for, at the last time.
+    fn tell(&self, rows: &[Row], n_times: usize) {
+        let Some(row) = rows.last() else { return };
+        let moment = self.scene.moments.first().zip(row.moments.first());
+        let words = moment.map_or_else(String::new, |(powers, value)| {
+            format!(", {} = {value:.5e}", moment_words(powers, self.system.states()))
+        });
+        let done = (rows.len() as u64, n_times as u64);
+        self.run.progress.at(done, || format!("t = {:.4}{words}", row.t));
+    }
+}
+
+/// What a density run is given.
+struct Density<'a, S, const D: usize> {
+    system: S,
+    law: &'a GaussianMixture<D>,
+    config: &'a fpk_sph::Config<D>,
+    asked: &'a Asked<D>,
+    past: Reached,
+}
+
+impl Visitor for Solved<'_> {
+    type Output = Result<Outcome, RunError>;
+
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
+        let Self { scene, system: named, run, .. } = self;
+        let law = law::<D>(scene, named)?;
+        let no_cells = no_cells(&scene.method, D);
+        let asked = asked::<D>(scene, named, no_cells.is_none())?;
+        let period = named.reference_period();
+        let config = |part: f64| scene.method.density_config::<D>(period, part);
+        let Some(whole) = config(1.0) else {
+            return Err(RunError::solver(OtherDimension { states: D }));
+        };
+        run.progress.stage("density");
+        let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
+        let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
+        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), seen);
+        let (law, asked) = (&law, &asked);
+        let fine = self
+            .density(
+                "density",
+                Density { system: Erased(system), law, config: &whole, asked, past: kept.reached },
+                Some(&mut pictures),
+            )?
+            .map_err(RunError::solver)?;
+        run.progress.stage("density at the coarser resolution, for its error");
+        let both = TwoResolutions::new(fine, config, |part, config| {
+            let name = format!("density at {part:.3} of the resolution");
+            let Kept { reached, .. } = self.checkpoint.part(&name)?.unwrap_or_default();
+            let density = Density { system: Erased(system), law, config, asked, past: reached };
+            self.density(&name, density, None)
+        })?;
+        let quantities = series(&both, scene, named);
+        let unknown = no_cells.into_iter().chain(both.unknown()).collect();
+        let fine = both.fine;
+        let (drawings, files) = pictures.finish()?;
+        let work = WorkRecord {
+            particles: Some(fine.n_particles),
+            steps: Some(fine.work.steps),
+            evaluations: Some(fine.work.evaluations),
+            neighbour_visits: Some(fine.work.neighbour_visits),
+            path_steps: None,
+            cpu_seconds: fine.rows.last().map_or(0.0, |row| row.cpu_seconds),
+        };
+        let stopped = fine.stopped;
+        let (seed, is_elsewhere) = (None, false);
+        Ok(Outcome { work, stopped, unknown, quantities, seed, drawings, files, is_elsewhere })
+    }
+}
+
+/// The second moments, and the probabilities, over time.
+fn drawings(
+    scene: &FpkScene,
+    system: &SceneSystem,
+    quantities: &[Series],
+) -> Result<Vec<Drawing>, RunError> {
+    let second = |powers: &&Vec<u32>| powers.iter().sum::<u32>() == 2;
+    let second: Vec<String> =
+        scene.moments.iter().filter(second).map(|powers| moment_id(powers)).collect();
+    let exceeds = format!("P(|{}| > T)", demand_name(scene, system));
+    // One estimator on the picture: the best that the method offers. All are in the result.
+    let best = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
+    let prefix = best
+        .into_iter()
+        .find(|prefix| quantities.iter().any(|series| series.id.starts_with(prefix)))
+        .unwrap_or(best[0]);
+    let moments = lines(
+        quantities,
+        |id| second.iter().any(|wanted| wanted == id),
+        |observed| Some(observed.value),
+    );
+    let tails = lines(quantities, |id| id.starts_with(prefix), Observed::known);
+    let smaller = "Values that are smaller than their error are left out.";
+    let mut drawings = Vec::new();
+    for (name, lines, scale, title, y_label, note) in [
+        ("moments", moments, Scale::Linear, "Second moments over time", "second moment", None),
+        (
+            "exceedance",
+            tails,
+            Scale::Log,
+            "Probability of exceedance over time",
+            exceeds.as_str(),
+            Some(smaller),
+        ),
+    ] {
+        if lines.is_empty() {
+            continue;
+        }
+        let words = Words {
+            title: title.into(),
+            subtitle: scene.title.clone(),
+            x_label: "time t (s)".into(),
+            y_label: y_label.into(),
+            caption: note
+                .map(str::to_owned)
+                .into_iter()
+                .chain([Machine::read().caption()])
+                .collect(),
+        };
+        let chart = TimeSeries { words, scale, lines, bands: Vec::new(), references: Vec::new() };
+        drawings.push(Drawing::time_series(name, &chart).map_err(RunError::solver)?);
+    }
+    Ok(drawings)
+}
+
+/// The wanted series as lines; what `shown` leaves out is a gap.
+fn lines(
+    quantities: &[Series],
+    wanted: impl Fn(&str) -> bool,
+    shown: impl Fn(&Observed) -> Option<f64>,
+) -> Vec<Line> {
+    let line = |series: &Series| Line {
+        name: series.quantity.clone(),
+        points: series.values.iter().map(|observed| (observed.t, shown(observed))).collect(),
+    };
+    quantities
+        .iter()
+        .filter(|series| wanted(&series.id))
+        .map(line)
+        .filter(|line| line.points.iter().any(|(_, value)| value.is_some()))
+        .collect()
+}

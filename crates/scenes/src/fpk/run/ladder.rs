@@ -1,0 +1,344 @@
+//! A density scene by every method that solves it.
+
+use fpk_sph::Method as FpkMethod;
+use serde_json::{Map, Value};
+
+use crate::fpk::lattice_scene::LatticeScene;
+use crate::fpk::law_scene::LawScene;
+use crate::fpk::method_scene::{IntegratorScene, MethodScene};
+use crate::fpk::scene::{FpkScene, Times};
+use crate::kind::RunError;
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};
+use crate::scene::SceneFile;
+
+/// Steps of a sampled path in a period: where a splitting or a method of order 1.5 is used, and for forward Euler.
+const STEPS_PER_PERIOD: [f64; 2] = [64.0, 1024.0];
+/// Fewest paths.
+const FIRST_PATHS: f64 = 1000.0;
+/// The lattice where the scene has none reaches so many standard deviations.
+const REACH: f64 = 6.0;
+/// Half a lattice of the paper, in standard deviations (section 4.1.1: 0.6 and 0.4 over 0.15 and 0.10).
+const PAPERS_REACH: f64 = 4.0;
+/// The seed of trials.
+const SEED: u64 = 20_260_101;
+
+/// The methods that solve a scene, its own first.
+pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
+    let scene: FpkScene = file.parse()?;
+    let system = scene.system.build().map_err(RunError::solver)?;
+    let states = system.states().len();
+    let mut methods = Vec::new();
+    let own = own_lattice(&scene.method);
+    let lattice = own.cloned().unwrap_or_else(|| default_lattice(states));
+    for (name, fit) in FITS {
+        methods.push((fit(lattice.clone()), by_lattice(name, lattice.clone(), fit, states)));
+    }
+    if let Some(method) = papers(&scene, states) {
+        methods.push(method);
+    }
+    let period = system.reference_period();
+    for &integrator in system.integrators() {
+        let (own, mut method) = sampled(integrator, period, &scene.method);
+        if system.integrators().len() == 1 {
+            method.standing = Standing::Judge;
+        }
+        methods.push((own, method));
+    }
+    // Its own method first, the others in their order.
+    let is_own = |method: &MethodScene| {
+        std::mem::discriminant(method) == std::mem::discriminant(&scene.method)
+            && integrator(method) == integrator(&scene.method)
+    };
+    methods.sort_by_key(|(method, _)| !is_own(method));
+    let methods = methods.into_iter().map(|(_, method)| method).collect();
+    Ok(Ladder { scene: bare(&scene)?, methods, left_out: LEFT_OUT })
+}
+
+const LEFT_OUT: &str = "Sampled paths judge others where they are stepped by a splitting or to order 1.5, not by forward Euler; the bias of their step is in no standard error.";
+
+/// The scene observed at its last time alone, without pictures.
+fn bare(scene: &FpkScene) -> Result<Map<String, Value>, RunError> {
+    let until = scene.times.until;
+    let times = Times { until, every: until };
+    let bare = FpkScene { times, planes: None, cloud: None, ..scene.clone() };
+    keys(&bare).map_err(RunError::solver)
+}
+
+type Fit = fn(LatticeScene) -> MethodScene;
+
+const FITS: [(&str, Fit); 2] =
+    [("log-density fit", MethodScene::LogDensityFit), ("flow-map fit", MethodScene::FlowMapFit)];
+
+fn own_lattice(method: &MethodScene) -> Option<&LatticeScene> {
+    match method {
+        MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
+        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => None,
+    }
+}
+
+fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
+    match method {
+        MethodScene::MonteCarlo { integrator, .. } => Some(*integrator),
+        _ => None,
+    }
+}
+
+/// A box in two dimensions, where corners cost little; a ball in more.
+fn default_lattice(states: usize) -> LatticeScene {
+    let mut lattice = LatticeScene {
+        count: None,
+        spacing: None,
+        reach: REACH,
+        fresh_lattices: None,
+        steps_per_period: None,
+        scheme: None,
+        degree: None,
+    };
+    if states <= 2 {
+        lattice.count = Some(vec![21; states]);
+    } else {
+        lattice.spacing = Some(1.0);
+    }
+    lattice
+}
+
+/// The fewest intervals along a length with which a fit has its neighbours.
+fn first_intervals(states: usize) -> f64 {
+    match states {
+        1 => 20.0,
+        2 => 14.0,
+        3 => 10.0,
+        _ => 7.0,
+    }
+}
+
+fn by_lattice(name: &str, lattice: LatticeScene, fit: Fit, states: usize) -> Method {
+    let rung = move |intervals: f64| {
+        let (lattice, size, label) = with_intervals(&lattice, intervals);
+        of_method(size, label, &fit(lattice))
+    };
+    Method {
+        name: name.to_owned(),
+        growth: Growth::Lattice { dimensions: states },
+        standing: Standing::Judged,
+        first: first_intervals(states),
+        rung: Box::new(rung),
+    }
+}
+
+/// The lattice with so many intervals along a length, the geometric mean over its axes; their number and their words.
+fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64, String) {
+    let mut lattice = lattice.clone();
+    if let Some(counts) = &mut lattice.count {
+        let product: f64 = counts.iter().map(|&n| n as f64 - 1.0).product();
+        let scale = intervals / product.powf(1.0 / counts.len() as f64);
+        for n in &mut *counts {
+            *n = 1 + count((*n as f64 - 1.0) * scale);
+        }
+        let product: f64 = counts.iter().map(|&n| n as f64 - 1.0).product();
+        let size = product.powf(1.0 / counts.len() as f64);
+        let label = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+        (lattice, size, label)
+    } else {
+        // Two digits, as one would write it.
+        let spacing = two_digits(2.0 * lattice.reach / intervals);
+        lattice.spacing = Some(spacing);
+        let size = 2.0 * lattice.reach / spacing;
+        (lattice, size, format!("spacing {spacing}"))
+    }
+}
+
+fn of_method(size: f64, label: String, method: &MethodScene) -> Option<Rung> {
+    Rung::replacing((size, label), "method", method).ok()
+}
+
+/// A number of particles along an axis.
+fn count(size: f64) -> usize {
+    usize::try_from(whole(size)).unwrap_or(usize::MAX)
+}
+
+/// The method of the paper as printed, where it is told how to start: two states, a Gaussian.
+fn papers(scene: &FpkScene, states: usize) -> Option<(MethodScene, Method)> {
+    let LawScene::Gaussian { standard_deviation, .. } = &scene.initial else { return None };
+    if states != 2 {
+        return None;
+    }
+    let half_width: Vec<f64> = standard_deviation.iter().map(|s| PAPERS_REACH * s).collect();
+    let paper = FpkMethod::CanorDenoel2013.combination();
+    let fpk_sph::StepRule::Courant { number } = paper.step else { return None };
+    let of = move |n: usize| MethodScene::CanorDenoel2013 {
+        count: vec![n; states],
+        half_width: half_width.clone(),
+        courant: number,
+        support_over_spacing: paper.support_over_spacing,
+        scheme: None,
+    };
+    let own = of(2);
+    let rung = move |intervals: f64| {
+        let n = 1 + count(intervals);
+        of_method(n as f64 - 1.0, format!("{n} x {n}"), &of(n))
+    };
+    let method = Method {
+        name: "Canor & Denoël 2013 as printed".to_owned(),
+        growth: Growth::Lattice { dimensions: states },
+        standing: Standing::Judged,
+        first: first_intervals(states),
+        rung: Box::new(rung),
+    };
+    Some((own, method))
+}
+
+/// Monte Carlo; the step is the scene's where it samples by this integrator.
+fn sampled(integrator: IntegratorScene, period: f64, own: &MethodScene) -> (MethodScene, Method) {
+    // Steps of first order leave a bias that is larger than the scatter of many paths.
+    let standing = match integrator {
+        IntegratorScene::EulerMaruyama | IntegratorScene::SemiImplicitEuler => Standing::Judged,
+        IntegratorScene::StrangOscillator
+        | IntegratorScene::StrangBoucWen
+        | IntegratorScene::Shark => Standing::Judge,
+    };
+    let (step, seed) = match own {
+        MethodScene::MonteCarlo { step, seed, integrator: theirs, .. } if *theirs == integrator => {
+            (*step, *seed)
+        }
+        _ => {
+            let [fine, euler] = STEPS_PER_PERIOD;
+            let per_period = if standing == Standing::Judge { fine } else { euler };
+            (two_digits(period / per_period), SEED)
+        }
+    };
+    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, integrator, seed };
+    let rung = move |paths: f64| {
+        let paths = whole(two_digits(paths));
+        of_method(paths as f64, format!("{paths} paths"), &of(paths))
+    };
+    let method = Method {
+        name: format!("Monte Carlo, {}, step {step} s", integrator.name()),
+        growth: Growth::Samples,
+        standing,
+        first: FIRST_PATHS,
+        rung: Box::new(rung),
+    };
+    (of(2), method)
+}
+
+/// Estimates of one probability, best first; the ids of others are left out.
+const EXCEEDANCES: [&str; 3] = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
+
+/// Moments and probabilities at the last time. A moment is related to the deviations of its states, where the scene asks for their
+/// second moments: a covariance may be zero.
+pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
+    let series = result["quantities"].as_array().map_or(&[][..], Vec::as_slice);
+    let last = |series: &Value| -> Option<(String, String, f64, Option<f64>)> {
+        let values = series["values"].as_array()?.last()?;
+        let text = |key: &str| series[key].as_str().map(str::to_owned);
+        let (id, value) = (text("id")?, values["value"].as_f64()?);
+        let error = values["error"].as_f64().map(|error| match values["error_kind"].as_str() {
+            Some("standard_error") if id.starts_with("exceedance") => of_counts(value, error),
+            Some("standard_error") => 2.0 * error,
+            _ => error,
+        });
+        Some((id, text("quantity")?, value, error))
+    };
+    let all: Vec<_> = series.iter().filter_map(last).collect();
+    let best =
+        EXCEEDANCES.iter().find(|prefix| all.iter().any(|(id, ..)| id.starts_with(**prefix)));
+    let second = |k: usize, states: usize| {
+        let powers: Vec<&str> = (0..states).map(|i| if i == k { "2" } else { "0" }).collect();
+        let id = format!("moment/{}", powers.join("-"));
+        all.iter().find(|(other, ..)| *other == id).map(|&(_, _, value, _)| value)
+    };
+    let quantity = |(id, words, value, error): &(String, String, f64, Option<f64>)| {
+        let (value, error) = (*value, *error);
+        if let Some(powers) = id.strip_prefix("moment/") {
+            let powers: Vec<f64> = powers.split('-').filter_map(|a| a.parse().ok()).collect();
+            let terms = powers.iter().enumerate().filter(|(_, a)| **a > 0.0);
+            let deviations =
+                terms.map(|(k, a)| Some(second(k, powers.len())?.max(0.0).powf(0.5 * a)));
+            let product: Option<f64> = deviations.product();
+            let scale = product.unwrap_or(0.0).max(value.abs());
+            return Some(Quantity { id: id.clone(), words: words.clone(), value, error, scale });
+        }
+        let threshold = id.strip_prefix(*best?)?;
+        let (id, scale) = (format!("exceedance/{threshold}"), value.abs());
+        Some(Quantity { id, words: words.clone(), value, error, scale })
+    };
+    all.iter().filter_map(quantity).collect()
+}
+
+/// How far above a counted frequency its probability may be at two standard errors [wilson1927]: where few events were counted the
+/// deviation of the frequency is as uncertain as they are.
+fn of_counts(frequency: f64, standard_error: f64) -> f64 {
+    const Z: f64 = 2.0;
+    // n in s.e.^2 = p (1 - p) / n.
+    let z2_over_n = (Z * standard_error).powi(2) / (frequency * (1.0 - frequency));
+    let half = (Z * Z * standard_error.powi(2) + 0.25 * z2_over_n * z2_over_n).sqrt();
+    (frequency + 0.5 * z2_over_n + half) / (1.0 + z2_over_n) - frequency
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn sizes_are_written_as_one_would() {
+        for (exact, written) in [(0.714, "0.71"), (1.26e-3, "0.0013"), (30_400.0, "30000")] {
+            assert_eq!(two_digits(exact).to_string(), written);
+        }
+        let lattice = LatticeScene { count: Some(vec![41, 21]), ..default_lattice(2) };
+        let (lattice, size, label) = with_intervals(&lattice, 14.0);
+        assert_eq!((lattice.count.unwrap(), label.as_str()), (vec![21, 11], "21 x 11"));
+        assert!((size - 200f64.sqrt()).abs() < 1e-12);
+        let (lattice, size, label) = with_intervals(&default_lattice(3), 10.0);
+        assert_eq!((lattice.spacing, label.as_str()), (Some(1.2), "spacing 1.2"));
+        assert!((size - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_best_estimate_stands_for_a_probability_and_a_covariance_is_related_to_its_deviations() {
+        let series = |id: &str, value: f64, kind: &str| {
+            let values = json!([
+                { "t": 1, "value": 9, "error": 9, "error_kind": kind },
+                { "t": 2, "value": value, "error": 0.01, "error_kind": kind }
+            ]);
+            json!({ "id": id, "quantity": id, "unit": "", "values": values })
+        };
+        let result = json!({ "quantities": [
+            series("moment/2-0", 4.0, "two_resolutions"),
+            series("moment/1-1", 0.1, "two_resolutions"),
+            series("moment/0-2", 9.0, "two_resolutions"),
+            series("exceedance-cell/1", 0.5, "two_resolutions"),
+            series("exceedance-indicator/1", 0.4, "two_resolutions"),
+            series("exceedance-log-interpolated/1", 0.3, "two_resolutions"),
+            series("total-mass", 1.0, "two_resolutions"),
+        ]});
+        let found: Vec<_> =
+            quantities(&result).into_iter().map(|q| (q.id, q.value, q.scale)).collect();
+        let expected = [
+            ("moment/2-0", 4.0, 4.0),
+            ("moment/1-1", 0.1, 6.0),
+            ("moment/0-2", 9.0, 9.0),
+            ("exceedance/1", 0.5, 0.5),
+        ];
+        assert_eq!(found.len(), expected.len());
+        for ((id, value, scale), expected) in found.iter().zip(expected) {
+            assert_eq!((id.as_str(), *value), (expected.0, expected.1));
+            assert!((scale - expected.2).abs() < 1e-12);
+        }
+        let sampled = json!({ "quantities": [series("exceedance/1", 0.2, "standard_error")] });
+        let found = quantities(&sampled);
+        assert_eq!(found[0].id, "exceedance/1");
+        // 1,600 samples.
+        assert!((found[0].error.unwrap() - 0.0207).abs() < 1e-4, "{:?}", found[0].error);
+    }
+
+    #[test]
+    fn one_event_is_not_known_to_within_two_of_its_deviations() {
+        // (1 + 2 + 2 sqrt(1 + 1)) / n - 1 / n.
+        let n = 1e6;
+        let above = of_counts(1.0 / n, 1.0 / n);
+        assert!((above * n - 4.828).abs() < 1e-3, "{above}");
+    }
+}

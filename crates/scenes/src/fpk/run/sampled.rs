@@ -1,0 +1,136 @@
+//! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
+
+use sde_integrators::{Estimate, Uncertainty};
+
+use super::record::{ErrorOrigin, Observed, Series, WorkRecord, moment_id, moment_words};
+use super::{Outcome, asked, law};
+use crate::fpk::density::Asked;
+use crate::fpk::monte_carlo;
+use crate::fpk::monte_carlo::{SampledRow, SampledSoFar, Sampling};
+use crate::fpk::paths::Paths;
+use crate::fpk::scene::FpkScene;
+use crate::fpk::scene_system::{SceneSystem, Visitor};
+use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use figures::number::with_uncertainty;
+
+/// Sampled paths.
+pub(super) struct Sampled<'a> {
+    pub(super) scene: &'a FpkScene,
+    pub(super) system: &'a SceneSystem,
+    pub(super) sampling: Sampling,
+    pub(super) run: &'a Run<'a>,
+}
+
+/// Paths of one shard, about: enough for every thread to have some of its blocks.
+const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
+/// Paths of a block of a rank: a quarter of a second of the damper, beside which the tables of its steps, made for each block, cost little.
+const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
+/// What a checkpoint calls the shards that are done.
+const SHARDS: &str = "shards";
+
+impl Visitor for Sampled<'_> {
+    type Output = Result<Outcome, RunError>;
+
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
+        let Self { scene, system: named, sampling, run } = self;
+        let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
+        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
+        let so_far = match (run.part(), run.ranks()) {
+            (Part::Merged(files), _) => SampledSoFar::of(run.read_shards(inputs, files)?),
+            (_, Some(ranks)) => {
+                let blocks = Cut { n: sampling.paths, unit: PATHS_OF_BLOCK };
+                let n = blocks.n_blocks();
+                let compute = |block: u64| {
+                    let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
+                    let look = |_: &SampledSoFar| Ok::<(), RunError>(());
+                    monte_carlo::sample(system, &law, &sampling, &asked, shards, none, look)
+                };
+                let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
+                    words(scene, named, &asked, &SampledSoFar::of(parts.cloned()))
+                };
+                match run.on_ranks(ranks, inputs, n, compute, tell)? {
+                    Some(parts) => SampledSoFar::of(parts),
+                    None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
+                }
+            }
+            (Part::Whole | Part::Shard(_), None) => {
+                let checkpoint = run.checkpoint(inputs, &["/title"])?;
+                let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
+                // Shards that are run apart are whole numbers of those that are run one after the other.
+                let parts = match run.part() {
+                    Part::Shard(place) => place.n_shards(),
+                    Part::Whole | Part::Merged(_) => 1,
+                };
+                let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
+                let (range, n_shards) = (run.range(each * parts), each * parts);
+                let n = range.end - range.start;
+                let shards = (range, n_shards);
+                monte_carlo::sample(system, &law, &sampling, &asked, shards, past, |so_far| {
+                    run.progress.at((so_far.n_shards(), n), || words(scene, named, &asked, so_far));
+                    if so_far.n_shards() == n || checkpoint.is_due() {
+                        checkpoint.keep(SHARDS, so_far)?;
+                    }
+                    Ok::<(), RunError>(())
+                })?
+            }
+        };
+        if let Part::Shard(place) = run.part() {
+            let files = vec![run.write_shard(inputs, *place, &so_far)?];
+            return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
+        }
+        let run = so_far.run(&asked)?;
+        let values = |pick: &dyn Fn(&SampledRow) -> Estimate| -> Vec<Observed> {
+            run.rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
+        };
+        let series = |id, quantity, values| Series { id, quantity, unit: "", values };
+        let mut quantities = Vec::new();
+        for (k, powers) in scene.moments.iter().enumerate() {
+            let (id, quantity) = (moment_id(powers), moment_words(powers, named.states()));
+            quantities.push(series(id, quantity, values(&|row| row.moments[k])));
+        }
+        for (k, threshold) in scene.thresholds.iter().enumerate() {
+            let quantity = format!("P(|{}| > {threshold})", asked.demand.name);
+            let id = format!("exceedance/{threshold}");
+            quantities.push(series(id, quantity, values(&|row| row.exceedances[k])));
+        }
+        let work = WorkRecord {
+            path_steps: u64::try_from(run.path_steps).ok(),
+            cpu_seconds: run.cpu_seconds,
+            ..WorkRecord::default()
+        };
+        Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
+    }
+}
+
+/// The first moment that the scene asks for, or else the first exceedance, at the last time: its estimate so far.
+fn words<const D: usize>(
+    scene: &FpkScene,
+    system: &SceneSystem,
+    asked: &Asked<D>,
+    so_far: &SampledSoFar,
+) -> String {
+    let present = so_far.present(asked).ok().and_then(|mut run| run.rows.pop());
+    let Some(SampledRow { moments, exceedances, .. }) = present else { return String::new() };
+    let told = |name: String, estimate: &Estimate| {
+        let value = with_uncertainty(Some(estimate.value), estimate.standard_error());
+        format!("shards of paths, {name} = {value}")
+    };
+    let moment = scene.moments.first().zip(moments.first());
+    let exceedance = scene.thresholds.first().zip(exceedances.first());
+    match (moment, exceedance) {
+        (Some((powers, value)), _) => told(moment_words(powers, system.states()), value),
+        (None, Some((threshold, value))) => {
+            told(format!("P(|{}| > {threshold})", asked.demand.name), value)
+        }
+        (None, None) => "shards of paths".to_owned(),
+    }
+}
+
+fn sampled_value(t: f64, estimate: Estimate) -> Observed {
+    let (error, error_kind) = match estimate.uncertainty {
+        Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
+        Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
+        Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
+    };
+    Observed { t, value: estimate.value, error, error_kind, note: None }
+}

@@ -1,0 +1,233 @@
+//! What a density scene may not say.
+
+use fpk_sph::Scheme;
+
+use super::*;
+
+const SCENE: &str = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
+const BOUC_WEN: &str = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+
+/// The scene with one text in place of another, and what reading it says: message, line, column, help.
+fn mistake(from: &str, to: &str) -> (String, usize, usize, Option<String>) {
+    mistake_in(SCENE, from, to)
+}
+
+fn mistake_in(scene: &str, from: &str, to: &str) -> (String, usize, usize, Option<String>) {
+    assert!(scene.contains(from), "{from}");
+    let file = SceneFile::from_text("scene.json", scene.replacen(from, to, 1));
+    let error = file.and_then(|file| file.parse::<FpkScene>()).unwrap_err();
+    let mistake = error.mistake().unwrap();
+    (mistake.message.clone(), mistake.line, mistake.column, mistake.help.clone())
+}
+
+#[test]
+fn every_built_in_scene_is_read_and_comes_back_from_its_result() {
+    for text in [
+        SCENE,
+        BOUC_WEN,
+        include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json"),
+        include_str!("../../../../../tests/scenes/fpk/kanai_tajimi.json"),
+        include_str!("../../../../../tests/scenes/fpk/damper_kanai_tajimi.json"),
+        include_str!("../../../../../tests/scenes/fpk/duffing.json"),
+        include_str!("../../../../../tests/scenes/fpk/van_der_pol.json"),
+        include_str!("../../../../../tests/scenes/fpk/two_storey.json"),
+        include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"),
+    ] {
+        let file = SceneFile::from_text("scene.json", text.to_owned()).unwrap();
+        let scene: FpkScene = file.parse().unwrap();
+        let written = serde_json::to_string(&scene).unwrap();
+        let again = SceneFile::from_text("result.json", written).unwrap();
+        assert_eq!(again.parse::<FpkScene>().unwrap(), scene);
+    }
+}
+
+#[test]
+fn a_misspelt_key_of_the_hysteretic_scene_is_refused_where_it_stands() {
+    let (message, line, column, help) = mistake_in(BOUC_WEN, "\"hardening\"", "\"hardning\"");
+    assert!(message.starts_with("unknown key `hardning`"), "{message}");
+    assert_eq!((line, column), (8, 7));
+    assert_eq!(help.as_deref(), Some("did you mean `hardening`?"));
+}
+
+#[test]
+fn a_negative_exponent_and_a_loop_without_a_limit_are_refused_where_they_stand() {
+    let (message, line, column, _) = mistake_in(BOUC_WEN, "\"exponent\": 1", "\"exponent\": -1");
+    assert_eq!(message, "exponent is -1; it must be greater than 0");
+    assert_eq!((line, column), (12, 19));
+    let (message, line, ..) = mistake_in(BOUC_WEN, "\"gamma\": 0.5", "\"gamma\": -0.5");
+    assert_eq!(message, "gamma is -0.5; it must be greater than -beta, which is -0.5");
+    assert_eq!(line, 11);
+}
+
+#[test]
+fn thresholds_that_are_not_sorted_are_refused_where_they_stand() {
+    let (message, line, column, _) = mistake_in(BOUC_WEN, "[0.5, 1, 1.5, 2]", "[0.5, 1.5, 1, 2]");
+    assert_eq!(message, "1 was given; it must be greater than the one before it");
+    assert_eq!((line, column), (22, 28));
+}
+
+#[test]
+fn lists_of_another_length_than_the_system_has_states_are_refused_where_they_stand() {
+    let (message, line, _, help) = mistake_in(BOUC_WEN, "\"mean\": [0, 0, 0]", "\"mean\": [0, 0]");
+    assert_eq!(message, "`mean` has 2 entries; the system has 3 states");
+    assert_eq!((line, help.as_deref()), (17, Some("the states are q, v, z")));
+    let (message, line, ..) = mistake_in(BOUC_WEN, "[[2, 0, 0],", "[[2, 0],");
+    assert_eq!(message, "there are 2 entries; the system has 3 states");
+    assert_eq!(line, 20);
+    let (message, line, ..) = mistake("\"count\": [41, 41]", "\"count\": [41, 41, 41]");
+    assert_eq!(message, "there are 3 entries; the system has 2 states");
+    assert_eq!(line, 19);
+}
+
+#[test]
+fn a_state_that_is_none_is_refused_with_those_that_are() {
+    let (message, line, _, help) =
+        mistake_in(BOUC_WEN, "{ \"state\": \"q\" }", "{ \"state\": \"y\" }");
+    assert_eq!(message, "the system has no state `y`");
+    assert_eq!((line, help.as_deref()), (21, Some("the states are q, v, z")));
+    let (message, line, ..) = mistake_in(BOUC_WEN, "[\"q\", \"z\"]", "[\"q\", \"w\"]");
+    assert_eq!((message.as_str(), line), ("the system has no state `w`", 23));
+}
+
+#[test]
+fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
+    let (message, ..) =
+        mistake_in(BOUC_WEN, "\"spacing\": 0.5", "\"spacing\": 0.5, \"count\": [9, 9, 9]");
+    assert_eq!(message, "either `count` for a box or `spacing` for a ball must be given");
+    let sampled = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.01, \"seed\": 1, \
+                   \"integrator\": \"strang_oscillator\" }";
+    let fit = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
+    let (message, _, _, help) = mistake_in(BOUC_WEN, fit, sampled);
+    assert_eq!(message, "the integrator Strang does not step this system");
+    assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));
+}
+
+const LATTICE: &str = "\"count\": [41, 41], \"reach\": 6";
+
+fn with_scheme(name: &str) -> String {
+    format!("{LATTICE}, \"scheme\": \"{name}\"")
+}
+
+#[test]
+fn a_scheme_that_is_none_is_refused_with_those_that_are() {
+    let (message, line, _, help) = mistake(LATTICE, &with_scheme("heunn"));
+    for name in ["forward_euler", "leap_frog", "heun", "runge_kutta_4"] {
+        assert!(message.contains(&format!("`{name}`")), "{message}");
+    }
+    assert_eq!((line, help.as_deref()), (19, Some("did you mean `heun`?")));
+}
+
+#[test]
+fn leap_frog_is_refused_where_there_is_noise_or_damping_and_serves_where_there_is_neither() {
+    let (message, line, _, help) = mistake(LATTICE, &with_scheme("leap_frog"));
+    assert_eq!(message, "leap_frog does not serve this system, which has noise");
+    assert_eq!(line, 19);
+    assert!(help.unwrap().contains("there are: forward_euler, heun, runge_kutta_4"));
+    let linear = include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json");
+    let lattice = "\"count\": [47, 47], \"reach\": 7";
+    let quiet = linear.replacen("\"noise_intensity\": 0.2", "\"noise_intensity\": 0", 1).replacen(
+        lattice,
+        &format!("{lattice}, \"scheme\": \"leap_frog\""),
+        1,
+    );
+    let file = SceneFile::from_text("scene.json", quiet.clone()).unwrap();
+    let error = file.parse::<FpkScene>().unwrap_err();
+    let mistake = error.mistake().unwrap();
+    assert_eq!(mistake.message, "leap_frog does not serve this system, which has damping");
+    let undamped = quiet.replacen("\"damping_ratio\": 0.01", "\"damping_ratio\": 0", 1);
+    let scene: FpkScene = SceneFile::from_text("scene.json", undamped).unwrap().parse().unwrap();
+    let config = scene.method.density_config::<2>(2.0, 1.0).unwrap();
+    assert_eq!(config.method.combination().scheme, Scheme::LeapFrog);
+}
+
+#[test]
+fn each_method_takes_its_own_scheme_unless_another_is_asked_for() {
+    let scheme = |method: &str| {
+        let scene = SCENE.replacen(&format!("\"log_density_fit\": {{ {LATTICE} }}"), method, 1);
+        let scene: FpkScene = SceneFile::from_text("scene.json", scene).unwrap().parse().unwrap();
+        scene.method.density_config::<2>(2.0, 1.0).unwrap().method.combination().scheme
+    };
+    let paper = |scheme: &str| {
+        format!(
+            "\"canor_denoel_2013\": {{ \"count\": [50, 33], \"half_width\": [0.6, 0.4], \"courant\": 0.8, \
+             \"support_over_spacing\": 2.5{scheme} }}"
+        )
+    };
+    assert_eq!(scheme(&paper("")), Scheme::ForwardEuler);
+    let schema = serde_json::Value::from(schemars::schema_for!(MethodScene));
+    let told = schema.pointer("/oneOf/2/properties/canor_denoel_2013/properties/scheme/default");
+    assert_eq!(told, Some(&"forward_euler".into()));
+    assert_eq!(scheme(&paper(", \"scheme\": \"runge_kutta_4\"")), Scheme::RungeKutta4);
+    let fit = |lattice: &str| format!("\"flow_map_fit\": {{ {lattice} }}");
+    assert_eq!(scheme(&fit(LATTICE)), Scheme::RungeKutta4);
+    assert_eq!(scheme(&fit(&with_scheme("forward_euler"))), Scheme::ForwardEuler);
+}
+
+#[test]
+fn a_filter_needs_a_system_that_has_one_and_at_most_six_states() {
+    let (message, line, ..) = mistake("\"gaussian\"", "\"stationary_filter\"");
+    assert_eq!((message.as_str(), line), ("the system has no filter", 18));
+    let scene = BOUC_WEN.replacen(
+        "\"bouc_wen\": {",
+        "\"clough_penzien\": { \"structure\": { \"bouc_wen\": {",
+        1,
+    );
+    let filter = "} }, \"ground_frequency\": 15.6, \"ground_damping\": 0.6, \
+                  \"low_cut_frequency\": 1.5, \"low_cut_damping\": 0.6";
+    let window = "\"window\": { \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }\n";
+    let (message, line, ..) =
+        mistake_in(&scene, window, &format!("{} {filter}", window.trim_end()));
+    assert!(message.contains("7 states; the density solver takes 6 at most"), "{message}");
+    assert_eq!(line, 5);
+}
+
+#[test]
+fn a_window_that_does_not_increase_is_refused_where_it_stands() {
+    let (message, line, ..) = mistake_in(
+        BOUC_WEN,
+        "{ \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }",
+        "{ \"tabulated\": [[0, 0], [2, 1], [2, 0]] }",
+    );
+    assert!(message.contains("row 2 is at 2; it must be greater"), "{message}");
+    assert_eq!(line, 14);
+}
+
+#[test]
+fn five_states_say_that_nothing_is_integrated_over_their_cells_and_four_do_not() {
+    let file = SceneFile::from_text("scene.json", SCENE.to_owned()).unwrap();
+    let method = file.parse::<FpkScene>().unwrap().method;
+    let Unknown { what, reason } = no_cells(&method, 5).unwrap();
+    assert!(what.contains("exceedance-cell") && reason.contains("5 states"), "{what} {reason}");
+    assert_eq!(no_cells(&method, 4), None);
+}
+
+#[test]
+fn a_negative_diffusion_is_refused_where_it_stands() {
+    let (message, line, column, _) =
+        mistake("\"noise_intensity\": 0.2", "\"noise_intensity\": -0.2");
+    assert_eq!(message, "noise_intensity is -0.2; it must be 0 or greater");
+    assert_eq!((line, column), (9, 28));
+}
+
+#[test]
+fn a_mean_beyond_the_range_a_null_and_an_unknown_key_are_refused_where_they_stand() {
+    let (message, line, ..) = mistake("\"mean\": [0, 0]", "\"mean\": [1e999, 0]");
+    assert!(message.contains("1e999") && line == 18, "{message} {line}");
+    let (message, line, ..) =
+        mistake("\"damper_coefficient\": 0.25", "\"damper_coefficient\": null");
+    assert!(message.contains("null") && line == 14, "{message} {line}");
+    let (message, line, _, help) = mistake("\"damper_exponent\"", "\"damper_exponant\"");
+    assert!(message.contains("damper_exponant") && line == 15, "{message} {line}");
+    assert_eq!(help.as_deref(), Some("did you mean `damper_exponent`?"));
+}
+
+#[test]
+fn zero_particles_and_thresholds_out_of_order_are_refused_where_they_stand() {
+    let (message, line, ..) = mistake("\"count\": [41, 41]", "\"count\": [0, 41]");
+    assert_eq!((message.as_str(), line), ("0 was given; it must be from 3 to 2000 particles", 19));
+    let (message, line, ..) = mistake("[0.1, 0.25,", "[0.3, 0.25,");
+    assert_eq!(
+        (message.as_str(), line),
+        ("0.25 was given; it must be greater than the one before it", 22)
+    );
+}

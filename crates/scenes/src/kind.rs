@@ -1,0 +1,348 @@
+//! The kinds of scene that can be run.
+//!
+//! A kind is one file here, with its scene types, and one line in [`ALL`].
+//! A scene names its kind by the key `solver` at the top, which its type declares too.
+
+mod blocks;
+mod inputs;
+mod part;
+mod progress;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use mpi_ensembles::{JobError, Ranks};
+use schemars::Schema;
+
+pub use self::blocks::{BlockRecord, BlocksLeft, Cut, JobRecord};
+pub use self::inputs::Inputs;
+pub use self::part::{Part, Place};
+pub use self::progress::Progress;
+use crate::checkpoint::{Checkpoint, CheckpointError, Start};
+use crate::ladder::{Ladder, Quantity};
+use crate::models::Ingredient;
+use crate::nearest::nearest;
+use crate::output::OutputError;
+use crate::scene::{Objection, Scene, SceneError, SceneFile};
+use figures::finite::JsonError;
+
+/// The key that names the kind of a scene.
+pub const KIND_KEY: &str = "solver";
+
+/// Why a solver refused or stopped, or a case or chart could not run to its end: any typed error, so that `?` takes them all.
+pub type SolverError = Box<dyn std::error::Error + Send + Sync>;
+
+/// One entry of the table [`ALL`](crate::ALL).
+#[derive(Debug, Clone, Copy)]
+pub struct SceneKind {
+    /// The value of the key `solver`, e.g. `fpk-sph`.
+    pub solver: &'static str,
+    /// The schema of its scenes, by `schemars::schema_for!`.
+    pub schema: fn() -> Schema,
+    /// Reads the scene as its type and asks what it means, and does not run it.
+    pub check: fn(&SceneFile) -> Result<(), SceneError>,
+    /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
+    pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
+    /// The methods that solve a scene, its own first.
+    pub ladder: fn(&SceneFile) -> Result<Ladder, RunError>,
+    /// What of its `result.json` methods are compared by.
+    pub quantities: fn(&serde_json::Value) -> Vec<Quantity>,
+    /// What can be left out of a scene.
+    pub ingredients: fn(&serde_json::Map<String, serde_json::Value>) -> Vec<Ingredient>,
+}
+
+impl SceneKind {
+    /// Runs a scene of this kind.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run_file(
+        &self,
+        file: &SceneFile,
+        options: &Options,
+        progress: &Progress,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        self.run_file_on(file, options, progress, None)
+    }
+
+    fn run_file_on(
+        &self,
+        file: &SceneFile,
+        options: &Options,
+        progress: &Progress,
+        ranks: Option<&dyn Ranks>,
+    ) -> Result<Vec<PathBuf>, RunError> {
+        if ranks.is_some() && options.part != Part::Whole {
+            return Err(RunError::PartOnRanks);
+        }
+        let (solver, checkpoint) = (self.solver, OnceLock::new());
+        let run = Run { progress, solver, options, checkpoint, ranks };
+        let written = (self.run)(file, &run)?;
+        run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
+        Ok(written)
+    }
+}
+
+/// How a scene is run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Where the results go.
+    pub out: PathBuf,
+    /// In place of the seed of the scene.
+    pub seed: Option<u64>,
+    /// From nothing or from a checkpoint; whether over one.
+    pub start: Start,
+    /// The least time between two checkpoints.
+    pub checkpoint_every: Duration,
+    /// All of an ensemble, a shard of it, or what shards have come to.
+    pub part: Part,
+}
+
+impl Options {
+    /// The least time between two checkpoints, where nothing else is asked for.
+    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(10);
+
+    /// A run from nothing, with the seed of the scene.
+    pub fn new(out: impl Into<PathBuf>) -> Self {
+        let (seed, start) = (None, Start::Anew);
+        let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
+        Self { out: out.into(), seed, start, checkpoint_every, part }
+    }
+}
+
+/// What a kind of scene is given.
+#[derive(Debug)]
+pub struct Run<'a> {
+    /// Hears what is being done.
+    pub progress: &'a Progress,
+    solver: &'static str,
+    options: &'a Options,
+    checkpoint: OnceLock<Checkpoint>,
+    ranks: Option<&'a dyn Ranks>,
+}
+
+impl Run<'_> {
+    /// Where the results go.
+    #[must_use]
+    pub fn out(&self) -> &Path {
+        &self.options.out
+    }
+
+    /// Reads a scene, with the seed that was asked for in place of its own.
+    ///
+    /// # Errors
+    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed to a scene that has none.
+    pub fn parse<T: Scene>(&self, file: &SceneFile) -> Result<T, RunError> {
+        let mut scene: T = file.parse()?;
+        if let Some(seed) = self.options.seed {
+            *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
+        }
+        Ok(scene)
+    }
+}
+
+/// Why a scene was not run to its end.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scene is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// There is no kind of scene yet.
+    #[error("no kind of scene can be run yet")]
+    NoKinds,
+    /// The solver refused or stopped.
+    #[error("the run ended in an error")]
+    Solver(#[source] SolverError),
+    /// A result could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The checkpoint was refused, or could not be written.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// The scene cannot be told from others.
+    #[error("the scene holds what JSON does not")]
+    Identity(#[from] JsonError),
+    /// Shards were asked for, or given, and the method of the scene has none.
+    #[error("the method of the scene samples nothing, so that there are no shards of it")]
+    #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
+    NoShards,
+    /// Shards that are not one ensemble.
+    #[error(transparent)]
+    Shards(#[from] part::ShardsError),
+    /// The ranks of a job did not come to its end.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// A run would start anew over blocks of another.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    BlocksLeft(#[from] BlocksLeft),
+    /// The ranks of a job share an ensemble among themselves.
+    #[error("a shard of an ensemble, or its merge, is the work of one process")]
+    #[diagnostic(help("leave out --shard, or mpirun"))]
+    PartOnRanks,
+    /// Nothing in the scene is random.
+    #[error("the seed {seed} was given, and the scene draws nothing at random")]
+    #[diagnostic(help("leave out --seed"))]
+    NoSeed {
+        /// The seed.
+        seed: u64,
+    },
+}
+
+impl RunError {
+    /// Takes any error of a solver: `simulation.step().map_err(RunError::solver)?`.
+    pub fn solver(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Solver(Box::new(error))
+    }
+}
+
+/// Runs a scene file.
+///
+/// # Errors
+/// [`RunError`].
+pub fn run(
+    table: &[SceneKind],
+    scene: &Path,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Vec<PathBuf>, RunError> {
+    let file = SceneFile::read(scene)?;
+    kind_of(table, &file)?.run_file(&file, options, progress)
+}
+
+/// Runs a scene file as one of the ranks of a job, which share an ensemble block by block: the bits are those of [`run`]. All of them call it
+/// with the same arguments; rank 0 writes the results, and the others return the paths of none.
+///
+/// # Errors
+/// As [`run`]; [`RunError::Job`], after which the job must be ended from outside; [`RunError::PartOnRanks`].
+pub fn run_on_ranks(
+    table: &[SceneKind],
+    scene: &Path,
+    options: &Options,
+    progress: &Progress,
+    ranks: &dyn Ranks,
+) -> Result<Vec<PathBuf>, RunError> {
+    let file = SceneFile::read(scene)?;
+    kind_of(table, &file)?.run_file_on(&file, options, progress, Some(ranks))
+}
+
+/// Reads a scene as its kind and asks what it means; nothing is run.
+///
+/// # Errors
+/// [`RunError::Scene`], [`RunError::NoKinds`].
+pub fn check(table: &[SceneKind], file: &SceneFile) -> Result<(), RunError> {
+    Ok((kind_of(table, file)?.check)(file)?)
+}
+
+/// The kind of a scene.
+///
+/// # Errors
+/// [`RunError::Scene`] for a solver that is not in the table.
+pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a SceneKind, RunError> {
+    if table.is_empty() {
+        return Err(RunError::NoKinds);
+    }
+    let solver = file.text_at_top(KIND_KEY)?;
+    table.iter().find(|kind| kind.solver == solver).ok_or_else(|| {
+        let known: Vec<&str> = table.iter().map(|kind| kind.solver).collect();
+        let hint = match nearest(&solver, known.iter().copied()) {
+            Some(nearest) => format!("did you mean `{nearest}`?"),
+            None => format!("there are: {}", known.join(", ")),
+        };
+        file.object_to(
+            &Objection::new(KIND_KEY, format!("there is no solver `{solver}`")).with_help(hint),
+        )
+        .into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use schemars::{JsonSchema, schema_for};
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::scene::Scene;
+
+    #[derive(Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    struct Decay {
+        #[serde(rename = "solver")]
+        _solver: String,
+        rate: f64,
+    }
+
+    impl Scene for Decay {
+        fn check(&self) -> Result<(), Objection> {
+            if self.rate < 0.0 {
+                Err(Objection::new("rate", "a rate must not be negative"))
+            } else {
+                Ok(())
+            }
+        }
+    }
+
+    const TABLE: [SceneKind; 1] = [SceneKind {
+        solver: "decay",
+        schema: || schema_for!(Decay),
+        check: |file| file.parse::<Decay>().map(drop),
+        run: |file, run| {
+            let scene: Decay = run.parse(file)?;
+            if scene.rate > 10.0 {
+                return Err(RunError::solver(std::io::Error::other("too stiff")));
+            }
+            let path = run.out().join("result.json");
+            crate::output::write_json(&path, &serde_json::json!({ "final": (-scene.rate).exp() }))?;
+            Ok(vec![path])
+        },
+        ladder: |_| Err(RunError::NoKinds),
+        quantities: |_| Vec::new(),
+        ingredients: |_| Vec::new(),
+    }];
+
+    fn run_text(text: &str) -> Result<Vec<PathBuf>, RunError> {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        static NEXT: AtomicUsize = AtomicUsize::new(0);
+        let next = NEXT.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("scene-run-{}-{next}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let scene = folder.join("scene.json");
+        std::fs::write(&scene, text).unwrap();
+        let result = run(&TABLE, &scene, &Options::new(folder.join("out")), &Progress::silent());
+        if let Ok(paths) = &result {
+            assert!(paths.iter().all(|path| path.exists()));
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+        result
+    }
+
+    #[test]
+    fn a_scene_is_run_by_its_kind() {
+        assert_eq!(run_text("{\"solver\": \"decay\", \"rate\": 1}").unwrap().len(), 1);
+    }
+
+    #[test]
+    fn an_unknown_kind_names_the_nearest_and_mistakes_reach_the_user() {
+        let error = run_text("{\"solver\": \"decey\", \"rate\": 1}").unwrap_err();
+        let RunError::Scene(error) = error else { panic!("{error}") };
+        let mistake = error.mistake().unwrap();
+        assert_eq!((mistake.line, mistake.column), (1, 12));
+        assert_eq!(mistake.help.as_deref(), Some("did you mean `decay`?"));
+        assert!(matches!(
+            run_text("{\"solver\": \"decay\", \"rate\": -1}"),
+            Err(RunError::Scene(_))
+        ));
+        assert!(matches!(
+            run_text("{\"solver\": \"decay\", \"rate\": 99}"),
+            Err(RunError::Solver(_))
+        ));
+        assert!(matches!(
+            run(&[], Path::new("x"), &Options::new("y"), &Progress::silent()),
+            Err(RunError::Scene(_))
+        ));
+    }
+}

@@ -1,0 +1,118 @@
+//! The scenes that come with the project, run by every method that solves them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{Ladder, LadderError, Method, Rung, Trial, climb, repeated_costs};
+use crate::kind::{RunError, SceneKind, kind_of};
+use crate::scene::SceneFile;
+
+/// A scene that comes with the project.
+pub struct BuiltIn {
+    /// Folder and name, e.g. `fpk/viscous_damper`.
+    pub name: String,
+    /// Its text.
+    pub file: SceneFile,
+    /// Its kind.
+    pub kind: &'static SceneKind,
+    /// The methods that solve it.
+    pub ladder: Arc<Ladder>,
+}
+
+/// Why a built-in scene was not run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuiltInError {
+    /// It cannot be read or is wrong.
+    #[error("the scene {name}")]
+    Scene {
+        /// Which one.
+        name: String,
+        /// Why.
+        source: RunError,
+    },
+    /// The folder cannot be listed.
+    #[error("cannot list {}", .folder.display())]
+    Folder {
+        /// Which folder.
+        folder: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A trial could not be made.
+    #[error(transparent)]
+    Ladder(#[from] LadderError),
+}
+
+impl BuiltIn {
+    /// All scenes in the folders below `root`, by name.
+    ///
+    /// # Errors
+    /// [`BuiltInError`].
+    pub fn all(table: &'static [SceneKind], root: &Path) -> Result<Vec<Self>, BuiltInError> {
+        let mut scenes = Vec::new();
+        for folder in listed(root)? {
+            for path in listed(&folder)? {
+                scenes.push(Self::read(table, root, &path)?);
+            }
+        }
+        Ok(scenes)
+    }
+
+    fn read(table: &'static [SceneKind], root: &Path, path: &Path) -> Result<Self, BuiltInError> {
+        let inside = path.strip_prefix(root).unwrap_or(path).with_extension("");
+        let name = inside.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/");
+        let read = || -> Result<_, RunError> {
+            let file = SceneFile::read(path)?;
+            let kind = kind_of(table, &file)?;
+            let ladder = (kind.ladder)(&file)?;
+            Ok((file, kind, ladder))
+        };
+        match read() {
+            Ok((file, kind, ladder)) => Ok(Self { name, file, kind, ladder: Arc::new(ladder) }),
+            Err(source) => Err(BuiltInError::Scene { name, source }),
+        }
+    }
+
+    /// Climbs the ladders of all methods; see [`climb`].
+    ///
+    /// # Errors
+    /// [`LadderError`].
+    pub fn trials(
+        &self,
+        budget: f64,
+        mut tell: impl FnMut(&Method, &Rung),
+    ) -> Result<Vec<Trial>, LadderError> {
+        let mut trials = Vec::new();
+        for method in 0..self.ladder.methods.len() {
+            trials.extend(climb(self.kind, &self.file, &self.ladder, method, budget, &mut tell)?);
+        }
+        Ok(trials)
+    }
+
+    /// The CPU times (s) of a trial and of so many runs like it; see [`repeated_costs`].
+    ///
+    /// # Errors
+    /// [`LadderError`].
+    pub fn costs(&self, trial: &Trial, again: usize) -> Result<Vec<f64>, LadderError> {
+        repeated_costs(self.kind, &self.file, &self.ladder, trial, again)
+    }
+}
+
+impl std::fmt::Debug for BuiltIn {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("BuiltIn").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// What lies in a folder, by name.
+fn listed(folder: &Path) -> Result<Vec<PathBuf>, BuiltInError> {
+    let refused = |source| BuiltInError::Folder { folder: folder.into(), source };
+    let entries = std::fs::read_dir(folder).map_err(refused)?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        paths.push(entry.map_err(refused)?.path());
+    }
+    paths.sort();
+    Ok(paths)
+}

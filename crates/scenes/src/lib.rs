@@ -1,0 +1,29 @@
+#![doc = include_str!("../README.md")]
+
+pub mod advise;
+mod built_in;
+pub mod causes;
+pub mod checkpoint;
+#[cfg(feature = "cli")]
+pub mod cli;
+pub mod clock;
+#[cfg(feature = "fpk")]
+pub mod fpk;
+pub mod kind;
+pub mod ladder;
+pub mod machine;
+pub mod models;
+pub mod nearest;
+pub mod output;
+#[cfg(feature = "peridyn")]
+pub mod peridyn;
+pub mod scene;
+pub mod schema;
+#[cfg(feature = "smpm")]
+pub mod smpm;
+
+pub use self::built_in::ALL;
+pub use self::kind::{
+    BlockRecord, BlocksLeft, Cut, Inputs, JobRecord, Options, Part, Place, Progress, Run, RunError,
+    SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+};

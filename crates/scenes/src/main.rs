@@ -1,0 +1,7 @@
+//! The `scenes` command: run, advise, merge, schema.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    scenes::cli::main()
+}

@@ -1,0 +1,81 @@
+//! Files that a run leaves behind.
+
+use std::fs::File;
+use std::io::{self, BufWriter, IntoInnerError};
+use std::path::{Path, PathBuf};
+
+use figures::finite::{self, JsonError};
+use figures::{Drawing, Face};
+use serde::Serialize;
+
+/// A result that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// It holds a number that is not finite.
+    #[error("cannot write {}", .path.display())]
+    Json {
+        /// Which file.
+        path: PathBuf,
+        /// Which number.
+        source: JsonError,
+    },
+    /// The system refused.
+    #[error("cannot write {}", .path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// Writes `value` as JSON, numbers checked to be finite; missing folders are made.
+///
+/// # Errors
+/// [`OutputError`], naming the file.
+pub fn write_json<T: Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), OutputError> {
+    let text =
+        finite::to_json(value).map_err(|source| OutputError::Json { path: path.into(), source })?;
+    write_text(path, &text).map_err(|source| OutputError::Io { path: path.into(), source })
+}
+
+/// Writes `text`, making missing folders.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(path, text)
+}
+
+/// Writes a file that a checkpoint says is there: when this returns it is on the disk, and not cut off by a machine that ends.
+///
+/// # Errors
+/// Those of `write`, and of the file system.
+pub fn write_to_disk<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut out = BufWriter::new(File::create(path)?);
+    write(&mut out)?;
+    out.into_inner().map_err(IntoInnerError::into_error)?.sync_all()?;
+    Ok(())
+}
+
+/// Writes `<name>.svg`, or `<name>.md` for a page, and `<name>.json` into `folder` and returns the path of the first.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write_drawing(drawing: &Drawing, folder: &Path) -> io::Result<PathBuf> {
+    let (ending, text) = match &drawing.face {
+        Face::Picture(svg) => ("svg", svg),
+        Face::Page(markdown) => ("md", markdown),
+    };
+    let file = folder.join(format!("{}.{ending}", drawing.name));
+    write_text(&file, text)?;
+    write_text(&folder.join(format!("{}.json", drawing.name)), &drawing.data)?;
+    Ok(file)
+}

@@ -1,0 +1,10 @@
+//! Scenes of cracks: their types, and how they are run.
+
+pub mod points;
+pub mod run;
+pub mod scene;
+pub mod scene_body;
+pub mod scene_dynamics;
+pub mod scene_field;
+mod scene_plate;
+pub mod scene_problem;

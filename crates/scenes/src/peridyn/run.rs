@@ -1,0 +1,215 @@
+//! Runs a scene of cracks: the law of the path, of its length and exit, and of the load, each with its error.
+
+mod fields;
+mod ingredients;
+mod ladder;
+mod pictures;
+mod record;
+
+use crate::clock::CpuClock;
+use std::path::PathBuf;
+
+use mpi_ensembles::Ranks;
+use peridyn_sde::CrackRun;
+use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
+use sde_integrators::{Accumulator, Noise};
+
+use self::record::{Record, RunResult, WorkRecord};
+use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
+use crate::machine::{Machine, commit};
+use crate::output::{write_drawing, write_json};
+use crate::peridyn::points::Cloud;
+use crate::peridyn::scene::{CrackScene, EnsembleScene};
+use crate::peridyn::scene_problem::CrackProblem;
+use crate::scene::{NamedFile, Objection, SceneFile};
+use figures::number::with_uncertainty;
+
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "peridyn-sde",
+    schema: || schemars::schema_for!(CrackScene),
+    check: |file| file.parse::<CrackScene>().map(drop),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
+
+/// What a checkpoint calls the realisations that have ended.
+const ENDED: &str = "realisations";
+
+/// What the numbers of realisations do not depend on: how many there are, and what is made of them.
+const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
+
+/// A checkpoint whose realisations are not the first of those that are asked for. What one of them has added to the map of damage
+/// cannot be taken out again.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the checkpoint holds {found} realisations from number {first} on; asked for are {asked} from number {start} on: \
+     take another folder"
+)]
+struct OthersKept {
+    found: u64,
+    first: u64,
+    asked: u64,
+    start: u64,
+}
+
+/// More shards than there is work for.
+#[derive(Debug, thiserror::Error)]
+#[error("there are more shards than the {realisations} realisations")]
+struct TooManyShards {
+    realisations: u64,
+}
+
+impl From<peridyn_sde::Error> for RunError {
+    fn from(error: peridyn_sde::Error) -> Self {
+        Self::solver(error)
+    }
+}
+
+/// The realisations of a checkpoint, and how long they took (s).
+type Ended = (CrackRun, f64);
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: CrackScene = run.parse(file)?;
+    let refused = |objection: Objection| file.object_to(&objection);
+    let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
+    let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();
+    let inputs = &Inputs { scene: &scene, seed: Some(scene.ensemble.seed), files: &files };
+    // A file that is no shard of this scene is refused before the body is built.
+    let shards = match run.part() {
+        Part::Merged(files) => Some(joined(run.read_shards(inputs, files)?)?),
+        Part::Whole | Part::Shard(_) => None,
+    };
+    let problem = CrackProblem::new(&scene, cloud).map_err(refused)?;
+    let (crack_run, cpu_seconds) = match (shards, run.ranks(), run.part()) {
+        (Some(shards), ..) => shards,
+        (None, Some(ranks), _) => match on_ranks(ranks, inputs, &problem, run)? {
+            Some(parts) => joined(parts)?,
+            None => return Ok(Vec::new()),
+        },
+        (None, None, Part::Shard(place)) => {
+            let shard = realisations(inputs, &problem, run)?;
+            return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
+        }
+        (None, None, _) => realisations(inputs, &problem, run)?,
+    };
+    write(&scene, &problem, (&crack_run, cpu_seconds), run)
+}
+
+/// Shards in their order.
+fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
+    for (shard, _) in &shards {
+        let expected = shard.records.len();
+        Run::require("realisations with loads", shard.loads.len(), expected)?;
+        Run::require("realisations with broken bonds", shard.broken.len(), expected)?;
+    }
+    let mut shards = shards.into_iter();
+    let Some((mut all, mut cpu_seconds)) = shards.next() else { return Err(RunError::NoShards) };
+    for (shard, seconds) in shards {
+        all.append(shard)?;
+        cpu_seconds += seconds;
+    }
+    Ok((all, cpu_seconds))
+}
+
+/// All realisations, as many in a block as move side by side in a register.
+fn on_ranks(
+    ranks: &dyn Ranks,
+    inputs: &Inputs<'_, CrackScene>,
+    problem: &CrackProblem,
+    run: &Run<'_>,
+) -> Result<Option<Vec<Ended>>, RunError> {
+    let EnsembleScene { realisations: n, precision, .. } = inputs.scene.ensemble;
+    let blocks = Cut { n, unit: precision.n_lanes() };
+    let compute = |block: u64| {
+        let clock = CpuClock::start();
+        let ended = problem.run(inputs.scene, blocks.range(block), None, |_| Ok::<_, RunError>(()));
+        Ok((ended?, clock.seconds()))
+    };
+    let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
+    run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)
+}
+
+/// All realisations that are to be run, those of a checkpoint among them.
+fn realisations(
+    inputs: &Inputs<'_, CrackScene>,
+    problem: &CrackProblem,
+    run: &Run<'_>,
+) -> Result<Ended, RunError> {
+    let scene = inputs.scene;
+    let checkpoint = run.checkpoint(inputs, &ASIDE)?;
+    let range = run.range(scene.ensemble.realisations);
+    let asked = range.end - range.start;
+    if asked == 0 {
+        return Err(RunError::solver(TooManyShards { realisations: scene.ensemble.realisations }));
+    }
+    run.progress.stage(&format!("{asked} realisations"));
+    let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();
+    if let Some(past) = &past {
+        let (found, start) = (past.records.len() as u64, range.start);
+        let first = past.records.first().map_or(start, |record| record.realisation);
+        if found > asked || first != start {
+            return Err(RunError::solver(OthersKept { found, first, asked, start }));
+        }
+    }
+    let clock = CpuClock::start();
+    let seconds = || past_seconds.unwrap_or(0.0) + clock.seconds();
+    let ended = problem.run(scene, range, past, |so_far| {
+        let done = so_far.records.len() as u64;
+        run.progress.at((done, asked), || load_words([so_far]));
+        if done == asked || checkpoint.is_due() {
+            checkpoint.keep(ENDED, &(so_far, seconds()))?;
+        }
+        Ok::<(), RunError>(())
+    })?;
+    Ok((ended, seconds()))
+}
+
+/// The failure load so far, with its standard error.
+fn load_words<'a>(runs: impl IntoIterator<Item = &'a CrackRun>) -> String {
+    let mut loads = Accumulator::default();
+    let records = runs.into_iter().flat_map(|run| &run.records);
+    for load in records.filter_map(|record| record.failure_load) {
+        loads.push(load);
+    }
+    let Ok(load) = loads.estimate() else { return String::new() };
+    format!("failure load {} N", with_uncertainty(Some(load.value), load.standard_error()))
+}
+
+fn write(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    (crack_run, cpu_seconds): (&CrackRun, f64),
+    run: &Run<'_>,
+) -> Result<Vec<PathBuf>, RunError> {
+    let n_realisations = scene.ensemble.realisations;
+    let ensemble = CrackEnsemble::new(n_realisations, crack_run.records.iter().cloned())
+        .map_err(RunError::solver)?;
+    let bootstrap = Bootstrap::new(Noise::new(scene.ensemble.seed));
+    let record = Record::new(scene, problem, crack_run, &ensemble, &bootstrap)?;
+    for unknown in &record.unknown {
+        run.progress.stage(&format!("unknown: {}: {}", unknown.what, unknown.reason));
+    }
+    let drawings = pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
+    let result = RunResult {
+        schema: "crack-ensemble/1",
+        version: env!("CARGO_PKG_VERSION"),
+        commit: commit(),
+        machine: Machine::read(),
+        scene,
+        files: &problem.files,
+        resolved: &problem.resolved,
+        seed: scene.ensemble.seed,
+        work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
+        record: &record,
+    };
+    let path = run.out().join("result.json");
+    write_json(&path, &result)?;
+    let mut written = vec![path];
+    for drawing in drawings {
+        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
+    }
+    written.extend(fields::write(scene, problem, crack_run, run.out()).map_err(RunError::Solver)?);
+    Ok(written)
+}

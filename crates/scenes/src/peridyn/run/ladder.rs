@@ -1,0 +1,140 @@
+//! A scene of cracks by every scheme and precision that runs it.
+
+use serde_json::{Map, Value};
+
+use crate::kind::RunError;
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, whole};
+use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
+use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
+use crate::scene::SceneFile;
+
+/// Fewest realisations: those that run side by side in single precision. A bootstrap needs ten.
+const FIRST: f64 = 16.0;
+
+const LEFT_OUT: &str = "All trials have the spacing, the horizon and the step of the scene: what these do is in no figure; change them and compare.";
+
+/// The ways to run a scene, its own first: other precisions, and in overdamped dynamics other explicit schemes at the same step. An
+/// implicit one is for larger steps, so that at the same it could only lose.
+pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
+    let mut scene: CrackScene = file.parse()?;
+    scene.output.vtu.clear();
+    let own = scheme(&scene.dynamics);
+    let mut schemes = vec![own];
+    if own.is_some() {
+        let others =
+            [SchemeScene::EulerMaruyama, SchemeScene::LeimkuhlerMatthews, SchemeScene::Heun];
+        let is_allowed = |scheme: &SchemeScene| {
+            *scheme != SchemeScene::LeimkuhlerMatthews
+                || scene.time.breaking != BreakingScene::Bridge
+        };
+        schemes.extend(others.into_iter().filter(is_allowed).map(Some).filter(|s| *s != own));
+    }
+    let precisions = match scene.ensemble.precision {
+        PrecisionScene::F32 => [PrecisionScene::F32, PrecisionScene::F64],
+        PrecisionScene::F64 => [PrecisionScene::F64, PrecisionScene::F32],
+    };
+    let ways = schemes.iter().flat_map(|&scheme| precisions.map(|precision| (scheme, precision)));
+    let methods = ways.map(|way| method(&scene, way)).collect();
+    Ok(Ladder { scene: keys(&scene).map_err(RunError::solver)?, methods, left_out: LEFT_OUT })
+}
+
+fn scheme_words(scheme: SchemeScene) -> String {
+    match scheme {
+        SchemeScene::EulerMaruyama => "Euler-Maruyama".to_owned(),
+        SchemeScene::LeimkuhlerMatthews => "Leimkuhler-Matthews".to_owned(),
+        SchemeScene::Heun => "Heun".to_owned(),
+        SchemeScene::Theta(theta) => format!("theta {theta}"),
+    }
+}
+
+const fn scheme(dynamics: &DynamicsScene) -> Option<SchemeScene> {
+    match dynamics {
+        DynamicsScene::Overdamped { scheme, .. } => Some(*scheme),
+        DynamicsScene::Inertial { .. } => None,
+    }
+}
+
+fn method(
+    scene: &CrackScene,
+    (scheme, precision): (Option<SchemeScene>, PrecisionScene),
+) -> Method {
+    let dynamics = match (&scene.dynamics, scheme) {
+        (DynamicsScene::Overdamped { mobility, temperature, .. }, Some(scheme)) => {
+            let (mobility, temperature) = (*mobility, *temperature);
+            DynamicsScene::Overdamped { mobility, temperature, scheme }
+        }
+        (other, _) => other.clone(),
+    };
+    let lanes = match precision {
+        PrecisionScene::F64 => "f64",
+        PrecisionScene::F32 => "f32",
+    };
+    let name = scheme.map_or_else(|| "BAOAB".to_owned(), scheme_words);
+    let seed = scene.ensemble.seed;
+    let rung = move |size: f64| {
+        let realisations = whole(size);
+        let ensemble = EnsembleScene { realisations, seed, precision };
+        let mut changes = Map::new();
+        changes.insert("dynamics".to_owned(), serde_json::to_value(&dynamics).ok()?);
+        changes.insert("ensemble".to_owned(), serde_json::to_value(&ensemble).ok()?);
+        let label = format!("{realisations} realisations");
+        Some(Rung { size: realisations as f64, label, changes })
+    };
+    Method {
+        name: format!("{name}, {lanes}"),
+        growth: Growth::Samples,
+        // All schemes leave out the same: the step.
+        standing: Standing::Judge,
+        first: FIRST,
+        rung: Box::new(rung),
+    }
+}
+
+/// Means and spreads of the failure load, of the exit and of the length.
+pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
+    let laws = [
+        ("failure_load", "failure load"),
+        ("exit", "height of exit"),
+        ("length", "length of the crack"),
+    ];
+    laws.iter().flat_map(|(key, words)| law(key, words, &result[key])).collect()
+}
+
+fn law(id: &str, words: &str, law: &Value) -> Vec<Quantity> {
+    let mut all = Vec::new();
+    let quantity = |name: &str, value: f64, error: Option<f64>| Quantity {
+        id: format!("{id}/{name}"),
+        words: format!("{} of the {words}", name.replace('_', " ")),
+        value,
+        error,
+        scale: value.abs(),
+    };
+    if let Some(mean) = law["mean"]["value"].as_f64() {
+        all.push(quantity("mean", mean, law["mean"]["error"].as_f64().map(|error| 2.0 * error)));
+    }
+    let deviation = &law["standard_deviation"];
+    let ends = (deviation["low"].as_f64(), deviation["high"].as_f64());
+    if let (Some(value), (Some(low), Some(high))) = (deviation["value"].as_f64(), ends) {
+        // An interval of 95 % has two standard errors to each side.
+        all.push(quantity("standard_deviation", value, Some(0.5 * (high - low))));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn means_tell_two_standard_errors_and_spreads_half_their_interval() {
+        let deviation = json!({ "value": 0.5, "low": 0.4, "high": 0.7 });
+        let result = json!({ "failure_load": {
+            "mean": { "value": 10.0, "error": 0.1 }, "standard_deviation": deviation } });
+        let found = quantities(&result);
+        assert_eq!((found[0].id.as_str(), found[0].error), ("failure_load/mean", Some(0.2)));
+        assert!((found[1].error.unwrap() - 0.15).abs() < 1e-12);
+        assert_eq!(found.len(), 2);
+    }
+}

@@ -1,0 +1,322 @@
+//! What is told of an ensemble of cracks.
+
+use peridyn_sde::CrackRun;
+use peridyn_sde::statistics::{
+    Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
+};
+use sde_integrators::{Accumulator, Estimate, Uncertainty};
+use serde::Serialize;
+
+use crate::kind::RunError;
+use crate::machine::Machine;
+use crate::peridyn::scene::CrackScene;
+use crate::peridyn::scene_problem::{CrackProblem, Resolved};
+use crate::scene::NamedFile;
+
+/// Every so many spacings the path is looked at, where the scene does not say.
+const ABSCISSAE_EVERY: usize = 4;
+
+/// Everything that came of a run: the schema `crack-ensemble/1`.
+#[derive(Debug, Serialize)]
+pub(super) struct RunResult<'a> {
+    pub(super) schema: &'static str,
+    pub(super) version: &'static str,
+    pub(super) commit: Option<String>,
+    pub(super) machine: Machine,
+    /// The scene as it was understood.
+    pub(super) scene: &'a CrackScene,
+    /// The files that the scene names.
+    pub(super) files: &'a [NamedFile],
+    pub(super) resolved: &'a Resolved,
+    pub(super) seed: u64,
+    pub(super) work: WorkRecord,
+    #[serde(flatten)]
+    pub(super) record: &'a Record,
+}
+
+/// Work counted.
+#[derive(Debug, Serialize)]
+pub(super) struct WorkRecord {
+    /// Of each realisation.
+    steps: u64,
+    /// Bonds times steps times realisations.
+    bond_steps: u64,
+    /// Of the run itself, all threads.
+    cpu_seconds: f64,
+}
+
+impl WorkRecord {
+    pub(super) fn new(scene: &CrackScene, resolved: &Resolved, cpu_seconds: f64) -> Self {
+        let steps = scene.time.steps;
+        let bond_steps = resolved.bonds as u64 * steps * scene.ensemble.realisations;
+        Self { steps, bond_steps, cpu_seconds }
+    }
+}
+
+/// The laws of what was observed.
+#[derive(Debug, Serialize)]
+pub(super) struct Record {
+    /// What is not known, and why; nothing else is missing.
+    pub(super) unknown: Vec<Unknown>,
+    /// Runs that ended with an error, in its words.
+    pub(super) failures: Vec<Failure>,
+    /// The probability of each outcome.
+    outcomes: Vec<Outcome>,
+    /// Where cracks pass abscissae (m).
+    path: Vec<PathAt>,
+    /// Height at which cracks leave the body (m).
+    exit: Option<Law>,
+    /// Length of cracks, zero where none grew (m).
+    length: Option<Law>,
+    /// The largest mean load of a window (N).
+    pub(super) failure_load: Option<Law>,
+    /// Bonds that broke, without those of the notch.
+    broken_bonds: Option<Number>,
+    /// One for each realisation, by number.
+    realisations: Vec<Realisation>,
+    /// The mean load on the upper grip (N), window by window.
+    pub(super) load: Vec<LoadAt>,
+}
+
+/// What one realisation came to.
+#[derive(Debug, Serialize)]
+struct Realisation {
+    number: u64,
+    outcome: &'static str,
+    /// m.
+    length: f64,
+    /// m.
+    exit: Option<f64>,
+    /// N.
+    failure_load: Option<f64>,
+    broken_bonds: u64,
+}
+
+/// What is not known, and why.
+#[derive(Debug, Serialize)]
+pub(super) struct Unknown {
+    pub(super) what: String,
+    pub(super) reason: String,
+}
+
+/// A realisation that was lost.
+#[derive(Debug, Serialize)]
+pub(super) struct Failure {
+    realisation: u64,
+    reason: String,
+}
+
+/// How realisations end.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    outcome: &'static str,
+    probability: Number,
+}
+
+/// A number with its error.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Number {
+    pub(super) value: f64,
+    pub(super) error: Option<f64>,
+    error_kind: ErrorOrigin,
+}
+
+/// Where an error comes from.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum ErrorOrigin {
+    StandardError,
+    Bound,
+    Unknown,
+}
+
+impl From<Estimate> for Number {
+    fn from(Estimate { value, uncertainty }: Estimate) -> Self {
+        let (error, error_kind) = match uncertainty {
+            Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
+            Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
+            Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
+        };
+        Self { value, error, error_kind }
+    }
+}
+
+/// The law of a number.
+#[derive(Debug, Serialize)]
+pub(super) struct Law {
+    /// Realisations that have it.
+    realisations: usize,
+    /// Those that do not.
+    missing: usize,
+    pub(super) mean: Number,
+    /// With its interval by the bootstrap; none of fewer than 10 values.
+    standard_deviation: Option<Interval>,
+    quantiles: Vec<Quantile>,
+}
+
+/// A quantile.
+#[derive(Debug, Serialize)]
+struct Quantile {
+    probability: f64,
+    #[serde(flatten)]
+    number: Number,
+}
+
+impl From<&Distribution> for Law {
+    fn from(law: &Distribution) -> Self {
+        let quantile = |(&probability, &estimate): (&f64, &Estimate)| Quantile {
+            probability,
+            number: estimate.into(),
+        };
+        Self {
+            realisations: law.n,
+            missing: law.missing,
+            mean: law.mean.into(),
+            standard_deviation: law.deviation,
+            quantiles: QUANTILES.iter().zip(&law.quantiles).map(quantile).collect(),
+        }
+    }
+}
+
+/// Where cracks pass an abscissa.
+#[derive(Debug, Serialize)]
+struct PathAt {
+    x: f64,
+    /// Probability that a crack comes there.
+    reach: Number,
+    height: Option<Law>,
+}
+
+impl From<&Band> for PathAt {
+    fn from(band: &Band) -> Self {
+        let height = band.heights.as_ref().map(Law::from);
+        Self { x: band.x, reach: band.reach.into(), height }
+    }
+}
+
+/// The load of a window.
+#[derive(Debug, Serialize)]
+pub(super) struct LoadAt {
+    /// Middle of the window (s).
+    time: f64,
+    /// Mean strain at that time.
+    pub(super) strain: f64,
+    pub(super) load: Number,
+    /// Over realisations.
+    pub(super) standard_deviation: f64,
+}
+
+impl Record {
+    pub(super) fn new(
+        scene: &CrackScene,
+        problem: &CrackProblem,
+        run: &CrackRun,
+        ensemble: &CrackEnsemble,
+        bootstrap: &Bootstrap,
+    ) -> Result<Self, RunError> {
+        let mut unknown = Vec::new();
+        let mut law = |what: &str, law: Result<Distribution, peridyn_sde::Error>| {
+            let told = law.as_ref().map(Law::from);
+            told.map_err(|error| {
+                let (what, reason) = (what.to_owned(), error.to_string());
+                unknown.push(Unknown { what, reason });
+            })
+            .ok()
+        };
+        let exit = law("exit", ensemble.exit(bootstrap));
+        let length = law("length", ensemble.length(bootstrap));
+        let failure_load = law("failure_load", ensemble.failure_load(bootstrap));
+        let path = match ensemble.bands(&abscissae(scene, problem), bootstrap) {
+            Ok(bands) => bands.iter().map(PathAt::from).collect(),
+            Err(error) => {
+                unknown.push(Unknown { what: "path".into(), reason: error.to_string() });
+                Vec::new()
+            }
+        };
+        let ran = |id: usize| !matches!(run.records[id].outcome, CrackOutcome::Failed(_));
+        let broken = (0..run.broken.len()).filter(|&id| ran(id)).map(|id| run.broken[id] as f64);
+        let broken_bonds = mean(broken).map(|(mean, _)| mean);
+        let load = loads(scene, &problem.resolved, run);
+        if broken_bonds.is_none() || load.is_empty() {
+            let reason = "fewer than two realisations ran to their end".to_owned();
+            unknown.push(Unknown { what: "broken_bonds, load".into(), reason });
+        }
+        let outcome = |&(outcome, probability): &(&'static str, Estimate)| Outcome {
+            outcome,
+            probability: probability.into(),
+        };
+        let outcomes = ensemble.outcomes().map_err(RunError::solver)?;
+        Ok(Self {
+            unknown,
+            failures: failures(ensemble),
+            outcomes: outcomes.iter().map(outcome).collect(),
+            path,
+            exit,
+            length,
+            failure_load,
+            broken_bonds,
+            realisations: run.records.iter().zip(&run.broken).map(realisation).collect(),
+            load,
+        })
+    }
+}
+
+fn realisation((record, &broken_bonds): (&CrackRecord, &u64)) -> Realisation {
+    Realisation {
+        number: record.realisation,
+        outcome: record.outcome.name(),
+        length: record.length,
+        exit: record.exit,
+        failure_load: record.failure_load,
+        broken_bonds,
+    }
+}
+
+fn failures(ensemble: &CrackEnsemble) -> Vec<Failure> {
+    let failure = |record: &CrackRecord| match &record.outcome {
+        CrackOutcome::Failed(reason) => {
+            Some(Failure { realisation: record.realisation, reason: reason.clone() })
+        }
+        _ => None,
+    };
+    ensemble.failures().filter_map(failure).collect()
+}
+
+/// Those of the scene, or every fourth spacing from the tip to the exit.
+fn abscissae(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
+    if !scene.output.abscissae.is_empty() {
+        return scene.output.abscissae.clone();
+    }
+    from_tip_to_exit(scene, problem).into_iter().step_by(ABSCISSAE_EVERY).collect()
+}
+
+/// Every spacing from the tip to the exit, and the exit.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than the columns")]
+pub(super) fn from_tip_to_exit(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
+    let (tip, exit) = (scene.notch.tip[0], problem.resolved.exit);
+    let spacing = scene.body.spacing;
+    let between = ((exit - tip).abs() / spacing - 1e-9).max(0.0) as u32;
+    let forward = (exit - tip).signum() * spacing;
+    (1..=between).map(|k| tip + forward * f64::from(k)).chain([exit]).collect()
+}
+
+/// The mean with its standard error, and the standard deviation; none of fewer than two values.
+fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, f64)> {
+    let mut sample = Accumulator::default();
+    values.for_each(|value| sample.push(value));
+    Some((sample.estimate().ok()?.into(), sample.variance().ok()?.sqrt()))
+}
+
+fn loads(scene: &CrackScene, resolved: &Resolved, run: &CrackRun) -> Vec<LoadAt> {
+    let (steps, windows) = (scene.time.steps, scene.output.windows);
+    let length = (steps / windows) as f64;
+    let at = |window: usize| {
+        let of_window = run.loads.iter().filter_map(|loads| loads.get(window).copied());
+        let (load, standard_deviation) = mean(of_window)?;
+        let time = (window as f64 + 0.5) * length * resolved.dt;
+        let strain = resolved.final_strain * time / resolved.duration;
+        Some(LoadAt { time, strain, load, standard_deviation })
+    };
+    let longest = run.loads.iter().map(Vec::len).max().unwrap_or(0);
+    (0..longest).filter_map(at).collect()
+}

@@ -1,0 +1,133 @@
+//! What may stand in a scene: a JSON schema for each solver, and the page that lists every key.
+//!
+//! Both are made from the scene types: their doc comments are the descriptions, and those of numbers state the unit in
+//! parentheses. The examples of the page are found in the built-in scenes; what none of them shows has an example in its type,
+//! `#[schemars(example = ...)]`.
+
+mod error;
+mod example;
+mod page;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod unit;
+mod value;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+pub use self::error::SchemaError;
+use self::example::{BuiltIn, Examples};
+use self::rows::rows;
+use self::tree::Tree;
+use crate::kind::{KIND_KEY, SceneKind};
+use crate::output::{OutputError, write_text};
+use figures::finite;
+
+/// A file of the documents.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Document {
+    /// Where it goes, from the folder of documents on.
+    pub path: PathBuf,
+    /// What it says.
+    pub text: String,
+}
+
+/// What the page tells of a solver.
+struct Described {
+    solver: &'static str,
+    tree: Tree,
+    scenes: Vec<BuiltIn>,
+    examples: Examples,
+}
+
+/// The schema of every solver and the page of all keys, with examples from the scenes in a folder.
+///
+/// # Errors
+/// [`SchemaError`] for a number without unit, a key without example, a scene that does not fit its schema.
+pub fn documents(table: &[SceneKind], scenes: &Path) -> Result<Vec<Document>, SchemaError> {
+    let scenes = example::built_in(scenes)?;
+    let (mut documents, mut described) = (Vec::new(), Vec::new());
+    for kind in table {
+        let schema = schema_of(kind);
+        let text = finite::to_json(&schema)?;
+        documents.push(Document { path: schema_path(kind.solver), text });
+        described.push(describe(kind.solver, &schema, &scenes)?);
+    }
+    documents.push(Document { path: "scenes.md".into(), text: page::page(&described) });
+    Ok(documents)
+}
+
+/// Writes [`documents`] into a folder and says what it wrote.
+///
+/// # Errors
+/// [`SchemaError`].
+pub fn write(
+    table: &[SceneKind],
+    scenes: &Path,
+    out: &Path,
+    output: &mut dyn Write,
+) -> Result<(), SchemaError> {
+    for Document { path, text } in documents(table, scenes)? {
+        let path = out.join(path);
+        let refused = |source| OutputError::Io { path: path.clone(), source };
+        write_text(&path, &text).map_err(refused)?;
+        writeln!(output, "{}", path.display()).map_err(SchemaError::Print)?;
+    }
+    Ok(())
+}
+
+/// The defaults that the schema of a type tells, as an object.
+#[cfg(test)]
+pub(crate) fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Value> {
+    let schema = schemars::schema_for!(T);
+    let properties = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
+    let given = properties.filter_map(|(key, property)| Some((key, property.get("default")?)));
+    given.map(|(key, default)| (key.clone(), default.clone())).collect()
+}
+
+fn schema_path(solver: &str) -> PathBuf {
+    Path::new("schema").join(format!("{solver}.schema.json"))
+}
+
+/// The schema of a kind of scene; the key `solver` has one value.
+fn schema_of(kind: &SceneKind) -> Value {
+    let mut schema = Value::from((kind.schema)());
+    schema["title"] = json!(format!("Scene of {}", kind.solver));
+    schema["properties"][KIND_KEY]["const"] = json!(kind.solver);
+    schema
+}
+
+fn describe(
+    solver: &'static str,
+    schema: &Value,
+    scenes: &[BuiltIn],
+) -> Result<Described, SchemaError> {
+    let tree = Tree::read(solver, schema)?;
+    let scenes: Vec<BuiltIn> =
+        scenes.iter().filter(|scene| scene.value[KIND_KEY] == solver).cloned().collect();
+    let examples = Examples::find(&tree, &scenes)?;
+    let (mut without_unit, mut without_example) = (Vec::new(), Vec::new());
+    for named in &tree.types {
+        for row in rows(named) {
+            let path = || rows::join(&named.name, &row.path);
+            if row.needs_unit() && unit::split(row.about).is_none() {
+                without_unit.push(path());
+            }
+            // A word alone is an example of itself.
+            if row.holds.is_some() && examples.of(&named.name, &row.path).is_none() {
+                without_example.push(path());
+            }
+        }
+    }
+    if !without_unit.is_empty() {
+        return Err(SchemaError::NoUnit { solver, keys: without_unit });
+    }
+    if !without_example.is_empty() {
+        return Err(SchemaError::NoExample { solver, keys: without_example });
+    }
+    Ok(Described { solver, tree, scenes, examples })
+}

@@ -1,0 +1,10 @@
+//! Scenes of explosions and impacts: their types, and how they are run.
+
+pub mod experiment;
+pub mod material_scene;
+mod material_schema;
+pub mod quantity_name;
+pub mod reading;
+mod region;
+pub mod run;
+pub mod scene;

@@ -1,0 +1,255 @@
+//! Runs a scene of bodies on a grid: mean and variance of every response, with what says whether to trust them.
+
+mod fields;
+mod ingredients;
+mod kept;
+mod ladder;
+mod solve;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use smpm::{Plan, Quantity};
+
+use self::fields::Fields;
+use self::solve::{Answer, Response, SolveError, Solved};
+use crate::kind::{Run, RunError, SceneKind};
+use crate::machine::{Machine, commit};
+use crate::output::{write_drawing, write_json};
+use crate::scene::{Objection, SceneFile};
+use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::scene::{MethodScene, SmpmScene};
+use figures::Drawing;
+use figures::{Band, Line, Scale, TimeSeries, Words};
+
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "smpm",
+    schema: || schemars::schema_for!(SmpmScene),
+    check: |file| file.parse::<SmpmScene>().map(drop),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: ingredients::ingredients,
+};
+
+/// Everything that came of a run: the schema `response-moments/1`.
+#[derive(Debug, Serialize)]
+struct RunResult<'a> {
+    schema: &'static str,
+    version: &'static str,
+    commit: Option<String>,
+    machine: Machine,
+    /// The scene as it was understood.
+    scene: &'a SmpmScene,
+    work: WorkRecord,
+    /// Samples that could not be run, and why.
+    failures: Vec<Failure>,
+    gauges: Vec<GaugeResult>,
+}
+
+/// Work counted.
+#[derive(Debug, Serialize)]
+struct WorkRecord {
+    particles: usize,
+    steps: usize,
+    /// Whole runs, those with derivatives included.
+    runs: u64,
+    cpu_seconds: f64,
+}
+
+/// A sample that could not be run.
+#[derive(Debug, Serialize)]
+struct Failure {
+    sample: u64,
+    reason: String,
+}
+
+/// All quantities at a gauge.
+#[derive(Debug, Serialize)]
+struct GaugeResult {
+    name: String,
+    quantities: Vec<QuantityResult>,
+}
+
+/// A quantity over time.
+#[derive(Debug, Serialize)]
+struct QuantityResult {
+    name: String,
+    unit: &'static str,
+    values: Vec<Response>,
+}
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let scene: SmpmScene = run.parse(file)?;
+    if !matches!(scene.method, MethodScene::MonteCarlo { .. }) {
+        run.no_shards()?;
+    }
+    match scene.dimension {
+        1 => run_in::<1>(file, &scene, run),
+        2 => run_in::<2>(file, &scene, run),
+        _ => run_in::<3>(file, &scene, run),
+    }
+}
+
+fn run_in<const D: usize>(
+    file: &SceneFile,
+    scene: &SmpmScene,
+    run: &Run<'_>,
+) -> Result<Vec<PathBuf>, RunError> {
+    let object = |objection: Objection| RunError::from(file.object_to(&objection));
+    let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
+    let plan = scene.plan::<D>().map_err(object)?;
+    let mut fields = Fields::new(scene, plan.stops(), run.out());
+    // A scene with fewer parameters has more lanes for probes.
+    let answer = match scene.random.len() {
+        0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
+        4 | 5 => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
+        _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, run),
+    };
+    let answer = match answer {
+        Ok(Solved::Whole(answer)) => answer,
+        Ok(Solved::Shard(file)) => return Ok(vec![file]),
+        Ok(Solved::Elsewhere) => return Ok(Vec::new()),
+        Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
+        Err(SolveError::Run(error)) => return Err(error),
+    };
+    let mut written = fields.finish().map_err(RunError::Solver)?;
+    let gauges = by_gauge(scene, &plan, &answer);
+    for drawing in drawings(scene, &plan, &gauges)? {
+        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
+    }
+    let failure =
+        |(sample, reason): &(u64, String)| Failure { sample: *sample, reason: reason.clone() };
+    let result = RunResult {
+        schema: "response-moments/1",
+        version: env!("CARGO_PKG_VERSION"),
+        commit: commit(),
+        machine: Machine::read(),
+        scene,
+        work: WorkRecord {
+            particles: experiment.n_particles(),
+            steps: answer.n_steps,
+            runs: answer.n_runs,
+            cpu_seconds: answer.cpu_seconds,
+        },
+        failures: answer.failures.iter().map(failure).collect(),
+        gauges,
+    };
+    let path = run.out().join("result.json");
+    write_json(&path, &result)?;
+    written.insert(0, path);
+    Ok(written)
+}
+
+const OTHER_TIMES: &str = "a run goes on from a checkpoint with the same times up to it; --overwrite starts from the beginning";
+
+/// An error that a key of the scene is to blame for is shown there.
+fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunError {
+    let at =
+        |path: String| RunError::from(file.object_to(&Objection::new(path, error.to_string())));
+    let gauge = |name: &str| scene.gauges.iter().position(|gauge| gauge.name == name);
+    match &error {
+        smpm::Error::LikelyOutOfRange { parameter, .. } => {
+            at(format!("random[{parameter}].coefficient_of_variation"))
+        }
+        smpm::Error::GaugeOutsideBody { name, .. }
+        | smpm::Error::EmptyGauge { name, .. }
+        | smpm::Error::NoLocalFormulas { name } => match gauge(name) {
+            Some(i) => at(format!("gauges[{i}]")),
+            None => RunError::solver(error),
+        },
+        smpm::Error::WindowOrder { .. } => at("times".to_owned()),
+        smpm::Error::OtherWindows { .. } => {
+            let objection = Objection::new("times", error.to_string());
+            file.object_to(&objection.with_help(OTHER_TIMES)).into()
+        }
+        smpm::Error::NotOnGrid { .. } | smpm::Error::BoundariesTooClose { .. } => {
+            at("boundaries".to_owned())
+        }
+        _ => RunError::solver(error),
+    }
+}
+
+fn by_gauge<const D: usize>(
+    scene: &SmpmScene,
+    plan: &Plan<D>,
+    answer: &Answer,
+) -> Vec<GaugeResult> {
+    let quantity = |g: usize, (q, quantity): (usize, &Quantity)| QuantityResult {
+        name: quantity.to_string(),
+        unit: scene.units.of(*quantity),
+        values: (0..plan.windows.len())
+            .map(|w| answer.responses[plan.index(g, q, w)].clone())
+            .collect(),
+    };
+    let gauge = |(g, gauge): (usize, &smpm::Gauge<D>)| GaugeResult {
+        name: gauge.name.clone(),
+        quantities: plan.quantities.iter().enumerate().map(|q| quantity(g, q)).collect(),
+    };
+    plan.gauges.iter().enumerate().map(gauge).collect()
+}
+
+/// One picture for each quantity: every gauge with a band of one standard deviation.
+fn drawings<const D: usize>(
+    scene: &SmpmScene,
+    plan: &Plan<D>,
+    gauges: &[GaugeResult],
+) -> Result<Vec<Drawing>, RunError> {
+    if plan.windows.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let draw = |q: usize| {
+        let [_, time, ..] = scene.units.names();
+        let (name, unit) = (&gauges[0].quantities[q].name, gauges[0].quantities[q].unit);
+        let of = |gauge: &'_ GaugeResult| gauge.quantities[q].values.clone();
+        let lines = gauges.iter().map(|gauge| Line {
+            name: gauge.name.clone(),
+            points: of(gauge).iter().map(|value| (value.time(), Some(value.mean))).collect(),
+        });
+        let bands = gauges.iter().map(|gauge| Band {
+            points: of(gauge)
+                .iter()
+                .filter_map(|value| {
+                    let deviation = value.standard_deviation?;
+                    Some((value.time(), value.mean - deviation, value.mean + deviation))
+                })
+                .collect(),
+        });
+        let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+        let chart = TimeSeries {
+            words: Words {
+                title: scene.title.clone(),
+                subtitle: format!("{}; shaded: one standard deviation", method_words(scene.method)),
+                x_label: format!("time ({time})"),
+                y_label: format!("{}{unit}", name.replace('_', " ")),
+                caption: vec![Machine::read().caption()],
+            },
+            scale: Scale::Linear,
+            lines: lines.collect(),
+            bands: bands.collect(),
+            references: Vec::new(),
+        };
+        Drawing::time_series(name, &chart).map_err(RunError::solver)
+    };
+    (0..plan.quantities.len()).map(draw).collect()
+}
+
+fn method_words(method: MethodScene) -> String {
+    match method {
+        MethodScene::Deterministic => "One run at the centre of the parameters".to_owned(),
+        MethodScene::Frozen { as_printed: true } => {
+            "Derivatives at the local state as printed by Chen et al. 2019".to_owned()
+        }
+        MethodScene::Frozen { .. } => "Derivatives at the local state, corrected".to_owned(),
+        MethodScene::Propagated => {
+            "Mean and deviation by derivatives carried through one run".to_owned()
+        }
+        MethodScene::FiniteDifference { .. } => {
+            "Mean and deviation by differences of whole runs".to_owned()
+        }
+        MethodScene::SigmaPoints => "Mean and deviation by sigma points".to_owned(),
+        MethodScene::MonteCarlo { samples, .. } => {
+            format!("Mean and deviation of {samples} sampled runs")
+        }
+    }
+}

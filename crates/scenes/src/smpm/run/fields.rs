@@ -1,0 +1,150 @@
+//! Fields for ParaView: every particle with its mean and, where derivatives are carried, its standard deviation.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use particle_store::{Attribute, ParticleStore, write_pvd};
+use perturbation_moments::{Jet, Scalar};
+use smpm::uncertainty::{Experiment, Study};
+use smpm::{Body, Error, Number, Quantity, Simulation};
+
+use crate::kind::SolverError;
+use crate::output::write_to_disk;
+use crate::smpm::scene::SmpmScene;
+
+/// Always shown, besides the quantities of the scene.
+const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];
+
+/// Writes a frame at every time that a scene looks at. Those that a run has passed which this one goes on from are there already.
+pub(super) struct Fields {
+    wanted: bool,
+    quantities: Vec<Quantity>,
+    folder: PathBuf,
+    /// Time and file of each frame there will be.
+    frames: Vec<(f64, String)>,
+    are_shown: bool,
+    failure: Option<SolverError>,
+}
+
+impl Fields {
+    pub(super) fn new(scene: &SmpmScene, times: Vec<f64>, out: &Path) -> Self {
+        let mut quantities: Vec<Quantity> = ALWAYS.to_vec();
+        for quantity in scene.quantities.iter().filter_map(|name| name.parse().ok()) {
+            if !quantities.contains(&quantity) {
+                quantities.push(quantity);
+            }
+        }
+        let name = |(number, time)| (time, format!("fields-{number:04}.vtu"));
+        Self {
+            wanted: scene.fields,
+            quantities,
+            folder: out.join("fields"),
+            frames: times.into_iter().enumerate().map(name).collect(),
+            are_shown: false,
+            failure: None,
+        }
+    }
+
+    /// A run with derivatives, as it passes a time; the first `n_random` lanes are parameters.
+    pub(super) fn of_jets<const D: usize>(
+        &mut self,
+        time: f64,
+        run: &Simulation<Jet, D>,
+        n_random: usize,
+    ) {
+        let deviation =
+            |jet: Jet| jet.first.iter().take(n_random).map(|d| d * d).sum::<f64>().sqrt();
+        let mean = |jet: Jet| jet.value + 0.5 * jet.second.iter().take(n_random).sum::<f64>();
+        self.frame(time, run, mean, Some(&deviation));
+    }
+
+    /// The mean run once more, in numbers.
+    pub(super) fn of_numbers<X: Experiment<D, N>, const D: usize, const N: usize>(
+        &mut self,
+        study: &Study<'_, X, D, N>,
+    ) -> Result<(), Error> {
+        if self.wanted {
+            study.mean_run_seen(|time, run| self.frame(time, run, |value| value, None))?;
+        }
+        self.are_shown();
+        Ok(())
+    }
+
+    /// Says that a run was shown to its end.
+    pub(super) const fn are_shown(&mut self) {
+        self.are_shown = true;
+    }
+
+    fn frame<S: Number, const D: usize>(
+        &mut self,
+        time: f64,
+        run: &Simulation<S, D>,
+        mean: impl Fn(S) -> f64,
+        deviation: Option<&dyn Fn(S) -> f64>,
+    ) {
+        if !self.wanted || self.failure.is_some() {
+            return;
+        }
+        let is_it = |(of, _): &&(f64, String)| of.to_bits() == time.to_bits();
+        let Some((_, name)) = self.frames.iter().find(is_it) else { return };
+        let written = std::fs::create_dir_all(&self.folder)
+            .map_err(SolverError::from)
+            .and_then(|()| self.write(name, time, run, mean, deviation));
+        self.failure = written.err();
+    }
+
+    fn write<S: Number, const D: usize>(
+        &self,
+        name: &str,
+        time: f64,
+        run: &Simulation<S, D>,
+        mean: impl Fn(S) -> f64,
+        deviation: Option<&dyn Fn(S) -> f64>,
+    ) -> Result<(), SolverError> {
+        let bodies = run.bodies();
+        let n_particles = bodies.iter().map(Body::n_particles).sum();
+        let mut store = ParticleStore::<D>::new(n_particles);
+        let places = bodies.iter().flat_map(Body::positions);
+        let places = store.add("position", places.map(|x| x.map(Scalar::value)).collect())?;
+        let numbers = (0_i64..).zip(bodies);
+        let body = numbers.flat_map(|(b, body)| std::iter::repeat_n(b, body.n_particles()));
+        store.add("body", body.collect::<Vec<i64>>())?;
+        for &quantity in &self.quantities {
+            let mut values = Vec::with_capacity(n_particles);
+            for body in bodies {
+                for particle in 0..body.n_particles() {
+                    values.push(quantity.of(body, particle)?);
+                }
+            }
+            store.add(&format!("{quantity}_mean"), values.iter().map(|&v| mean(v)).collect())?;
+            if let Some(deviation) = deviation {
+                let column: Vec<f64> = values.iter().map(|&v| deviation(v)).collect();
+                store.add(&format!("{quantity}_standard_deviation"), column)?;
+            }
+        }
+        store.set_attribute("time", Attribute::Real(time));
+        write_to_disk(&self.folder.join(name), |out| store.write_vtu(places, out))?;
+        Ok(())
+    }
+
+    /// The files that were written, the series first.
+    pub(super) fn finish(self) -> Result<Vec<PathBuf>, SolverError> {
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        if !(self.wanted && self.are_shown) || self.frames.is_empty() {
+            return Ok(Vec::new());
+        }
+        let files: Vec<PathBuf> =
+            self.frames.iter().map(|(_, name)| self.folder.join(name)).collect();
+        if let Some(missing) = files.iter().find(|file| !file.exists()) {
+            let words = "was written by the run that this one went on from, and is gone";
+            return Err(format!("{} {words}: --overwrite starts over", missing.display()).into());
+        }
+        let path = self.folder.join("fields.pvd");
+        let frames = self.frames.iter().map(|(time, name)| (*time, name.as_str()));
+        write_pvd(frames, &mut BufWriter::new(File::create(&path)?))?;
+        Ok([vec![path], files].concat())
+    }
+}

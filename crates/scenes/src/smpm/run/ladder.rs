@@ -1,0 +1,168 @@
+//! A scene of bodies by every method that finds mean and variance.
+
+use serde_json::Value;
+
+use crate::kind::RunError;
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};
+use crate::scene::SceneFile;
+use crate::smpm::scene::{MethodScene, SmpmScene};
+
+/// Fewest samples.
+const FIRST_SAMPLES: f64 = 10.0;
+/// The seed of trials.
+const SEED: u64 = 20_260_101;
+/// Half of a central difference, in standard deviations.
+const DIFFERENCE: f64 = 0.1;
+
+const LEFT_OUT: &str = "All trials have the cell of the scene: the error of the grid is in no figure; halve the cell and compare.";
+
+/// The methods that solve a scene, its own first. Without random parameters there is one.
+pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
+    let scene: SmpmScene = file.parse()?;
+    let mut methods = vec![("deterministic, no variance", MethodScene::Deterministic)];
+    if !scene.random.is_empty() {
+        methods = vec![
+            ("propagated derivatives", MethodScene::Propagated),
+            ("differences of whole runs", MethodScene::FiniteDifference { step: DIFFERENCE }),
+            ("sigma points", MethodScene::SigmaPoints),
+            ("derivatives at the local state", MethodScene::Frozen { as_printed: false }),
+            (
+                "derivatives at the local state, as printed",
+                MethodScene::Frozen { as_printed: true },
+            ),
+            ("Monte Carlo", sampled(false)),
+            ("Monte Carlo with control variate", sampled(true)),
+        ];
+    }
+    if let Some(own) = methods.iter_mut().find(|(_, method)| is_alike(method, &scene.method)) {
+        // With its own step or seed.
+        own.1 = scene.method;
+    }
+    methods.sort_by_key(|(_, method)| *method != scene.method);
+    let last = scene.times.last().copied();
+    let bare = SmpmScene { fields: false, times: last.into_iter().collect(), ..scene };
+    let methods = methods.into_iter().map(|(name, method)| sized(name, method)).collect();
+    Ok(Ladder { scene: keys(&bare).map_err(RunError::solver)?, methods, left_out: LEFT_OUT })
+}
+
+const fn sampled(control: bool) -> MethodScene {
+    MethodScene::MonteCarlo { samples: 2, seed: SEED, control }
+}
+
+fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
+    match (a, b) {
+        (
+            MethodScene::MonteCarlo { control: a, .. },
+            MethodScene::MonteCarlo { control: b, .. },
+        ) => a == b,
+        (MethodScene::Frozen { .. }, MethodScene::Frozen { .. }) => a == b,
+        _ => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
+}
+
+fn sized(name: &str, method: MethodScene) -> Method {
+    let (growth, standing, first) = match method {
+        MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_SAMPLES),
+        _ => (Growth::Fixed, Standing::Judged, 1.0),
+    };
+    let rung = move |size: f64| {
+        if let MethodScene::MonteCarlo { seed, control, .. } = method {
+            let samples = whole(two_digits(size));
+            let method = MethodScene::MonteCarlo { samples, seed, control };
+            let size = (samples as f64, format!("{samples} samples"));
+            return Rung::replacing(size, "method", &method).ok();
+        }
+        (size <= 1.0).then(|| Rung::replacing((1.0, String::new()), "method", &method).ok())?
+    };
+    Method { name: name.to_owned(), growth, standing, first, rung: Box::new(rung) }
+}
+
+/// Mean and standard deviation of every response at the last time.
+pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
+    let is_propagated = result["scene"]["method"] == "propagated";
+    let mut all = Vec::new();
+    for gauge in list(&result["gauges"]) {
+        for quantity in list(&gauge["quantities"]) {
+            let Some(last) = list(&quantity["values"]).last() else { continue };
+            let (Some(gauge), Some(name)) = (gauge["name"].as_str(), quantity["name"].as_str())
+            else {
+                continue;
+            };
+            all.extend(moments(
+                &format!("{gauge}/{name}"),
+                &format!("{name} at {gauge}"),
+                last,
+                is_propagated,
+            ));
+        }
+    }
+    all
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+/// What a Taylor series leaves out is told by its own curvature, unless a switch between elastic and plastic is near.
+fn moments(id: &str, words: &str, response: &Value, is_propagated: bool) -> Vec<Quantity> {
+    let number = |key: &str| response[key].as_f64();
+    let Some(mean) = number("mean") else { return Vec::new() };
+    let deviation = number("standard_deviation");
+    let trust = &response["trust"];
+    let curvature = trust["curvature_ratio"].as_f64().map(|ratio| ratio * ratio);
+    let is_near_switch = trust["switch_within_two_deviations"] == true;
+    let left_out = curvature.filter(|_| is_propagated && !is_near_switch);
+    let of_mean = number("mean_standard_error").map(|error| 2.0 * error);
+    let quantity = |name: &str, value: f64, error: Option<f64>, scale: f64| Quantity {
+        id: format!("{id}/{name}"),
+        words: format!("{} of {words}", name.replace('_', " ")),
+        value,
+        error,
+        scale,
+    };
+    let Some(deviation) = deviation else {
+        return vec![quantity("mean", mean, of_mean, mean.abs())];
+    };
+    let of_deviation = number("variance_standard_error").map(|error| error / deviation);
+    // Of the variance, of which the deviation is the root.
+    let taylor = left_out.map(|part| 0.5 * part * deviation);
+    vec![
+        quantity("mean", mean, of_mean.or(taylor), mean.abs().max(deviation)),
+        quantity("standard_deviation", deviation, of_deviation.or(taylor), deviation),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn result(method: &str, response: &Value) -> Value {
+        let quantities = json!([{ "name": "pressure", "unit": "", "values": [{}, response] }]);
+        json!({ "scene": { "method": method }, "gauges": [{ "name": "G", "quantities": quantities }] })
+    }
+
+    #[test]
+    fn a_taylor_series_is_trusted_by_its_curvature_and_not_near_a_switch() {
+        let response = |near: bool| {
+            let trust = json!({ "curvature_ratio": 0.1, "switch_within_two_deviations": near });
+            json!({ "mean": 3.0, "standard_deviation": 0.2, "trust": trust })
+        };
+        let found = quantities(&result("propagated", &response(false)));
+        assert_eq!(found[1].id, "G/pressure/standard_deviation");
+        assert!((found[1].error.unwrap() - 0.001).abs() < 1e-12);
+        assert_eq!(quantities(&result("propagated", &response(true)))[1].error, None);
+        assert_eq!(quantities(&result("frozen", &response(false)))[1].error, None);
+    }
+
+    #[test]
+    fn samples_tell_two_standard_errors() {
+        let response = json!({ "mean": 3.0, "mean_standard_error": 0.1, "standard_deviation": 0.5,
+            "variance_standard_error": 0.04 });
+        let found = quantities(&result("monte_carlo", &response));
+        assert_eq!((found[0].error, found[0].scale), (Some(0.2), 3.0));
+        // The deviation's standard error is that of the variance over twice the deviation.
+        assert!((found[1].error.unwrap() - 0.08).abs() < 1e-12);
+    }
+}

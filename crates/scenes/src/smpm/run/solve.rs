@@ -1,0 +1,454 @@
+//! The methods of a scene, one by one.
+
+use crate::clock::CpuClock;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
+use sde_integrators::Accumulator;
+use serde::Serialize;
+use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
+use smpm::{Error, Plan, Simulation, Window};
+
+use super::fields::Fields;
+use super::kept::KeptRuns;
+use crate::checkpoint::{Checkpoint, CheckpointError};
+use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::scene::{MethodScene, SmpmScene};
+use figures::number::with_uncertainty;
+
+/// What a run ends with.
+#[derive(Debug)]
+pub(super) enum Solved {
+    /// All that was asked for.
+    Whole(Answer),
+    /// The file of a shard.
+    Shard(PathBuf),
+    /// Another rank has the result.
+    Elsewhere,
+}
+
+/// What came of a scene.
+#[derive(Debug)]
+pub(super) struct Answer {
+    /// In the order of the plan.
+    pub(super) responses: Vec<Response>,
+    pub(super) n_steps: usize,
+    pub(super) n_runs: u64,
+    pub(super) cpu_seconds: f64,
+    pub(super) failures: Vec<(u64, String)>,
+}
+
+/// A response with its moments.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Response {
+    /// Begin and end of the window; an instant where they are equal.
+    pub(super) window: [f64; 2],
+    /// At the centre of the parameters.
+    pub(super) centre: f64,
+    pub(super) mean: f64,
+    /// Of the mean, where it was sampled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation: Option<f64>,
+    /// Whether to believe a Taylor series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) trust: Option<Indicators>,
+    /// Levels and the chance that they are exceeded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) exceedance: Vec<Chance>,
+}
+
+impl Response {
+    /// The end of its window.
+    pub(super) const fn time(&self) -> f64 {
+        self.window[1]
+    }
+}
+
+/// What speaks for or against a Taylor series.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Indicators {
+    /// The root of curvature's part in the variance over that of the slope; below 0.03 the variance is mostly right within a
+    /// per cent. Unknown without mixed derivatives or where nothing varies.
+    curvature_ratio: Option<f64>,
+    /// Standard deviations between the gauge and a switch between elastic and plastic, at the end of the window; none where
+    /// nothing yields.
+    switch_distance: Option<f64>,
+    /// The distance is below two.
+    switch_within_two_deviations: bool,
+}
+
+/// A level and the chance that it is exceeded.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chance {
+    level: f64,
+    probability: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    standard_error: Option<f64>,
+    /// `normal_law` of the moments, or `count` of samples.
+    by: &'static str,
+}
+
+/// Runs the method of a scene with the law of `N` parameters, of which those beyond the scene's are certain.
+pub(super) fn solve<const D: usize, const N: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields,
+    run: &Run<'_>,
+) -> Result<Solved, SolveError> {
+    let kept = KeptRuns::new(checkpoint(scene, run)?);
+    let solved = solve_kept::<D, N>(scene, experiment, plan, fields, run, &kept);
+    // Of a checkpoint that has failed a study knows no more than that.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
+}
+
+/// The checkpoint of a scene whose samples are not those of files or of other ranks.
+fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Checkpoint>, RunError> {
+    if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
+        return Ok(None);
+    }
+    let (seed, aside) = match scene.method {
+        MethodScene::MonteCarlo { seed, .. } => (Some(seed), ASIDE_OF_SAMPLES.as_slice()),
+        _ => (None, ASIDE.as_slice()),
+    };
+    run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
+}
+
+/// The same, with runs that go on from those that were kept.
+fn solve_kept<const D: usize, const N: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields,
+    run: &Run<'_>,
+    kept: &KeptRuns<'_>,
+) -> Result<Solved, SolveError> {
+    // A file that is no shard of this scene is refused before anything is run.
+    let shards = shards(scene, plan, run)?;
+    // The check of the scene has built these inputs with more certain parameters.
+    let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
+    run.progress.stage("mean run");
+    let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
+    let table = Table { scene, plan, centre: study.centre() };
+    let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
+    let responses = match scene.method {
+        MethodScene::Deterministic => {
+            fields.of_numbers(&study)?;
+            table.each(|_, response| Ok(response))?
+        }
+        MethodScene::Frozen { as_printed } => {
+            run.progress.stage("local formulas");
+            n_runs += 1;
+            let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
+            let moments = study.frozen(form)?;
+            table.each(|i, response| match &moments[i] {
+                Some(moments) => table.taylor(i, response, moments, None),
+                None => Ok(response),
+            })?
+        }
+        MethodScene::Propagated => {
+            run.progress.stage("run with derivatives");
+            n_runs += 1;
+            let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
+                fields.of_jets(time, run, scene.random.len());
+            })?;
+            fields.are_shown();
+            table.each(|i, response| {
+                let switch = Some(&propagated.switches[i]);
+                table.taylor(i, response, &propagated.moments[i], switch)
+            })?
+        }
+        MethodScene::FiniteDifference { step } => {
+            run.progress.stage("differences of whole runs");
+            n_runs += 2 * N as u64;
+            let moments = study.finite_difference(step)?;
+            table.each(|i, response| table.taylor(i, response, &moments[i], None))?
+        }
+        MethodScene::SigmaPoints => {
+            run.progress.stage("sigma points");
+            n_runs += 2 * N as u64;
+            let points = study.sigma_points()?;
+            table.each(|i, response| {
+                Ok(response.with_moments(points[i].mean(), points[i].variance()))
+            })?
+        }
+        MethodScene::MonteCarlo { samples, seed, control } => {
+            n_runs += samples + u64::from(control);
+            run.progress.stage("samples");
+            let judge = MonteCarlo { seed, n_samples: samples };
+            let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
+                Samples::All(sampled, elsewhere) => {
+                    seconds_elsewhere = elsewhere;
+                    sampled
+                }
+                Samples::Shard(file) => return Ok(Solved::Shard(file)),
+                Samples::Elsewhere => return Ok(Solved::Elsewhere),
+            };
+            let surrogate = if control {
+                run.progress.stage("run with derivatives, for the control variate");
+                Some(study.propagated()?)
+            } else {
+                None
+            };
+            failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
+            table.each(|i, response| {
+                let found = match &surrogate {
+                    Some(surrogate) => sampled.controlled(i, &surrogate.moments[i])?,
+                    None => sampled.raw(i)?,
+                };
+                let mut response = response.with_moments(found.mean.value, found.variance.value);
+                response.mean_standard_error = error_of(&found.mean);
+                response.variance_standard_error = error_of(&found.variance);
+                for &level in table.levels(i) {
+                    let chance = sampled.exceedance(i, level)?;
+                    let standard_error = error_of(&chance);
+                    let probability = chance.value;
+                    let by = "count";
+                    response.exceedance.push(Chance { level, probability, standard_error, by });
+                }
+                Ok(response)
+            })?
+        }
+    };
+    let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
+    let n_steps = study.schedule().n_steps();
+    Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+}
+
+/// Why a scene has no answer.
+#[derive(Debug)]
+pub(super) enum SolveError {
+    /// The solver refused or stopped.
+    Solver(Error),
+    /// What is around it did.
+    Run(RunError),
+}
+
+impl From<Error> for SolveError {
+    fn from(error: Error) -> Self {
+        Self::Solver(error)
+    }
+}
+
+impl From<RunError> for SolveError {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}
+
+/// What a checkpoint calls the samples that were run.
+const SAMPLES: &str = "samples";
+/// What samples do not depend on.
+const ASIDE_OF_SAMPLES: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+/// What a run does not depend on before the times differ, which its standing tells.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
+/// Samples of a block of a rank.
+const SAMPLES_OF_BLOCK: u64 = 4;
+/// Samples of a thread between two looks.
+const SAMPLES_OF_THREAD: usize = 4;
+
+/// The samples of all shards, where such files are to be joined.
+fn shards<const D: usize>(
+    scene: &SmpmScene,
+    plan: &Plan<D>,
+    run: &Run<'_>,
+) -> Result<Option<Responses>, RunError> {
+    let (Part::Merged(files), MethodScene::MonteCarlo { seed, .. }) = (run.part(), &scene.method)
+    else {
+        return Ok(None);
+    };
+    let inputs = &Inputs { scene, seed: Some(*seed), files: &[] };
+    let shards: Vec<Responses> = run.read_shards(inputs, files)?;
+    let samples: Responses = shards.into_iter().flatten().collect();
+    for responses in samples.values() {
+        Run::require("responses", responses.len(), plan.n_responses())?;
+    }
+    Ok(Some(samples))
+}
+
+/// What came of the samples that were to be run.
+enum Samples<const N: usize> {
+    /// All, and the CPU time that went into them on other ranks or before (s).
+    All(Sampled<N>, f64),
+    /// The file of a shard.
+    Shard(PathBuf),
+    /// Another rank has them.
+    Elsewhere,
+}
+
+/// All samples that are to be run, those of a checkpoint among them, or those of shards or of the blocks of ranks.
+fn sampled<const D: usize, const N: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, N>,
+    judge: MonteCarlo,
+    scene: &SmpmScene,
+    run: &Run<'_>,
+    kept: &KeptRuns<'_>,
+    shards: Option<Responses>,
+) -> Result<Samples<N>, RunError> {
+    let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
+    let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
+    let range = run.range(judge.n_samples);
+    let joined = |known: Responses, seconds: f64| {
+        let all = study
+            .monte_carlo_from(judge, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
+        Ok(Samples::All(all, seconds))
+    };
+    if let Some(shards) = shards {
+        return joined(shards, 0.0);
+    }
+    if let Some(ranks) = run.ranks() {
+        let blocks = Cut { n: judge.n_samples, unit: SAMPLES_OF_BLOCK };
+        // The clock of this process counts its own blocks.
+        let is_here = ranks.rank() == 0;
+        let compute = |block: u64| {
+            let (clock, none) = (CpuClock::start(), Responses::new());
+            let look = |_: &Sampled<N>, _: u64| Ok::<(), RunError>(());
+            let of_block = study.monte_carlo_from(judge, blocks.range(block), &none, each, look)?;
+            let seconds = if is_here { 0.0 } else { clock.seconds() };
+            Ok((of_block.responses(), seconds))
+        };
+        let words = |parts: &mut dyn Iterator<Item = &(Responses, f64)>| {
+            words(study, parts.flat_map(|(responses, _)| responses.values()))
+        };
+        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)? else {
+            return Ok(Samples::Elsewhere);
+        };
+        let seconds = parts.iter().map(|(_, seconds)| seconds).sum();
+        return joined(parts.into_iter().flat_map(|(responses, _)| responses).collect(), seconds);
+    }
+    let checkpoint = match kept.checkpoint {
+        Some(checkpoint) => checkpoint,
+        None => run.checkpoint(inputs, &ASIDE_OF_SAMPLES)?,
+    };
+    let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
+    let n = range.end - range.start;
+    let sampled = study.monte_carlo_from(judge, range.clone(), &known, each, |so_far, tried| {
+        run.progress.at((tried, n), || words(study, so_far.responses().values()));
+        if tried == n || checkpoint.is_due() {
+            keep(checkpoint, &known, so_far.responses())?;
+        }
+        Ok::<(), RunError>(())
+    })?;
+    Ok(match run.part() {
+        Part::Shard(place) => {
+            Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)
+        }
+        Part::Whole | Part::Merged(_) => Samples::All(sampled, 0.0),
+    })
+}
+
+/// Keeps new samples beside those that were known, which may be more than the scene asks for now.
+fn keep(
+    checkpoint: &Checkpoint,
+    known: &Responses,
+    so_far: Responses,
+) -> Result<(), CheckpointError> {
+    if so_far.keys().all(|sample| known.contains_key(sample)) {
+        return Ok(());
+    }
+    let mut all = known.clone();
+    all.extend(so_far);
+    checkpoint.keep(SAMPLES, &all)
+}
+
+/// Responses by the number of their sample.
+type Responses = BTreeMap<u64, Vec<f64>>;
+
+/// The mean of the last response so far, with its standard error.
+fn words<'a, const D: usize, const N: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, N>,
+    so_far: impl Iterator<Item = &'a Vec<f64>>,
+) -> String {
+    let plan = study.plan();
+    let last = plan.n_responses().saturating_sub(1);
+    let mut values = Accumulator::default();
+    for value in so_far.filter_map(|responses| responses.get(last)) {
+        values.push(*value);
+    }
+    let Ok(mean) = values.estimate() else { return String::new() };
+    let (gauge, quantity, _) = plan.parts(last);
+    let mean = with_uncertainty(Some(mean.value), mean.standard_error());
+    format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
+}
+
+/// The responses of a plan at the centre.
+struct Table<'a, const D: usize> {
+    scene: &'a SmpmScene,
+    plan: &'a Plan<D>,
+    centre: &'a [f64],
+}
+
+impl<const D: usize> Table<'_, D> {
+    fn each(
+        &self,
+        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
+    ) -> Result<Vec<Response>, Error> {
+        let start = |(i, &centre): (usize, &f64)| {
+            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
+            let response = Response {
+                window: [from, to],
+                centre,
+                mean: centre,
+                mean_standard_error: None,
+                variance: None,
+                variance_standard_error: None,
+                standard_deviation: None,
+                trust: None,
+                exceedance: Vec::new(),
+            };
+            fill(i, response)
+        };
+        self.centre.iter().enumerate().map(start).collect()
+    }
+
+    fn levels(&self, response: usize) -> &[f64] {
+        let (_, quantity, _) = self.plan.parts(response);
+        let name = self.plan.quantities[quantity].to_string();
+        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    fn taylor<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        moments: &Moments<N>,
+        switch: Option<&Switch>,
+    ) -> Result<Response, Error> {
+        let variance = moments.variance_first_order();
+        let mut response = response.with_moments(moments.mean_second_order()?, variance);
+        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        response.trust = Some(Indicators {
+            curvature_ratio: curvature.map(f64::sqrt),
+            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
+            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
+        });
+        for &level in self.levels(i) {
+            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
+            let (standard_error, by) = (None, "normal_law");
+            response.exceedance.push(Chance { level, probability, standard_error, by });
+        }
+        Ok(response)
+    }
+}
+
+impl Response {
+    fn with_moments(self, mean: f64, variance: f64) -> Self {
+        let standard_deviation = Some(variance.max(0.0).sqrt());
+        Self { mean, variance: Some(variance), standard_deviation, ..self }
+    }
+}

@@ -1,0 +1,447 @@
+//! A scene of bodies on a grid as it stands in its JSON file.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use smpm::material::Units;
+use smpm::{Quantity, Window};
+
+use super::material_scene::MaterialScene;
+use super::quantity_name::QuantityName;
+
+/// Bodies that move and deform on a background grid: their materials, what is random, what is looked at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SmpmScene {
+    /// Always `smpm`.
+    pub solver: String,
+    /// One line for the reader.
+    pub title: String,
+    /// In which units all numbers of the scene are.
+    pub units: UnitsScene,
+    /// 1 for uniaxial strain, 2 for plane strain or axisymmetric, or 3 (no unit).
+    pub dimension: usize,
+    /// Whether the first of two axes is the radius; without it not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub axisymmetric: bool,
+    /// The background grid and its particles.
+    pub grid: GridScene,
+    /// How a step is done; a key that is left out has its usual value.
+    #[serde(default)]
+    pub scheme: SchemeScene,
+    /// Planes at which the motion is prescribed; without it none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub boundaries: Vec<BoundaryScene>,
+    /// What bodies that meet do to each other.
+    #[serde(default, skip_serializing_if = "ContactScene::is_bonded")]
+    #[schemars(extend("default" = ContactScene::default()), example = ContactScene::Friction { coefficient: 0.3 })]
+    pub contact: ContactScene,
+    /// Acceleration of all particles along each axis (length/time^2 of `units`); without it none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![0.0, -9.81])]
+    pub gravity: Vec<f64>,
+    /// Materials, each under a name of your choice.
+    pub materials: BTreeMap<String, MaterialScene>,
+    /// The bodies.
+    pub bodies: Vec<BodyScene>,
+    /// Random parameters, eight at most; without it none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub random: Vec<RandomScene>,
+    /// Correlations between them; without it none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![CorrelationScene::between_steel_parameters()])]
+    pub correlations: Vec<CorrelationScene>,
+    /// How mean and variance are found.
+    pub method: MethodScene,
+    /// Where it is looked at, one at least.
+    pub gauges: Vec<GaugeScene>,
+    /// What is looked at, one at least.
+    #[schemars(with = "Vec<QuantityName>")]
+    pub quantities: Vec<String>,
+    /// When, one at least: instants, or `[from, to]` for the mean over a span.
+    pub times: Vec<TimeScene>,
+    /// Levels whose exceedance is asked for, by the name of a quantity (unit of that quantity); without it none.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub levels: BTreeMap<String, Vec<f64>>,
+    /// Whether fields are written for ParaView at every time: mean and, with `propagated`, standard deviation; without it not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub fields: bool,
+}
+
+/// Systems of units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum UnitsScene {
+    /// Metre, kilogram, second; stress in pascal.
+    Si,
+    /// Centimetre, gram, microsecond; stress in megabar.
+    CmGUs,
+    /// Millimetre, milligram, microsecond; stress in gigapascal.
+    MmMgUs,
+}
+
+impl UnitsScene {
+    /// The units.
+    #[must_use]
+    pub const fn units(self) -> Units {
+        match self {
+            Self::Si => Units::SI,
+            Self::CmGUs => Units::CM_G_US,
+            Self::MmMgUs => Units::MM_MG_US,
+        }
+    }
+
+    /// Names of length, time, stress, density and velocity.
+    #[must_use]
+    pub const fn names(self) -> [&'static str; 5] {
+        match self {
+            Self::Si => ["m", "s", "Pa", "kg/m^3", "m/s"],
+            Self::CmGUs => ["cm", "us", "Mbar", "g/cm^3", "cm/us"],
+            Self::MmMgUs => ["mm", "us", "GPa", "mg/mm^3", "mm/us"],
+        }
+    }
+
+    /// The unit of a quantity; empty for a pure number.
+    #[must_use]
+    pub const fn of(self, quantity: Quantity) -> &'static str {
+        let [length, _, stress, density, velocity] = self.names();
+        match quantity {
+            Quantity::PlasticStrain | Quantity::Damage => "",
+            Quantity::Temperature => "K",
+            Quantity::Density => density,
+            Quantity::Position(_) => length,
+            Quantity::Velocity(_) => velocity,
+            _ => stress,
+        }
+    }
+}
+
+/// The background grid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GridScene {
+    /// The edge of a cell (length of `units`).
+    pub cell: f64,
+    /// Particles along the edge of a cell (no unit).
+    pub particles_per_cell: u32,
+}
+
+/// How a step is done.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SchemeScene {
+    /// Shape function.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = ShapeScene::QuadraticBSpline))]
+    pub shape: Option<ShapeScene>,
+    /// When the stress is updated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = OrderScene::ModifiedStressLast), example = OrderScene::StressLast)]
+    pub update_order: Option<OrderScene>,
+    /// How velocities come back from the grid to the particles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = TransferScene::Flip { damping_time: None }))]
+    pub transfer: Option<TransferScene>,
+    /// Coefficients of the bulk viscosity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = ViscosityScene { quadratic: 1.5, linear: 0.06 }))]
+    pub viscosity: Option<ViscosityScene>,
+    /// The Courant number (no unit).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 0.4), example = 0.2)]
+    pub courant_number: Option<f64>,
+}
+
+/// Coefficients of the bulk viscosity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ViscosityScene {
+    /// Of the square of the rate: spreads strong shocks over a few cells (no unit).
+    pub quadratic: f64,
+    /// Of the rate: damps the ripple behind them (no unit).
+    pub linear: f64,
+}
+
+/// Shape functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeScene {
+    /// Linear, the paper's.
+    Linear,
+    /// Generalised interpolation.
+    Gimp,
+    /// Quadratic B-splines.
+    QuadraticBSpline,
+    /// Cubic B-splines.
+    CubicBSpline,
+}
+
+/// Update orders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OrderScene {
+    /// First in a step (USF).
+    StressFirst,
+    /// Last in a step (USL).
+    StressLast,
+    /// Last, from what the particles give to the grid once more (MUSL).
+    ModifiedStressLast,
+}
+
+/// Transfers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Flip { damping_time: Some(2.0) })]
+pub enum TransferScene {
+    /// The velocity and its gradient (APIC): keeps angular momentum.
+    Apic,
+    /// The change of the velocity (FLIP): keeps energy.
+    Flip {
+        /// The time over which it goes over to the velocity itself (time of `units`); without it never.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        damping_time: Option<f64>,
+    },
+}
+
+/// What bodies that meet do to each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ContactScene {
+    /// They share one velocity and stick, as the paper's do.
+    #[default]
+    Bonded,
+    /// They slide and part. The normal is that of the body that is given first: the flatter or stiffer one.
+    Friction {
+        /// Coulomb's coefficient (no unit).
+        coefficient: f64,
+    },
+}
+
+impl ContactScene {
+    fn is_bonded(&self) -> bool {
+        *self == Self::Bonded
+    }
+}
+
+/// A plane.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundaryScene {
+    /// The axis it is normal to, from 1 (no unit).
+    pub axis: usize,
+    /// Its coordinate (length of `units`).
+    pub position: f64,
+    /// On which side of it the bodies are.
+    pub side: SideScene,
+    /// What it does.
+    pub kind: BoundaryKindScene,
+}
+
+/// Sides of a plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SideScene {
+    /// At larger coordinates.
+    Above,
+    /// At smaller ones.
+    Below,
+}
+
+/// What a plane does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Absorbing { longitudinal: 0.6, shear: 0.32 })]
+pub enum BoundaryKindScene {
+    /// Mirrors.
+    Symmetry,
+    /// Holds.
+    Clamped,
+    /// A wall without friction.
+    Rigid,
+    /// Lets waves out.
+    Absorbing {
+        /// Speed of longitudinal waves (length/time of `units`).
+        longitudinal: f64,
+        /// Speed of shear waves (length/time of `units`).
+        shear: f64,
+    },
+}
+
+/// A body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyScene {
+    /// Its name, for gauges.
+    pub name: String,
+    /// The name of its material.
+    pub material: String,
+    /// What it fills.
+    pub shape: SolidScene,
+    /// What is cut out of that; without it nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub except: Vec<SolidScene>,
+    /// Its velocity along each axis (length/time of `units`); without it at rest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub velocity: Vec<f64>,
+}
+
+/// A region of space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Ball { centre: vec![0.0, 0.0], radius: 1.5 })]
+pub enum SolidScene {
+    /// A box.
+    Box {
+        /// The lowest corner (length of `units`).
+        from: Vec<f64>,
+        /// The highest corner (length of `units`).
+        to: Vec<f64>,
+    },
+    /// A ball; a disk in two dimensions.
+    Ball {
+        /// Its centre (length of `units`).
+        centre: Vec<f64>,
+        /// Its radius (length of `units`).
+        radius: f64,
+    },
+    /// A circular cylinder in three dimensions along the third axis.
+    Cylinder {
+        /// The centre of its lower end (length of `units`).
+        base: Vec<f64>,
+        /// Its radius (length of `units`).
+        radius: f64,
+        /// Its height (length of `units`).
+        height: f64,
+    },
+}
+
+/// A random parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomScene {
+    /// `material.part.name`, e.g. `steel.strength.a`; its mean is the number in the scene.
+    pub parameter: String,
+    /// Its law.
+    pub law: LawScene,
+    /// Standard deviation over the mean (no unit).
+    pub coefficient_of_variation: f64,
+}
+
+/// Laws of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LawScene {
+    /// Normal; refused where it would leave the range too often.
+    Normal,
+    /// Lognormal.
+    Lognormal,
+}
+
+/// A correlation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CorrelationScene {
+    /// Two of the random parameters.
+    pub between: [String; 2],
+    /// From -1 to 1 (no unit).
+    pub value: f64,
+}
+
+impl CorrelationScene {
+    fn between_steel_parameters() -> Self {
+        let between = ["steel.strength.a", "steel.strength.b"].map(str::to_owned);
+        Self { between, value: 0.5 }
+    }
+}
+
+/// How mean and variance are found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Frozen { as_printed: true })]
+#[schemars(example = Self::FiniteDifference { step: 0.01 })]
+#[schemars(example = Self::MonteCarlo { samples: 400, seed: 1, control: true })]
+pub enum MethodScene {
+    /// One run at the centre of the parameters, no variance.
+    Deterministic,
+    /// The paper's derivatives at the local state: a baseline.
+    Frozen {
+        /// As printed in the paper, errors included.
+        #[serde(default)]
+        as_printed: bool,
+    },
+    /// Derivatives carried through the run.
+    Propagated,
+    /// Central differences of whole runs.
+    FiniteDifference {
+        /// How far, in standard deviations (no unit).
+        step: f64,
+    },
+    /// `2N + 1` whole runs, three deviations wide, for `N` random parameters.
+    SigmaPoints,
+    /// Whole runs at sampled parameters.
+    MonteCarlo {
+        /// How many (no unit).
+        samples: u64,
+        /// Everything that is drawn follows from it (no unit).
+        seed: u64,
+        /// Whether the surrogate of one run with derivatives is the control variate.
+        control: bool,
+    },
+}
+
+/// A gauge; it goes with the material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeScene {
+    /// Its name.
+    pub name: String,
+    /// The name of its body.
+    pub body: String,
+    /// The point whose nearest particles are averaged (length of `units`). Either this or `within`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<Vec<f64>>,
+    /// The box, from its lowest to its highest corner, whose particles are averaged (length of `units`). Either this or `at`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<[Vec<f64>; 2]>,
+}
+
+/// When.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum TimeScene {
+    /// An instant (time of `units`).
+    At(f64),
+    /// The mean over a span, from and to (time of `units`).
+    Mean([f64; 2]),
+}
+
+impl TimeScene {
+    /// As a window.
+    #[must_use]
+    pub const fn window(self) -> Window {
+        match self {
+            Self::At(time) => Window::at(time),
+            Self::Mean([from, to]) => Window { from, to },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneFile;
+    use crate::schema::defaults;
+
+    #[test]
+    fn the_defaults_that_the_schema_tells_are_those_of_the_solver() {
+        let text = include_str!("../../../../tests/scenes/smpm/plate_impact.json").to_owned();
+        let scene: SmpmScene = SceneFile::from_text("scene.json", text).unwrap().parse().unwrap();
+        let told = defaults::<SchemeScene>();
+        assert!(!told.is_empty());
+        let with = |scheme| SmpmScene { scheme, ..scene.clone() }.config::<1>().unwrap();
+        let usual = with(SchemeScene::default());
+        assert_ne!(with(scene.scheme.clone()), usual);
+        assert_eq!(with(serde_json::from_value(told.into()).unwrap()), usual);
+    }
+}

@@ -1,0 +1,171 @@
+//! Shards of small ensembles with changes of bytes, as they are and under a hash that is right again.
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use proptest::prelude::*;
+use scenes::checkpoint::CheckpointError;
+use scenes::{ALL, Options, Part, Progress, RunError, run};
+use twox_hash::XxHash64;
+
+use super::changes::changes;
+
+/// Before the body of a file stand its kind and the length of the body, behind it a hash.
+const BEFORE: usize = 16;
+const BEHIND: usize = 8;
+
+/// So many times fewer inputs are tried where what is joined takes so many times longer.
+const SLOWER: u32 = 100;
+
+/// Two shards of a scene, and where they are joined.
+pub(crate) struct Ensemble {
+    scene: PathBuf,
+    folder: PathBuf,
+    first: Vec<u8>,
+    second: PathBuf,
+}
+
+impl Ensemble {
+    fn new(name: &str, text: &str) -> Self {
+        // A target of cargo-fuzz has no folder of cargo's.
+        let tests = option_env!("CARGO_TARGET_TMPDIR").map(PathBuf::from);
+        let root = tests.unwrap_or_else(std::env::temp_dir);
+        let folder = root.join(format!("any-input-{name}"));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let scene = folder.join("scene.json");
+        std::fs::write(&scene, text).unwrap();
+        let [first, second] = ["1/2", "2/2"].map(|place| {
+            let part = Part::Shard(place.parse().unwrap());
+            let options = Options { part, ..Options::new(folder.join("shards")) };
+            run(ALL, &scene, &options, &Progress::silent()).unwrap().swap_remove(0)
+        });
+        let first = std::fs::read(first).unwrap();
+        Self { scene, folder, first, second }
+    }
+
+    /// Joins these bytes and the second shard.
+    fn join(&self, name: &str, first: &[u8]) -> Result<Vec<PathBuf>, RunError> {
+        let file = self.folder.join(format!("{name}.bin"));
+        // A file that is written over is on the disk before this goes on; a new one need not be.
+        let _ = std::fs::remove_file(&file);
+        std::fs::write(&file, first).unwrap();
+        let options = Options {
+            part: Part::Merged(vec![file, self.second.clone()]),
+            ..Options::new(self.folder.join(format!("{name}-joined")))
+        };
+        run(ALL, &self.scene, &options, &Progress::silent())
+    }
+}
+
+pub(crate) static PATHS: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "paths",
+        r#"{
+          "solver": "fpk-sph", "title": "small",
+          "system": { "linear_oscillator": {
+            "natural_frequency": 3, "damping_ratio": 0.05, "noise_intensity": 0.2, "window": "stationary"
+          } },
+          "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.1, 0.1] } },
+          "method": { "monte_carlo": { "paths": 9000, "step": 0.1, "seed": 1, "integrator": "strang_oscillator" } },
+          "times": { "until": 0.2, "every": 0.1 },
+          "moments": [[2, 0]], "demand": { "state": "q" }, "thresholds": [0.1]
+        }"#,
+    )
+});
+
+pub(crate) static SAMPLES: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "samples",
+        r#"{
+          "solver": "smpm", "title": "small", "units": "cm_g_us", "dimension": 1,
+          "grid": { "cell": 0.5, "particles_per_cell": 2 },
+          "boundaries": [{ "axis": 1, "position": 0, "side": "above", "kind": "symmetry" }],
+          "materials": { "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } } },
+          "bodies": [
+            { "name": "plate", "material": "steel", "shape": { "box": { "from": [0], "to": [3] } }, "velocity": [-0.1] }
+          ],
+          "random": [{ "parameter": "steel.equation.s1", "law": "normal", "coefficient_of_variation": 0.05 }],
+          "method": { "monte_carlo": { "samples": 16, "seed": 1, "control": false } },
+          "gauges": [{ "name": "wake", "body": "plate", "within": [[0.2], [1.2]] }],
+          "quantities": ["pressure"], "times": [1, 2]
+        }"#,
+    )
+});
+
+pub(crate) static CRACKS: LazyLock<Ensemble> = LazyLock::new(|| {
+    Ensemble::new(
+        "cracks",
+        r#"{
+          "solver": "peridyn-sde", "title": "small",
+          "body": { "size": [0.012, 0.012], "spacing": 0.001, "condition": { "plane_stress": { "thickness": 0.001 } } },
+          "material": { "young_modulus": 72e9, "toughness": { "energy_release_rate": 3.8 } },
+          "bonds": { "horizon": { "shells": 2 } },
+          "notch": { "mouth": [0, 0.006], "tip": [0.004, 0.006] },
+          "grips": { "height": 0.002 },
+          "loading": { "stretch": { "strain": { "over_critical_stretch": 0.8 } } },
+          "dynamics": { "overdamped": {
+            "mobility": { "identity": { "value": 1 } }, "temperature": { "ratio": 20 }, "scheme": "leimkuhler_matthews"
+          } },
+          "time": { "step": { "z": 0.9 }, "steps": 20 },
+          "strength": "uniform",
+          "ensemble": { "realisations": 4, "seed": 3, "precision": "f64" },
+          "output": { "windows": 5 }
+        }"#,
+    )
+});
+
+impl Ensemble {
+    /// What stands in the first shard between its head and its hash.
+    pub(crate) fn body(&self) -> &[u8] {
+        &self.first[BEFORE..self.first.len() - BEHIND]
+    }
+
+    /// The first shard with another body, by one who knows its form, is joined to the second or refused: an error is an answer.
+    pub(crate) fn forged(&self, body: &[u8]) -> Result<Vec<PathBuf>, RunError> {
+        let mut forged = self.first[..8].to_vec();
+        forged.extend((body.len() as u64).to_le_bytes());
+        forged.extend(body);
+        let hash = XxHash64::oneshot(0, &forged);
+        forged.extend(hash.to_le_bytes());
+        self.join("forged", &forged)
+    }
+}
+
+#[test]
+fn shards_that_nobody_changed_are_joined() {
+    for ensemble in [&PATHS, &SAMPLES, &CRACKS] {
+        ensemble.join("whole", &ensemble.first).unwrap();
+        ensemble.forged(ensemble.body()).unwrap();
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_shard_with_other_bytes_is_refused(changes in changes()) {
+        let bytes = changes.of(&PATHS.first);
+        let joined = PATHS.join("changed", &bytes);
+        let is_refused = matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_))));
+        prop_assert!(is_refused || bytes == PATHS.first, "{joined:?}");
+    }
+
+    #[test]
+    fn forged_paths_are_joined_or_say_why_not(changes in changes()) {
+        let _ = PATHS.forged(&changes.of(PATHS.body()));
+    }
+}
+
+proptest! {
+    // What is joined takes the mean run, or the bonds of a plate.
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases.div_ceil(SLOWER)))]
+
+    #[test]
+    fn forged_samples_are_joined_or_say_why_not(changes in changes()) {
+        let _ = SAMPLES.forged(&changes.of(SAMPLES.body()));
+    }
+
+    #[test]
+    fn forged_cracks_are_joined_or_say_why_not(changes in changes()) {
+        let _ = CRACKS.forged(&changes.of(CRACKS.body()));
+    }
+}

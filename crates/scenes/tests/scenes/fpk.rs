@@ -1,0 +1,101 @@
+//! What a run writes, and how it goes on.
+
+use std::path::{Path, PathBuf};
+
+use scenes::checkpoint::Start;
+use scenes::{ALL, Options, Progress, RunError, run};
+
+/// A scene of a few particles and steps.
+const SMALL: &str = r#"{
+  "solver": "fpk-sph",
+  "title": "small",
+  "system": { "bouc_wen": {
+    "natural_frequency": 3.14, "damping_ratio": 0.05, "hardening": 0.5, "initial_slope": 1, "beta": 0.5,
+    "gamma": 0.5, "exponent": 1, "noise_intensity": 1, "window": { "single_peak": { "peak": 1, "peak_time": 2 } }
+  } },
+  "initial": { "gaussian": { "mean": [0, 0, 0], "standard_deviation": [0.05, 0.05, 0.05] } },
+  "method": { "log_density_fit": { "spacing": 0.8, "reach": 4 } },
+  "times": { "until": 0.2, "every": 0.1 },
+  "moments": [[2, 0, 0], [0, 0, 2]],
+  "demand": { "state": "z" },
+  "thresholds": [0.1],
+  "planes": { "states": [["q", "z"]], "times": [0.2] },
+  "cloud": { "every_observations": 1 }
+}"#;
+
+#[test]
+fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
+    let folder = std::env::temp_dir().join(format!("fpk-scene-{}", std::process::id()));
+    let written = run_in(&folder, SMALL, Start::Anew).unwrap();
+    let names: Vec<String> = written
+        .iter()
+        .map(|path| path.strip_prefix(&folder).unwrap().display().to_string())
+        .collect();
+    for expected in
+        ["result.json", "cloud/cloud.pvd", "moments.svg", "exceedance.svg", "plane-q-z-t0.200.svg"]
+    {
+        assert!(names.iter().any(|name| name == expected), "{expected} is not among {names:?}");
+    }
+    let cloud = std::fs::read(folder.join("cloud/cloud-0001.vtu")).unwrap();
+    assert!(cloud.starts_with(b"<?xml"), "no file of VTK");
+    let result: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
+    let quantity = result["quantities"].as_array().unwrap();
+    let named = |id: &str| quantity.iter().find(|series| series["id"] == id).unwrap();
+    assert_eq!(named("moment/0-0-2")["quantity"], "E[z^2]");
+    assert_eq!(named("exceedance-cell/0.1")["quantity"], "P(|z| > 0.1)");
+    // At the start sigma_z = 0.05; 4 sigma of a ball hold all but 1.1e-3 of the mass.
+    let z = named("moment/0-0-2")["values"][0]["value"].as_f64().unwrap();
+    assert!((z / 0.0025 - 1.0).abs() < 0.05, "{z}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Runs a text in the folder.
+fn run_in(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
+    std::fs::create_dir_all(folder).unwrap();
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, text).unwrap();
+    let options = Options { start, ..Options::new(folder) };
+    run(ALL, &scene, &options, &Progress::silent())
+}
+
+fn checkpoints(folder: &Path) -> Vec<Vec<u8>> {
+    let files = ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name));
+    files.iter().filter_map(|file| std::fs::read(file).ok()).collect()
+}
+
+#[test]
+fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("fpk-earlier-{}", std::process::id()));
+    let planes = ",\n  \"planes\": { \"states\": [[\"q\", \"z\"]], \"times\": [0.2] }";
+    let longer = SMALL.replace(planes, "");
+    assert_ne!(longer, SMALL);
+    run_in(&folder, &longer, Start::Anew).unwrap();
+    let kept = checkpoints(&folder);
+    let shorter = longer.replace("\"until\": 0.2", "\"until\": 0.1");
+    run_in(&folder, &shorter, Start::GoOn).unwrap();
+    assert!(checkpoints(&folder) == kept && !kept.is_empty());
+    let series = std::fs::read_to_string(folder.join("cloud/cloud.pvd")).unwrap();
+    assert_eq!(series.matches("<DataSet ").count(), 1, "{series}");
+    let result: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
+    assert_eq!(result["quantities"][0]["values"].as_array().unwrap().len(), 1);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("fpk-fewer-{}", std::process::id()));
+    let paths = |n: u64| {
+        let method = format!(
+            "\"monte_carlo\": {{ \"paths\": {n}, \"step\": 0.02, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
+        );
+        SMALL.replace("\"log_density_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
+    };
+    run_in(&folder, &paths(200), Start::Anew).unwrap();
+    let kept = checkpoints(&folder);
+    let error = run_in(&folder, &paths(100), Start::GoOn).unwrap_err().to_string();
+    assert!(error.contains("is of another scene"), "{error}");
+    assert!(checkpoints(&folder) == kept && !kept.is_empty());
+    std::fs::remove_dir_all(&folder).unwrap();
+}

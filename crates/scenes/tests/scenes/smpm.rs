@@ -1,0 +1,279 @@
+//! A small scene to its end, and its mistakes one by one.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use twox_hash::XxHash64;
+
+use scenes::checkpoint::{CheckpointError, Reason, Start};
+use scenes::{ALL, Options, Part, Progress, RunError, run};
+
+/// A plate of steel runs into a wall, in uniaxial strain.
+const PLATE: &str = r#"{
+  "solver": "smpm",
+  "title": "Plate impact",
+  "units": "cm_g_us",
+  "dimension": 1,
+  "grid": { "cell": 0.1, "particles_per_cell": 2 },
+  "scheme": { "shape": "cubic_b_spline", "transfer": "apic", "viscosity": { "quadratic": 1.5, "linear": 1 } },
+  "boundaries": [{ "axis": 1, "position": 0, "side": "above", "kind": "symmetry" }],
+  "materials": { "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } } },
+  "bodies": [
+    { "name": "plate", "material": "steel", "shape": { "box": { "from": [0], "to": [3] } }, "velocity": [-0.1] }
+  ],
+  "random": [{ "parameter": "steel.equation.s1", "law": "normal", "coefficient_of_variation": 0.05 }],
+  "method": "propagated",
+  "gauges": [{ "name": "wake", "body": "plate", "within": [[0.2], [1.2]] }],
+  "quantities": ["pressure", "density"],
+  "times": [3, 4, [3, 4]],
+  "levels": { "pressure": [0.475, 0.9] },
+  "fields": true
+}"#;
+
+fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>) {
+    let folder = std::env::temp_dir().join(format!("smpm-scene-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, text).unwrap();
+    let result = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
+    (folder, result)
+}
+
+/// Once more into the same folder.
+fn again(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, text).unwrap();
+    let options = Options { start, ..Options::new(folder.join("out")) };
+    run(ALL, &scene, &options, &Progress::silent())
+}
+
+fn gauges(out: &Path) -> Value {
+    let text = std::fs::read_to_string(out.join("result.json")).unwrap();
+    serde_json::from_str::<Value>(&text).unwrap()["gauges"].take()
+}
+
+const CHECKPOINTS: [&str; 2] = ["checkpoint-0.bin", "checkpoint-1.bin"];
+
+fn checkpoints(out: &Path) -> [Option<Vec<u8>>; 2] {
+    CHECKPOINTS.map(|name| std::fs::read(out.join(name)).ok())
+}
+
+/// A result and the bytes of its fields.
+fn all_of(out: &Path) -> (Value, Vec<(PathBuf, Vec<u8>)>) {
+    let mut fields: Vec<(PathBuf, Vec<u8>)> = std::fs::read_dir(out.join("fields"))
+        .map(|entries| entries.map(|entry| entry.unwrap().path()).collect::<Vec<_>>())
+        .unwrap_or_default()
+        .into_iter()
+        .map(|path| (path.file_name().unwrap().into(), std::fs::read(&path).unwrap()))
+        .collect();
+    fields.sort();
+    (gauges(out), fields)
+}
+
+const TIMES: &str = "[3, 4, [3, 4]]";
+const LONGER: &str = "[3, 4, [3, 4], [4, 5], 4.5]";
+
+#[test]
+fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
+    let methods = [
+        "\"propagated\"",
+        "\"deterministic\"",
+        "{ \"frozen\": {} }",
+        "{ \"finite_difference\": { \"step\": 0.01 } }",
+        "\"sigma_points\"",
+    ];
+    for (number, method) in methods.into_iter().enumerate() {
+        let of = |times: &str| PLATE.replace("\"propagated\"", method).replace(TIMES, times);
+        let (whole, written) = run_text(&format!("long-{number}"), &of(LONGER));
+        written.unwrap();
+        let (folder, written) = run_text(&format!("short-{number}"), &of(TIMES));
+        written.unwrap();
+        let (out, short) = (folder.join("out"), gauges(&folder.join("out")));
+        again(&folder, &of(LONGER), Start::GoOn).unwrap();
+        assert_eq!(all_of(&out), all_of(&whole.join("out")), "{method}");
+        let kept = checkpoints(&out);
+        again(&folder, &of(TIMES), Start::GoOn).unwrap();
+        assert_eq!((gauges(&out), checkpoints(&out)), (short, kept), "{method}");
+        let error = again(&folder, &of("[3.5, 4]"), Start::GoOn).unwrap_err();
+        let RunError::Scene(error) = error else { panic!("{error}") };
+        let mistake = error.mistake().unwrap();
+        assert_eq!(mistake.path, "times");
+        assert!(mistake.help.as_deref().is_some_and(|help| help.contains("--overwrite")));
+        for folder in [whole, folder] {
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_frame_that_is_gone_is_missed_by_its_name() {
+    let (folder, written) = run_text("gone", PLATE);
+    written.unwrap();
+    std::fs::remove_file(folder.join("out/fields/fields-0000.vtu")).unwrap();
+    let error = again(&folder, PLATE, Start::GoOn).unwrap_err();
+    let RunError::Solver(error) = error else { panic!("{error}") };
+    assert!(error.to_string().contains("fields-0000.vtu"), "{error}");
+    again(&folder, PLATE, Start::Overwrite).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Before the content stand eight letters and its length, behind it its hash.
+fn with_right_hash(mut bytes: Vec<u8>) -> Vec<u8> {
+    let end = bytes.len() - 8;
+    let hash = XxHash64::oneshot(0, &bytes[..end]);
+    bytes[end..].copy_from_slice(&hash.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in_a_panic() {
+    let text = PLATE.replace("\"fields\": true", "\"fields\": false");
+    let text = text.replace("\"propagated\"", "\"deterministic\"");
+    let (folder, written) = run_text("forged", &text);
+    written.unwrap();
+    let out = folder.join("out");
+    let [Some(first), Some(second)] = checkpoints(&out) else { panic!("two files") };
+    let newest = if first.len() > second.len() { &first } else { &second };
+    let resume = |bytes: &[u8]| {
+        for name in CHECKPOINTS {
+            std::fs::write(out.join(name), bytes).unwrap();
+        }
+        // What is at its end is not restored: there is more to do.
+        again(&folder, &text.replace(TIMES, LONGER), Start::GoOn)
+    };
+    let refused = |bytes: &[u8]| {
+        let error = resume(bytes).unwrap_err();
+        let RunError::Checkpoint(CheckpointError::Refused(all)) = error else { panic!("{error}") };
+        all.into_iter().next().unwrap().reason
+    };
+    assert!(matches!(refused(&newest[..newest.len() / 2]), Reason::CutOff { .. }));
+    let mut flipped = newest.clone();
+    flipped[newest.len() / 2] ^= 4;
+    assert!(matches!(refused(&flipped), Reason::Damaged { .. }));
+    resume(newest).unwrap();
+    let whole = gauges(&out);
+    let (mut n_refused, mut n_same, mut n_other) = (0, 0, 0);
+    for place in (16..newest.len() - 16).step_by(newest.len() / 61) {
+        for word in [f64::NAN.to_bits(), u64::MAX] {
+            let mut forged = newest.clone();
+            forged[place..place + 8].copy_from_slice(&word.to_le_bytes());
+            match resume(&with_right_hash(forged)) {
+                Err(_) => n_refused += 1,
+                Ok(_) if gauges(&out) == whole => n_same += 1,
+                Ok(_) => n_other += 1,
+            }
+        }
+    }
+    // A sum may be any number; a snapshot has a hash of its own, and the head is that of the scene.
+    assert!(n_refused > 60, "{n_refused} refused, {n_same} the same, {n_other} other");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_scene_runs_to_its_end_by_every_method() {
+    let methods = [
+        ("\"propagated\"", true),
+        ("\"deterministic\"", false),
+        ("{ \"frozen\": {} }", true),
+        ("{ \"finite_difference\": { \"step\": 0.01 } }", true),
+        ("\"sigma_points\"", true),
+        ("{ \"monte_carlo\": { \"samples\": 20, \"seed\": 1, \"control\": true } }", true),
+    ];
+    for (number, (method, varies)) in methods.into_iter().enumerate() {
+        let text = PLATE.replace("\"propagated\"", method);
+        let (folder, written) = run_text(&format!("method-{number}"), &text);
+        let written = written.unwrap();
+        assert!(written.iter().all(|path| path.exists()), "{written:?}");
+        let result = std::fs::read_to_string(&written[0]).unwrap();
+        let result: Value = serde_json::from_str(&result).unwrap();
+        let pressure = &result["gauges"][0]["quantities"][0]["values"][2];
+        // p = rho_0 (C + S_1 u) u within a per cent, and its deviation 5 % of rho_0 S_1 u^2; the frozen one twice that.
+        let mean = pressure["mean"].as_f64().unwrap();
+        assert!((mean / 0.474_420 - 1.0).abs() < 0.01, "{mean}");
+        assert_eq!(pressure["standard_deviation"].is_number(), varies, "{method}");
+        if varies {
+            let deviation = pressure["standard_deviation"].as_f64().unwrap();
+            let exact = 0.05 * 7.83 * 1.49 * 0.01;
+            let frozen = if method.contains("frozen") { 2.08 } else { 1.0 };
+            assert!((deviation / exact / frozen - 1.0).abs() < 0.1, "{method}: {deviation}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
+#[test]
+fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost() {
+    let of = |samples: u64| {
+        let method = format!(
+            "{{ \"monte_carlo\": {{ \"samples\": {samples}, \"seed\": 1, \"control\": false }} }}"
+        );
+        PLATE.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false")
+    };
+    let (folder, written) = run_text("fewer", &of(20));
+    written.unwrap();
+    let out = folder.join("out");
+    let (of_all, kept) = (gauges(&out), checkpoints(&out));
+    let resume = |samples: u64| {
+        again(&folder, &of(samples), Start::GoOn).unwrap();
+        gauges(&out)
+    };
+    let (anew, written) = run_text("few", &of(8));
+    written.unwrap();
+    assert_eq!(resume(8), gauges(&anew.join("out")));
+    assert_eq!(checkpoints(&out), kept);
+    assert_eq!(resume(20), of_all);
+    for folder in [folder, anew] {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
+/// The plate is too fast for its equation of state, which only a run tells.
+#[test]
+fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
+    let sampled = r#"{ "monte_carlo": { "samples": 8, "seed": 1, "control": false } }"#;
+    let text = PLATE.replace("[-0.1]", "[-5]").replace("\"propagated\"", sampled);
+    let (folder, whole) = run_text("no-shard", &text);
+    assert!(matches!(whole, Err(RunError::Solver(_))), "{whole:?}");
+    let file = folder.join("scene.json");
+    let part = Part::Merged(vec![file.clone()]);
+    let options = Options { part, ..Options::new(folder.join("joined")) };
+    let joined = run(ALL, &file, &options, &Progress::silent());
+    assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn mistakes_are_shown_where_they_stand() {
+    for (number, (right, wrong, path, words)) in [
+        (
+            "\"mie_gruneisen\": { \"library\": \"steel\" }",
+            "\"mie_gruneisen\": { \"library\": \"steel\", \"set\": { \"density\": -7.8 } }",
+            "materials.steel",
+            "density",
+        ),
+        (
+            "steel.equation.s1\", \"law\": \"normal\", \"coefficient_of_variation\": 0.05",
+            "steel.equation.sound_speed\", \"law\": \"normal\", \"coefficient_of_variation\": 0.4",
+            "random[0].coefficient_of_variation",
+            "chance",
+        ),
+        ("[[0.2], [1.2]]", "[[4.2], [5.2]]", "gauges[0]", "inside the body"),
+        ("steel.equation.s1", "steel.equation.s4", "random[0].parameter", "s4"),
+        ("\"pressure\", \"density\"", "\"presure\", \"density\"", "quantities[0]", "presure"),
+        ("\"axis\": 1", "\"axis\": 2", "boundaries[0].axis", "axis 2"),
+        ("[3, 4, [3, 4]]", "[3, 4, [4, 3]]", "times", "window"),
+        ("\"dimension\": 1", "\"dimension\": 1, \"gravity\": [0, 0]", "gravity", "2 coordinates"),
+        ("\"from\": [0]", "\"from\": [0, 1]", "bodies[0].shape.box.from", "2 coordinates"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(PLATE.contains(right), "{right}");
+        let (folder, result) = run_text(&format!("mistake-{number}"), &PLATE.replace(right, wrong));
+        let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
+        let mistake = error.mistake().unwrap();
+        assert_eq!(mistake.path, path, "{}", mistake.message);
+        assert!(mistake.message.contains(words), "{}", mistake.message);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

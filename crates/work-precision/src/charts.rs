@@ -1,0 +1,50 @@
+//! The charts and stability sweeps that can be asked for by name.
+//!
+//! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
+
+mod built_in_scenes;
+pub mod fpk;
+mod fpk_choice;
+mod kernels;
+mod models;
+mod mpi;
+mod peridyn;
+mod sde;
+mod smpm;
+mod smpm_fields;
+mod smpm_scheme;
+
+use crate::draw::ChartKind;
+use crate::stability;
+
+/// Every chart of `chart`.
+pub const ALL: &[ChartKind] = &[
+    fpk::CHART,
+    fpk_choice::CHART,
+    kernels::CHART,
+    sde::CHART,
+    smpm::CHART,
+    smpm_scheme::CHART,
+    smpm_fields::CHART,
+    peridyn::CHART,
+    mpi::CHART,
+    built_in_scenes::CHART,
+];
+
+/// Every page of `chart --ladder`.
+pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
+
+/// Every sweep of `stability`.
+pub const STABILITY: &[ChartKind] = &[
+    stability::fpk::MAP,
+    stability::sde::MAP,
+    stability::smpm::MAP,
+    stability::peridyn::z::MAP,
+    stability::peridyn::noise::MAP,
+    stability::peridyn::horizon::MAP,
+    stability::peridyn::loose::MAP,
+    stability::peridyn::load::MAP,
+    stability::peridyn::nugget::MAP,
+    stability::peridyn::damage::MAP,
+    stability::peridyn::influence::MAP,
+];

@@ -1,0 +1,219 @@
+//! Every built-in scene by every method that solves it: error against CPU time.
+//!
+//! One definition serves these charts and `advise`: the ladder of the scene's kind.
+
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use figures::Drawing;
+use figures::{Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
+use scenes::advise::{Advice, Judgement, Options, from_trials};
+use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
+use scenes::machine::Machine;
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "scenes",
+    title: "every built-in scene by every method that solves it: the largest error against CPU time",
+    draw,
+};
+
+/// The dearest trial of a method (CPU s).
+const fn budget(profile: Profile) -> f64 {
+    match profile {
+        Profile::Quick => 0.2,
+        Profile::Default => 4.0,
+        Profile::Full => 30.0,
+    }
+}
+
+/// A trial that costs less than this (CPU s) is run three times, so that the scatter of its cost is known.
+const REPEATED: f64 = 0.5;
+
+/// Quantities that stand on one chart.
+struct Group {
+    /// The beginning of their ids; the end of them where it begins with a slash.
+    mark: &'static str,
+    /// Their values.
+    values: std::ops::Range<f64>,
+    /// Their name in the title.
+    words: &'static str,
+    /// Their name in that of the file.
+    stem: &'static str,
+}
+
+const ANY: std::ops::Range<f64> = f64::NEG_INFINITY..f64::INFINITY;
+/// Between probabilities that thousands of paths see and those that need a tail.
+const SMALL: f64 = 1e-3;
+
+const GROUPS: [Group; 5] = [
+    Group { mark: "moment/", values: ANY, words: "moments", stem: "moments" },
+    Group {
+        mark: "exceedance/",
+        values: SMALL..f64::INFINITY,
+        words: "probabilities of 0.001 and more",
+        stem: "probabilities",
+    },
+    Group {
+        mark: "exceedance/",
+        values: f64::NEG_INFINITY..SMALL,
+        words: "probabilities below 0.001",
+        stem: "small-probabilities",
+    },
+    Group { mark: "/mean", values: ANY, words: "means", stem: "means" },
+    Group {
+        mark: "/standard_deviation",
+        values: ANY,
+        words: "standard deviations",
+        stem: "standard-deviations",
+    },
+];
+
+impl Group {
+    fn holds(&self, judgement: &Judgement) -> bool {
+        let id = &judgement.id;
+        let is_marked = if self.mark.starts_with('/') {
+            id.ends_with(self.mark)
+        } else {
+            id.starts_with(self.mark)
+        };
+        is_marked && self.values.contains(&judgement.value)
+    }
+}
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = Vec::new();
+    for scene in BuiltIn::all(scenes::ALL, &crate::record::workspace().join("tests/scenes"))? {
+        context.progress(&scene.name);
+        let mut trials = scene.trials(budget(context.profile), |method, rung| {
+            context.progress(&format!("  {}", method.at(&rung.label)));
+        })?;
+        let scatters: Vec<Option<f64>> =
+            trials.iter_mut().map(|trial| repeat(&scene, trial)).collect::<Result<_, _>>()?;
+        drawings.extend(drawings_of(&scene, trials, &scatters)?);
+    }
+    Ok(drawings)
+}
+
+/// Runs a cheap trial twice more: its cost becomes the median of three. Half their range is the scatter, `None` where it ran once.
+fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Result<Option<f64>, CaseError> {
+    if trial.answer().is_none_or(|answer| answer.cpu_seconds > REPEATED) {
+        return Ok(None);
+    }
+    let costs = scene.costs(trial, 2)?;
+    if let Outcome::Answered(answer) = &mut trial.outcome {
+        answer.cpu_seconds = costs[costs.len() / 2];
+    }
+    Ok(Some(0.5 * (costs[costs.len() - 1] - costs[0])))
+}
+
+/// `scatters` are those of the costs of the trials.
+fn drawings_of(
+    scene: &BuiltIn,
+    trials: Vec<Trial>,
+    scatters: &[Option<f64>],
+) -> Result<Vec<Drawing>, CaseError> {
+    let title = scene.ladder.scene["title"].as_str().unwrap_or_default().to_owned();
+    let (folder, name) = scene.name.split_once('/').unwrap_or(("", &scene.name));
+    let stem = format!("{folder}-scene-{}", name.replace('_', "-"));
+    // The tolerance plays no part in what trials know.
+    let options = Options { tolerance: 0.01, budget: Options::BUDGET, quantities: Vec::new() };
+    let advice = from_trials(scene.ladder.clone(), trials, &options)?;
+    let mut drawings = Vec::new();
+    for group in GROUPS {
+        let of_group: Vec<usize> = (0..advice.judgements.len())
+            .filter(|&q| group.holds(&advice.judgements[q]) && advice.is_known(q))
+            .collect();
+        let series = series(&advice, scatters, &of_group);
+        if series.is_empty() {
+            continue;
+        }
+        let data = WorkPrecision {
+            words: words_of(&advice, &of_group, group.words, &title),
+            reading: Reading::Cost {
+                unit: "s".into(),
+                errors: Measure::Relative,
+                reference_error: 0.0,
+            },
+            series,
+        };
+        drawings.push(Drawing::work_precision(&format!("{stem}-{}", group.stem), &data)?);
+    }
+    Ok(drawings)
+}
+
+fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Words {
+    let names: Vec<&str> = of_group.iter().map(|&q| advice.judgements[q].words.as_str()).collect();
+    let shown = match names.as_slice() {
+        [first, .., last] if names.len() > 3 => {
+            format!("{first} to {last}, {} in all", names.len())
+        }
+        _ => names.join(", "),
+    };
+    Words {
+        title: format!("Largest error of the {group}, against cost"),
+        subtitle: title.to_owned(),
+        x_label: "CPU time of one run, all threads (s)".into(),
+        y_label: "largest relative error".into(),
+        caption: vec![
+            format!("At the last time: {shown}."),
+            "Errors as `advise` judges them: the run's own, two standard errors of samples, or what other runs contradict it by.".into(),
+            "Bars along the cost: half the range of three runs, below half a second.".into(),
+            advice.ladder.left_out.to_owned(),
+            Machine::read().caption(),
+        ],
+    }
+}
+
+/// One series for each method: the largest error over a group of quantities. What samples do not see has no point.
+fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<Method> {
+    let method = |m: usize| {
+        let trials = advice.trials.iter().zip(scatters).filter(|(trial, _)| trial.method == m);
+        let run = |(trial, scatter): (&Trial, &Option<f64>)| run(advice, of_group, trial, *scatter);
+        let runs: Vec<Run> = trials.filter_map(run).collect();
+        let ladder = &advice.ladder.methods[m];
+        let unit = match ladder.growth {
+            Growth::Lattice { .. } => " (lattice)",
+            Growth::Samples => " (samples)",
+            Growth::Fixed => "",
+        };
+        (!runs.is_empty()).then(|| Method { name: format!("{}{unit}", ladder.name), runs })
+    };
+    if of_group.is_empty() {
+        return Vec::new();
+    }
+    (0..advice.ladder.methods.len()).filter_map(method).collect()
+}
+
+fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
+    let answer = match &trial.outcome {
+        Outcome::Answered(answer) => answer,
+        // A run that failed has no cost to stand at.
+        Outcome::Failed { .. } => return None,
+    };
+    let error = |&q: &usize| advice.judgements[q].error_of(trial);
+    let errors: Option<Vec<f64>> = of_group.iter().map(error).collect();
+    let largest = errors.map(|errors| errors.into_iter().fold(0.0, f64::max));
+    let outcome = match largest.filter(|largest| largest.is_finite()) {
+        Some(value) if value > 0.0 => RunOutcome::Error { value, standard_error: None },
+        _ => RunOutcome::Failed { reason: "a quantity is missing".into() },
+    };
+    let label = match advice.ladder.methods[trial.method].growth {
+        Growth::Fixed => None,
+        Growth::Lattice { .. } | Growth::Samples => Some(short_label(&trial.rung.label)),
+    };
+    Some(Run {
+        cost: answer.cpu_seconds,
+        cost_error: scatter.filter(|&scatter| scatter > 0.0),
+        outcome,
+        label,
+    })
+}
+
+/// Without the noun, which stands in the legend.
+fn short_label(label: &str) -> String {
+    let mut words = label.split(' ');
+    match (words.next(), words.next(), words.next()) {
+        (Some(number), Some(_), None) if number.parse::<f64>().is_ok() => number.to_owned(),
+        (Some(_), Some(number), None) => number.to_owned(),
+        _ => label.to_owned(),
+    }
+}

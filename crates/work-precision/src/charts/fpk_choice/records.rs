@@ -1,0 +1,137 @@
+//! What a run of a method cost and how far it was off, and the charts of that.
+
+use serde::{Deserialize, Serialize};
+
+use super::Scene;
+use crate::charts::fpk::cost_in_seconds;
+use figures::Drawing;
+use figures::DrawingError;
+use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use scenes::machine::Machine;
+
+/// One run of one method, for one question.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Record {
+    /// The question.
+    pub(super) quantity: String,
+    /// The method.
+    pub(super) method: String,
+    /// Its parameter.
+    pub(super) label: String,
+    /// CPU time on one thread (s).
+    pub(super) cpu_seconds: f64,
+    /// Half the range of that over repeated runs.
+    pub(super) cpu_spread: f64,
+    /// What came of it.
+    pub(super) outcome: Outcome,
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Outcome {
+    /// A deterministic result with its relative error against the reference.
+    Off {
+        /// The size of the error.
+        error: f64,
+    },
+    /// A sampled result.
+    Sampled {
+        /// Its relative standard error.
+        predicted: f64,
+        /// The standard error of that, where it is known.
+        uncertainty: Option<f64>,
+        /// The relative error that this one draw had, where it had a result.
+        seen: Option<f64>,
+    },
+    /// No result.
+    Nothing {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Record {
+    /// The error by which methods are compared: that of a deterministic result, the standard error of a sampled one.
+    pub(super) const fn error(&self) -> Option<f64> {
+        match self.outcome {
+            Outcome::Off { error } => Some(error),
+            Outcome::Sampled { predicted, .. } => Some(predicted),
+            Outcome::Nothing { .. } => None,
+        }
+    }
+
+    fn run(&self) -> Run {
+        let outcome = match &self.outcome {
+            // A logarithmic axis has no place for an error of nothing.
+            Outcome::Off { error } if *error > 0.0 => {
+                RunOutcome::Error { value: *error, standard_error: None }
+            }
+            Outcome::Off { .. } => {
+                RunOutcome::Failed { reason: "no error to the last digit".into() }
+            }
+            Outcome::Sampled { predicted, uncertainty, .. } => {
+                RunOutcome::Error { value: *predicted, standard_error: *uncertainty }
+            }
+            Outcome::Nothing { reason } => RunOutcome::Failed { reason: reason.clone() },
+        };
+        let label = match self.outcome {
+            Outcome::Sampled { predicted, seen: Some(seen), .. } => {
+                format!("{} ({:.1})", self.label, seen / predicted)
+            }
+            _ => self.label.clone(),
+        };
+        Run {
+            cost: self.cpu_seconds,
+            cost_error: (self.cpu_spread > 0.0).then_some(self.cpu_spread),
+            outcome,
+            label: Some(label),
+        }
+    }
+}
+
+/// The methods of a list of records, in the order in which they first appear.
+pub(super) fn methods<'r>(records: impl Iterator<Item = &'r Record>) -> Vec<&'r str> {
+    let mut names: Vec<&str> = Vec::new();
+    for record in records {
+        if !names.contains(&record.method.as_str()) {
+            names.push(&record.method);
+        }
+    }
+    names
+}
+
+/// A chart for each question of a scene.
+pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
+    let mut drawings = Vec::new();
+    for quantity in &scene.quantities {
+        let records = || scene.records.iter().filter(|r| r.quantity == quantity.name);
+        let series = methods(scene.records.iter())
+            .into_iter()
+            .map(|name| Method {
+                name: name.to_owned(),
+                runs: records().filter(|r| r.method == name).map(Record::run).collect(),
+            })
+            .filter(|method| !method.runs.is_empty())
+            .collect();
+        let words = Words {
+            title: quantity.title.clone(),
+            subtitle: scene.title.clone(),
+            x_label: "CPU time on one thread (s)".into(),
+            y_label: "relative error".into(),
+            caption: vec![
+                format!(
+                    "Sampled methods: the relative standard error; in brackets the error seen, in standard errors. \
+                     Others: the error against the reference, which is known to {:.0e}.",
+                    quantity.reference_error
+                ),
+                "Across: median CPU time of three runs, the bar half their range (one run beyond 1 s).".into(),
+                Machine::read().caption(),
+            ],
+        };
+        let name = format!("{}-{}", scene.name, quantity.name);
+        let reading = cost_in_seconds(Measure::Relative, quantity.reference_error);
+        drawings.push(Drawing::work_precision(&name, &WorkPrecision { words, reading, series })?);
+    }
+    Ok(drawings)
+}

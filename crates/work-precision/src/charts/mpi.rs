@@ -1,0 +1,232 @@
+//! How many ranks an ensemble can use: a model of the job, fed with the costs of blocks as they are measured.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::process::Command;
+
+use sde_integrators::{Noise, Purpose, Stream};
+use serde_json::json;
+
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use crate::processes::{finish, piped, scenes};
+use figures::Drawing;
+use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
+use scenes::kind::{BlockRecord, JobRecord};
+use scenes::machine::Machine;
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "mpi",
+    title: "efficiency of ensembles over the number of ranks, by a model from measured blocks",
+    draw,
+};
+
+/// Blocks of the ensemble that is shared among ever more ranks.
+const STRONG: u64 = 10_000;
+/// Blocks of each rank where the ensemble grows with the ranks.
+const WEAK: u64 = 20;
+/// From asking for a block to having it, where nobody else asks (s): rank 0 looks every millisecond, and the network is beside it.
+const ROUND_TRIP: f64 = 1.1e-3;
+const MOST_RANKS: u64 = 10_000;
+
+/// What was measured of the blocks of a scene.
+struct Measured {
+    name: &'static str,
+    /// Of each (s).
+    seconds: Vec<f64>,
+    /// Of rank 0 for each (s).
+    taking: f64,
+    /// Of the file of each.
+    bytes: f64,
+}
+
+impl Measured {
+    fn mean(&self) -> f64 {
+        self.seconds.iter().sum::<f64>() / self.seconds.len() as f64
+    }
+
+    /// Standard deviation over mean.
+    fn spread(&self) -> f64 {
+        let mean = self.mean();
+        let squares: f64 = self.seconds.iter().map(|s| (s - mean) * (s - mean)).sum();
+        (squares / (self.seconds.len() as f64 - 1.0).max(1.0)).sqrt() / mean
+    }
+}
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let measured = measure(context)?;
+    let mut rows = vec![
+        "  ensemble             blocks  s a block  spread  ms to take in  kB a block  ranks for 90 %: 10,000 blocks, 20 a rank".to_owned(),
+    ];
+    let ranks = ranks();
+    let [mut strong, mut weak] = [Vec::new(), Vec::new()];
+    for (look, of) in measured.iter().enumerate() {
+        let curve = |n_blocks: &dyn Fn(u64) -> u64| -> Vec<CurvePoint> {
+            let point = |&n: &u64| CurvePoint::at(n as f64, efficiency(of, n, n_blocks(n)));
+            ranks.iter().map(point).collect()
+        };
+        let (fixed, growing) = (curve(&|_| STRONG), curve(&|n| WEAK * n));
+        rows.push(format!(
+            "  {:<20} {:>6}  {:>9.4}  {:>6.3}  {:>13.3}  {:>10.1}  {:>10} {:>10}",
+            of.name,
+            of.seconds.len(),
+            of.mean(),
+            of.spread(),
+            1e3 * of.taking,
+            1e-3 * of.bytes,
+            most_at(&fixed, 0.9),
+            most_at(&growing, 0.9),
+        ));
+        strong.push(Curve::marked(of.name, look, fixed));
+        weak.push(Curve::marked(of.name, look, growing));
+    }
+    let table = rows.join("\n");
+    let of_strong = format!("{STRONG} blocks, shared among all ranks");
+    let of_weak = format!("{WEAK} blocks for each rank");
+    let strong = Drawing::curves("mpi-strong-scaling", &picture(strong, &of_strong))?;
+    let weak = Drawing::curves("mpi-weak-scaling", &picture(weak, &of_weak))?;
+    Ok(vec![Drawing { table, ..strong }, weak])
+}
+
+fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
+    Curves {
+        words: Words {
+            title: "Part of the time of all ranks that goes into blocks, by the model".into(),
+            subtitle: ensemble.to_owned(),
+            x_label: "ranks".into(),
+            y_label: "efficiency".into(),
+            caption: vec![
+                "Block costs drawn from those measured on one rank; rank 0 takes in one result at a time.".into(),
+                Machine::read().caption(),
+            ],
+        },
+        across: Scale::Log,
+        upwards: Scale::Linear,
+        series,
+        thresholds: vec![Threshold::upwards("90 %", 0.9)],
+    }
+}
+
+/// Runs the ensembles block by block, each on one thread in a process of its own.
+fn measure(context: &Context<'_>) -> Result<Vec<Measured>, CaseError> {
+    let folder = tempfile::tempdir()?;
+    let mut measured = Vec::new();
+    for scene in scenes().into_iter().filter(|scene| scene.shards) {
+        context.progress(scene.name);
+        // Enough blocks for a spread.
+        let more = ("/ensemble/realisations", json!(192));
+        let more = (scene.name == "cracks").then_some(&more);
+        let (file, out) = (scene.write(folder.path(), more)?, folder.path().join(scene.name));
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(["scenes", "run"]).arg(file).arg("--out").arg(&out).args([
+            "--threads",
+            "1",
+            "--blocks",
+        ]);
+        finish(piped(command)?)?;
+        let job: JobRecord = serde_json::from_str(&std::fs::read_to_string(out.join("job.json"))?)?;
+        let n = job.blocks.len() as f64;
+        let bytes: u64 = std::fs::read_dir(out.join("blocks"))?
+            .map(|entry| Ok(entry?.metadata()?.len()))
+            .sum::<std::io::Result<u64>>()?;
+        let of = |value: fn(&BlockRecord) -> f64| job.blocks.iter().map(value);
+        measured.push(Measured {
+            name: scene.name,
+            seconds: of(|block| block.seconds).collect(),
+            taking: of(|block| block.taking).sum::<f64>() / n,
+            bytes: bytes as f64 / n,
+        });
+        if context.profile == Profile::Quick {
+            break;
+        }
+    }
+    Ok(measured)
+}
+
+/// 1, 2, 5, 10, ... ranks.
+fn ranks() -> Vec<u64> {
+    let decades = (0..=4).flat_map(|k| [1, 2, 5].map(|n| n * 10_u64.pow(k)));
+    decades.filter(|&n| n <= MOST_RANKS).collect()
+}
+
+/// The most ranks up to which a curve lies above a value.
+fn most_at(curve: &[CurvePoint], least: f64) -> f64 {
+    let above = |point: &&CurvePoint| point.value().is_some_and(|value| value >= least);
+    curve.iter().take_while(above).last().map_or(0.0, |point| point.x)
+}
+
+/// Time in blocks over `n_ranks` times the time of the job.
+fn efficiency(of: &Measured, n_ranks: u64, n_blocks: u64) -> f64 {
+    let mut draw = Draw { of, stream: Noise::new(1).stream(Purpose::Bootstrap, n_ranks), sum: 0.0 };
+    let seconds = job_time(n_ranks, n_blocks, of.taking, || draw.next());
+    draw.sum / (n_ranks as f64 * seconds)
+}
+
+/// Costs of blocks, drawn from those that were measured.
+struct Draw<'a> {
+    of: &'a Measured,
+    stream: Stream,
+    sum: f64,
+}
+
+impl Draw<'_> {
+    fn next(&mut self) -> f64 {
+        let n = self.of.seconds.len();
+        // 2^64 is no multiple of n, by a part that is far below what a double holds.
+        let place = usize::try_from(self.stream.next_u64() % n as u64).unwrap_or_default();
+        let cost = self.of.seconds[place];
+        self.sum += cost;
+        cost
+    }
+}
+
+/// When the last result is taken in: ranks ask in the order in which they are free, and rank 0 answers one at a time.
+fn job_time(n_ranks: u64, n_blocks: u64, taking: f64, mut cost: impl FnMut() -> f64) -> f64 {
+    // Times are positive, so that their bits are in their order.
+    let mut asking: BinaryHeap<Reverse<u64>> = (0..n_ranks).map(|_| Reverse(0)).collect();
+    let (mut answered, mut left) = (0.0_f64, n_blocks);
+    let mut first_words = n_ranks;
+    while let Some(Reverse(bits)) = asking.pop() {
+        let asked = f64::from_bits(bits);
+        let has_result = first_words == 0 || asked > 0.0;
+        first_words = first_words.saturating_sub(1);
+        answered = answered.max(asked) + if has_result { taking } else { 0.0 };
+        if left > 0 {
+            left -= 1;
+            asking.push(Reverse((answered + ROUND_TRIP + cost()).to_bits()));
+        }
+    }
+    answered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 12 blocks of one second: on 1, 3, 5 ranks 12, 4, 3 rounds.
+    #[test]
+    fn equal_blocks_are_done_in_whole_rounds() {
+        for (n_ranks, rounds) in [(1, 12.0), (3, 4.0), (5, 3.0), (20, 1.0)] {
+            let time = job_time(n_ranks, 12, 0.0, || 1.0);
+            assert!((time - rounds * (1.0 + ROUND_TRIP)).abs() < 1e-12, "{n_ranks}: {time}");
+        }
+    }
+
+    /// However many ranks there are, rank 0 takes in one result after the other.
+    #[test]
+    fn rank_zero_is_a_limit() {
+        let time = job_time(1_000, 5_000, 0.01, || 0.1);
+        assert!((time / (5_000.0 * 0.01) - 1.0).abs() < 0.01, "{time}");
+    }
+
+    /// One block of ten that is ten times as long holds up the others for its own length at most.
+    #[test]
+    fn uneven_blocks_balance() {
+        let mut number = 0;
+        let cost = || {
+            number += 1;
+            if number == 1 { 10.0 } else { 1.0 }
+        };
+        assert!(job_time(4, 31, 0.0, cost) < 10.2);
+    }
+}

@@ -1,0 +1,357 @@
+//! Error of the variance against CPU time: five methods on a plane shock and on an explosion.
+
+use std::time::Duration;
+
+use perturbation_moments::{ControlledSamples, Moments, MonteCarlo, SampledMoments, SigmaPoints};
+use scenes::clock::CpuClock;
+use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
+
+use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use crate::problems::smpm::problems::{Problem, experiment};
+use crate::problems::smpm::schemes::Shock;
+use crate::quantile::quantile;
+use figures::Drawing;
+use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use scenes::machine::Machine;
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::SmpmScene;
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "smpm",
+    title: "five methods on a shock and on an explosion: error of the variance against CPU time",
+    draw,
+};
+
+/// Sizes of the sampled ensembles.
+const LADDER: [usize; 5] = [10, 30, 100, 300, 1000];
+/// Beyond this time a run is not repeated.
+const LONG: Duration = Duration::from_secs(3);
+/// Parts of the samples that are timed apart.
+const THIRDS: usize = 3;
+/// Of the samples that are judged, and of those that judge.
+const SEEDS: [u64; 2] = [11, 2019];
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    // One thread: CPU time is then what one core would take.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| {
+        let mut drawings = vec![shock(context)?];
+        let strengths: &[f64] = match context.profile {
+            Profile::Quick => &[0.15],
+            _ => &[0.05, 0.15],
+        };
+        for &strength in strengths {
+            drawings.extend(explosion(context, strength)?);
+        }
+        Ok(drawings)
+    })
+}
+
+/// How much of the ladder is run.
+fn ladder(context: &Context<'_>) -> &'static [usize] {
+    if context.profile == Profile::Quick { &LADDER[..2] } else { &LADDER }
+}
+
+fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
+    let shock = Shock::USUAL;
+    let mut scene = Problem::PlateImpact.scene()?;
+    let strength = scene.random[0].coefficient_of_variation;
+    // The scheme and the cell are those of the scene.
+    scene = shock.scene(&scene.scheme, scene.grid.cell)?;
+    scene.times.truncate(1);
+    context.progress("shock");
+    let experiment = experiment::<1>(&scene)?;
+    let solved = Solved::<3>::of(&experiment, &scene, ladder(context))?;
+    let truth = vec![shock.variance(strength)];
+    let question = Question { responses: vec![0], truth, truth_error: 0.0 };
+    let words = Words {
+        title: "Variance of the pressure behind a plane shock in steel, against cost".into(),
+        subtitle: format!(
+            "plate at 1 km/s on a rigid wall; S1, gamma0 and a normal, coefficient of variation {strength}; mean over a window"
+        ),
+        x_label: "CPU time on one thread (s)".into(),
+        y_label: "relative error of Var p".into(),
+        caption: vec![
+            "Against the exact variance: p is linear in S1 and does not depend on gamma0 and a. What is left at the right is the error of the grid, which all methods but the frozen share.".into(),
+        ],
+    };
+    solved.drawing("smpm-cost-shock-pressure", words, &question)
+}
+
+/// After first yield of all four gauges (us).
+const TIMES: [f64; 4] = [9.0, 10.0, 11.0, 12.0];
+
+fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseError> {
+    let quantities =
+        [("flow_stress", "flow-stress", "sigma_y"), ("deviator_11", "deviator-11", "S11")];
+    let mut scene = Problem::ContactExplosion.scene_with(strength, &TIMES)?;
+    scene.quantities = quantities.iter().map(|(name, ..)| (*name).to_owned()).collect();
+    context.progress(&format!("explosion, coefficient of variation {strength}"));
+    let experiment = experiment::<2>(&scene)?;
+    let solved = Solved::<5>::of(&experiment, &scene, ladder(context))?;
+    let plan = scene.plan::<2>()?;
+    let study = Study::new(&experiment, scene.inputs::<5>()?, plan)?;
+    let n_samples = if context.profile == Profile::Quick { 60 } else { 1000 };
+    context.progress("explosion: the samples that judge");
+    let judge = study.monte_carlo(MonteCarlo { seed: SEEDS[1], n_samples });
+    let mut drawings = Vec::new();
+    for (q, (_, id, letter)) in quantities.into_iter().enumerate() {
+        let plan = study.plan();
+        let responses: Vec<usize> =
+            (0..plan.n_responses()).filter(|&response| plan.parts(response).1 == q).collect();
+        let (mut truth, mut errors) = (Vec::new(), Vec::new());
+        for &response in &responses {
+            let found = judge.controlled(response, &solved.surrogate[response])?.variance;
+            truth.push(found.value);
+            errors.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
+        }
+        let truth_error = quantile(&errors, 0.5);
+        let words = Words {
+            title: format!("Variance of {letter} behind a contact explosion, against cost"),
+            subtitle: format!(
+                "4340 steel, A, B, n, C, m normal, coefficient of variation {strength}; median over gauges H, I, G, K at 9, 10, 11, 12 us"
+            ),
+            x_label: "CPU time on one thread (s)".into(),
+            y_label: format!("relative error of Var {letter}"),
+            caption: vec![format!(
+                "Against {} other samples with control variate, whose own standard error is {truth_error:.1e} (median).",
+                judge.n_samples(),
+            )],
+        };
+        let question = Question { responses, truth, truth_error };
+        let name = format!("smpm-cost-{id}-{}", format!("{strength:.2}").replace('.', ""));
+        drawings.push(solved.drawing(&name, words, &question)?);
+    }
+    Ok(drawings)
+}
+
+/// What is asked of the methods.
+struct Question {
+    responses: Vec<usize>,
+    /// The variance of each.
+    truth: Vec<f64>,
+    /// The relative error of these, in the median.
+    truth_error: f64,
+}
+
+impl Question {
+    /// The median over the responses of the relative error.
+    fn error(&self, variance: impl Fn(usize) -> f64) -> f64 {
+        let off = |(&response, truth): (&usize, &f64)| (variance(response) / truth - 1.0).abs();
+        let errors: Vec<f64> = self.responses.iter().zip(&self.truth).map(off).collect();
+        quantile(&errors, 0.5)
+    }
+}
+
+/// A method with one answer: its variance of every response.
+struct Single {
+    name: &'static str,
+    cost: f64,
+    spread: f64,
+    variances: Vec<f64>,
+}
+
+/// A scene, solved by all methods.
+struct Solved<const N: usize> {
+    singles: Vec<Single>,
+    /// The jets' Taylor moments, which are the control variate.
+    surrogate: Vec<Moments<N>>,
+    /// Normals and responses of the samples that could be run.
+    samples: Vec<([f64; N], Vec<f64>)>,
+    n_failed: usize,
+    ladder: Vec<usize>,
+    /// CPU time of the mean run, the run with jets, a sample (s).
+    costs: [f64; 3],
+    /// Half the range of the last over thirds of the samples.
+    sample_spread: f64,
+}
+
+impl<const N: usize> Solved<N> {
+    fn of<const D: usize>(
+        experiment: &SceneExperiment<D>,
+        scene: &SmpmScene,
+        ladder: &[usize],
+    ) -> Result<Self, CaseError> {
+        let (study, mean_run, _) = timed(LONG, || {
+            let plan = scene.plan::<D>()?;
+            Ok(Study::<_, D, N>::new(experiment, scene.inputs::<N>()?, plan)?)
+        })?;
+        let mut singles = Vec::new();
+        let mut add = |name, (variances, cost, spread): (Vec<f64>, f64, f64)| {
+            singles.push(Single { name, cost: mean_run + cost, spread, variances });
+            cost
+        };
+        let of_frozen = |form| {
+            let variance = |moments: &FrozenMoments<N>| {
+                moments.map_or(f64::NAN, |moments| moments.variance_first_order())
+            };
+            timed(LONG, || Ok(study.frozen(form)?.iter().map(variance).collect()))
+        };
+        add("frozen, as printed", of_frozen(FrozenForm::Printed)?);
+        add("frozen, corrected", of_frozen(FrozenForm::Corrected)?);
+        let (propagated, jets, spread) = timed(LONG, || Ok(study.propagated()?.moments))?;
+        let first_order =
+            |moments: &[Moments<N>]| moments.iter().map(Moments::variance_first_order).collect();
+        add("propagated, by jets", (first_order(&propagated), jets, spread));
+        add(
+            "finite differences, 2N + 1 runs",
+            timed(LONG, || Ok(first_order(&study.finite_difference(DIFFERENCE)?)))?,
+        );
+        add(
+            "sigma points, 2N + 1 runs",
+            timed(LONG, || Ok(study.sigma_points()?.iter().map(SigmaPoints::variance).collect()))?,
+        );
+        let n_samples = ladder.last().copied().unwrap_or(0);
+        let judged = MonteCarlo { seed: SEEDS[0], n_samples: n_samples as u64 };
+        let (mut samples, mut n_failed) = (Vec::new(), 0);
+        let mut times = [0.0; THIRDS];
+        for (third, time) in (0..).zip(&mut times) {
+            let place = |third: u64| third * judged.n_samples / THIRDS as u64;
+            let clock = CpuClock::start();
+            for realisation in place(third)..place(third + 1) {
+                let t = judged.normals::<N>(realisation);
+                match study.run(&t) {
+                    Ok(values) => samples.push((t, values)),
+                    Err(_) => n_failed += 1,
+                }
+            }
+            *time = clock.seconds() / (place(third + 1) - place(third)) as f64;
+        }
+        times.sort_by(f64::total_cmp);
+        let [fastest, median, slowest] = times;
+        Ok(Self {
+            singles,
+            surrogate: propagated,
+            samples,
+            n_failed,
+            ladder: ladder.to_vec(),
+            costs: [mean_run, jets, median],
+            sample_spread: 0.5 * (slowest - fastest),
+        })
+    }
+
+    /// Raw or controlled moments of a response by some of the samples.
+    fn sampled(
+        &self,
+        response: usize,
+        samples: &[([f64; N], Vec<f64>)],
+        is_controlled: bool,
+    ) -> Result<SampledMoments, CaseError> {
+        let surrogate = &self.surrogate[response];
+        let pairs: Vec<[f64; 2]> =
+            samples.iter().map(|(t, values)| [values[response], surrogate.surrogate(t)]).collect();
+        let controlled = ControlledSamples {
+            samples: &pairs,
+            surrogate_mean: surrogate.surrogate_mean(),
+            surrogate_variance: surrogate.surrogate_variance(),
+            seed: SEEDS[0],
+        };
+        Ok(if is_controlled { controlled.estimate()? } else { controlled.raw()? })
+    }
+
+    /// Runs of `n` samples: the error of all such runs that the samples hold, and its standard error; of a single one, that
+    /// of its variance.
+    fn ensemble(
+        &self,
+        question: &Question,
+        n: usize,
+        is_controlled: bool,
+    ) -> Result<Run, CaseError> {
+        let mut errors = Vec::new();
+        let mut own = Vec::new();
+        for batch in self.samples.chunks_exact(n.min(self.samples.len())) {
+            let mut found = Vec::new();
+            for &response in &question.responses {
+                found.push(self.sampled(response, batch, is_controlled)?.variance);
+            }
+            let place = |response| question.responses.iter().position(|&r| r == response);
+            errors.push(
+                question.error(|response| place(response).map_or(f64::NAN, |k| found[k].value)),
+            );
+            let relative: Vec<f64> = found
+                .iter()
+                .zip(&question.truth)
+                .map(|(found, truth)| found.standard_error().unwrap_or(f64::NAN) / truth)
+                .collect();
+            own.push(quantile(&relative, 0.5));
+        }
+        let count = errors.len() as f64;
+        let value = errors.iter().sum::<f64>() / count;
+        let square = errors.iter().map(|error| (error - value).powi(2)).sum::<f64>();
+        let standard_error =
+            if errors.len() > 1 { (square / (count - 1.0) / count).sqrt() } else { own[0] };
+        let [mean_run, jets, sample] = self.costs;
+        let control = if is_controlled { jets } else { 0.0 };
+        Ok(Run {
+            cost: mean_run + control + sample * n as f64,
+            cost_error: Some(self.sample_spread * n as f64).filter(|&spread| spread > 0.0),
+            outcome: RunOutcome::Error { value, standard_error: Some(standard_error) },
+            label: Some(group_thousands_u64(n as u64)),
+        })
+    }
+
+    fn drawing(
+        &self,
+        name: &str,
+        mut words: Words,
+        question: &Question,
+    ) -> Result<Drawing, CaseError> {
+        let single = |single: &Single| Method {
+            name: single.name.into(),
+            runs: vec![Run {
+                cost: single.cost,
+                cost_error: (single.spread > 0.0).then_some(single.spread),
+                outcome: outcome(question.error(|response| single.variances[response])),
+                label: None,
+            }],
+        };
+        let mut series: Vec<Method> = self.singles.iter().map(single).collect();
+        for (name, is_controlled) in [
+            ("Monte Carlo, raw (samples)", false),
+            ("Monte Carlo with the jets' surrogate as control variate (samples)", true),
+        ] {
+            let runs = self.ladder.iter().map(|&n| self.ensemble(question, n, is_controlled));
+            series.push(Method { name: name.into(), runs: runs.collect::<Result<_, _>>()? });
+        }
+        words.caption.push(format!(
+            "A Monte Carlo point is the mean error of as many ensembles as {} samples hold, the bar its standard error (of one ensemble: its own). {} samples failed. Across: median CPU time of three runs, the bar half their range; of a sample, of three thirds of all.",
+            self.samples.len(), self.n_failed
+        ));
+        words.caption.push(Machine::read().caption());
+        let table = table(&series);
+        let reading = cost_in_seconds(Measure::Relative, question.truth_error);
+        let chart = WorkPrecision { words, reading, series };
+        Ok(Drawing::work_precision(name, &chart)?.with_rows(&table))
+    }
+}
+
+/// The step of differences, in standard deviations.
+const DIFFERENCE: f64 = 0.02;
+
+/// A logarithmic axis has no place for an error of nothing.
+pub(super) fn outcome(error: f64) -> RunOutcome {
+    if error > 0.0 && error.is_finite() {
+        RunOutcome::Error { value: error, standard_error: None }
+    } else {
+        RunOutcome::Failed { reason: format!("error {error}") }
+    }
+}
+
+/// Cost and error of every run.
+pub(super) fn table(series: &[Method]) -> String {
+    let line = |method: &Method, run: &Run| {
+        let label = run.label.as_deref().map_or_else(String::new, |label| format!(", {label}"));
+        let error = match &run.outcome {
+            RunOutcome::Error { value, standard_error: Some(bar) } => {
+                format!("{value:.1e} +- {bar:.0e}")
+            }
+            RunOutcome::Error { value, standard_error: None } => format!("{value:.1e}"),
+            RunOutcome::Failed { reason } => reason.clone(),
+        };
+        format!("  {:10.4}  {error:18}  {}{label}", run.cost, method.name)
+    };
+    let lines = series.iter().flat_map(|method| method.runs.iter().map(move |r| line(method, r)));
+    lines.collect::<Vec<_>>().join("\n")
+}

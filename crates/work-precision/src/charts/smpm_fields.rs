@@ -1,0 +1,150 @@
+//! Mean and standard deviation of the flow stress over a plate in contact with an explosion: fields from one run with jets.
+
+use perturbation_moments::{Jet, Scalar};
+use smpm::uncertainty::Study;
+use smpm::{Body, Quantity, Simulation};
+
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use crate::problems::smpm::problems::{Problem, experiment};
+use figures::Drawing;
+use figures::{Field, Region, Words};
+use scenes::machine::Machine;
+
+pub(crate) const CHART: ChartKind = ChartKind {
+    name: "smpm-fields",
+    title: "mean and standard deviation of the flow stress over a plate under an explosion, as pictures",
+    draw,
+};
+
+/// When (us).
+const TIME: f64 = 10.0;
+/// Megapascals in a megabar.
+const MPA: f64 = 1e5;
+/// The corners that are shown (cm).
+const FROM: [f64; 2] = [-6.0, 0.0];
+const TO: [f64; 2] = [14.0, 12.5];
+/// The bodies of the scene, in its order.
+const BODIES: [&str; 3] = ["products of TNT", "steel", "water"];
+const STEEL: usize = 1;
+
+/// A particle: its place, its body, mean and deviation of its flow stress (MPa).
+struct Seen {
+    place: [f64; 2],
+    body: usize,
+    moments: [f64; 2],
+}
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let cell = if context.profile == Profile::Quick { 0.5 } else { 0.25 };
+    let mut scene = Problem::ContactExplosion.scene_with(0.05, &[TIME])?;
+    scene.grid.cell = cell;
+    context.progress("run with derivatives");
+    let experiment = experiment::<2>(&scene)?;
+    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    let mut seen = Vec::new();
+    let _ = study.propagated_seen(|_, run| seen = particles(run))?;
+    let grid = Grid::new(cell, &seen);
+    let draw = |k: usize, id: &str, word: &str| {
+        let chart = Field {
+            words: Words {
+                title: format!("{word} of the flow stress of steel, {TIME} us after ignition"),
+                subtitle: "charge of TNT in water on a plate of 4340 steel; A, B, n, C, m normal, coefficient of variation 0.05".into(),
+                x_label: "x (cm)".into(),
+                y_label: "y (cm); y = 0 is a plane of symmetry".into(),
+                caption: vec![
+                    format!("One run with jets, {} particles, cells of {} mm; each cell of the picture shows the mean over its particles.", seen.len(), 10.0 * cell),
+                    Machine::read().caption(),
+                ],
+            },
+            unit: format!("{word} (MPa)"),
+            x: grid.edges(0),
+            y: grid.edges(1),
+            values: grid.values(&seen, k),
+            regions: [2, 0].map(|body| grid.region(body)).into(),
+        };
+        Drawing::field(&format!("smpm-field-flow-stress-{id}"), &chart)
+    };
+    Ok(vec![draw(0, "mean", "Mean")?, draw(1, "deviation", "Standard deviation")?])
+}
+
+/// Every particle of a run, of second order in the mean and of first in the deviation.
+fn particles(run: &Simulation<Jet, 2>) -> Vec<Seen> {
+    let of = |(number, body): (usize, &Body<Jet, 2>)| -> Vec<Seen> {
+        let one = |particle: usize| {
+            let stress = Quantity::FlowStress.of(body, particle).unwrap_or(Jet::constant(0.0));
+            let sum = |lanes: &[f64]| lanes.iter().take(5).sum::<f64>();
+            let squares: f64 = stress.first.iter().take(5).map(|slope| slope * slope).sum();
+            let mean = stress.value + 0.5 * sum(&stress.second);
+            Seen {
+                place: body.position(particle).map(Scalar::value),
+                body: number,
+                moments: [MPA * mean, MPA * squares.sqrt()],
+            }
+        };
+        (0..body.n_particles()).map(one).collect()
+    };
+    run.bodies().iter().enumerate().flat_map(of).collect()
+}
+
+/// Cells of a picture and who is in them.
+struct Grid {
+    cell: f64,
+    count: [usize; 2],
+    /// Particles of each body, row by row from below.
+    held: Vec<Vec<[usize; 3]>>,
+}
+
+impl Grid {
+    fn new(cell: f64, seen: &[Seen]) -> Self {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens")]
+        let count: [usize; 2] =
+            std::array::from_fn(|k| ((TO[k] - FROM[k]) / cell).round().max(1.0) as usize);
+        let mut grid = Self { cell, count, held: vec![vec![[0; 3]; count[0]]; count[1]] };
+        for particle in seen {
+            if let Some([column, row]) = grid.place(particle) {
+                grid.held[row][column][particle.body] += 1;
+            }
+        }
+        grid
+    }
+
+    fn place(&self, particle: &Seen) -> Option<[usize; 2]> {
+        let place: [f64; 2] =
+            std::array::from_fn(|k| ((particle.place[k] - FROM[k]) / self.cell).floor());
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
+        let inside = (0..2).all(|k| (0.0..self.count[k] as f64).contains(&place[k]));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
+        inside.then(|| place.map(|entry| entry as usize))
+    }
+
+    fn edges(&self, axis: usize) -> Vec<f64> {
+        (0..=self.count[axis]).map(|k| FROM[axis] + self.cell * k as f64).collect()
+    }
+
+    /// The body that has the most particles in a cell.
+    fn owner(held: [usize; 3]) -> Option<usize> {
+        (0..3).max_by_key(|&body| held[body]).filter(|&body| held[body] > 0)
+    }
+
+    /// The mean of a moment over the particles of steel in each cell that is theirs.
+    fn values(&self, seen: &[Seen], moment: usize) -> Vec<Vec<Option<f64>>> {
+        let mut sums = vec![vec![0.0; self.count[0]]; self.count[1]];
+        for particle in seen.iter().filter(|particle| particle.body == STEEL) {
+            if let Some([column, row]) = self.place(particle) {
+                sums[row][column] += particle.moments[moment];
+            }
+        }
+        let value = |(&sum, &held): (&f64, &[usize; 3])| {
+            (Self::owner(held) == Some(STEEL)).then(|| sum / held[STEEL] as f64)
+        };
+        sums.iter().zip(&self.held).map(|(s, h)| s.iter().zip(h).map(value).collect()).collect()
+    }
+
+    fn region(&self, body: usize) -> Region {
+        let row = |held: &Vec<[usize; 3]>| {
+            held.iter().map(|&held| Self::owner(held) == Some(body)).collect()
+        };
+        Region { name: BODIES[body].into(), cells: self.held.iter().map(row).collect() }
+    }
+}

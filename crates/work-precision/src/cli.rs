@@ -1,0 +1,160 @@
+//! The command line of charts and stability maps.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use scenes::cli::exit_code;
+
+use crate::charts;
+use crate::context::Profile;
+use crate::draw;
+use crate::record::{self, Recording};
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "work-precision",
+    bin_name = "cargo xtask",
+    version,
+    about = "Charts of error against cost, maps of stability"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Draw error against cost
+    Chart(Chart),
+    /// Sweep methods to where they fail
+    Stability(Drawn),
+    /// Commands of scenes, for charts that start processes
+    #[command(subcommand, hide = true)]
+    Scenes(scenes::cli::Command),
+}
+
+#[derive(Debug, Args)]
+struct Chart {
+    /// Leave out one ingredient of each scene at a time instead, and tell which of them its answers need
+    #[arg(long)]
+    ladder: bool,
+    #[command(flatten)]
+    drawn: Drawn,
+}
+
+#[derive(Debug, Args)]
+struct Drawn {
+    /// Names, as --list shows them; none draws all
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    #[command(flatten)]
+    extent: Extent,
+    /// List the names instead of drawing
+    #[arg(long)]
+    list: bool,
+    /// Write into docs/charts too, with a page of all pictures there; from a commit alone
+    #[arg(long)]
+    record: bool,
+    /// Where the pictures go [default: target/chart, target/stability]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// How much is run.
+#[derive(Debug, Clone, Copy, Args)]
+#[group(multiple = false)]
+pub struct Extent {
+    /// The cheapest part, at most 3 minutes
+    #[arg(long)]
+    quick: bool,
+    /// Everything, at most 90 minutes
+    #[arg(long)]
+    full: bool,
+}
+
+impl Extent {
+    /// The profile that the flags name.
+    #[must_use]
+    pub const fn profile(self) -> Profile {
+        match (self.quick, self.full) {
+            (true, _) => Profile::Quick,
+            (_, true) => Profile::Full,
+            _ => Profile::Default,
+        }
+    }
+}
+
+/// Reads the command line, runs it, and returns the exit code.
+pub fn main() -> ExitCode {
+    exit_code(execute(Cli::parse().command, &mut io::stdout().lock()))
+}
+
+fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    match command {
+        Command::Chart(Chart { ladder: true, drawn }) => {
+            execute_chart(charts::MODELS, "ladder of models", drawn, output)
+        }
+        Command::Chart(Chart { ladder: false, drawn }) => {
+            execute_chart(charts::ALL, "chart", drawn, output)
+        }
+        Command::Stability(arguments) => {
+            execute_chart(charts::STABILITY, "stability sweep", arguments, output)
+        }
+        Command::Scenes(command) => scenes::cli::execute(command, output),
+    }
+}
+
+fn execute_chart(
+    table: &[draw::ChartKind],
+    what: &'static str,
+    arguments: Drawn,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    if arguments.list {
+        draw::list(table, what, output)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let folder = if what == "stability sweep" { "stability" } else { "chart" };
+    let profile = arguments.extent.profile();
+    let options = draw::Options {
+        what,
+        names: arguments.names,
+        recording: recording(arguments.record, profile)?,
+        profile,
+        out: arguments.out.unwrap_or_else(|| record::default_folder(folder)),
+    };
+    draw::draw(table, &options, output)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the flag asks for, if it may be.
+///
+/// # Errors
+/// [`RecordError`](record::RecordError), as a report.
+pub fn recording(is_asked: bool, profile: Profile) -> miette::Result<Recording> {
+    Ok(if is_asked { Recording::on(profile)? } else { Recording::Off })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn quick_and_full_exclude_each_other() {
+        assert!(Cli::try_parse_from(["x", "chart", "--quick", "--full"]).is_err());
+        let cli = Cli::try_parse_from(["x", "chart", "fpk", "--quick"]).unwrap();
+        let Command::Chart(arguments) = cli.command else { panic!("not chart") };
+        assert_eq!(arguments.drawn.extent.profile(), Profile::Quick);
+        assert!(recording(true, Profile::Quick).is_err());
+        assert_eq!(recording(false, Profile::Quick).unwrap(), Recording::Off);
+    }
+}

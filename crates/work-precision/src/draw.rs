@@ -1,0 +1,260 @@
+//! Draws charts and stability maps by name.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use figures::Drawing;
+use figures::number::counted;
+use scenes::nearest::nearest;
+use scenes::output::{write_drawing, write_text};
+
+use crate::context::{CaseError, Context, Profile, Shared};
+use crate::overview::{self, OverviewError};
+use crate::record::Recording;
+
+/// One entry of a table of charts.
+#[derive(Debug, Clone, Copy)]
+pub struct ChartKind {
+    /// The word on the command line.
+    pub name: &'static str,
+    /// One line for `--list`.
+    pub title: &'static str,
+    /// Runs what is to be shown.
+    pub draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
+}
+
+/// Why a chart was not drawn.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum ChartsError {
+    /// No chart has this name.
+    #[error("no {what} is called `{name}`")]
+    NoMatch {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The nearest name, or all of them.
+        #[help]
+        help: String,
+    },
+    /// The table is empty.
+    #[error("there is no {what} yet")]
+    NothingToDraw {
+        /// Chart or stability sweep.
+        what: &'static str,
+    },
+    /// Its runs ended in an error.
+    #[error("the {what} `{name}` could not be made")]
+    Failed {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// Its name.
+        name: &'static str,
+        /// Why.
+        source: CaseError,
+    },
+    /// A file or the terminal could not be written.
+    #[error("cannot write the {what}")]
+    Write {
+        /// Chart or stability sweep.
+        what: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The page of all recorded pictures could not be made.
+    #[error("the page of recorded charts cannot be made")]
+    Overview(#[from] OverviewError),
+}
+
+/// What is to be drawn, and where it goes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Chart or stability sweep, for messages.
+    pub what: &'static str,
+    /// Names from the table, of which `fpk` also stands for `fpk-choice`; none draws all.
+    pub names: Vec<String>,
+    /// How much is run.
+    pub profile: Profile,
+    /// Where the files go.
+    pub out: PathBuf,
+    /// Whether they go into the documents too.
+    pub recording: Recording,
+}
+
+/// Draws what `options` names and prints the path of each picture.
+///
+/// # Errors
+/// [`ChartsError`] for an unknown name, a failed run, a file that cannot be written.
+pub fn draw(
+    table: &[ChartKind],
+    options: &Options,
+    output: &mut dyn Write,
+) -> Result<(), ChartsError> {
+    let what = options.what;
+    let to_file = |source| ChartsError::Write { what, source };
+    let shared = Shared::default();
+    let recorded = options.recording.charts();
+    let tell = |text: &str| {
+        // Progress that cannot be shown is no reason to stop a run.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    };
+    for kind in select(table, options)? {
+        tell(&format!("{}: {}", kind.name, kind.title));
+        let context = Context::new(kind.name, options.profile, &shared, &tell);
+        let drawings = (kind.draw)(&context).map_err(|source| ChartsError::Failed {
+            what,
+            name: kind.name,
+            source,
+        })?;
+        for drawing in drawings {
+            let picture = write_drawing(&drawing, &options.out).map_err(to_file)?;
+            writeln!(output, "{}", picture.display()).map_err(to_file)?;
+            if let Some(folder) = &recorded {
+                write_drawing(&drawing, folder).map_err(to_file)?;
+            }
+            if !drawing.table.is_empty() {
+                writeln!(output, "{}", drawing.table).map_err(to_file)?;
+            }
+        }
+    }
+    if let Some(folder) = &recorded {
+        let page = folder.join(overview::PAGE);
+        write_text(&page, &overview::overview(folder)?).map_err(to_file)?;
+        writeln!(output, "{}", page.display()).map_err(to_file)?;
+    }
+    Ok(())
+}
+
+/// Prints name and title of every entry.
+///
+/// # Errors
+/// [`ChartsError::Write`].
+pub fn list(
+    table: &[ChartKind],
+    what: &'static str,
+    output: &mut dyn Write,
+) -> Result<(), ChartsError> {
+    let to_terminal = |source| ChartsError::Write { what, source };
+    for kind in table {
+        writeln!(output, "{:16}  {}", kind.name, kind.title).map_err(to_terminal)?;
+    }
+    writeln!(output, "{}", counted(table.len(), what)).map_err(to_terminal)
+}
+
+fn select<'a>(
+    table: &'a [ChartKind],
+    options: &Options,
+) -> Result<Vec<&'a ChartKind>, ChartsError> {
+    let what = options.what;
+    if table.is_empty() {
+        return Err(ChartsError::NothingToDraw { what });
+    }
+    for name in &options.names {
+        if !table.iter().any(|kind| belongs(kind, name)) {
+            let names: Vec<&str> = table.iter().map(|kind| kind.name).collect();
+            let help = match nearest(name, names.iter().copied()) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("there are: {}", names.join(", ")),
+            };
+            return Err(ChartsError::NoMatch { what, name: name.clone(), help });
+        }
+    }
+    let wanted = |kind: &&ChartKind| {
+        options.names.is_empty() || options.names.iter().any(|name| belongs(kind, name))
+    };
+    Ok(table.iter().filter(wanted).collect())
+}
+
+/// Whether an entry has the name, or begins with it and a dash.
+fn belongs(kind: &ChartKind, name: &str) -> bool {
+    kind.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use figures::WorkPrecision;
+
+    use super::*;
+
+    const TABLE: [ChartKind; 2] = [
+        ChartKind {
+            name: "sample",
+            title: "made up",
+            draw: |_| {
+                Ok(vec![Drawing::work_precision(
+                    "sample_cost",
+                    &figures::samples::work_precision(),
+                )?])
+            },
+        },
+        ChartKind { name: "fails", title: "made up", draw: |_| Err("no result".into()) },
+    ];
+
+    fn options(names: &[&str], out: PathBuf) -> Options {
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        let recording = Recording::Off;
+        Options { what: "chart", names, profile: Profile::Default, out, recording }
+    }
+
+    #[test]
+    fn a_picture_and_its_numbers_are_written() {
+        let folder = std::env::temp_dir().join(format!("chart-files-{}", std::process::id()));
+        let mut output = Vec::new();
+        draw(&TABLE, &options(&["sample"], folder.clone()), &mut output).unwrap();
+        let svg = std::fs::read_to_string(folder.join("sample_cost.svg")).unwrap();
+        let json = std::fs::read_to_string(folder.join("sample_cost.json")).unwrap();
+        assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+        let mut numbers: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let cheapest = numbers.as_object_mut().unwrap().remove("cheapest").unwrap();
+        let sample = figures::samples::work_precision();
+        assert_eq!(serde_json::from_value::<WorkPrecision>(numbers).unwrap(), sample);
+        assert_eq!(
+            serde_json::from_value::<Vec<figures::Choice>>(cheapest).unwrap(),
+            figures::choices(&sample)
+        );
+        let output = String::from_utf8(output).unwrap();
+        assert!(output.contains("sample_cost.svg") && output.contains("| error within |"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn what_is_recorded_goes_to_the_documents_too_with_a_page_of_all() {
+        let root = std::env::temp_dir().join(format!("chart-record-{}", std::process::id()));
+        let mut options = options(&["sample"], root.join("target"));
+        let documents = root.join("docs/charts");
+        draw(&TABLE, &options, &mut Vec::new()).unwrap();
+        assert!(!documents.exists());
+        options.recording = Recording::On(root.clone());
+        draw(&TABLE, &options, &mut Vec::new()).unwrap();
+        for name in ["sample_cost.svg", "sample_cost.json"] {
+            let read = |folder: &Path| std::fs::read_to_string(folder.join(name)).unwrap();
+            assert_eq!(read(&documents), read(&options.out));
+        }
+        let page = std::fs::read_to_string(documents.join("README.md")).unwrap();
+        assert!(page.contains("(sample_cost.svg)"), "{page}");
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+
+    #[test]
+    fn rows_of_a_chart_stand_before_its_choices() {
+        let drawing = Drawing::work_precision("a", &figures::samples::work_precision()).unwrap();
+        let table = drawing.table.clone();
+        assert_eq!(drawing.with_rows("  row").table, format!("  row\n{table}"));
+    }
+
+    #[test]
+    fn unknown_names_failed_runs_and_empty_tables_are_errors() {
+        let run = |table: &[ChartKind], name: &str| {
+            draw(table, &options(&[name], PathBuf::new()), &mut Vec::new())
+        };
+        match run(&TABLE, "smaple").unwrap_err() {
+            ChartsError::NoMatch { help, .. } => assert_eq!(help, "did you mean `sample`?"),
+            other => panic!("{other}"),
+        }
+        assert!(matches!(run(&TABLE, "fails"), Err(ChartsError::Failed { name: "fails", .. })));
+        assert!(matches!(run(&[], "sample"), Err(ChartsError::NothingToDraw { .. })));
+    }
+}

@@ -1,0 +1,108 @@
+//! The built-in problems: each is a scene file, and has references.
+
+use fpk_sph::systems::{BoucWen, Duffing, Filtered, LinearOscillator};
+use sde_integrators::GaussianMixture;
+
+use super::reference::ReferenceTable;
+use crate::context::CaseError;
+use scenes::fpk::scene::{FpkScene, System};
+use scenes::fpk::scene_system::SceneSystem;
+use scenes::scene::SceneFile;
+
+/// A built-in scene with its references.
+#[derive(Debug)]
+pub struct Problem {
+    /// The scene as it stands in its file.
+    pub scene: FpkScene,
+    /// Its system.
+    pub system: System,
+    /// Its initial law.
+    pub law: GaussianMixture<2>,
+    /// Its references.
+    pub reference: ReferenceTable,
+}
+
+impl Problem {
+    /// The linear oscillator of section 4.1 without its damper.
+    ///
+    /// # Errors
+    /// Those of the scene and of the reference data.
+    pub fn linear_oscillator() -> Result<Self, CaseError> {
+        let text = include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json");
+        Self::new(
+            "tests/scenes/fpk/linear_oscillator.json",
+            text,
+            ReferenceTable::linear_oscillator()?,
+        )
+    }
+
+    /// The oscillator with a viscous damper of section 4.1.
+    ///
+    /// # Errors
+    /// Those of the scene and of the reference data.
+    pub fn viscous_damper() -> Result<Self, CaseError> {
+        let text = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
+        Self::new("tests/scenes/fpk/viscous_damper.json", text, ReferenceTable::viscous_damper()?)
+    }
+
+    fn new(name: &str, text: &str, reference: ReferenceTable) -> Result<Self, CaseError> {
+        let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
+        let system = scene.system.build()?.plane().ok_or("not a system of section 4.1")?;
+        let law = scene.initial.build(None)?;
+        Ok(Self { scene, system, law, reference })
+    }
+}
+
+/// A scene of any dimension with its system, which `pick` takes out of those that a scene can name.
+fn picked<S, const D: usize>(
+    name: &str,
+    text: &str,
+    pick: impl FnOnce(SceneSystem) -> Option<S>,
+) -> Result<(S, GaussianMixture<D>), CaseError> {
+    let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
+    let system = scene.system.build()?;
+    let law = scene.initial.build(system.filter_covariance().as_deref())?;
+    let system = pick(system).ok_or_else(|| format!("{name} holds another system"))?;
+    Ok((system, law))
+}
+
+/// The Bouc-Wen oscillator of section 4.2, its initial law and its references.
+///
+/// # Errors
+/// Those of the scene and of the reference data.
+pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseError> {
+    let text = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+    let (system, law) = picked("tests/scenes/fpk/bouc_wen.json", text, |system| match system {
+        SceneSystem::BoucWen(system) => Some(system),
+        _ => None,
+    })?;
+    Ok((system, law, ReferenceTable::bouc_wen()?))
+}
+
+/// The hardening spring and its initial law.
+///
+/// # Errors
+/// Those of the scene.
+pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
+    let text = include_str!("../../../../../tests/scenes/fpk/duffing.json");
+    picked("tests/scenes/fpk/duffing.json", text, |system| match system {
+        SceneSystem::Duffing(system) => Some(system),
+        _ => None,
+    })
+}
+
+/// A linear oscillator behind the filter of Kanai and Tajimi.
+pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
+
+/// The linear building on firm soil and its initial law; its law at all times follows from
+/// [`linear_moments`](super::linear_moments::linear_moments).
+///
+/// # Errors
+/// Those of the scene.
+pub fn kanai_tajimi() -> Result<(ShakenOscillator, GaussianMixture<4>), CaseError> {
+    let text = include_str!("../../../../../tests/scenes/fpk/kanai_tajimi.json");
+    picked("tests/scenes/fpk/kanai_tajimi.json", text, |system| match system {
+        SceneSystem::KanaiTajimiLinear(system) => Some(system),
+        _ => None,
+    })
+}

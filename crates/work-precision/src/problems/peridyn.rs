@@ -1,0 +1,10 @@
+//! Bodies of bonds with known answers.
+
+pub mod background;
+pub mod first_passage;
+pub mod lattice;
+pub mod memory;
+pub mod network;
+pub mod notched_plate;
+pub mod one_bond;
+pub mod stationary;

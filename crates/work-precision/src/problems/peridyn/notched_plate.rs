@@ -1,0 +1,280 @@
+//! A square plate with a notch in its left edge that is pulled apart, again and again: how far do cracks scatter?
+//!
+//! Units: the width of the plate, its modulus and density are one, and so is the speed of a wave along a bar. The energy release
+//! rate `G0` is the same on every lattice, whatever the horizon.
+
+use peridyn_sde::statistics::CrackEnsemble;
+use peridyn_sde::{
+    BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
+    CrackRun, CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence,
+    Loading, Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
+    SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection, VolumeCorrection,
+    critical_stretch, merge_shards,
+};
+use sde_integrators::Noise;
+
+use crate::context::CaseError;
+
+/// `G0`, for strains of 1e-3.
+const ENERGY_RELEASE_RATE: f64 = 1e-6;
+const PLANE: Condition = Condition::PlaneStress { thickness: 1.0 };
+const TIP: [f64; 2] = [0.3, 0.0];
+/// Height of a grip, three rows of 32.
+const GRIP: f64 = 3.0 / 32.0;
+/// Within so much of both ends no bond breaks.
+const PROTECTED: f64 = 6.0 / 32.0;
+/// The length over which stiffness is correlated: three horizons of three shells of 32 rows.
+const CORRELATION: f64 = 9.045 / 32.0;
+
+/// What makes one crack differ from the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cause {
+    /// White noise on every node, as in the note: `s0` is so many standard deviations of the stretch of a bond. Overdamped, while
+    /// the plate is stretched to 0.8 of `s0`.
+    WhiteNoise {
+        /// `s0/sigma`.
+        ratio: f64,
+        /// By which steps.
+        scheme: Scheme,
+        /// `z` of the stiffest mode.
+        z: f64,
+    },
+    /// The stiffness of bonds, a lognormal field with a length. Inertial with friction, without noise, the same ramp of strain over
+    /// time on every lattice.
+    Stiffness,
+    /// The critical stretch, a lognormal field whose standard deviation is 0.4 of its mean, and noise. Inertial with friction, the
+    /// same ramp up to twice the strain, so that strong samples break too.
+    Sample {
+        /// The mean of the critical stretch, over that of `G0`.
+        strength: f64,
+        /// Its correlation length (widths of the plate).
+        length: f64,
+        /// `kT`, over the one at which `s0/sigma` is ten.
+        temperature: f64,
+    },
+}
+
+/// A plate on a lattice.
+#[derive(Debug, Clone, Copy)]
+pub struct NotchedPlate {
+    /// Nodes along an edge.
+    pub rows: u32,
+    /// `delta` (widths of the plate).
+    pub horizon: f64,
+    /// What is random.
+    pub cause: Cause,
+}
+
+/// Three shells of so many rows: a horizon (widths of the plate).
+#[must_use]
+pub fn three_shells(rows: u32) -> f64 {
+    3.015 / f64::from(rows)
+}
+
+/// A plate ready to be pulled.
+struct Ready {
+    nodes: Nodes<2>,
+    bonds: Bonds,
+    strength: f64,
+    grips: Vec<usize>,
+    protected: Vec<usize>,
+    loading: Loading<2>,
+    config: SimulationConfig,
+    n_steps: u64,
+}
+
+impl NotchedPlate {
+    fn spacing(&self) -> f64 {
+        f64::from(self.rows).recip()
+    }
+
+    /// The cracks of realisations from 0 on, `L` side by side.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::run`].
+    pub fn cracks<T: Real, const L: usize>(
+        &self,
+        realisations: u64,
+        seed: u64,
+    ) -> Result<CrackEnsemble, CaseError> {
+        let run = self.run::<T, L>(0..realisations, seed)?;
+        Ok(CrackEnsemble::new(realisations, run.records)?)
+    }
+
+    /// What becomes of some realisations, `L` side by side.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::run`].
+    pub fn run<T: Real, const L: usize>(
+        &self,
+        realisations: std::ops::Range<u64>,
+        seed: u64,
+    ) -> Result<CrackRun, CaseError> {
+        self.study(seed, |study| study.run::<T, L>(realisations, &[], &|_| {}))
+    }
+
+    /// The same of realisations from 0 on, in shards that are joined from the last to the first.
+    ///
+    /// # Errors
+    /// Those of [`CrackStudy::shard`] and [`merge_shards`].
+    pub fn run_in_shards<T: Real, const L: usize>(
+        &self,
+        realisations: u64,
+        n_shards: u64,
+        seed: u64,
+    ) -> Result<CrackRun, CaseError> {
+        self.study(seed, |study| {
+            let shard = |at| study.shard::<T, L>(realisations, (at, n_shards), &[], &|_| {});
+            merge_shards((0..n_shards).rev().map(shard).collect::<Result<_, _>>()?)
+        })
+    }
+
+    fn study<R>(
+        &self,
+        seed: u64,
+        run: impl FnOnce(&CrackStudy<'_>) -> Result<R, Error>,
+    ) -> Result<R, CaseError> {
+        let ready = self.ready(Noise::new(seed))?;
+        let (strengths, stiffness) = match self.cause {
+            Cause::WhiteNoise { .. } => (None, None),
+            Cause::Stiffness => (None, Some(self.field(&ready.nodes, CORRELATION, (1.0, 0.5))?)),
+            Cause::Sample { strength, length, .. } => {
+                (Some(self.field(&ready.nodes, length, (strength * ready.strength, 0.4))?), None)
+            }
+        };
+        let study = CrackStudy {
+            nodes: &ready.nodes,
+            bonds: &ready.bonds,
+            strain: Strain::Finite,
+            strength: strengths.as_ref().map_or(Strength::Uniform(ready.strength), |field| {
+                Strength::Field { field, value: BondValue::Mean }
+            }),
+            stiffness: stiffness.as_ref().map_or(Stiffness::Uniform, |field| Stiffness::Field {
+                field,
+                value: BondValue::Mean,
+            }),
+            no_fail: &ready.protected,
+            notch: Notch { mouth: [-self.spacing(), 0.0], tip: TIP },
+            loading: &ready.loading,
+            simulation: &ready.config,
+            n_steps: ready.n_steps,
+            load: (&ready.grips, 1),
+            n_windows: 40,
+            path: PathConfig::of_horizon(self.horizon),
+            border: 0.95,
+            damage_threshold: 0.3,
+        };
+        Ok(run(&study)?)
+    }
+
+    /// A lognormal field of a mean and a coefficient of variation.
+    fn field(
+        &self,
+        nodes: &Nodes<2>,
+        length: f64,
+        (mean, coefficient_of_variation): (f64, f64),
+    ) -> Result<DisorderField, CaseError> {
+        let correlation = Correlation { function: CorrelationFunction::Gaussian, length };
+        let gaussian =
+            GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), &correlation)?;
+        let law = Marginal::Lognormal { mean, coefficient_of_variation };
+        Ok(DisorderField::new(gaussian, law, 0)?)
+    }
+
+    fn ready(&self, noise: Noise) -> Result<Ready, CaseError> {
+        let nodes = Nodes::lattice(self.spacing(), ([0.0, -0.5], [1.0, 0.5]), PLANE, |_| true)?;
+        let horizon = Horizon::new(self.horizon, self.spacing())?;
+        let bonds = Bonds::new(
+            &nodes,
+            &BondConfig {
+                horizon,
+                young_modulus: 1.0,
+                influence: Influence::Constant,
+                volume_correction: VolumeCorrection::Ramp,
+                surface_correction: SurfaceCorrection::None,
+            },
+        )?;
+        let influence = Influence::Constant;
+        let strength =
+            critical_stretch(ENERGY_RELEASE_RATE, 1.0, horizon.radius(), influence, PLANE)?;
+        let x = nodes.positions();
+        let near_ends = |height: f64| -> Vec<usize> {
+            (0..x.len()).filter(|&node| x[node][1].abs() > 0.5 - height).collect()
+        };
+        let (grips, protected) = (near_ends(GRIP), near_ends(PROTECTED));
+        let free: Vec<bool> = x.iter().map(|x| x[1].abs() <= 0.5 - GRIP).collect();
+        let mut ready = Ready {
+            loading: Loading::new(x.len()).hold(&grips)?,
+            config: self.config(&bonds, strength, &free, noise)?,
+            nodes,
+            bonds,
+            strength,
+            grips: grips.iter().copied().filter(|&node| node >= free.len() / 2).collect(),
+            protected,
+            n_steps: 0,
+        };
+        self.pull(&mut ready, &grips)?;
+        Ok(ready)
+    }
+
+    /// With a step that is small on any lattice.
+    fn config(
+        &self,
+        bonds: &Bonds,
+        strength: f64,
+        free: &[bool],
+        noise: Noise,
+    ) -> Result<SimulationConfig, CaseError> {
+        // By equipartition, were all bonds like a shortest one.
+        let temperature = |ratio: f64| {
+            let unknowns = 2.0 * free.iter().filter(|&&free| free).count() as f64;
+            let stiffness = bonds.all()[0].stiffness * self.spacing();
+            (strength / ratio).powi(2) * stiffness * bonds.len() as f64 / unknowns
+        };
+        // Near the lowest frequency of the plate, pi.
+        let inertial =
+            |temperature| Dynamics::Inertial { density: 1.0, friction: 3.0, temperature };
+        let dynamics = match self.cause {
+            Cause::WhiteNoise { ratio, scheme, .. } => Dynamics::Overdamped {
+                mobility: Mobility::identity(free, 1.0)?,
+                temperature: temperature(ratio),
+                scheme,
+            },
+            Cause::Stiffness => inertial(0.0),
+            Cause::Sample { temperature: over, .. } => inertial(over * temperature(10.0)),
+        };
+        let (dt, breaking) = (1e-9, Breaking::AtEnds);
+        Ok(SimulationConfig { dynamics, dt, breaking, confinement: 0.0, noise })
+    }
+
+    /// The step, how many of them, and what the grips do.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of steps")]
+    fn pull(&self, ready: &mut Ready, grips: &[usize]) -> Result<(), CaseError> {
+        let strengths = vec![ready.strength; ready.bonds.len()];
+        let (nodes, bonds) = (ready.nodes.clone(), ready.bonds.clone());
+        let body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Finite, &strengths)?;
+        let probe = Simulation::new(body, ready.loading.clone(), ready.config.clone(), [0])?;
+        let (small, relative) = (ready.config.dt, probe.relative_step());
+        let slowly = |ready: &mut Ready, omega_dt: f64, until: f64| {
+            ready.config.dt = omega_dt * small / relative.sqrt();
+            ready.n_steps = ((until + 4.0) / ready.config.dt).ceil() as u64;
+            ([false, true], Program::Ramp { rate: 2e-3 / 24.0, until })
+        };
+        let (directions, program) = match self.cause {
+            Cause::WhiteNoise { z, .. } => {
+                // Relaxation takes time in proportion to the square of the rows: 5000 steps of z = 0.9 for 64.
+                ready.config.dt = z * small / relative;
+                ready.n_steps = (f64::from(self.rows.pow(2)) * 5000.0 / 4096.0 * 0.9 / z) as u64;
+                let end = ready.config.dt * ready.n_steps as f64;
+                ([true; 2], Program::Linear { rate: 0.8 * ready.strength / end })
+            }
+            // 0.6 leaves room for places ten times as stiff as the mean; 2 is the limit.
+            Cause::Stiffness => slowly(ready, 0.6, 24.0),
+            Cause::Sample { .. } => slowly(ready, 1.6, 48.0),
+        };
+        let gradient = [[0.0; 2], [0.0, 1.0]];
+        let still = Loading::new(ready.nodes.positions().len());
+        ready.loading = still.stretch(&ready.nodes, grips, directions, gradient, program)?;
+        Ok(())
+    }
+}

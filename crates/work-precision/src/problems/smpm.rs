@@ -1,0 +1,4 @@
+//! Explosions and impacts, and the table of schemes.
+
+pub mod problems;
+pub mod schemes;

@@ -1,0 +1,361 @@
+//! Maps of where methods fail: a sweep of runs over two parameters, each of which is accurate, degraded, or ended by a
+//! typed error; with the boundary that theory predicts.
+//!
+//! A map is one file here with a `const MAP: ChartKind`, and one line in [`crate::charts::STABILITY`]. Its `draw` makes
+//! [`Panel`]s and hands them to [`Panel::sweep`], which runs, judges, draws and tabulates. A run says its error and
+//! spends [`Work`]; the typed errors are those of the crate it calls.
+
+mod axes;
+pub(crate) mod fpk;
+pub(crate) mod peridyn;
+pub(crate) mod sde;
+pub(crate) mod smpm;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::context::CaseError;
+use figures::Drawing;
+use figures::finite;
+use figures::{DrawingError, Face};
+use figures::{Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words, time_series};
+use scenes::causes::with_causes;
+
+/// Points of the line of a boundary.
+const BOUNDARY_POINTS: u32 = 120;
+
+/// Beside the grid, every abscissa has a run this much inside and this much outside the boundary.
+const NEAR: f64 = 0.03;
+
+/// Why a run has no result, where the crate under test has no error of its own.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
+    /// It asked for more work than a run of its map may take.
+    #[error("work limit reached: {asked} steps asked for, the limit is {limit}")]
+    WorkLimit {
+        /// Work asked for in all.
+        asked: u64,
+        /// What is allowed.
+        limit: u64,
+    },
+    /// Its error is not a number, and no error was returned: a silent failure.
+    #[error("the run gave a result whose error is not a number")]
+    NotANumber,
+}
+
+/// The work that one run may take, in steps or what its map counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Work {
+    spent: u64,
+    limit: u64,
+}
+
+impl Work {
+    /// Nothing spent yet.
+    #[must_use]
+    pub const fn new(limit: u64) -> Self {
+        Self { spent: 0, limit }
+    }
+
+    /// Asks for more, before it is done.
+    ///
+    /// # Errors
+    /// [`SweepError::WorkLimit`].
+    pub fn spend(&mut self, steps: u64) -> Result<(), SweepError> {
+        let asked = self.spent.saturating_add(steps);
+        if asked > self.limit {
+            return Err(SweepError::WorkLimit { asked, limit: self.limit });
+        }
+        self.spent = asked;
+        Ok(())
+    }
+}
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Outcome {
+    /// Its error is within the tolerance of the map.
+    Accurate {
+        /// The error.
+        error: f64,
+    },
+    /// It has a result that is wrong, and nothing said so.
+    Degraded {
+        /// The error; none where it is without bound.
+        error: Option<f64>,
+    },
+    /// It ended in a typed error.
+    Ended {
+        /// Its text, with that of its causes.
+        error: String,
+    },
+}
+
+impl Outcome {
+    fn judge(result: Result<f64, CaseError>, tolerance: f64) -> Self {
+        match result {
+            Ok(error) if error.is_nan() => Self::judge(Err(SweepError::NotANumber.into()), 0.0),
+            Ok(error) if error <= tolerance => Self::Accurate { error },
+            Ok(error) => Self::Degraded { error: Some(error).filter(|error| error.is_finite()) },
+            Err(error) => Self::Ended { error: with_causes(error.as_ref()) },
+        }
+    }
+}
+
+/// A run, from the two parameters to the size of its error.
+pub type Run<'a> = dyn Fn(f64, f64, &mut Work) -> Result<f64, CaseError> + Sync + 'a;
+
+/// The boundary that theory predicts: stable below it. `None` where there is no limit.
+pub type Boundary<'a> = dyn Fn(f64) -> Option<f64> + Sync + 'a;
+
+/// One method over two parameters.
+pub struct Panel<'a> {
+    /// Name of the files, without their endings.
+    pub name: String,
+    /// Words around the picture. The foot is completed with tolerance and work limit.
+    pub words: Words,
+    /// Scale of the vertical axis.
+    pub scale: Scale,
+    /// The grid across.
+    pub across: Vec<f64>,
+    /// The grid upwards.
+    pub upwards: Vec<f64>,
+    /// What theory says, with its name for the legend.
+    pub boundary: Option<(&'a str, &'a Boundary<'a>)>,
+    /// The largest error of an accurate run.
+    pub tolerance: f64,
+    /// The most work of a run.
+    pub work_limit: u64,
+    /// The run.
+    pub run: &'a Run<'a>,
+}
+
+impl std::fmt::Debug for Panel<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Panel").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// A run of a map, as it is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// The parameter across.
+    pub x: f64,
+    /// The parameter upwards.
+    pub y: f64,
+    /// What the run spent.
+    pub work: u64,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// A map as it is written beside its picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Map {
+    /// Words around it.
+    pub words: Words,
+    /// The largest error of an accurate run.
+    pub tolerance: f64,
+    /// The most work of a run.
+    pub work_limit: u64,
+    /// The predicted boundary; no value where there is no limit within the picture.
+    pub boundary: Vec<(f64, Option<f64>)>,
+    /// The runs.
+    pub points: Vec<Point>,
+    /// Runs against the prediction: accurate outside it, or ended inside it.
+    pub against_prediction: usize,
+}
+
+impl Panel<'_> {
+    /// Runs every point, each on its own, and draws the map.
+    ///
+    /// # Errors
+    /// Numbers that cannot be drawn. A run that fails is a point of the map.
+    pub fn sweep(&self) -> Result<Drawing, DrawingError> {
+        let map = self.map();
+        let picture = TimeSeries {
+            words: map.words.clone(),
+            scale: self.scale,
+            lines: self
+                .boundary
+                .iter()
+                .map(|&(name, _)| Line { name: name.into(), points: map.boundary.clone() })
+                .collect(),
+            bands: Vec::new(),
+            references: sets(&map.points),
+        };
+        let svg = time_series(&picture)?;
+        let data = finite::to_json(&map)?;
+        Ok(Drawing { name: self.name.clone(), face: Face::Picture(svg), data, table: row(&map) })
+    }
+
+    fn map(&self) -> Map {
+        let points: Vec<Point> = self
+            .places()
+            .into_par_iter()
+            .map(|(x, y)| {
+                let mut work = Work::new(self.work_limit);
+                let outcome = Outcome::judge((self.run)(x, y, &mut work), self.tolerance);
+                Point { x, y, work: work.spent, outcome }
+            })
+            .collect();
+        let is_against = |point: &&Point| {
+            let Some((_, boundary)) = self.boundary else { return false };
+            let is_inside = boundary(point.x).is_none_or(|limit| point.y < limit);
+            match point.outcome {
+                Outcome::Accurate { .. } => !is_inside,
+                Outcome::Ended { .. } => is_inside,
+                Outcome::Degraded { .. } => false,
+            }
+        };
+        let mut words = self.words.clone();
+        words.caption.push(format!(
+            "Accurate: error up to {}. Degraded: a result with a larger error, and no warning. Work limit: {} steps a run.",
+            self.tolerance, self.work_limit
+        ));
+        let against_prediction = points.iter().filter(is_against).count();
+        let (tolerance, work_limit) = (self.tolerance, self.work_limit);
+        let boundary = self.boundary_line();
+        Map { words, tolerance, work_limit, boundary, points, against_prediction }
+    }
+
+    /// The grid, and a run on either side of the boundary.
+    fn places(&self) -> Vec<(f64, f64)> {
+        let mut places = Vec::new();
+        for &x in &self.across {
+            places.extend(self.upwards.iter().map(|&y| (x, y)));
+            let near = |limit: f64| [(x, limit * (1.0 - NEAR)), (x, limit * (1.0 + NEAR))];
+            let limit = self.boundary.and_then(|(_, boundary)| boundary(x));
+            places.extend(limit.filter(|&y| self.shows(y)).into_iter().flat_map(near));
+        }
+        places
+    }
+
+    /// Whether a value lies between the ends of the grid.
+    fn shows(&self, y: f64) -> bool {
+        let least = self.upwards.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = self.upwards.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (least..=largest).contains(&y)
+    }
+
+    fn boundary_line(&self) -> Vec<(f64, Option<f64>)> {
+        let (Some((_, boundary)), Some(&first), Some(&last)) =
+            (self.boundary, self.across.first(), self.across.last())
+        else {
+            return Vec::new();
+        };
+        (0..=BOUNDARY_POINTS)
+            .map(|k| {
+                let x = first + (last - first) * f64::from(k) / f64::from(BOUNDARY_POINTS);
+                (x, boundary(x).filter(|&y| self.shows(y)))
+            })
+            .collect()
+    }
+}
+
+/// The points by their outcome.
+fn sets(points: &[Point]) -> Vec<ReferencePoints> {
+    type Is = fn(&Outcome) -> bool;
+    let kinds: [(&str, Is); 3] = [
+        ("accurate", |outcome| matches!(outcome, Outcome::Accurate { .. })),
+        ("degraded", |outcome| matches!(outcome, Outcome::Degraded { .. })),
+        ("ended by a typed error; the JSON says which", |outcome| {
+            matches!(outcome, Outcome::Ended { .. })
+        }),
+    ];
+    kinds
+        .into_iter()
+        .map(|(name, is)| ReferencePoints {
+            name: name.into(),
+            points: points
+                .iter()
+                .filter(|point| is(&point.outcome))
+                .map(|point| ReferencePoint { x: point.x, y: point.y, error: None })
+                .collect(),
+        })
+        .collect()
+}
+
+/// How many runs came to what, and what the first error said.
+fn row(map: &Map) -> String {
+    let counts: Vec<usize> = sets(&map.points).iter().map(|set| set.points.len()).collect();
+    let first = map.points.iter().find_map(|point| match &point.outcome {
+        Outcome::Ended { error } => Some(error.as_str()),
+        _ => None,
+    });
+    format!(
+        "  {} runs: {} accurate, {} degraded, {} ended; {} against the prediction{}",
+        map.points.len(),
+        counts[0],
+        counts[1],
+        counts[2],
+        map.against_prediction,
+        first.map_or_else(String::new, |text| format!("\n  first end: {text}"))
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel<'a>(run: &'a Run<'a>, boundary: &'a Boundary<'a>) -> Panel<'a> {
+        let words = Words {
+            title: "made up".into(),
+            subtitle: String::new(),
+            x_label: "x".into(),
+            y_label: "y".into(),
+            caption: Vec::new(),
+        };
+        Panel {
+            name: "made-up".into(),
+            words,
+            scale: Scale::Linear,
+            across: vec![1.0, 2.0],
+            upwards: vec![0.5, 1.0, 3.0],
+            boundary: Some(("y = x", boundary)),
+            tolerance: 0.1,
+            work_limit: 10,
+            run,
+        }
+    }
+
+    /// Of a grid of 2 x 3 and two runs at each abscissa: inside accurate, beyond twice the boundary ended.
+    #[test]
+    fn every_run_has_an_outcome_and_is_held_against_the_prediction() {
+        let run = |x: f64, y: f64, work: &mut Work| -> Result<f64, CaseError> {
+            work.spend(4)?;
+            if y > 2.0 * x {
+                work.spend(7)?;
+            }
+            Ok(if y < x { 0.01 } else { f64::INFINITY })
+        };
+        let map = panel(&run, &|x| Some(x)).map();
+        assert_eq!(map.points.len(), 10);
+        assert_eq!(map.against_prediction, 0);
+        let text = "work limit reached: 11 steps asked for, the limit is 10";
+        let ended: Vec<&Point> = map
+            .points
+            .iter()
+            .filter(|point| matches!(&point.outcome, Outcome::Ended { error } if error == text))
+            .collect();
+        assert_eq!(ended.len(), 1);
+        assert_eq!((ended[0].x, ended[0].y, ended[0].work), (1.0, 3.0, 4));
+        assert!(map.points.iter().any(|point| point.outcome == Outcome::Degraded { error: None }));
+        // The same runs against a wrong prediction.
+        assert!(panel(&run, &|x| Some(0.4 * x)).map().against_prediction > 0);
+        assert!(panel(&run, &|_| None).map().against_prediction > 0);
+    }
+
+    #[test]
+    fn a_silent_nan_is_an_end_and_a_map_is_drawn_and_survives_json() {
+        let drawing = panel(&|_, _, _| Ok(f64::NAN), &|x| Some(x)).sweep().unwrap();
+        assert!(drawing.table.contains("10 ended") && drawing.table.contains("not a number"));
+        assert!(drawing.clone().into_svg().is_some_and(|svg| svg.contains("made up")));
+        let map: Map = serde_json::from_str(&drawing.data).unwrap();
+        assert_eq!(map.points.len(), 10);
+    }
+}

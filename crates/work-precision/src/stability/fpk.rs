@@ -1,0 +1,348 @@
+//! What `fpk-sph` can bear on the damper of Canor & Denoël 2013, section 4.1: reach of the neighbourhood, step, reach and
+//! count of the lattice, time, exponent of the damper.
+//!
+//! The predicted step is the diffusion limit of Runge-Kutta 4,
+//!
+//! $$ \Delta t = \frac{0.25 \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
+//!
+//! with the deformed cells `F_i` in spacings. The length is `l = R`, the reach in spacings, for the log-density fit; for the
+//! flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit gives to a wave of the lattice.
+//! `l(R)` is had from the estimator on a lattice at rest, the trace from a run with 81 x 81 particles, whose steps are at
+//! most 0.01: it is 4 times the trace of 41 x 41, since `F` is in spacings.
+
+use fpk_sph::score::LatticePlaces;
+use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
+use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
+use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
+use particle_store::Lattice;
+
+use super::axes::{linear, logarithmic, words};
+use super::{Panel, Work};
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use crate::problems::fpk::problem::Problem;
+use figures::Drawing;
+use figures::Scale;
+use scenes::fpk::scene::System;
+
+pub(crate) const MAP: ChartKind = ChartKind {
+    name: "fpk",
+    title: "methods of fpk-sph on the damper: reach, step, lattice, time, exponent",
+    draw,
+};
+
+/// Most steps of a run: a hundred times what an accurate one takes.
+const MOST_STEPS: u64 = 10_000;
+/// Of E[q^2].
+const TOLERANCE: f64 = 0.01;
+/// The time of the sweeps that do not sweep it: noise at its plateau.
+const TIME: f64 = 4.0;
+/// Particles along an axis of the run that is compared with or gives the diffusion limit.
+const FINE: usize = 81;
+/// The same of the runs that are swept.
+const COARSE: usize = 41;
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let n = if context.profile == Profile::Quick { 4 } else { 9 };
+    let damper = Damper::new()?;
+    let mut drawings = Vec::new();
+    for (id, name, method) in METHODS {
+        drawings.push(damper.reach_and_step(n, id, name, method)?);
+        drawings.push(damper.lattice(n, id, name, method)?);
+        drawings.push(damper.time(n, id, name, method)?);
+    }
+    drawings.push(damper.forward_euler(n)?);
+    drawings.push(damper.exponent(n)?);
+    Ok(drawings)
+}
+
+const METHODS: [(&str, &str, Method); 2] = [
+    ("log-density-fit", "log-density fit", Method::LogDensityFit),
+    ("flow-map-fit", "flow-map fit", Method::FlowMapFit),
+];
+
+fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
+    Ok(panel.sweep()?)
+}
+
+/// What the map of reach and step says of its line.
+const REACH_AND_STEP: &str = "Boundary: the diffusion limit 0.25 l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings; \
+     the trace from a run with 81 x 81 particles; l = R, the reach, for the log-density fit, and \
+     l² = min(R², 10.4 / k²) for the flow-map fit, k the steepest gradient that it gives to a wave. \
+     No line where the reach holds too few neighbours: such a run does not start.";
+
+/// The diffusion limit of [`COARSE`] particles a side from that of [`FINE`]: it goes with the square of the spacing.
+fn of_coarse(limit_of_fine: f64) -> f64 {
+    limit_of_fine * ((FINE - 1) as f64 / (COARSE - 1) as f64).powi(2)
+}
+
+/// An odd count of particles along an axis.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens of particles")]
+fn odd(count: f64) -> usize {
+    2 * (0.5 * count).round() as usize + 1
+}
+
+/// Square of the length, in spacings, that the diffusion limit of a method holds against on an even lattice; none where the
+/// reach holds too few neighbours.
+fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
+    let mut estimator = method.combination().estimator.build::<2>();
+    if estimator.check_resolution(reach).is_err() {
+        return Ok(None);
+    }
+    let lattice = Lattice::<2>::ball_lattice(2.0 * reach, 1.0)?;
+    let places: Vec<[f64; 2]> = lattice.indices.iter().map(|index| index.map(f64::from)).collect();
+    let mut neighbours = NeighbourList::new();
+    CellGrid::new().full_list(&places, Radii::Uniform(reach), &mut neighbours)?;
+    neighbours.sort_rows();
+    let at_rest = LatticePlaces { places: &places, neighbours: &neighbours, reach, spacing: 1.0 };
+    estimator.start(&at_rest)?;
+    let identity = [[1.0, 0.0], [0.0, 1.0]];
+    Ok(Some(2.0 / estimator.spread(&identity, reach, &identity)))
+}
+
+/// A run to a time.
+struct Run {
+    /// `E[q^2]` there.
+    second_moment: f64,
+    /// The least diffusion limit that its steps reported.
+    least_limit: f64,
+}
+
+struct Damper {
+    problem: Problem,
+    system: ViscousDamper,
+}
+
+impl Damper {
+    fn new() -> Result<Self, CaseError> {
+        let problem = Problem::viscous_damper()?;
+        let System::Damper(system) = &problem.system else {
+            return Err("the scene of the damper is not one".into());
+        };
+        let system = system.clone();
+        Ok(Self { problem, system })
+    }
+
+    fn run(
+        &self,
+        system: ViscousDamper,
+        combination: Combination,
+        lattice: InitialLattice<2>,
+        time: f64,
+        work: &mut Work,
+    ) -> Result<Run, CaseError> {
+        let config = Config {
+            method: Method::Custom(combination),
+            lattice,
+            reference_period: system.period(),
+            most_steps: MOST_STEPS,
+        };
+        let mut simulation = Simulation::new(system, &self.problem.law, &config)?;
+        let mut least_limit = f64::INFINITY;
+        let mut to_the_end = || -> Result<(), fpk_sph::Error> {
+            while simulation.time() < time {
+                least_limit = least_limit.min(simulation.step_towards(time)?.diffusion_limit);
+            }
+            Ok(())
+        };
+        let outcome = to_the_end();
+        work.spend(simulation.work().steps)?;
+        outcome?;
+        Ok(Run { second_moment: simulation.raw_moment([2, 0]), least_limit })
+    }
+
+    /// The run with [`FINE`] particles a side, in steps of at most 0.01.
+    fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
+        let step = StepRule::DiffusionLimited { longest: 0.01 };
+        let combination = Combination { step, ..method.combination() };
+        let lattice = InitialLattice::box_of(FINE);
+        self.run(system, combination, lattice, TIME, &mut Work::new(MOST_STEPS))
+    }
+
+    /// The relative error of `E[q^2]` against the reference.
+    fn error(
+        &self,
+        combination: Combination,
+        lattice: InitialLattice<2>,
+        time: f64,
+        work: &mut Work,
+    ) -> Result<f64, CaseError> {
+        let reference =
+            self.problem.reference.moment([2, 0], time).ok_or("no reference at this time")?;
+        let found = self.run(self.system.clone(), combination, lattice, time, work)?;
+        Ok((found.second_moment / reference.value - 1.0).abs())
+    }
+
+    fn reach_and_step(
+        &self,
+        n: u32,
+        id: &str,
+        name: &str,
+        method: Method,
+    ) -> Result<Drawing, CaseError> {
+        let run = |ratio: f64, dt: f64, work: &mut Work| {
+            let combination = Combination {
+                support_over_spacing: ratio,
+                step: StepRule::Fixed { dt },
+                ..method.combination()
+            };
+            self.error(combination, InitialLattice::box_of(COARSE), TIME, work)
+        };
+        let own = resolved(method, method.combination().support_over_spacing)?
+            .ok_or("the method's own reach is refused")?;
+        let limit = of_coarse(self.fine_run(self.system.clone(), method)?.least_limit);
+        // Where the reach is refused there is no stable step.
+        let limit = |ratio: f64| match resolved(method, ratio) {
+            Ok(length) => Some(length.map_or(0.0, |length| limit * length / own)),
+            Err(_) => None,
+        };
+        drawn(&Panel {
+            name: format!("fpk-reach-step-{id}"),
+            words: words(
+                format!("{name}: reach of the neighbourhood and step"),
+                "E[q²] of the damper at t = 4, 41 x 41 particles, Runge-Kutta 4 at a fixed step",
+                ["reach / spacing", "step (s)"],
+                REACH_AND_STEP,
+            ),
+            scale: Scale::Log,
+            across: linear(n, 1.2, 3.6),
+            upwards: logarithmic(n, 0.01, 0.3),
+            boundary: Some(("diffusion limit", &limit)),
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        })
+    }
+
+    fn lattice(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
+        let run = |reach: f64, count: f64, work: &mut Work| {
+            let lattice = InitialLattice::Box { reach, count: [odd(count); 2] };
+            self.error(method.combination(), lattice, TIME, work)
+        };
+        drawn(&Panel {
+            name: format!("fpk-lattice-{id}"),
+            words: words(
+                format!("{name}: reach and count of the lattice"),
+                "E[q²] of the damper at t = 4",
+                ["reach of the lattice (standard deviations)", "particles along an axis"],
+                "A lattice that ends at r standard deviations lacks the second moment beyond: 1 % at 3.4.",
+            ),
+            scale: Scale::Log,
+            across: linear(n, 2.5, 8.5),
+            upwards: logarithmic(n, 9.0, 81.0),
+            boundary: None,
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        })
+    }
+
+    /// The noise dies from t = 6 on and the cloud falls onto a slow manifold.
+    fn time(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
+        let run = |time: f64, count: f64, work: &mut Work| {
+            self.error(method.combination(), InitialLattice::box_of(odd(count)), time.round(), work)
+        };
+        drawn(&Panel {
+            name: format!("fpk-time-{id}"),
+            words: words(
+                format!("{name}: time and particles"),
+                "E[q²] of the damper; the noise decays from t = 6 on, to 3e-4 at t = 10",
+                ["time (s)", "particles along an axis"],
+                "Reach of the lattice: 6 standard deviations.",
+            ),
+            scale: Scale::Log,
+            across: vec![1.0, 2.0, 4.0, 6.0, 7.0, 8.0, 10.0],
+            upwards: logarithmic(n, 15.0, 81.0),
+            boundary: None,
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        })
+    }
+
+    fn forward_euler(&self, n: u32) -> Result<Drawing, CaseError> {
+        let run = |time: f64, dt: f64, work: &mut Work| {
+            let combination = Combination {
+                scheme: Scheme::ForwardEuler,
+                step: StepRule::Fixed { dt },
+                ..Method::FlowMapFit.combination()
+            };
+            self.error(combination, InitialLattice::box_of(31), time.round(), work)
+        };
+        let omega_squared = std::f64::consts::PI.powi(2);
+        let growth = |time: f64| Some(TOLERANCE.ln_1p() / (omega_squared * time));
+        drawn(&Panel {
+            name: "fpk-forward-euler".into(),
+            words: words(
+                "forward Euler: time and step".into(),
+                "E[q²] of the damper, flow-map fit, 31 x 31 particles",
+                ["time (s)", "step (s)"],
+                "Boundary: an undamped oscillator grows by exp(ω² dt t) in energy; the damper takes part of it out.",
+            ),
+            scale: Scale::Log,
+            across: vec![1.0, 2.0, 4.0, 6.0],
+            upwards: logarithmic(n, 5e-4, 0.1),
+            boundary: Some(("growth of 1 % in energy", &growth)),
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        })
+    }
+
+    /// Below 1 the drift has no Lipschitz constant at rest.
+    fn exponent(&self, n: u32) -> Result<Drawing, CaseError> {
+        let structure = self.system.structure().parameters().clone();
+        let system = |damper_exponent: f64| {
+            ViscousDamper::new(ViscousDamperParameters {
+                structure: structure.clone(),
+                damper_coefficient: 0.25,
+                damper_exponent,
+            })
+        };
+        let across = linear(n, 0.1, 1.0);
+        let mut fine_runs = Vec::new();
+        for &exponent in &across {
+            fine_runs.push(self.fine_run(system(exponent)?, Method::FlowMapFit));
+        }
+        let fine_at = |exponent: f64| {
+            let k = across.iter().position(|e| (e - exponent).abs() < 1e-12);
+            k.and_then(|k| fine_runs.get(k)?.as_ref().ok())
+        };
+        let run = |exponent: f64, dt: f64, work: &mut Work| {
+            let fine = fine_at(exponent).ok_or("the run to compare with has failed")?;
+            let combination =
+                Combination { step: StepRule::Fixed { dt }, ..Method::FlowMapFit.combination() };
+            let lattice = InitialLattice::box_of(COARSE);
+            let found = self.run(system(exponent)?, combination, lattice, TIME, work)?;
+            Ok((found.second_moment / fine.second_moment - 1.0).abs())
+        };
+        // Between the exponents that were run the limit is taken as linear.
+        let limit = |exponent: f64| {
+            let after = across.partition_point(|&e| e < exponent - 1e-12);
+            let limit_at = |k: usize| Some(of_coarse(fine_runs.get(k)?.as_ref().ok()?.least_limit));
+            let to = across.get(after)?;
+            if after == 0 || (to - exponent).abs() < 1e-12 {
+                return limit_at(after);
+            }
+            let from = across[after - 1];
+            let part = (exponent - from) / (to - from);
+            Some((1.0 - part) * limit_at(after - 1)? + part * limit_at(after)?)
+        };
+        drawn(&Panel {
+            name: "fpk-exponent".into(),
+            words: words(
+                "flow-map fit: exponent of the damper and step".into(),
+                "E[q²] at t = 4, 41 x 41 particles, against 81 x 81 with steps of at most 0.01",
+                ["exponent of the damper", "step (s)"],
+                "Boundary: the diffusion limit of the run with 81 x 81 particles, four times it for spacings twice as wide.",
+            ),
+            scale: Scale::Log,
+            across: across.clone(),
+            upwards: logarithmic(n, 0.01, 0.3),
+            boundary: Some(("diffusion limit", &limit)),
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        })
+    }
+}

@@ -1,0 +1,32 @@
+//! What `smpm` can bear: step, viscosity, particles per cell, update order and shape function on a plane shock; energy over an
+//! explosion; noise of cells crossed in the plastic strain; gas that parts; Taylor series where they end.
+
+mod breakdown;
+mod energy;
+mod fracture;
+mod plasticity;
+mod shock;
+
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+use figures::Drawing;
+
+pub(crate) const MAP: ChartKind = ChartKind {
+    name: "smpm",
+    title: "schemes of smpm: step, viscosity, particles, energy, cells crossed, gas that parts; Taylor series where they end",
+    draw,
+};
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let is_quick = context.profile == Profile::Quick;
+    context.progress("shock");
+    let mut drawings = shock::maps(if is_quick { 4 } else { 8 })?;
+    context.progress("energy of an explosion");
+    drawings.push(energy::chart(if is_quick { 2 } else { 7 })?);
+    context.progress("plastic strain");
+    drawings.push(plasticity::chart(if is_quick { 14.0 } else { 30.0 })?);
+    context.progress("gas that parts");
+    drawings.push(fracture::chart()?);
+    drawings.extend(breakdown::charts(context)?);
+    Ok(drawings)
+}

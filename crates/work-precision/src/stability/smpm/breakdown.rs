@@ -1,0 +1,379 @@
+//! Where Taylor series end: the coefficient of variation, first yield, the arrival of a shock.
+
+use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use smpm::Error;
+use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
+
+use crate::context::{CaseError, Context, Profile};
+use crate::problems::smpm::problems::{Problem, experiment};
+use figures::Drawing;
+use figures::{
+    Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries,
+    Words, WorkPrecision,
+};
+use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
+
+/// Above this ratio of curvature to slope the variance of a Taylor series is not to be believed.
+const TRUSTED: f64 = 0.03;
+/// Beyond this coefficient of variation a normal law would leave the range of its parameter.
+const MOST_NORMAL: f64 = 0.2;
+/// Of the map over time.
+const USUAL: f64 = 0.05;
+/// A variance below this part of the largest over time is none: the wave is not there yet.
+const NOTHING: f64 = 1e-6;
+/// Of central differences, in standard deviations.
+const DIFFERENCE: f64 = 0.02;
+/// Of the raw samples whose standard error is drawn.
+const RAW: f64 = 100.0;
+
+/// The gauge at a point of the plate that runs into a wall.
+const POINT: &str = "P";
+
+/// What is looked at, by gauge, quantity and time.
+struct Look {
+    problem: Problem,
+    words: &'static str,
+    quantities: &'static [&'static str],
+    /// The first time, the time between two (us), and how many.
+    times: (f64, f64, u32),
+    /// Over the coefficient of variation: name of the file, words, gauge, quantity, time (us).
+    at: &'static [(&'static str, &'static str, &'static str, usize, f64)],
+    /// Over time: name of the file, words, gauge, quantity.
+    over_time: &'static [(&'static str, &'static str, &'static str, usize)],
+}
+
+const LOOKS: [Look; 3] = [
+    Look {
+        problem: Problem::ContactExplosion,
+        words: "contact explosion, thin plate, cells of 5 mm",
+        times: (5.0, 0.5, 19),
+        quantities: &["flow_stress", "deviator_11"],
+        at: &[
+            ("hardened", "flow stress at H, 10 us: hardened", "H", 0, 10.0),
+            ("first-yield", "flow stress at G, 7 us: just yielded", "G", 0, 7.0),
+            ("unloading", "S11 at H, 12 us: unloading", "H", 1, 12.0),
+        ],
+        over_time: &[("strength", "S11 at G; A, B, n, C, m of steel", "G", 1)],
+    },
+    Look {
+        problem: Problem::ThickPlate,
+        words: "contact explosion, thick plate, cells of 5 mm",
+        times: (5.0, 0.5, 19),
+        quantities: &["pressure"],
+        at: &[
+            ("arrival", "pressure at F, 8.5 us: the shock arrives", "F", 0, 8.5),
+            ("behind", "pressure at F, 12 us: behind the shock", "F", 0, 12.0),
+        ],
+        over_time: &[("pressure", "pressure at F; S1, gamma0, a of steel", "F", 0)],
+    },
+    // The front passes the gauge at 4.95 us.
+    Look {
+        problem: Problem::PlateImpact,
+        words: "plate impact, cells of 0.5 mm",
+        times: (4.5, 0.05, 25),
+        quantities: &["pressure"],
+        at: &[("front", "pressure 3 cm deep, 4.8 us: a sharp front arrives", POINT, 0, 4.8)],
+        over_time: &[("front", "pressure 3 cm deep; S1, gamma0, a of steel", POINT, 0)],
+    },
+];
+
+impl Look {
+    fn times(&self) -> Vec<f64> {
+        let (first, step, n) = self.times;
+        (0..n).map(|k| first + step * f64::from(k)).collect()
+    }
+
+    /// The scene with one coefficient of variation for all parameters.
+    fn scene(&self, strength: f64) -> Result<SmpmScene, CaseError> {
+        let mut scene = self.problem.scene_with(strength, &self.times())?;
+        scene.quantities = self.quantities.iter().map(|name| (*name).to_owned()).collect();
+        for random in &mut scene.random {
+            random.law =
+                if strength > MOST_NORMAL { LawScene::Lognormal } else { LawScene::Normal };
+        }
+        if scene.dimension == 1 {
+            let (name, body) = (POINT.to_owned(), scene.bodies[0].name.clone());
+            scene.gauges = vec![GaugeScene { name, body, at: Some(vec![3.0]), within: None }];
+        }
+        Ok(scene)
+    }
+}
+
+/// The methods, in the order of [`Judged::errors`].
+const METHODS: [&str; 4] =
+    ["frozen, corrected", "propagated, by jets", "finite differences", "sigma points"];
+
+/// A law, solved by all methods and by the samples that judge them; all by response.
+struct Judged {
+    coefficient_of_variation: f64,
+    /// Gauge, quantity and time of each.
+    responses: Vec<(String, usize, f64)>,
+    variance: Vec<f64>,
+    /// Of each method, the error of its variance over the sampled one; or why it has none.
+    errors: Vec<Result<Vec<f64>, String>>,
+    /// Of the controlled and of the raw variance of [`RAW`] samples, over that variance.
+    standard_error: Vec<f64>,
+    raw_error: Vec<f64>,
+    /// The curvature ratio, and the distance to a switch (deviations); or why there is none.
+    indicators: Vec<(f64, f64)>,
+    n_failed: usize,
+}
+
+impl Judged {
+    /// Solves under one coefficient of variation for all parameters.
+    fn of<const D: usize, const N: usize>(
+        scene: &SmpmScene,
+        strength: f64,
+        n_samples: u64,
+    ) -> Result<Self, CaseError> {
+        let experiment = experiment::<D>(scene)?;
+        let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
+        let propagated = study.propagated()?;
+        let sampled = study.monte_carlo(MonteCarlo { seed: 2020, n_samples });
+        let plan = study.plan();
+        let name = |response| {
+            let (gauge, quantity, window) = plan.parts(response);
+            (plan.gauges[gauge].name.clone(), quantity, plan.windows[window].to)
+        };
+        let responses = (0..plan.n_responses()).map(name).collect();
+        let (mut variance, mut standard_error, mut raw_error) = (vec![], vec![], vec![]);
+        for (response, surrogate) in propagated.moments.iter().enumerate() {
+            let found = sampled.controlled(response, surrogate)?.variance;
+            let raw = sampled.raw(response)?.variance.standard_error().unwrap_or(f64::NAN);
+            variance.push(found.value);
+            standard_error.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
+            raw_error.push(raw * (sampled.n_samples() as f64 / RAW).sqrt() / found.value);
+        }
+        let against = |variances: Vec<f64>| -> Vec<f64> {
+            variances.iter().zip(&variance).map(|(found, truth)| found / truth - 1.0).collect()
+        };
+        let taylor =
+            |moments: &[Moments<N>]| moments.iter().map(Moments::variance_first_order).collect();
+        let judged = |variances: Result<Vec<f64>, Error>| {
+            variances.map(against).map_err(|error| error.to_string())
+        };
+        let frozen = study.frozen(FrozenForm::Corrected).map(|all| {
+            let of = |moments: &FrozenMoments<N>| {
+                moments.map_or(f64::NAN, |moments| moments.variance_first_order())
+            };
+            all.iter().map(of).collect()
+        });
+        let errors = vec![
+            judged(frozen),
+            judged(Ok(taylor(&propagated.moments))),
+            judged(study.finite_difference(DIFFERENCE).map(|moments| taylor(&moments))),
+            judged(study.sigma_points().map(|all| all.iter().map(SigmaPoints::variance).collect())),
+        ];
+        let indicator = |(moments, switch): (&Moments<N>, &Switch)| {
+            let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+            (curvature.map_or(f64::NAN, f64::sqrt), switch.at_end)
+        };
+        let indicators = propagated.moments.iter().zip(&propagated.switches).map(indicator);
+        Ok(Self {
+            coefficient_of_variation: strength,
+            indicators: indicators.collect(),
+            responses,
+            variance,
+            errors,
+            standard_error,
+            raw_error,
+            n_failed: sampled.failures.len(),
+        })
+    }
+
+    fn response(&self, gauge: &str, quantity: usize, time: f64) -> Result<usize, CaseError> {
+        let is_it = |known: &(String, usize, f64)| {
+            known.0 == gauge && known.1 == quantity && (known.2 - time).abs() < 1e-9
+        };
+        let found = self.responses.iter().position(is_it);
+        found.ok_or_else(|| "no response at this gauge and time".into())
+    }
+
+    /// `r` for curvature, `s` for a switch within two deviations.
+    fn warning(&self, response: usize) -> Option<&'static str> {
+        let (ratio, switch) = self.indicators[response];
+        match (ratio.is_nan() || ratio >= TRUSTED, switch <= Switch::LIMIT) {
+            (true, true) => Some("r s"),
+            (true, false) => Some("r"),
+            (false, true) => Some("s"),
+            (false, false) => None,
+        }
+    }
+}
+
+pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let is_quick = context.profile == Profile::Quick;
+    let strengths: &[f64] =
+        if is_quick { &[USUAL, 0.3] } else { &[0.01, 0.02, USUAL, 0.1, 0.2, 0.3, 0.5] };
+    let n_samples = if is_quick { 24 } else { 200 };
+    let mut drawings = Vec::new();
+    for look in &LOOKS {
+        let mut judged = Vec::new();
+        for &strength in strengths {
+            context.progress(&format!("Taylor series, {:?} at {strength}", look.problem));
+            let scene = look.scene(strength)?;
+            judged.push(match scene.dimension {
+                1 => Judged::of::<1, 3>(&scene, strength, n_samples)?,
+                _ => Judged::of::<2, 5>(&scene, strength, n_samples)?,
+            });
+        }
+        for &(name, words, gauge, quantity, time) in look.at {
+            let response = judged[0].response(gauge, quantity, time)?;
+            drawings.push(over_variation((name, words, look.words), &judged, response, n_samples)?);
+        }
+        let usual =
+            judged.iter().find(|one| one.coefficient_of_variation.total_cmp(&USUAL).is_eq());
+        let usual = usual.ok_or("the usual coefficient of variation is not swept")?;
+        for &(name, words, gauge, quantity) in look.over_time {
+            drawings.push(over_time(
+                (name, words, look.words),
+                usual,
+                (gauge, quantity),
+                &look.times(),
+            )?);
+        }
+    }
+    Ok(drawings)
+}
+
+/// A line beside the errors: its name, and its value at a response.
+type Level = (&'static str, fn(&Judged, usize) -> f64);
+
+/// The error of every method over the coefficient of variation, with the indicator's warning.
+fn over_variation(
+    (name, what, problem): (&str, &str, &str),
+    judged: &[Judged],
+    response: usize,
+    n_samples: u64,
+) -> Result<Drawing, CaseError> {
+    let point = |one: &Judged, value: Result<f64, String>, bar, label: Option<&str>| Run {
+        cost: one.coefficient_of_variation,
+        cost_error: None,
+        outcome: match value {
+            Ok(value) if value > 0.0 && value.is_finite() => {
+                RunOutcome::Error { value, standard_error: bar }
+            }
+            Ok(value) => RunOutcome::Failed { reason: format!("the error is {value}") },
+            Err(reason) => RunOutcome::Failed { reason },
+        },
+        label: label.map(str::to_owned),
+    };
+    let mut series = Vec::new();
+    for (m, method) in METHODS.into_iter().enumerate() {
+        let run = |one: &Judged| {
+            let value = one.errors[m].as_ref().map(|errors| errors[response].abs());
+            let label = if m == 1 { one.warning(response) } else { None };
+            point(one, value.map_err(Clone::clone), Some(one.standard_error[response]), label)
+        };
+        series.push(Method { name: method.into(), runs: judged.iter().map(run).collect() });
+    }
+    let others: [Level; 2] = [
+        ("standard error of 100 raw samples", |one, response| one.raw_error[response]),
+        ("curvature ratio r of the jets", |one, response| one.indicators[response].0),
+    ];
+    for (method, of) in others {
+        let run = |one: &Judged| point(one, Ok(of(one, response)), None, None);
+        series.push(Method { name: method.into(), runs: judged.iter().map(run).collect() });
+    }
+    let n_failed: usize = judged.iter().map(|one| one.n_failed).sum();
+    let words = Words {
+        title: format!("Error of the variance: {what}"),
+        subtitle: format!(
+            "{problem}; all parameters alike, normal up to {MOST_NORMAL}, lognormal beyond"
+        ),
+        x_label: "coefficient of variation of every parameter".into(),
+        y_label: "relative error of the variance".into(),
+        caption: vec![
+            format!(
+                "Against {n_samples} samples with control variate; bars: their standard error. {n_failed} samples of all failed."
+            ),
+            format!(
+                "Jets and differences lie on each other. Letters at the jets: warned, r by a curvature ratio of {TRUSTED} or more, s by a switch between elastic and plastic within two deviations."
+            ),
+        ],
+    };
+    let row = |one: &Judged| {
+        let of = |errors: &Result<Vec<f64>, String>| match errors {
+            Ok(errors) => format!("{:+9.2} %", 100.0 * errors[response]),
+            Err(_) => "    ended  ".to_owned(),
+        };
+        let errors: Vec<String> = one.errors.iter().map(of).collect();
+        format!(
+            "  cv {:4}  {}  (judge +- {:.2} %)  r {:.3}  {}",
+            one.coefficient_of_variation,
+            errors.join(" "),
+            100.0 * one.standard_error[response],
+            one.indicators[response].0,
+            one.warning(response).map_or("", |_| "warned")
+        )
+    };
+    let mut rows = vec![format!("  {what}: {}", METHODS.join(" | "))];
+    rows.extend(judged.iter().map(row));
+    let name = format!("smpm-breakdown-{name}");
+    // Every method is asked at the same coefficients.
+    let chart = WorkPrecision { words, reading: Reading::Parameter, series };
+    Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows.join("\n")))
+}
+
+/// The error of every method over time, and where it is warned of.
+fn over_time(
+    (name, what, problem): (&str, &str, &str),
+    judged: &Judged,
+    (gauge, quantity): (&str, usize),
+    times: &[f64],
+) -> Result<Drawing, CaseError> {
+    let mut responses = Vec::new();
+    for &time in times {
+        responses.push((time, judged.response(gauge, quantity, time)?));
+    }
+    let largest = responses.iter().map(|&(_, r)| judged.variance[r]).fold(0.0, f64::max);
+    responses.retain(|&(_, r)| judged.variance[r] > NOTHING * largest);
+    let mut lines = Vec::new();
+    for (method, errors) in METHODS.iter().zip(&judged.errors) {
+        let Ok(errors) = errors else { continue };
+        let value =
+            |&(time, r): &(f64, usize)| (time, Some(errors[r].abs()).filter(|e| e.is_finite()));
+        let points = responses.iter().map(value).collect();
+        lines.push(Line { name: (*method).to_owned(), points });
+    }
+    let own = responses.iter().map(|&(time, r)| (time, Some(judged.standard_error[r])));
+    lines.push(Line { name: "standard error of the judge".into(), points: own.collect() });
+    let jets = judged.errors[1].as_ref().map_err(Clone::clone)?;
+    let warned = |letter: char, name: &str| ReferencePoints {
+        name: name.into(),
+        points: responses
+            .iter()
+            .filter(|&&(_, r)| judged.warning(r).is_some_and(|warning| warning.contains(letter)))
+            .map(|&(x, r)| ReferencePoint { x, y: jets[r].abs(), error: None })
+            .collect(),
+    };
+    let references = vec![
+        warned('r', "warned by the curvature ratio"),
+        warned('s', "warned by a switch within two deviations"),
+    ];
+    let row = |&(time, r): &(f64, usize)| {
+        let (ratio, switch) = judged.indicators[r];
+        format!(
+            "  {time:5.2} us  jets {:+8.2} %  r {ratio:.3}  switch {switch:.1} deviations",
+            100.0 * jets[r]
+        )
+    };
+    let rows: Vec<String> = responses.iter().map(row).collect();
+    let chart = TimeSeries {
+        words: Words {
+            title: format!("Where derivatives do not say the variance: {what}"),
+            subtitle: format!("{problem}, coefficient of variation {USUAL}, normal"),
+            x_label: "time (us)".into(),
+            y_label: "relative error of the variance".into(),
+            caption: vec![
+                "Peaks: the shock arrives, the gauge yields first, the gradient passes through zero. Jets and differences lie on each other. Before the first point nothing has arrived.".into(),
+            ],
+        },
+        scale: Scale::Log,
+        lines,
+        bands: Vec::new(),
+        references,
+    };
+    let name = format!("smpm-derivatives-{name}");
+    Ok(Drawing { table: rows.join("\n"), ..Drawing::time_series(&name, &chart)? })
+}

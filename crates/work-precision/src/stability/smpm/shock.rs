@@ -1,0 +1,136 @@
+//! A plane shock in steel: Courant number against linear viscosity and against particles per cell.
+
+use crate::context::CaseError;
+use crate::problems::smpm::schemes::{FLIP, ORDERS, SHAPES, Shock, scheme};
+use crate::stability::axes::{linear, logarithmic, words};
+use crate::stability::{Panel, Work};
+use figures::Drawing;
+use figures::Scale;
+use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene};
+
+/// Most steps of a run: ten times what a usual one takes.
+const MOST_STEPS: u64 = 10_000;
+/// Of the pressure behind the front.
+const TOLERANCE: f64 = 0.05;
+/// Cells of half a millimetre (cm).
+const CELL: f64 = 0.05;
+/// What is damped where the viscosity is not swept.
+const VISCOSITY: f64 = 0.3;
+
+/// Every shape function with modified stress last, and the other update orders with quadratic B-splines.
+pub(super) fn maps(n: u32) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = Vec::new();
+    for (shape, name) in SHAPES {
+        drawings.push(viscosity(n, shape, (ORDERS[2].0, "MUSL"), name)?);
+        drawings.push(particles(n, shape, name)?);
+    }
+    for order in &ORDERS[..2] {
+        drawings.push(viscosity(n, ShapeScene::QuadraticBSpline, *order, "quadratic")?);
+    }
+    Ok(drawings)
+}
+
+/// The larger of ripple and error of the mean.
+fn error(scheme: &SchemeScene, per_cell: u32, work: &mut Work) -> Result<f64, CaseError> {
+    let mut scene = Shock::USUAL.scene(scheme, CELL)?;
+    scene.grid.particles_per_cell = per_cell;
+    let behind = Shock::USUAL.behind(&scene, work)?;
+    Ok(behind.ripple.max(behind.pressure.abs()))
+}
+
+/// The Courant number at which a wave crosses a cell in a step.
+const REFUSED: f64 = 1.0;
+
+const SUBTITLE: &str =
+    "pressure behind a shock of 0.47 Mbar in steel: the larger of ripple and error of the mean";
+
+const FOOT: &str = "A plate at 1 km/s on a rigid wall, cells of 0.5 mm, quadratic viscosity 1.5. \
+     Boundary: a wave crosses a cell in a step; such a Courant number is refused.";
+
+fn viscosity(
+    n: u32,
+    shape: ShapeScene,
+    (order, order_name): (OrderScene, &str),
+    name: &str,
+) -> Result<Drawing, CaseError> {
+    let run = |viscosity: f64, courant: f64, work: &mut Work| {
+        let scheme = SchemeScene {
+            update_order: Some(order),
+            courant_number: Some(courant),
+            ..scheme(shape, FLIP, viscosity)
+        };
+        error(&scheme, 2, work)
+    };
+    let id = order_name.to_lowercase();
+    Ok(Panel {
+        name: format!("smpm-viscosity-{}-{id}", name.to_lowercase()),
+        words: words(
+            format!("{name}, {order_name}, FLIP: linear viscosity and step"),
+            SUBTITLE,
+            ["coefficient of the linear viscosity", "Courant number"],
+            &format!("{FOOT} 2 particles a cell."),
+        ),
+        scale: Scale::Log,
+        across: linear(n, 0.0, 1.4),
+        upwards: logarithmic(n, 0.1, 1.3),
+        boundary: Some(("a wave crosses a cell", &|_| Some(REFUSED))),
+        tolerance: TOLERANCE,
+        work_limit: MOST_STEPS,
+        run: &run,
+    }
+    .sweep()?)
+}
+
+fn particles(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError> {
+    let run = |per_cell: f64, courant: f64, work: &mut Work| {
+        let scheme =
+            SchemeScene { courant_number: Some(courant), ..scheme(shape, FLIP, VISCOSITY) };
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 6")]
+        let per_cell = per_cell.round() as u32;
+        error(&scheme, per_cell, work)
+    };
+    Ok(Panel {
+        name: format!("smpm-particles-{}", name.to_lowercase()),
+        words: words(
+            format!("{name}, MUSL, FLIP: particles per cell and step"),
+            SUBTITLE,
+            ["particles per cell", "Courant number"],
+            &format!("{FOOT} Linear viscosity {VISCOSITY}."),
+        ),
+        scale: Scale::Log,
+        across: linear(6, 1.0, 6.0),
+        upwards: logarithmic(n, 0.1, 1.3),
+        boundary: Some(("a wave crosses a cell", &|_| Some(REFUSED))),
+        tolerance: TOLERANCE,
+        work_limit: MOST_STEPS,
+        run: &run,
+    }
+    .sweep()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::{Map, Outcome};
+
+    /// Every run ends in a number or in an error that says what was out of range.
+    #[test]
+    fn beyond_the_courant_limit_every_run_is_refused_and_within_it_none_is_without_a_number() {
+        let order = (OrderScene::ModifiedStressLast, "MUSL");
+        let drawing = viscosity(2, ShapeScene::QuadraticBSpline, order, "quadratic").unwrap();
+        let map: Map = serde_json::from_str(&drawing.data).unwrap();
+        assert_eq!(map.points.len(), 8);
+        for point in &map.points {
+            match &point.outcome {
+                Outcome::Accurate { error } => assert!(point.y < 1.0 && *error <= TOLERANCE),
+                Outcome::Degraded { error } => assert!(point.y < 1.0 && error.is_some()),
+                Outcome::Ended { error } => {
+                    assert!(point.y > 1.0 && error.contains("courant_number"), "{error}");
+                }
+            }
+        }
+        // 1.4 of linear viscosity damps the ringing at a small step.
+        let damped = map.points.iter().find(|point| point.x > 1.0 && point.y < 0.2).unwrap();
+        assert!(matches!(damped.outcome, Outcome::Accurate { .. }), "{damped:?}");
+    }
+}

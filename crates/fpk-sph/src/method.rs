@@ -141,6 +141,18 @@ pub enum StepRule {
     },
 }
 
+impl StepRule {
+    /// The longest step that the rule allows, whatever the limits.
+    pub(crate) fn longest(self, reference_period: f64) -> f64 {
+        match self {
+            Self::Courant { .. } => f64::INFINITY,
+            Self::Fixed { dt } => dt,
+            Self::DiffusionLimited { longest } => longest,
+            Self::PeriodFraction { steps_per_period } => reference_period / steps_per_period,
+        }
+    }
+}
+
 impl Scheme {
     /// Largest `D_y dt / R^2` that is allowed, with `D_y` the trace of the diffusion matrix in the metric and `R` the
     /// support radius. Runge-Kutta 4, measured on the damper with 6,561 particles: with deformed-lattice volumes runs hold

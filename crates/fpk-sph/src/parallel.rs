@@ -5,8 +5,10 @@ use crate::error::Error;
 use crate::score::{Estimates, Fits};
 
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
-#[cfg(feature = "rayon")]
 const GRAIN: usize = 128;
+
+/// Particles in a block of [`for_each_block`] at most.
+pub(crate) const BLOCK: usize = GRAIN;
 
 /// `out[i] = value(i)`.
 pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
@@ -21,9 +23,22 @@ pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
     }
 }
 
+/// `write(first, block)` for blocks of at most [`BLOCK`] entries, the first of which is `out[first]`.
+pub(crate) fn for_each_block<T: Send>(out: &mut [T], write: impl Fn(usize, &mut [T]) + Sync) {
+    #[cfg(feature = "rayon")]
+    {
+        use rayon::prelude::*;
+        out.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| write(k * BLOCK, block));
+    }
+    #[cfg(not(feature = "rayon"))]
+    for (k, block) in out.chunks_mut(BLOCK).enumerate() {
+        write(k * BLOCK, block);
+    }
+}
+
 /// `(score, density, volume)[i] = value(i)`.
 pub(crate) fn for_each_particle<const D: usize>(
-    out: &mut Estimates<'_, D>,
+    out: &mut Estimates<D>,
     value: impl Fn(usize) -> ([f64; D], f64, f64) + Sync,
 ) {
     let write = |i: usize, score: &mut [f64; D], density: &mut f64, volume: &mut f64| {

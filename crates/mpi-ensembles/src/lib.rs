@@ -8,6 +8,7 @@ mod message;
 mod mpi_world;
 mod ranks;
 mod report;
+mod run;
 mod store;
 mod threads;
 mod work;

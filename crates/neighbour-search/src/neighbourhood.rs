@@ -30,10 +30,11 @@ use core::ops::Range;
 
 use crate::aligned::Aligned;
 use crate::candidates::{Candidates, Larger, Middle, Mine, Sight};
+use crate::criterion::Criterion;
 use crate::domain::square;
 use crate::frame::{Bounds, Frame};
-use crate::radii::{Criterion, Radii};
-use crate::search::stored;
+use crate::index::stored;
+use crate::radii::Radii;
 use crate::simd::{Lanes, PAD, Work};
 use crate::sorted::{Listed, Order, Rule, Sorted, Stretch};
 

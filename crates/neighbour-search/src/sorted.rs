@@ -2,11 +2,12 @@
 
 use core::ops::Range;
 
+use crate::criterion::Criterion;
 use crate::domain::Domain;
 use crate::frame::{Bounds, Frame};
+use crate::index::stored;
 use crate::parallel;
-use crate::radii::{Criterion, Radii};
-use crate::search::stored;
+use crate::radii::Radii;
 use crate::simd::PAD;
 
 /// Points in the order of a search: slot by slot, in single precision, padded so that a full vector can be read from any slot.

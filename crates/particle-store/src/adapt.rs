@@ -2,24 +2,15 @@
 
 use core::ops::Range;
 
-use crate::column::{Element, Handle, Kind, SymmetricTensor, Values, of_any_kind};
+use crate::column::{Element, Handle, Values, of_any_kind};
 use crate::error::Error;
+use crate::kind::Kind;
+use crate::rule::Rule;
 use crate::store::{Column, ParticleStore};
+use crate::tensor::SymmetricTensor;
 
 /// Shares of a split add up to one but for the rounding of a few hundred of them.
 const SHARES_ROUNDING: f64 = 1e-12;
-
-/// What a column does when particles are split and merged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Rule {
-    /// Split in proportion to mass, added up when merged: volume, momentum, energy. Real numbers only.
-    Sum,
-    /// Copied to the children, averaged with masses as weights when merged: velocity, density. Real numbers only.
-    Mean,
-    /// Copied to the children, taken from the first when merged: phase, body, smoothing length.
-    First,
-}
 
 /// The columns that splitting and merging need to know, and the rule of every other.
 #[derive(Debug, Clone, Copy)]

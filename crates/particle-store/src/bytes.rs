@@ -2,9 +2,9 @@
 
 use std::io::{ErrorKind, Read, Write};
 
-use crate::column::SymmetricTensor;
 use crate::error::Error;
 use crate::hash::Xxh64;
+use crate::tensor::SymmetricTensor;
 
 /// Values moved between buffer and stream at a time.
 const CHUNK: usize = 1024;

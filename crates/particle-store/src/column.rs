@@ -3,56 +3,8 @@
 use core::marker::PhantomData;
 
 use crate::bytes::Bytes;
-
-/// What a column holds, one value for each particle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Kind {
-    /// `f64`
-    Scalar,
-    /// `[f64; D]`
-    Point,
-    /// `i64`
-    Integer,
-    /// `[i32; D]`
-    Index,
-    /// [`SymmetricTensor`]
-    Tensor,
-    /// `u8`
-    Flag,
-    /// `u32`
-    Label,
-}
-
-/// A symmetric 3 x 3 tensor, in whatever dimension the particles are: `[xx, yy, zz, xy, yz, xz]`, the order of VTK.
-///
-/// A type of its own, because six bare numbers are a point in six dimensions.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[repr(transparent)]
-pub struct SymmetricTensor(pub [f64; 6]);
-
-impl SymmetricTensor {
-    /// From its matrix, of which the upper triangle is read.
-    ///
-    /// ```
-    /// use particle_store::SymmetricTensor;
-    ///
-    /// let matrix = [[1.0, 4.0, 6.0], [4.0, 2.0, 5.0], [6.0, 5.0, 3.0]];
-    /// assert_eq!(SymmetricTensor::from_matrix(matrix).0, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-    /// assert_eq!(SymmetricTensor::from_matrix(matrix).to_matrix(), matrix);
-    /// ```
-    #[must_use]
-    pub const fn from_matrix(m: [[f64; 3]; 3]) -> Self {
-        Self([m[0][0], m[1][1], m[2][2], m[0][1], m[1][2], m[0][2]])
-    }
-
-    /// The whole matrix.
-    #[must_use]
-    pub const fn to_matrix(self) -> [[f64; 3]; 3] {
-        let [xx, yy, zz, xy, yz, xz] = self.0;
-        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    }
-}
+use crate::kind::Kind;
+use crate::tensor::SymmetricTensor;
 
 /// A type that a column of a store in `D` dimensions can hold: `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`,
 /// `u8` or `u32`.

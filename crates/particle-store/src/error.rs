@@ -1,7 +1,7 @@
 //! What can go wrong with columns, snapshots, files and lattices.
 
-use crate::adapt::Rule;
-use crate::column::Kind;
+use crate::kind::Kind;
+use crate::rule::Rule;
 
 /// Why a store, a snapshot, a file or a lattice could not do what was asked.
 #[derive(Debug, thiserror::Error)]

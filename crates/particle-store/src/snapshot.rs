@@ -3,9 +3,10 @@
 use std::io::{Read, Write};
 
 use crate::bytes::{HashingReader, HashingWriter};
-use crate::column::{Element, SymmetricTensor, Values, of_any_kind};
+use crate::column::{Element, Values, of_any_kind};
 use crate::error::Error;
 use crate::store::{Attribute, Column, ParticleStore};
+use crate::tensor::SymmetricTensor;
 
 const MAGIC: [u8; 8] = *b"PARTSTOR";
 

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::column::{Element, Handle, Kind, Scratch, Values, permute, retain};
+use crate::column::{Element, Handle, Scratch, Values, permute, retain};
 use crate::error::Error;
+use crate::kind::Kind;
 
 /// A named value of the whole store: time, step count, seed.
 #[derive(Debug, Clone, Copy, PartialEq)]

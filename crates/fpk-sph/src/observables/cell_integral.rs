@@ -10,6 +10,7 @@ use crate::lattice::index_of_place;
 use crate::metric::Whitening;
 use crate::score::LocalMap;
 use crate::simulation::Simulation;
+use crate::solver::Solver;
 
 /// The density as a function: around each particle `psi_i exp(g.u + u.H u / 2)` over the lattice cell as the flow has
 /// deformed it, with the local fit of log density. The cells tile the cloud where the flow is affine over a spacing.
@@ -52,29 +53,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of the local fits: too few neighbours, a singular covariance.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
-        let beyond = beyond_the_cloud(&self.field.lattice.places);
-        let masses = self.masses();
-        if let Some((stage, maps)) = self.local_maps()? {
-            let cell = |(i, map): (usize, LocalMap<D>)| Cell {
-                centre: stage.whitened[i],
-                map,
-                weight: masses[i],
-                beyond: vec![],
-                mass: 0.0,
-                trusted: true,
-            };
-            let cells = maps.into_iter().enumerate().map(cell).collect();
-            return Ok(CellIntegral::finish(stage.whitening, cells, beyond, None));
-        }
-        let (stage, fits) = self.local_fits()?;
-        let cells = fits
-            .iter()
-            .enumerate()
-            .map(|(i, fit)| {
-                Cell::of_fit(&stage.whitened, &self.field.lattice.axis_neighbours, i, fit)
-            })
-            .collect::<Result<_, _>>()?;
-        Ok(CellIntegral::finish(stage.whitening, cells, beyond, Some(masses)))
+        CellIntegral::new(&self.solver)
     }
 }
 
@@ -130,6 +109,37 @@ fn steps_beyond<const D: usize>() -> Vec<[i32; D]> {
 }
 
 impl<const D: usize> CellIntegral<D> {
+    fn new(solver: &Solver<D>) -> Result<Self, Error> {
+        let beyond = beyond_the_cloud(&solver.discretisation.lattice.places);
+        let masses = &solver.state.masses;
+        if let Some((cloud, maps)) = solver.local_maps()? {
+            let cell = |(i, map): (usize, LocalMap<D>)| Cell {
+                centre: cloud.positions[i],
+                map,
+                weight: masses[i],
+                beyond: vec![],
+                mass: 0.0,
+                trusted: true,
+            };
+            let cells = maps.into_iter().enumerate().map(cell).collect();
+            return Ok(Self::finish(cloud.whitening, cells, beyond, None));
+        }
+        let (cloud, fits) = solver.local_fits()?;
+        let cells = fits
+            .iter()
+            .enumerate()
+            .map(|(i, fit)| {
+                Cell::of_fit(
+                    &cloud.positions,
+                    &solver.discretisation.lattice.axis_neighbours,
+                    i,
+                    fit,
+                )
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self::finish(cloud.whitening, cells, beyond, Some(masses)))
+    }
+
     /// Holds every cell against its particle's mass, where it rests on a fit of the density, and lets those that are
     /// trusted go on beyond the cloud. A flow map needs no trust: its cell holds the mass that it held at the start.
     fn finish(

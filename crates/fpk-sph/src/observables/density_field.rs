@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::metric::{Metric, Whitening};
 use crate::score::{inverse, lattice_jacobian, solve_transposed};
 use crate::simulation::Simulation;
+use crate::solver::Solver;
 
 /// The density as a function of the state, from density and score at the particles. What is carried from the particles to
 /// a point is the departure from the cloud's Gaussian, in whitened coordinates,
@@ -55,16 +56,23 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Those of the metric and of the estimator; [`Error::NoLatticeCell`]; [`Error::LeftStableRange`] for a
     /// particle whose lattice cell has no volume.
     pub fn density_field(&self) -> Result<DensityField<D>, Error> {
-        let stage = self.evaluated()?;
-        let (positions, masses) = (self.positions(), self.masses());
-        let at = (self.work().steps, self.time());
+        DensityField::new(&self.solver)
+    }
+}
+
+impl<const D: usize> DensityField<D> {
+    fn new(solver: &Solver<D>) -> Result<Self, Error> {
+        let evaluation = solver.evaluated()?;
+        let (cloud, estimates) = (&evaluation.cloud, &evaluation.estimates);
+        let (positions, masses) = (&solver.state.positions, &solver.state.masses);
+        let at = (solver.state.n_steps, solver.state.time);
         let whitening = Whitening::of(Metric::Whitened, positions, masses, at)?;
         let determinant = whitening.determinant();
         // From the method's metric to the state, and from there to whitened coordinates.
-        let to_whitened = determinant / stage.whitening.determinant();
+        let to_whitened = determinant / cloud.whitening.determinant();
         let y: Vec<[f64; D]> = positions.iter().map(|x| whitening.whiten(x)).collect();
         let node = |i: usize| {
-            let edges = lattice_jacobian(&y, &self.field.lattice.axis_neighbours, i)
+            let edges = lattice_jacobian(&y, &solver.discretisation.lattice.axis_neighbours, i)
                 .ok_or(Error::NoLatticeCell { particle: i })?;
             let to_cell = inverse(&edges).ok_or(Error::LeftStableRange {
                 step: at.0,
@@ -73,13 +81,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
                 quantity: "cell volume",
                 value: 0.0,
             })?;
-            let score = stage.whitening.unwhiten_gradient(&stage.score[i]);
+            let score = cloud.whitening.unwhiten_gradient(&estimates.score[i]);
             let score = whitening.whiten_gradient(&score);
             // |y - y_i| is at most the Frobenius norm of the edges times the length in spacings.
             let norm_squared: f64 = edges.as_flattened().iter().map(|e| e * e).sum();
             Ok(Node {
                 y: y[i],
-                departure: (stage.density[i] * to_whitened).ln()
+                departure: (estimates.density[i] * to_whitened).ln()
                     + 0.5 * y[i].iter().map(|c| c * c).sum::<f64>(),
                 gradient: std::array::from_fn(|k| score[k] + y[i][k]),
                 to_cell,
@@ -87,11 +95,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
             })
         };
         let nodes = (0..y.len()).map(node).collect::<Result<_, Error>>()?;
-        Ok(DensityField { whitening, log_determinant: determinant.ln(), nodes })
+        Ok(Self { whitening, log_determinant: determinant.ln(), nodes })
     }
-}
 
-impl<const D: usize> DensityField<D> {
     /// `psi(x)`, in the units of the state.
     pub fn density_at(&self, x: &[f64; D]) -> f64 {
         self.log_density_at(x).exp()

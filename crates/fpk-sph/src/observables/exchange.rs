@@ -67,87 +67,56 @@ impl<const D: usize> LatticeExchange<D> {
         Self { grid: PlaceGrid::new(places), pairs: Vec::new(), moves: Vec::new() }
     }
 
-    /// Finds who exchanges with whom where the particles are now, with the columns of the noise of each and the demand as
-    /// a function.
+    /// The pairs that exchange where the particles are now, and their moves, with the columns of the noise, particle by
+    /// particle, and the demand as a function.
     ///
     /// # Errors
     /// [`Error::NoLatticeCell`]; [`Error::LeftStableRange`] where a cell has no volume; [`Error::NotFinite`] for a demand.
-    pub(crate) fn find<const M: usize>(
+    pub(crate) fn find(
         &mut self,
         scene: &Scene<'_, D>,
-        noise: impl Fn(usize) -> [[f64; M]; D],
+        noise: &[[f64; D]],
         demand: impl Fn(&[f64; D]) -> f64,
     ) -> Result<(), Error> {
         self.pairs.clear();
         self.moves.clear();
+        let n_columns = noise.len() / scene.positions.len().max(1);
         for i in 0..scene.positions.len() {
             let edges = lattice_jacobian(scene.positions, scene.lattice, i)
                 .ok_or(Error::NoLatticeCell { particle: i })?;
-            let transposed = std::array::from_fn(|k| std::array::from_fn(|l| edges[l][k]));
-            let g = noise(i);
-            for m in 0..M {
-                let column: [f64; D] = std::array::from_fn(|k| g[k][m]);
-                if column.iter().all(|&value| value == 0.0) {
-                    continue;
-                }
-                let b: [f64; D] = solve_transposed(&transposed, &column);
-                let size = b.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
-                if !size.is_finite() || b.iter().any(|value| value.is_nan()) {
-                    let ((step, time), quantity) = (scene.at, "cell volume");
-                    return Err(Error::LeftStableRange {
-                        step,
-                        time,
-                        particle: i,
-                        quantity,
-                        value: 0.0,
-                    });
-                }
-                if size > 0.0 {
-                    self.add(scene, i, &Along::of(&b, size), &column, &demand)?;
+            for column in &noise[i * n_columns..(i + 1) * n_columns] {
+                let Some(along) = Along::of_column(&edges, column, i, scene)? else { continue };
+                for sign in [1, -1] {
+                    let length = f64::from(sign) * along.time.sqrt();
+                    let x = &scene.positions[i];
+                    let value = demand(&std::array::from_fn(|k| x[k] + length * column[k]));
+                    if !value.is_finite() {
+                        return Err(Error::NotFinite { name: "demand", value });
+                    }
+                    self.add(scene.masses, i, &along, sign, value);
                 }
             }
         }
         Ok(())
     }
 
-    /// The two moves of particle `i` along one column of its noise.
-    fn add(
-        &mut self,
-        scene: &Scene<'_, D>,
-        i: usize,
-        along: &Along<D>,
-        column: &[f64; D],
-        demand: impl Fn(&[f64; D]) -> f64,
-    ) -> Result<(), Error> {
-        let (x, own) = (&scene.positions[i], self.grid.id(i));
-        for sign in [1, -1] {
-            let length = f64::from(sign) * along.time.sqrt();
-            let there = std::array::from_fn(|k| x[k] + length * column[k]);
-            let value = demand(&there);
-            if !value.is_finite() {
-                return Err(Error::NotFinite { name: "demand", value });
-            }
-            let mut whole = 0.0;
-            for (corner, weight) in along.corners() {
-                let j = self.grid.neighbour(i, &corner.map(|step| sign * step));
-                let mean = fitted_mean(scene.masses[i], scene.masses[j.map_or(i, |j| j as usize)]);
-                let conductance = weight * mean / (2.0 * along.time);
-                whole += conductance;
-                if let Some(j) = j.filter(|&j| j != own && conductance > 0.0) {
-                    // The other half comes from the moves of the other end.
-                    self.pairs.push(Pair {
-                        i: own,
-                        j,
-                        conductance: 0.5 * conductance,
-                        demand: value,
-                    });
-                }
-            }
-            if whole > 0.0 {
-                self.moves.push(Move { i: own, conductance: whole, demand: value });
+    /// The move of particle `i` along one column of its noise or against it, to where the demand has this value.
+    fn add(&mut self, masses: &[f64], i: usize, along: &Along<D>, sign: i32, demand: f64) {
+        let own = self.grid.id(i);
+        let mut whole = 0.0;
+        for (corner, weight) in along.corners() {
+            let j = self.grid.neighbour(i, &corner.map(|step| sign * step));
+            let mean = fitted_mean(masses[i], masses[j.map_or(i, |j| j as usize)]);
+            let conductance = weight * mean / (2.0 * along.time);
+            whole += conductance;
+            if let Some(j) = j.filter(|&j| j != own && conductance > 0.0) {
+                // The other half comes from the moves of the other end.
+                self.pairs.push(Pair { i: own, j, conductance: 0.5 * conductance, demand });
             }
         }
-        Ok(())
+        if whole > 0.0 {
+            self.moves.push(Move { i: own, conductance: whole, demand });
+        }
     }
 }
 
@@ -163,6 +132,26 @@ struct Along<const D: usize> {
 const MOST_CORNERS: usize = 7;
 
 impl<const D: usize> Along<D> {
+    /// A column of the noise of particle `i`, whose cell has these edges; none where it is zero.
+    fn of_column(
+        edges: &[[f64; D]; D],
+        column: &[f64; D],
+        i: usize,
+        scene: &Scene<'_, D>,
+    ) -> Result<Option<Self>, Error> {
+        if column.iter().all(|&value| value == 0.0) {
+            return Ok(None);
+        }
+        let transposed = std::array::from_fn(|k| std::array::from_fn(|l| edges[l][k]));
+        let b: [f64; D] = solve_transposed(&transposed, column);
+        let size = b.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+        if !size.is_finite() || b.iter().any(|value| value.is_nan()) {
+            let ((step, time), quantity) = (scene.at, "cell volume");
+            return Err(Error::LeftStableRange { step, time, particle: i, quantity, value: 0.0 });
+        }
+        Ok((size > 0.0).then(|| Self::of(&b, size)))
+    }
+
     /// `b` on the lattice, per square root of time, and its largest component: of the moves up to the longest, the one
     /// that adds least across.
     fn of(b: &[f64; D], size: f64) -> Self {
@@ -333,9 +322,9 @@ mod tests {
         let masses = vec![1.0; positions.len()];
         let scene =
             Scene { positions: &positions, masses: &masses, lattice: &lattice, at: (0, 0.0) };
-        let g = [[0.0], [0.4]];
+        let g = [0.0, 0.4];
         let mut exchange = LatticeExchange::new(&places);
-        exchange.find(&scene, |_| g, |x| x[0]).unwrap();
+        exchange.find(&scene, &vec![g; positions.len()], |x| x[0]).unwrap();
         let middle = 112;
         // b = F^-1 g = (-4, 20)/13: two spacings along it lead to (-0.4, 2), by 0.4 to (-1, 2) and by 0.6 to (0, 2), which
         // are (-0.3, 0.7) and (0.2, 0.4) in the state, within 1.69 units of time. The operator itself gives 0.08 and 0.

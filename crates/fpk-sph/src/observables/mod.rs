@@ -26,6 +26,7 @@ mod cell_integral;
 mod density_field;
 mod exchange;
 mod first_passage;
+mod local_fits;
 mod moments;
 mod survival;
 

@@ -3,7 +3,9 @@
 use sde_integrators::Sde;
 
 use crate::error::{Error, finite};
+use crate::evaluation::Evaluation;
 use crate::simulation::Simulation;
+use crate::solver::Solver;
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// `E[x_1^a_1 .. x_D^a_D] = sum_i mu_i prod_k x_ik^a_k` (Canor & Denoël 2013, eq 22, where `psi_i dV_i` is `mu_i` by
@@ -33,9 +35,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of the metric and of the estimator.
     pub fn density(&self) -> Result<Vec<f64>, Error> {
-        let stage = self.evaluated()?;
-        let determinant = stage.whitening.determinant();
-        Ok(stage.density.iter().map(|psi| psi / determinant).collect())
+        density(&self.solver)
     }
 
     /// `E[-log psi] = -sum mu_i log psi_i`, in nats.
@@ -43,8 +43,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of [`Self::density`].
     pub fn entropy(&self) -> Result<f64, Error> {
-        let density = self.density()?;
-        Ok(density.iter().zip(self.masses()).map(|(psi, mu)| -mu * psi.ln()).sum())
+        entropy(&self.solver)
     }
 
     /// Relative L2 error against a density that is known,
@@ -53,15 +52,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of [`Self::density`].
     pub fn density_error(&self, exact: impl Fn(&[f64; D]) -> f64) -> Result<f64, Error> {
-        let stage = self.evaluated()?;
-        let determinant = stage.whitening.determinant();
-        let (mut square_error, mut square) = (0.0, 0.0);
-        for ((x, psi), volume) in self.positions().iter().zip(&stage.density).zip(&stage.volume) {
-            let reference = exact(x);
-            square_error += volume * (psi / determinant - reference).powi(2);
-            square += volume * reference * reference;
-        }
-        Ok((square_error / square).sqrt())
+        let exact: Vec<f64> = self.positions().iter().map(exact).collect();
+        density_error(&self.solver, &exact)
     }
 
     /// `P(y > T) = sum mu_i I(y(x_i) > T)`: the paper's estimator (Canor & Denoël 2013, eq 25). A staircase in `T`.
@@ -88,27 +80,54 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         threshold: f64,
     ) -> Result<f64, Error> {
         finite("threshold", threshold)?;
-        let mut particles: Vec<(f64, f64)> =
-            self.positions().iter().map(demand).zip(self.masses().iter().copied()).collect();
-        if let Some(&(value, _)) = particles.iter().find(|(y, _)| !y.is_finite()) {
-            return Err(Error::NotFinite { name: "demand", value });
-        }
-        particles.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-        let mut above: Option<(f64, f64)> = None;
-        let mut mass_beyond = 0.0;
-        for level in particles.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()) {
-            let y = level[0].0;
-            let mass: f64 = level.iter().map(|(_, mu)| mu).sum();
-            let exceeded = mass_beyond + 0.5 * mass;
-            if y <= threshold {
-                return Ok(above.map_or(0.0, |(y_above, exceeded_above)| {
-                    let fraction = (threshold - y) / (y_above - y);
-                    (exceeded.ln() + fraction * (exceeded_above / exceeded).ln()).exp()
-                }));
-            }
-            above = Some((y, exceeded));
-            mass_beyond += mass;
-        }
-        Ok(mass_beyond)
+        let particles = self.positions().iter().map(demand).zip(self.masses().iter().copied());
+        log_interpolated(particles.collect(), threshold)
     }
+}
+
+fn density<const D: usize>(solver: &Solver<D>) -> Result<Vec<f64>, Error> {
+    let evaluation = solver.evaluated()?;
+    let determinant = evaluation.cloud.whitening.determinant();
+    Ok(evaluation.estimates.density.iter().map(|psi| psi / determinant).collect())
+}
+
+fn entropy<const D: usize>(solver: &Solver<D>) -> Result<f64, Error> {
+    let density = density(solver)?;
+    Ok(density.iter().zip(&solver.state.masses).map(|(psi, mu)| -mu * psi.ln()).sum())
+}
+
+/// The error against the exact density at every particle.
+fn density_error<const D: usize>(solver: &Solver<D>, exact: &[f64]) -> Result<f64, Error> {
+    let Evaluation { cloud, estimates, .. } = solver.evaluated()?;
+    let determinant = cloud.whitening.determinant();
+    let (mut square_error, mut square) = (0.0, 0.0);
+    for ((reference, psi), volume) in exact.iter().zip(&estimates.density).zip(&estimates.volume) {
+        square_error += volume * (psi / determinant - reference).powi(2);
+        square += volume * reference * reference;
+    }
+    Ok((square_error / square).sqrt())
+}
+
+/// `P(y > T)` from the demand and the mass of every particle.
+fn log_interpolated(mut particles: Vec<(f64, f64)>, threshold: f64) -> Result<f64, Error> {
+    if let Some(&(value, _)) = particles.iter().find(|(y, _)| !y.is_finite()) {
+        return Err(Error::NotFinite { name: "demand", value });
+    }
+    particles.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let mut above: Option<(f64, f64)> = None;
+    let mut mass_beyond = 0.0;
+    for level in particles.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()) {
+        let y = level[0].0;
+        let mass: f64 = level.iter().map(|(_, mu)| mu).sum();
+        let exceeded = mass_beyond + 0.5 * mass;
+        if y <= threshold {
+            return Ok(above.map_or(0.0, |(y_above, exceeded_above)| {
+                let fraction = (threshold - y) / (y_above - y);
+                (exceeded.ln() + fraction * (exceeded_above / exceeded).ln()).exp()
+            }));
+        }
+        above = Some((y, exceeded));
+        mass_beyond += mass;
+    }
+    Ok(mass_beyond)
 }

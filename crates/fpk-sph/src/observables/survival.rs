@@ -3,8 +3,11 @@
 use sde_integrators::Sde;
 
 use super::exchange::{LatticeExchange, Move, Scene};
+use crate::coefficients::{Coefficients, OfSystem};
 use crate::error::{Error, finite};
 use crate::simulation::Simulation;
+use crate::solver::Solver;
+use crate::state::State;
 
 /// The probability that a demand `y` has passed thresholds `T_k` by now, all from one run of a [`Simulation`], which it
 /// watches and does not change.
@@ -91,6 +94,8 @@ const MOST_PARTS: f64 = 16.0;
 struct Scratch<const D: usize> {
     exchange: LatticeExchange<D>,
     value: Vec<f64>,
+    /// Columns of the noise, particle by particle.
+    noise: Vec<[f64; D]>,
     /// Parts of the reduced mass that pairs exchange, parts of a particle's mass that moves take.
     pair_parts: Vec<f64>,
     move_rates: Vec<f64>,
@@ -123,14 +128,15 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         for &threshold in thresholds {
             finite("threshold", threshold)?;
         }
-        let n = simulation.n_particles();
-        let exchange = LatticeExchange::new(&simulation.field.lattice.places);
+        let Simulation { system, solver } = simulation;
+        let n = solver.n_particles();
+        let exchange = LatticeExchange::new(&solver.discretisation.lattice.places);
         let mut passage = Self {
             demand,
             thresholds: thresholds.to_vec(),
-            time: simulation.time(),
-            n_steps: simulation.work().steps,
-            n_remaps: simulation.n_remaps(),
+            time: solver.state.time,
+            n_steps: solver.state.n_steps,
+            n_remaps: solver.state.n_remaps,
             dt: 0.0,
             value: vec![0.0; n],
             before: vec![0.0; n],
@@ -139,15 +145,16 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
             scratch: Scratch {
                 exchange: exchange.clone(),
                 value: vec![0.0; n],
+                noise: Vec::new(),
                 pair_parts: Vec::new(),
                 move_rates: Vec::new(),
             },
             exchange,
         };
-        passage.look(simulation)?;
+        passage.look(solver, &OfSystem(system))?;
         passage.take_over();
         passage.before.copy_from_slice(&passage.value);
-        passage.absorb(simulation.masses(), |passage, i| passage.value[i]);
+        passage.absorb(&solver.state.masses, |passage, i| passage.value[i]);
         Ok(passage)
     }
 
@@ -160,12 +167,12 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         simulation: &mut Simulation<S, D, M>,
         time: f64,
     ) -> Result<(), Error> {
-        if !time.is_finite() || time < simulation.time() {
-            return Err(Error::TimeInThePast { value: time, now: simulation.time() });
-        }
-        while simulation.time() < time {
-            let _report = simulation.step_towards(time)?;
-            self.record(simulation)?;
+        let Simulation { system, solver } = simulation;
+        let system = &OfSystem(system);
+        solver.check_not_past(time)?;
+        while solver.state.time < time {
+            let _report = solver.step_towards(system, time)?;
+            self.record_step(solver, system)?;
         }
         Ok(())
     }
@@ -180,22 +187,30 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         &mut self,
         simulation: &Simulation<S, D, M>,
     ) -> Result<(), Error> {
-        if simulation.n_remaps() != self.n_remaps {
-            return Err(Error::RemappedUnderWatch { time: simulation.time() });
+        self.record_step(&simulation.solver, &OfSystem(&simulation.system))
+    }
+
+    fn record_step(
+        &mut self,
+        solver: &Solver<D>,
+        system: &dyn Coefficients<D>,
+    ) -> Result<(), Error> {
+        let State { time, n_steps, n_remaps, ref masses, .. } = solver.state;
+        if n_remaps != self.n_remaps {
+            return Err(Error::RemappedUnderWatch { time });
         }
-        let (found, expected) = (simulation.n_particles(), self.value.len());
+        let (found, expected) = (solver.n_particles(), self.value.len());
         if found != expected {
             return Err(Error::OtherSimulation { found, expected });
         }
-        let n_steps = simulation.work().steps;
         if n_steps == self.n_steps {
             return Ok(());
         }
         if n_steps != self.n_steps + 1 {
             return Err(Error::UnwatchedSteps { recorded: self.n_steps, found: n_steps });
         }
-        self.look(simulation)?;
-        let (dt, masses) = (simulation.time() - self.time, simulation.masses());
+        self.look(solver, system)?;
+        let dt = time - self.time;
         self.exchange(masses, 0.5 * dt);
         let (h_0, h_1) = (self.dt, dt);
         self.absorb(masses, |passage, i| {
@@ -204,28 +219,25 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         });
         self.take_over();
         self.exchange(masses, 0.5 * dt);
-        (self.time, self.n_steps, self.dt) = (simulation.time(), n_steps, dt);
+        (self.time, self.n_steps, self.dt) = (time, n_steps, dt);
         Ok(())
     }
 
     /// Demands and exchange where the particles are now, into the buffers.
-    fn look<S: Sde<D, M>, const M: usize>(
-        &mut self,
-        simulation: &Simulation<S, D, M>,
-    ) -> Result<(), Error> {
-        let (x, t) = (simulation.positions(), simulation.time());
+    fn look(&mut self, solver: &Solver<D>, system: &dyn Coefficients<D>) -> Result<(), Error> {
+        let (x, t) = (&solver.state.positions, solver.state.time);
         for (value, x) in self.scratch.value.iter_mut().zip(x) {
             *value = (self.demand)(x);
             finite("demand", *value)?;
         }
         let scene = Scene {
             positions: x,
-            masses: simulation.masses(),
-            lattice: &simulation.field.lattice.axis_neighbours,
-            at: (simulation.work().steps, t),
+            masses: &solver.state.masses,
+            lattice: &solver.discretisation.lattice.axis_neighbours,
+            at: (solver.state.n_steps, t),
         };
-        let system = simulation.system();
-        self.scratch.exchange.find(&scene, |i| system.noise(t, &x[i]), &self.demand)
+        system.noise(t, x, &mut self.scratch.noise);
+        self.scratch.exchange.find(&scene, &self.scratch.noise, &self.demand)
     }
 
     /// Makes the buffers the last record.

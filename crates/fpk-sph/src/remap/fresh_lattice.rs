@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use neighbour_search::NeighbourList;
 
-use super::Remapping;
 use super::interpolation::{Departure, Found};
+use super::policy::Remapping;
 use crate::error::Error;
 use crate::lattice::neighbours_on_lattice;
 use crate::parallel::fill;

@@ -4,7 +4,7 @@ use neighbour_search::{LeafTree, Near};
 use particle_store::Lattice;
 use smoothing_kernels::{Kernel, Lucy};
 
-use super::BEYOND_THE_CLOUD;
+use super::policy::BEYOND_THE_CLOUD;
 use crate::error::Error;
 use crate::lattice::{ParticleLattice, index_of_place};
 use crate::score::{LANES, LeastSquares, MOST_UNKNOWNS, Monomials, lattice_jacobian, solve};

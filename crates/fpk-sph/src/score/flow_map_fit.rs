@@ -100,7 +100,7 @@ impl<const D: usize> FlowMapFit<D> {
         &self,
         i: usize,
         cloud: &Cloud<'_, D>,
-        out: &Estimates<'_, D>,
+        out: &Estimates<D>,
     ) -> Result<Taken<D>, Error> {
         let stencil = self.stencils.of(i);
         let mut taken = Taken { i, departure: 0.0, deformation: [[0.0; D]; D], volume: 0.0 };
@@ -227,20 +227,20 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
         Ok(())
     }
 
-    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
+    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error> {
         let (y, masses) = (cloud.positions, cloud.masses);
-        self.deformations(y, out.deformation);
-        fill(out.volume, |i| determinant(&out.deformation[i]));
+        self.deformations(y, &mut out.deformation);
+        fill(&mut out.volume, |i| determinant(&out.deformation[i]));
         // The departure of what is not resolved is NaN until its neighbours have given theirs.
-        let volume = &*out.volume;
-        fill(out.density, |i| {
+        let volume = &out.volume;
+        fill(&mut out.density, |i| {
             if self.is_resolved(volume, i) {
                 (masses[i] / volume[i]).ln() + half_square(&y[i])
             } else {
                 f64::NAN
             }
         });
-        *out.fits = self.stencils.fits;
+        out.fits = self.stencils.fits;
         let mut unresolved = Vec::new();
         for i in 0..y.len() {
             if out.density[i].is_nan() {
@@ -251,13 +251,13 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
         for Taken { i, departure, deformation, volume } in unresolved {
             (out.density[i], out.deformation[i], out.volume[i]) = (departure, deformation, volume);
         }
-        self.gradients(out.density, out.deformation, out.score);
+        self.gradients(&out.density, &out.deformation, &mut out.score);
         for (score, y) in out.score.iter_mut().zip(y) {
             for k in 0..D {
                 score[k] -= y[k];
             }
         }
-        fill(out.density, |i| masses[i] / out.volume[i]);
+        fill(&mut out.density, |i| masses[i] / out.volume[i]);
         Ok(())
     }
 

@@ -256,13 +256,13 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         0.75 * fewest_neighbours(D) as f64
     }
 
-    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
-        self.log_densities(cloud, out.density)?;
-        let log_density = &*out.density;
+    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error> {
+        self.log_densities(cloud, &mut out.density)?;
+        let log_density = &out.density;
         let tables = self.tables(cloud, 0, usize::MAX)?;
-        *out.fits = for_each_fit(
-            out.score,
-            out.volume,
+        out.fits = for_each_fit(
+            &mut out.score,
+            &mut out.volume,
             || LeastSquares::new(tables),
             |equations, i| {
                 let Fitted { scale, kernel_sum, fits } =
@@ -276,7 +276,7 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
                 Ok((gradient, 1.0 / kernel_sum, fits))
             },
         )?;
-        for value in out.density.iter_mut() {
+        for value in &mut out.density {
             *value = value.exp();
         }
         for i in 0..cloud.n_particles() {

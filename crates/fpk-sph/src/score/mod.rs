@@ -29,22 +29,43 @@ pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 use crate::cloud::Cloud;
 use crate::error::Error;
 
-/// Where an estimator writes; each slice holds one entry per particle, in the coordinates of the metric.
-#[derive(Debug)]
-pub struct Estimates<'a, const D: usize> {
+/// Output of an estimator: one entry per particle, in the coordinates of the metric. An estimator overwrites entries and
+/// keeps their number.
+#[derive(Debug, Clone)]
+pub struct Estimates<const D: usize> {
     /// Gradient of log density.
-    pub score: &'a mut [[f64; D]],
+    pub score: Vec<[f64; D]>,
     /// Density `psi_i > 0`.
-    pub density: &'a mut [f64],
+    pub density: Vec<f64>,
     /// The volume `V_i` that the particle occupies in the eyes of the kernel: what sets its smoothing length,
     /// `h_i = h_0i (V_i / V_0i)^(1/D)` (Canor & Denoël 2013, eq 20).
-    pub volume: &'a mut [f64],
+    pub volume: Vec<f64>,
     /// The deformation gradient of the lattice cell, `dy/dX` in spacings, where the estimator has one; else as it was.
-    pub deformation: &'a mut [[[f64; D]; D]],
+    pub deformation: Vec<[[f64; D]; D]>,
     /// Particles that the estimator could not resolve; zero before.
-    pub unresolved: &'a mut Unresolved,
+    pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits; [`Fits::default`] before.
-    pub fits: &'a mut Fits,
+    pub fits: Fits,
+}
+
+impl<const D: usize> Estimates<D> {
+    /// Zeros for `n` particles.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        Self {
+            score: vec![[0.0; D]; n],
+            density: vec![0.0; n],
+            volume: vec![0.0; n],
+            deformation: vec![[[0.0; D]; D]; n],
+            unresolved: Unresolved::default(),
+            fits: Fits::default(),
+        }
+    }
+
+    /// Sets the counts to those before an estimate.
+    pub(crate) fn restart(&mut self) {
+        (self.unresolved, self.fits) = (Unresolved::default(), Fits::default());
+    }
 }
 
 /// Particles that an estimator could not resolve: cells that took density and score from others, or particles with too few
@@ -219,5 +240,5 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     ///
     /// # Errors
     /// Where the neighbours do not determine the estimate, naming step, time and particle.
-    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error>;
+    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error>;
 }

@@ -30,7 +30,7 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
         Some(Criterion::Max)
     }
 
-    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
+    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error> {
         let normalisation = self.kernel.normalisation();
         for_each_particle(out, |i| {
             let h_i = cloud.smoothing_lengths[i];

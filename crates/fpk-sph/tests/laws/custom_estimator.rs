@@ -21,7 +21,7 @@ impl<const D: usize> ScoreEstimator<D> for GaussianClosure {
         Some(Criterion::Gather)
     }
 
-    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<'_, D>) -> Result<(), Error> {
+    fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error> {
         for (i, y) in cloud.positions.iter().enumerate() {
             out.score[i] = y.map(|component| -component);
             out.density[i] = (-0.5 * y.iter().map(|c| c * c).sum::<f64>()).exp();

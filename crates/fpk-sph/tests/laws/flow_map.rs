@@ -1,6 +1,6 @@
 //! The flow-map fit: exact for what is Gaussian, bounded where the flow collapses, refused where it cannot work.
 
-use fpk_sph::score::{Degree, Estimates, Fits, FlowMapFit, LatticePlaces, Unresolved};
+use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, Unresolved};
 use fpk_sph::systems::{
     LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
     Window,
@@ -50,7 +50,7 @@ impl ScoreEstimator<2> for Gaussian {
         None
     }
 
-    fn estimate(&self, cloud: &Cloud<'_, 2>, out: &mut Estimates<'_, 2>) -> Result<(), Error> {
+    fn estimate(&self, cloud: &Cloud<'_, 2>, out: &mut Estimates<2>) -> Result<(), Error> {
         out.volume.fill(1.0);
         out.density.fill(1.0);
         out.score.copy_from_slice(cloud.positions);
@@ -223,18 +223,9 @@ fn estimate(
         step: 3,
         time: 0.5,
     };
-    let (mut score, mut deformation) = (vec![[0.0; 2]; n], vec![[[0.0; 2]; 2]; n]);
-    let (mut unresolved, mut fits) = (Unresolved::default(), Fits::default());
-    let mut out = Estimates {
-        score: &mut score,
-        density: &mut vec![0.0; n],
-        volume: &mut vec![0.0; n],
-        deformation: &mut deformation,
-        unresolved: &mut unresolved,
-        fits: &mut fits,
-    };
+    let mut out = Estimates::new(n);
     fit.estimate(&cloud, &mut out)?;
-    Ok((positions, score, unresolved))
+    Ok((positions, out.score, out.unresolved))
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
 
-use fpk_sph::score::{
-    Degree, Estimates, Fits, LogDensityFit, SummationDensity, Unresolved, VolumeEstimate,
-};
+use fpk_sph::score::{Degree, Estimates, Fits, LogDensityFit, SummationDensity, VolumeEstimate};
 use fpk_sph::systems::{
     LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
@@ -80,19 +78,9 @@ fn with_fits<const D: usize>(
         step: 0,
         time: 0.0,
     };
-    let (mut score, mut density, mut volume) = (vec![[0.0; D]; n], vec![0.0; n], vec![0.0; n]);
-    let (mut deformation, mut unresolved) = (vec![[[0.0; D]; D]; n], Unresolved::default());
-    let mut fits = Fits::default();
-    let mut out = Estimates {
-        score: &mut score,
-        density: &mut density,
-        volume: &mut volume,
-        deformation: &mut deformation,
-        unresolved: &mut unresolved,
-        fits: &mut fits,
-    };
+    let mut out = Estimates::new(n);
     estimator.estimate(&cloud, &mut out)?;
-    Ok(((score, density, volume), fits))
+    Ok(((out.score, out.density, out.volume), out.fits))
 }
 
 #[test]
@@ -145,20 +133,11 @@ fn an_isolated_particle_of_a_whitened_cloud_keeps_the_score_of_the_gaussian() {
         step: 0,
         time: 0.0,
     };
-    let (mut score, mut density, mut volume) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
-    let (mut deformation, mut unresolved) = ([[[0.0; 2]; 2]; 2], Unresolved::default());
-    let mut fits = Fits::default();
-    let mut out = Estimates {
-        score: &mut score,
-        density: &mut density,
-        volume: &mut volume,
-        deformation: &mut deformation,
-        unresolved: &mut unresolved,
-        fits: &mut fits,
-    };
+    let mut out = Estimates::new(2);
     fit.estimate(&cloud, &mut out).unwrap();
-    assert_eq!((score, unresolved.particles), ([[-1.0, -2.0], [1.0, 2.0]], 2));
-    assert!((unresolved.mass - 1.0).abs() < 1e-15);
+    assert_eq!(out.score, [[-1.0, -2.0], [1.0, 2.0]]);
+    assert_eq!(out.unresolved.particles, 2);
+    assert!((out.unresolved.mass - 1.0).abs() < 1e-15);
 }
 
 #[test]

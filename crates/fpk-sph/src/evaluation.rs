@@ -1,0 +1,247 @@
+//! One evaluation of the right-hand side: metric, neighbours, density and score, velocity. The buffers are reused.
+
+use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
+
+use crate::cloud::Cloud;
+use crate::coefficients::Coefficients;
+use crate::discretisation::Discretisation;
+use crate::error::Error;
+use crate::metric::{Metric, Whitening};
+use crate::parallel::{BLOCK, for_each_block};
+use crate::report::Work;
+use crate::score::Estimates;
+use crate::state::State;
+
+/// What one evaluation of the right-hand side holds.
+#[derive(Debug)]
+pub(crate) struct Evaluation<const D: usize> {
+    /// Input of the estimator.
+    pub(crate) cloud: WhitenedCloud<D>,
+    /// Its output.
+    pub(crate) estimates: Estimates<D>,
+    /// `D` in the metric at every particle, or once for all.
+    diffusion: Vec<[[f64; D]; D]>,
+    pub(crate) work: Work,
+}
+
+/// The particles in the coordinates of the metric.
+#[derive(Debug)]
+pub(crate) struct WhitenedCloud<const D: usize> {
+    pub(crate) whitening: Whitening<D>,
+    /// `y_i`.
+    pub(crate) positions: Vec<[f64; D]>,
+    /// Support radii.
+    radii: Vec<f64>,
+    grid: CellGrid<D>,
+    /// Neighbours within the radii, where the estimator searches.
+    neighbours: NeighbourList,
+}
+
+impl<const D: usize> WhitenedCloud<D> {
+    fn new(n: usize) -> Self {
+        Self {
+            whitening: Whitening::identity(),
+            positions: vec![[0.0; D]; n],
+            radii: vec![0.0; n],
+            grid: CellGrid::new(),
+            neighbours: NeighbourList::new(),
+        }
+    }
+
+    /// The metric of the particles at `x`, their places and support radii in it.
+    fn whiten(
+        &mut self,
+        discretisation: &Discretisation<D>,
+        state: &State<D>,
+        t: f64,
+        x: &[[f64; D]],
+    ) -> Result<(), Error> {
+        let at = (state.n_steps, t);
+        self.whitening = Whitening::of(discretisation.combination.metric, x, &state.masses, at)?;
+        let support = discretisation.estimator.support();
+        for (i, (y, radius)) in self.positions.iter_mut().zip(&mut self.radii).enumerate() {
+            *y = self.whitening.whiten(&x[i]);
+            *radius = support * state.smoothing_lengths[i];
+        }
+        check_finite(&self.positions, &self.radii, at)
+    }
+
+    /// Finds the neighbours within the support radii.
+    fn find_neighbours(&mut self, criterion: Criterion) -> Result<(), Error> {
+        let radii = Radii::PerPoint { radii: &self.radii, criterion };
+        Ok(self.grid.full_list(&self.positions, radii, &mut self.neighbours)?)
+    }
+
+    /// The estimator's neighbour list: within the support radii, or on the lattice.
+    pub(crate) fn neighbours<'a>(
+        &'a self,
+        discretisation: &'a Discretisation<D>,
+    ) -> &'a NeighbourList {
+        match discretisation.estimator.criterion() {
+            Some(_) => &self.neighbours,
+            None => &discretisation.lattice.neighbours,
+        }
+    }
+
+    /// Mean number of neighbours, the particle itself included.
+    pub(crate) fn neighbours_mean(&self, discretisation: &Discretisation<D>) -> f64 {
+        1.0 + self.neighbours(discretisation).n_pairs() as f64 / self.positions.len() as f64
+    }
+
+    /// The cloud as an estimator sees it.
+    pub(crate) fn view<'a>(
+        &'a self,
+        discretisation: &'a Discretisation<D>,
+        state: &'a State<D>,
+        time: f64,
+    ) -> Cloud<'a, D> {
+        Cloud {
+            positions: &self.positions,
+            masses: &state.masses,
+            smoothing_lengths: &state.smoothing_lengths,
+            neighbours: self.neighbours(discretisation),
+            lattice: &discretisation.lattice.axis_neighbours,
+            whitened: discretisation.combination.metric == Metric::Whitened,
+            step: state.n_steps,
+            time,
+        }
+    }
+}
+
+impl<const D: usize> Evaluation<D> {
+    pub(crate) fn new(n: usize) -> Self {
+        Self {
+            cloud: WhitenedCloud::new(n),
+            estimates: Estimates::new(n),
+            diffusion: Vec::new(),
+            work: Work::default(),
+        }
+    }
+
+    /// The estimator's input for particles at `x`: whitened positions, support radii, neighbours.
+    pub(crate) fn prepare(
+        &mut self,
+        discretisation: &Discretisation<D>,
+        state: &State<D>,
+        t: f64,
+        x: &[[f64; D]],
+    ) -> Result<(), Error> {
+        let estimator = &discretisation.estimator;
+        self.cloud.whiten(discretisation, state, t, x)?;
+        self.work.evaluations += 1;
+        if let Some(criterion) = estimator.criterion() {
+            self.cloud.find_neighbours(criterion)?;
+        }
+        self.work.neighbour_visits += self.cloud.neighbours(discretisation).n_pairs() as u64;
+        let mean = self.cloud.neighbours_mean(discretisation);
+        let limit = estimator.fewest_mean_neighbours();
+        if estimator.criterion().is_some() && mean < limit {
+            return Err(Error::CloudTooSparse { step: state.n_steps, time: t, mean, limit });
+        }
+        Ok(())
+    }
+
+    /// Density and score of particles at `x`, with the masses and smoothing lengths of the state.
+    pub(crate) fn estimate(
+        &mut self,
+        discretisation: &Discretisation<D>,
+        state: &State<D>,
+        t: f64,
+        x: &[[f64; D]],
+    ) -> Result<(), Error> {
+        self.prepare(discretisation, state, t, x)?;
+        self.estimates.restart();
+        let cloud = self.cloud.view(discretisation, state, t);
+        discretisation.estimator.estimate(&cloud, &mut self.estimates)
+    }
+
+    /// `v = f - div D - D grad log psi` (Canor & Denoël 2013, eq 12), in the units of the state.
+    pub(crate) fn velocity(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        discretisation: &Discretisation<D>,
+        state: &State<D>,
+        t: f64,
+        x: &[[f64; D]],
+        v: &mut [[f64; D]],
+    ) -> Result<(), Error> {
+        self.estimate(discretisation, state, t, x)?;
+        let (whitening, score_y) = (&self.cloud.whitening, &self.estimates.score);
+        for_each_block(v, |first, v| {
+            let mut score = [[0.0; D]; BLOCK];
+            let (block, score) = (first..first + v.len(), &mut score[..v.len()]);
+            for (score, score_y) in score.iter_mut().zip(&score_y[block.clone()]) {
+                *score = whitening.unwhiten_gradient(score_y);
+            }
+            system.velocity(t, &x[block], score, v);
+        });
+        Ok(())
+    }
+
+    /// The particle that spreads fastest against what the estimator resolves, and its rate there: `D_y / R^2`, with `D_y`
+    /// the trace of the diffusion matrix in the metric and `R` the support radius, unless the estimator knows better.
+    pub(crate) fn fastest_spread(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        discretisation: &Discretisation<D>,
+        t: f64,
+        x: &[[f64; D]],
+    ) -> (usize, f64) {
+        let Self { cloud, estimates, diffusion, .. } = self;
+        system.diffusion(t, x, diffusion);
+        for matrix in diffusion.iter_mut() {
+            *matrix = cloud.whitening.whitened(matrix);
+        }
+        let spread = |i: usize| {
+            let diffusion = &diffusion[i.min(diffusion.len() - 1)];
+            let (radius, deformation) = (cloud.radii[i], &estimates.deformation[i]);
+            discretisation.estimator.spread(diffusion, radius, deformation)
+        };
+        (0..x.len()).map(|i| (i, spread(i))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+    }
+
+    /// The particle that moves furthest against its smoothing length, and `min_i h_i / |v_i|` in the metric.
+    pub(crate) fn courant_limit(&self, smoothing_lengths: &[f64], v: &[[f64; D]]) -> (usize, f64) {
+        let limit = |i: usize| {
+            let speed =
+                self.cloud.whitening.whiten_vector(&v[i]).iter().map(|c| c * c).sum::<f64>().sqrt();
+            smoothing_lengths[i] / speed
+        };
+        (0..v.len())
+            .map(|i| (i, limit(i)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f64::INFINITY))
+    }
+}
+
+/// Refuses a particle that has left every scale, before the neighbour search meets it.
+pub(crate) fn check_finite<const D: usize>(
+    points: &[[f64; D]],
+    radii: &[f64],
+    at: (u64, f64),
+) -> Result<(), Error> {
+    let (step, time) = at;
+    for (particle, y) in points.iter().enumerate() {
+        if let Some(&value) = y.iter().find(|value| !value.is_finite()) {
+            return Err(Error::LeftStableRange {
+                step,
+                time,
+                particle,
+                quantity: "position",
+                value,
+            });
+        }
+    }
+    for (particle, &value) in radii.iter().enumerate() {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Error::LeftStableRange {
+                step,
+                time,
+                particle,
+                quantity: "smoothing length",
+                value,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,94 @@
+//! Snapshots: the state with the lattice that it stands on, written and read bit for bit.
+
+use std::io::{Read, Write};
+
+use particle_store::{Attribute, ParticleStore};
+
+use crate::error::Error;
+use crate::lattice::{ParticleLattice, index_of_place};
+use crate::solver::Solver;
+use crate::state::{Previous, State};
+
+impl<const D: usize> Solver<D> {
+    /// Writes state and lattice.
+    pub(crate) fn snapshot(&self, writer: &mut dyn Write) -> Result<(), Error> {
+        let mut store = ParticleStore::<D>::new(self.n_particles());
+        let state = &self.state;
+        store.add("position", state.positions.clone())?;
+        store.add("place", self.discretisation.lattice.places.clone())?;
+        store.add("mass", state.masses.clone())?;
+        store.add("smoothing_length", state.smoothing_lengths.clone())?;
+        store.add("smoothing_ratio", state.smoothing_ratios.clone())?;
+        store.set_attribute("time", Attribute::Real(state.time));
+        store.set_attribute("n_steps", Attribute::Count(state.n_steps));
+        if let Some(Previous { positions, dt }) = &state.previous {
+            store.add("previous_position", positions.clone())?;
+            store.set_attribute("previous_dt", Attribute::Real(*dt));
+        }
+        store.set_attribute("n_remaps", Attribute::Count(state.n_remaps));
+        store.set_attribute("n_start", Attribute::Count(self.n_start as u64));
+        store.snapshot(writer)?;
+        Ok(())
+    }
+
+    /// Takes state and lattice from a snapshot; after an error all is as it was.
+    pub(crate) fn restore(&mut self, reader: &mut dyn Read) -> Result<(), Error> {
+        let store = ParticleStore::<D>::restore(reader)?;
+        let state = read_state(&store, self.n_start)?;
+        let places = store.get(store.handle::<[f64; D]>("place")?)?;
+        state.check_restored(places)?;
+        let lattice = &self.discretisation.lattice;
+        if places != lattice.places {
+            let indices = places.iter().map(index_of_place).collect();
+            self.discretisation.lay(ParticleLattice::new(indices, lattice.spacing))?;
+        }
+        self.state = state;
+        self.resize_buffers();
+        Ok(())
+    }
+}
+
+/// The state in a store, for a simulation that started with `n_start` particles.
+fn read_state<const D: usize>(store: &ParticleStore<D>, n_start: usize) -> Result<State<D>, Error> {
+    let count = |name: &str| match store.attribute(name) {
+        Some(Attribute::Count(count)) => Ok(count),
+        _ => Err(Error::SnapshotWithoutTime),
+    };
+    let Some(Attribute::Real(time)) = store.attribute("time") else {
+        return Err(Error::SnapshotWithoutTime);
+    };
+    let (n_steps, n_remaps) = (count("n_steps")?, count("n_remaps")?);
+    // The same start; as many particles as at the start where no fresh lattice was laid.
+    let found = if n_remaps == 0 { store.len() as u64 } else { count("n_start")? };
+    if store.is_empty() {
+        return Err(Error::ForeignSnapshot { found: 0, expected: n_start });
+    }
+    if found != n_start as u64 {
+        let found = usize::try_from(found).unwrap_or(usize::MAX);
+        return Err(Error::ForeignSnapshot { found, expected: n_start });
+    }
+    let previous = match store.attribute("previous_dt") {
+        Some(Attribute::Real(dt)) => {
+            Some(Previous { positions: points(store, "previous_position")?, dt })
+        }
+        _ => None,
+    };
+    Ok(State {
+        time,
+        n_steps,
+        n_remaps,
+        positions: points(store, "position")?,
+        masses: scalars(store, "mass")?,
+        smoothing_lengths: scalars(store, "smoothing_length")?,
+        smoothing_ratios: scalars(store, "smoothing_ratio")?,
+        previous,
+    })
+}
+
+fn scalars<const D: usize>(store: &ParticleStore<D>, name: &str) -> Result<Vec<f64>, Error> {
+    Ok(store.get(store.handle(name)?)?.to_vec())
+}
+
+fn points<const D: usize>(store: &ParticleStore<D>, name: &str) -> Result<Vec<[f64; D]>, Error> {
+    Ok(store.get(store.handle(name)?)?.to_vec())
+}

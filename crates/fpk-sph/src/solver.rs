@@ -1,0 +1,158 @@
+//! The method on one cloud of particles: everything of a simulation but its system.
+
+use sde_integrators::GaussianMixture;
+
+use crate::coefficients::Coefficients;
+use crate::config::{COLLAPSED_STEP, Config};
+use crate::discretisation::Discretisation;
+use crate::error::{Error, positive};
+use crate::evaluation::Evaluation;
+use crate::lattice::ParticleLattice;
+use crate::method::InitialSmoothing;
+use crate::report::Work;
+use crate::runge_kutta::RungeKuttaStages;
+use crate::score::ScoreEstimator;
+use crate::start::{Start, initial_spacing};
+use crate::state::State;
+
+/// The method on one cloud of particles. Compiled once for each dimension, whatever the system.
+#[derive(Debug)]
+pub(crate) struct Solver<const D: usize> {
+    pub(crate) discretisation: Discretisation<D>,
+    pub(crate) reference_period: f64,
+    pub(crate) shortest_step: f64,
+    pub(crate) longest_step: f64,
+    pub(crate) most_steps: u64,
+    /// Particles at the start.
+    pub(crate) n_start: usize,
+    pub(crate) state: State<D>,
+    pub(crate) evaluation: Evaluation<D>,
+    pub(crate) stages: RungeKuttaStages<D>,
+    /// Volumes at the first stage of a step.
+    pub(crate) first_volume: Vec<f64>,
+}
+
+impl<const D: usize> Solver<D> {
+    /// Particles on the lattice of the configuration at `t = 0`, with their masses and smoothing lengths.
+    pub(crate) fn new(
+        law: &GaussianMixture<D>,
+        config: &Config<D>,
+        estimator: Box<dyn ScoreEstimator<D> + Sync>,
+    ) -> Result<Self, Error> {
+        let combination = config.method.combination_in(D);
+        combination.check()?;
+        positive("reference_period", config.reference_period)?;
+        // Shorter periods have no shortest step.
+        positive("a millionth of reference_period", COLLAPSED_STEP * config.reference_period)?;
+        estimator.check_resolution(combination.support_over_spacing)?;
+        let start = Start::new(law, &config.lattice)?;
+        let spacing = initial_spacing(&start, combination.metric)?;
+        let n = start.positions.len();
+        let h = combination.support_over_spacing * spacing / estimator.support();
+        let lattice = ParticleLattice::default();
+        let mut solver = Self {
+            discretisation: Discretisation { estimator, combination, lattice },
+            reference_period: config.reference_period,
+            shortest_step: COLLAPSED_STEP * config.reference_period,
+            longest_step: combination.step.longest(config.reference_period),
+            most_steps: config.most_steps,
+            n_start: n,
+            state: State {
+                time: 0.0,
+                n_steps: 0,
+                n_remaps: 0,
+                positions: start.positions,
+                masses: start.masses,
+                smoothing_lengths: vec![h; n],
+                smoothing_ratios: vec![0.0; n],
+                previous: None,
+            },
+            evaluation: Evaluation::new(n),
+            stages: RungeKuttaStages::new(n),
+            first_volume: vec![0.0; n],
+        };
+        solver.discretisation.lay(ParticleLattice::new(start.indices, spacing))?;
+        solver.start_smoothing_lengths(h, spacing)?;
+        Ok(solver)
+    }
+
+    /// Sets `h_0i` and the product that eq 20 keeps.
+    pub(crate) fn start_smoothing_lengths(&mut self, h: f64, spacing: f64) -> Result<(), Error> {
+        let Self { discretisation, state, evaluation, .. } = self;
+        match discretisation.combination.initial_smoothing {
+            InitialSmoothing::Uniform => {
+                evaluation.estimate(discretisation, state, 0.0, &state.positions)?;
+                for (ratio, volume) in
+                    state.smoothing_ratios.iter_mut().zip(&evaluation.estimates.volume)
+                {
+                    *ratio = h / volume.powf(1.0 / D as f64);
+                }
+            }
+            InitialSmoothing::Iterated => {
+                state.smoothing_ratios.fill(h / spacing);
+                for _ in 0..MOST_SMOOTHING_ITERATIONS {
+                    evaluation.estimate(discretisation, state, 0.0, &state.positions)?;
+                    if state.update_smoothing_lengths(&evaluation.estimates.volume)
+                        < SMOOTHING_TOLERANCE
+                    {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Buffers for as many particles as the state holds.
+    pub(crate) fn resize_buffers(&mut self) {
+        let n = self.n_particles();
+        if self.first_volume.len() != n {
+            let work = self.evaluation.work;
+            self.evaluation = Evaluation::new(n);
+            self.evaluation.work = work;
+            (self.stages, self.first_volume) = (RungeKuttaStages::new(n), vec![0.0; n]);
+        }
+    }
+
+    pub(crate) fn n_particles(&self) -> usize {
+        self.state.positions.len()
+    }
+
+    /// Steps, evaluations and neighbour visits so far.
+    pub(crate) fn work(&self) -> Work {
+        Work { steps: self.state.n_steps, ..self.evaluation.work }
+    }
+
+    /// Steps to the given time.
+    pub(crate) fn advance_to(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        time: f64,
+    ) -> Result<(), Error> {
+        self.check_not_past(time)?;
+        while self.state.time < time {
+            let _report = self.step_towards(system, time)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a time before the present one.
+    pub(crate) fn check_not_past(&self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() || time < self.state.time {
+            return Err(Error::TimeInThePast { value: time, now: self.state.time });
+        }
+        Ok(())
+    }
+
+    /// An evaluation at the present state, apart from the buffers of the steps.
+    pub(crate) fn evaluated(&self) -> Result<Evaluation<D>, Error> {
+        let (state, mut evaluation) = (&self.state, Evaluation::new(self.n_particles()));
+        evaluation.estimate(&self.discretisation, state, state.time, &state.positions)?;
+        Ok(evaluation)
+    }
+}
+
+/// Relative change of smoothing lengths at which their iteration has settled: well below what changes a neighbour list.
+const SMOOTHING_TOLERANCE: f64 = 1e-3;
+/// The iteration contracts by about a half each time; what is left after this many is carried on by eq 20.
+const MOST_SMOOTHING_ITERATIONS: usize = 30;

@@ -4,6 +4,7 @@ mod binning;
 mod blocks;
 mod body;
 mod boundary;
+mod compiled;
 mod config;
 mod contact;
 mod error;

@@ -7,7 +7,7 @@ use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
 use crate::error::Error;
 use crate::grid::{Grid, Solve};
-use crate::number::Number;
+use crate::number::{Number, is_compiled};
 use crate::outward::sum_outward;
 use crate::particle_pass::ParticlePass;
 use crate::particle_terms::Given;
@@ -70,6 +70,10 @@ pub struct Ledger<const D: usize> {
     /// Internal energy of the materials.
     pub internal: f64,
 }
+
+/// A step of a given length.
+pub(crate) type Step<S, const D: usize> =
+    fn(&mut Simulation<S, D>, f64) -> Result<StepReport, Error>;
 
 /// The longest step and who asks for it.
 #[derive(Debug, Clone, Copy)]
@@ -204,14 +208,22 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        let outcome = self.try_step(dt);
+        let outcome = if const { is_compiled::<S>(D) } {
+            match S::compiled_step(D).downcast_ref::<Step<S, D>>() {
+                Some(step) => step(self, dt),
+                None => unreachable!("a step of these numbers is compiled"),
+            }
+        } else {
+            self.try_step(dt)
+        };
         if let Err(error) = &outcome {
             self.failed = Some(error.clone());
         }
         outcome
     }
 
-    fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
+    /// What [`step_of`](Self::step_of) does while nothing has failed.
+    pub(crate) fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
         if self.n_steps >= self.config.most_steps {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use perturbation_moments::in_widest_registers;
 
-use crate::tiles::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
+use crate::tile_size::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 
 /// Particles are put in order when more than one in this many stands next to one of another tile without need.
 const DISORDER: usize = 8;

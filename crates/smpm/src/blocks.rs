@@ -1,4 +1,5 @@
-//! Blocks of tiles and the nodes that they share: what particles gave is collected from them, and they are filled again.
+//! Blocks of tiles and the nodes that they share: what particle-to-grid has summed in the blocks is collected from them, and they
+//! are filled again.
 
 #![allow(
     clippy::inline_always,
@@ -7,12 +8,10 @@
 
 use crate::boundary::Plane;
 use crate::contact::meet;
-use crate::grid::Node;
+use crate::node::Node;
 use crate::number::Number;
-use crate::tiles::{
-    Directory, HALO, MOST_DEPTH, NONE, Tile, block_edge, block_len, signed, tile_edge, tile_len,
-    tile_of,
-};
+use crate::tile_size::{HALO, block_edge, block_len, signed, tile_edge, tile_len, tile_of};
+use crate::tiles::{Directory, MOST_DEPTH, NONE, Tile};
 
 /// A node of a box by its number: the place of node `index` of box `tile`, of so many nodes along each axis.
 pub(crate) fn place<const D: usize>(tile: &[i32; D], index: usize, edge: usize) -> [i32; D] {
@@ -50,8 +49,8 @@ impl Fields {
     }
 }
 
-/// What particles gave, by blocks.
-pub(crate) struct Given<'a, S, const D: usize> {
+/// What particle-to-grid has summed, by blocks.
+pub(crate) struct BlockSums<'a, S, const D: usize> {
     pub(crate) directory: &'a Directory<D>,
     pub(crate) tiles: &'a [Tile<D>],
     pub(crate) planes: &'a [Plane],
@@ -61,7 +60,7 @@ pub(crate) struct Given<'a, S, const D: usize> {
     pub(crate) outward: &'a [[S; D]],
 }
 
-impl<S: Number, const D: usize> Given<'_, S, D> {
+impl<S: Number, const D: usize> BlockSums<'_, S, D> {
     /// What all blocks hold of the nodes of a tile, row by row, in the order of the tiles below.
     #[inline(always)]
     pub(crate) fn collect(
@@ -104,14 +103,14 @@ impl<S: Number, const D: usize> Given<'_, S, D> {
     /// Adds what the blocks hold of so many nodes in a row.
     #[inline(always)]
     fn add(&self, start: usize, n: usize, owned: &mut [Node<S, D>], masses: Option<&mut [S]>) {
-        let (owned, given) = (&mut owned[..n], &self.blocks[start..start + n]);
+        let (owned, of_block) = (&mut owned[..n], &self.blocks[start..start + n]);
         for i in 0..n {
-            owned[i].add(&given[i]);
+            owned[i].add(&of_block[i]);
         }
         if let Some(masses) = masses {
-            let (masses, given) = (&mut masses[..n], &self.masses[start..start + n]);
+            let (masses, of_block) = (&mut masses[..n], &self.masses[start..start + n]);
             for i in 0..n {
-                masses[i] = masses[i] + given[i];
+                masses[i] = masses[i] + of_block[i];
             }
         }
     }
@@ -131,8 +130,8 @@ impl<S: Number, const D: usize> Given<'_, S, D> {
             for_each_image(self.planes, place, |at, mirrors| {
                 let (mut image, mass) = self.sum_at(at, field);
                 for plane in mirrors.into_iter().flatten() {
-                    image.motion = plane.mirrored(image.motion);
-                    image.change = plane.mirrored(image.change);
+                    *image.momentum_mut() = plane.mirrored(*image.momentum());
+                    *image.force_mut() = plane.mirrored(*image.force());
                 }
                 node.add(&image);
                 sum = sum + mass;
@@ -288,8 +287,8 @@ pub(crate) fn seen_at<S: Number, const D: usize>(
         let mut at = place;
         at[plane.axis] = plane.image(at[plane.axis]);
         let mut node = seen_at(planes, directory, nodes, fields, at);
-        node.motion = plane.mirrored(node.motion);
-        node.change = plane.mirrored(node.change);
+        *node.velocity_mut() = plane.mirrored(*node.velocity());
+        *node.velocity_change_mut() = plane.mirrored(*node.velocity_change());
         return node;
     }
     let (edge, tile) = (tile_edge(D), tile_of(&place));

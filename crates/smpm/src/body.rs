@@ -3,13 +3,13 @@
 use std::sync::OnceLock;
 
 use crate::binning::Binning;
-use crate::constitution::{Constitution, Particular, Summary};
 use crate::error::{Error, finite, positive};
+use crate::fill::Fill;
 use crate::material::{LocalResponse, LocalState, Material, Observed};
-use crate::number::Number;
-use crate::particles::{Particles, Row};
+use crate::material_points::{MaterialPoints, Points};
+use crate::number::{Number, is_plain};
+use crate::particles::{Chunk, Particles, Row};
 use crate::tensor::Symmetric;
-use crate::transfer::Sweep;
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
 ///
@@ -18,7 +18,7 @@ use crate::transfer::Sweep;
 #[derive(Debug)]
 pub struct Body<S, const D: usize> {
     pub(crate) particles: Particles<S, D>,
-    pub(crate) constitution: Box<dyn Constitution<S, D>>,
+    pub(crate) points: Box<dyn MaterialPoints<S>>,
     pub(crate) binning: Binning<D>,
     /// The edges of the box that each particle stood for at the start (length).
     spacing: [f64; D],
@@ -46,86 +46,6 @@ impl<S, const D: usize> Views<S, D> {
     }
 }
 
-/// Where the particles of a body start.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Fill<const D: usize> {
-    /// Their places (length).
-    pub positions: Vec<[f64; D]>,
-    /// The distance between them along each axis (length); each stands for a box of that size.
-    pub spacing: [f64; D],
-}
-
-impl<const D: usize> Fill<D> {
-    /// Most places of a lattice: particles have numbers of 32 bits.
-    pub const MOST_PLACES: u32 = u32::MAX;
-
-    /// Places at the centres of the boxes of a lattice from `low` to `high` that lie inside a shape.
-    ///
-    /// ```
-    /// use smpm::Fill;
-    ///
-    /// let disk = Fill::of([0.5, 0.5], ([-1.0, -1.0], [1.0, 1.0]), |[x, y]| x * x + y * y < 1.0)?;
-    /// assert_eq!(disk.positions.len(), 12); // of 16, the four corners lie outside
-    /// # Ok::<(), smpm::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::NotPositive`] for a spacing, [`Error::NotFinite`] for a corner; [`Error::TooManyPlaces`] for a lattice of more than
-    /// [`Fill::MOST_PLACES`], inside or not.
-    pub fn of(
-        spacing: [f64; D],
-        (low, high): ([f64; D], [f64; D]),
-        inside: impl Fn(&[f64; D]) -> bool,
-    ) -> Result<Self, Error> {
-        for k in 0..D {
-            positive("spacing of particles", spacing[k])?;
-            finite("corner of a body", low[k])?;
-            finite("corner of a body", high[k])?;
-        }
-        let along: [f64; D] =
-            std::array::from_fn(|k| ((high[k] - low[k]) / spacing[k]).round().max(0.0));
-        let (value, limit) = (along.iter().product::<f64>(), Self::MOST_PLACES);
-        // A product that is no number has a factor beyond all limits.
-        if value.is_nan() || value > f64::from(limit) || along.iter().any(|&n| n > f64::from(limit))
-        {
-            return Err(Error::TooManyPlaces { value, limit });
-        }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of boxes, within its limit"
-        )]
-        let count = along.map(|n| n as usize);
-        let total: usize = count.iter().product();
-        let positions = (0..total)
-            .map(|index| {
-                let mut rest = index;
-                std::array::from_fn(|k| {
-                    let along = rest % count[k];
-                    rest /= count[k];
-                    low[k] + (along as f64 + 0.5) * spacing[k]
-                })
-            })
-            .filter(|place| inside(place))
-            .collect();
-        Ok(Self { positions, spacing })
-    }
-
-    /// The places in three dimensions, refused where they, or the spacing, cannot be.
-    fn checked(&self) -> Result<Vec<[f64; 3]>, Error> {
-        for &spacing in &self.spacing {
-            positive("spacing of particles", spacing)?;
-        }
-        if self.positions.is_empty() {
-            return Err(Error::EmptyBody { spacing: self.spacing[0] });
-        }
-        let in_space = |place: &[f64; D]| {
-            place.iter().try_for_each(|&value| finite("position of a particle", value))?;
-            Ok(std::array::from_fn(|k| if k < D { place[k] } else { 0.0 }))
-        };
-        self.positions.iter().map(in_space).collect()
-    }
-}
 impl<S: Number, const D: usize> Body<S, D> {
     /// Particles of a material, all with one velocity.
     ///
@@ -146,9 +66,14 @@ impl<S: Number, const D: usize> Body<S, D> {
         }
         let density = material.density();
         positive("density", density.value())?;
+        let points: Box<dyn MaterialPoints<S>> = if const { D < 3 && is_plain::<S>() } {
+            Box::new(Points::<M, S, true>::at_start(material, &places))
+        } else {
+            Box::new(Points::<M, S, false>::at_start(material, &places))
+        };
         Ok(Self {
             particles: Particles::of(fill, velocity, density),
-            constitution: Box::new(Particular::at_start(material, &places)),
+            points,
             binning: Binning::of(places.len()),
             spacing: fill.spacing,
             places: vec![],
@@ -156,25 +81,24 @@ impl<S: Number, const D: usize> Body<S, D> {
         })
     }
 
-    /// Does with every particle what the sweep asks for.
-    pub(crate) fn sweep(&mut self, sweep: &Sweep<'_, S, D>) -> Summary<D> {
-        let chunk = self.particles.chunk(&self.binning);
+    /// All particles and their materials, to be written by a pass.
+    pub(crate) fn for_pass(&mut self) -> (Chunk<'_, S, D>, &mut dyn MaterialPoints<S>) {
         self.views.forget();
-        self.constitution.sweep(chunk, sweep)
+        (self.particles.chunk(&self.binning), &mut *self.points)
     }
 
     /// Puts the particles into the order of their cells. They are to be binned anew.
     pub(crate) fn sort(&mut self, done: &mut Vec<bool>) {
         let order = self.binning.by_cell();
         self.particles.permute(order, done);
-        self.constitution.permute(order, done);
+        self.points.permute(order, done);
         self.renumbered();
     }
 
     /// Calls with a copy of every number of a particle, by its place in memory; whether that is all of it.
     pub(crate) fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
         Row::of(&self.particles, place).visit_numbers(visit);
-        self.constitution.show_numbers(place, visit)
+        self.points.show_numbers(place, visit)
     }
 
     /// The same with the numbers themselves, to be written.
@@ -182,7 +106,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         let mut row = Row::of(&self.particles, place);
         row.visit_numbers(visit);
         row.put(&mut self.particles, place);
-        self.constitution.visit_numbers(place, visit)
+        self.points.visit_numbers(place, visit)
     }
 
     /// To be called when the numbers of the particles have changed places.
@@ -269,7 +193,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// The stress of a particle, without the bulk viscosity.
     #[must_use]
     pub fn stress(&self, particle: usize) -> Symmetric<S> {
-        self.constitution.conditions()[self.place(particle)].stress
+        self.points.conditions()[self.place(particle)].stress
     }
 
     /// The pressure of a particle, `-tr(sigma)/3`, without the bulk viscosity.
@@ -281,7 +205,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// `V/V_0` of a particle.
     #[must_use]
     pub fn volume_ratio(&self, particle: usize) -> S {
-        self.constitution.conditions()[self.place(particle)].volume
+        self.points.conditions()[self.place(particle)].volume
     }
 
     /// The density of a particle (mass per volume).
@@ -304,14 +228,14 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// What the material shows of a particle besides its stress.
     #[must_use]
     pub fn observe(&self, particle: usize) -> Observed<S> {
-        self.constitution.observe(self.place(particle))
+        self.points.observe(self.place(particle))
     }
 
     /// Pressure and flow stress by the formulas of its material at a state that is taken for certain; `None` where the
     /// material has none.
     #[must_use]
     pub fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
-        self.constitution.at_local_state(state)
+        self.points.at_local_state(state)
     }
 }
 

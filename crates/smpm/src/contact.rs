@@ -5,11 +5,11 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::grid::Node;
+use crate::node::Node;
 use crate::number::Number;
 
 /// Contact of two bodies (Bardenhagen et al. 2001): where they approach, an impulse makes their normal velocities equal, and a
-/// part of it, at most `coefficient` times as large, acts against their slip. `change` becomes the change with the impulse.
+/// part of it, at most `coefficient` times as large, acts against their slip. The velocity changes become those with the impulse.
 ///
 /// With velocities `v`, reduced mass `m` and the normal `n` along the gradient of the mass of the first, which points outward,
 ///
@@ -33,7 +33,8 @@ pub(crate) fn meet<S: Number, const D: usize>(
     let (mut relative, mut approach) = ([zero; D], zero);
     for k in 0..D {
         normal[k] = normal[k] * inverse;
-        relative[k] = (a.motion[k] + a.change[k]) - (b.motion[k] + b.change[k]);
+        relative[k] =
+            (a.velocity()[k] + a.velocity_change()[k]) - (b.velocity()[k] + b.velocity_change()[k]);
         approach = approach + relative[k] * normal[k];
     }
     if approach.value() <= 0.0 {
@@ -54,8 +55,9 @@ pub(crate) fn meet<S: Number, const D: usize>(
     }
     let both = (mass_a + mass_b).recip();
     for k in 0..D {
-        a.change[k] = a.change[k] - relative[k] * (mass_b * both);
-        b.change[k] = b.change[k] + relative[k] * (mass_a * both);
+        let (of_a, of_b) = (a.velocity_change()[k], b.velocity_change()[k]);
+        a.velocity_change_mut()[k] = of_a - relative[k] * (mass_b * both);
+        b.velocity_change_mut()[k] = of_b + relative[k] * (mass_a * both);
     }
 }
 
@@ -63,16 +65,15 @@ pub(crate) fn meet<S: Number, const D: usize>(
 mod tests {
     use super::*;
 
-    fn node(motion: [f64; 2]) -> Node<f64, 2> {
-        Node { motion, change: [0.0; 2] }
-    }
-
     /// Change of the first body and of the momentum of both.
     fn met(velocity: [f64; 2], coefficient: f64) -> ([f64; 2], [f64; 2]) {
-        let (mut a, mut b) = (node(velocity), node([0.0; 2]));
+        let (mut a, mut b) = (Node::moving(velocity), Node::moving([0.0; 2]));
         // The normal is (0.6, 0.8).
         meet((&mut a, 2.0), (&mut b, 3.0), [0.3, 0.4], coefficient);
-        (a.change, std::array::from_fn(|k| 2.0 * a.change[k] + 3.0 * b.change[k]))
+        (
+            *a.velocity_change(),
+            std::array::from_fn(|k| 2.0 * a.velocity_change()[k] + 3.0 * b.velocity_change()[k]),
+        )
     }
 
     #[test]

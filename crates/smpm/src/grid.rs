@@ -7,38 +7,17 @@
 
 use perturbation_moments::in_widest_registers;
 
-use crate::blocks::{Fields, Given, fill, place, place_in_block, seen_at};
+use crate::blocks::{BlockSums, Fields, fill, place, place_in_block, seen_at};
 use crate::body::Body;
 use crate::boundary::Plane;
 use crate::config::{Config, Contact};
 use crate::error::Error;
+use crate::lattice::Lattice;
+use crate::node::Node;
 use crate::number::Number;
 use crate::parallel::{for_each_chunk, for_each_pair_of_chunks};
-use crate::tiles::{Tile, Tiles, block_edge, block_len, tile_edge, tile_len};
-
-/// A node, whose mass stands apart, so that rows of nodes are whole registers. While particles give: momentum, force. While they
-/// take: velocity, change of velocity over the step.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Node<S, const D: usize> {
-    pub(crate) motion: [S; D],
-    pub(crate) change: [S; D],
-}
-
-impl<S: Number, const D: usize> Node<S, D> {
-    #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        let zero = S::constant(0.0);
-        Self { motion: [zero; D], change: [zero; D] }
-    }
-
-    #[inline(always)]
-    pub(crate) fn add(&mut self, other: &Self) {
-        for k in 0..D {
-            self.motion[k] = self.motion[k] + other.motion[k];
-            self.change[k] = self.change[k] + other.change[k];
-        }
-    }
-}
+use crate::tile_size::{block_edge, block_len, tile_edge, tile_len};
+use crate::tiles::{Tile, Tiles};
 
 /// The nodes of all tiles.
 ///
@@ -46,14 +25,13 @@ impl<S: Number, const D: usize> Node<S, D> {
 /// of them, always in the same order. No two threads write the same entry, and no bit depends on how many there are.
 #[derive(Debug)]
 pub(crate) struct Grid<S, const D: usize> {
-    pub(crate) cell: f64,
-    pub(crate) origin: [f64; D],
+    pub(crate) lattice: Lattice<D>,
     planes: Vec<Plane>,
     tiles: Tiles<D>,
     /// A block for each tile, with its halo.
     blocks: Vec<Node<S, D>>,
     /// The masses of their nodes.
-    given: Vec<S>,
+    block_masses: Vec<S>,
     /// The nodes themselves: a set for each tile, no halo.
     nodes: Vec<Node<S, D>>,
     /// Their masses.
@@ -66,14 +44,14 @@ pub(crate) struct Grid<S, const D: usize> {
     outward: Vec<[S; D]>,
 }
 
-/// What the nodes do with what they were given.
+/// What the nodes do with what particle-to-grid has summed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solve {
     /// The step; zero where velocities alone are asked for.
     pub(crate) dt: f64,
     /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
-    /// Whether masses were given too; else they are those of the last time.
+    /// Whether masses were summed too; else they are those of the last time.
     pub(crate) with_mass: bool,
 }
 
@@ -84,12 +62,11 @@ impl<S: Number, const D: usize> Grid<S, D> {
             _ => (1, None),
         };
         Self {
-            cell: config.cell,
-            origin: config.origin,
+            lattice: Lattice::of(config),
             planes,
             tiles: Tiles::none(),
             blocks: vec![],
-            given: vec![],
+            block_masses: vec![],
             nodes: vec![],
             masses: vec![],
             n_fields,
@@ -118,7 +95,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         let n_sets = self.tiles.all.len() * self.n_fields;
         let zero = S::constant(0.0);
         self.blocks.resize(n_sets * block_len(D), Node::zero());
-        self.given.resize(n_sets * block_len(D), zero);
+        self.block_masses.resize(n_sets * block_len(D), zero);
         self.nodes.resize(n_sets * tile_len(D), Node::zero());
         self.masses.resize(n_sets * tile_len(D), zero);
         if self.has_contact() {
@@ -133,16 +110,16 @@ impl<S: Number, const D: usize> Grid<S, D> {
         &self.blocks[node..]
     }
 
-    /// Lets every tile's particles write into its cleared blocks, one for each field: `give(slot, first, blocks, masses)` with the
-    /// number of their first node. Masses are cleared where they are given too.
-    pub(crate) fn collect(
+    /// Clears every tile's blocks, one for each field, and lets its particles add to them: `add(slot, first, blocks, masses)`
+    /// with the number of their first node. Masses are cleared where they are summed too.
+    pub(crate) fn sum_in_blocks(
         &mut self,
         with_mass: bool,
-        give: impl Fn(usize, usize, &mut [Node<S, D>], &mut [S]) + Sync,
+        add: &(dyn Fn(usize, usize, &mut [Node<S, D>], &mut [S]) + Sync),
     ) {
         let (tiles, n_nodes) = (&self.tiles.all, self.n_fields * block_len(D));
-        let both = (&mut self.blocks[..], &mut self.given[..]);
-        for_each_pair_of_chunks(both, n_nodes, |slot, blocks, masses| {
+        let both = (&mut self.blocks[..], &mut self.block_masses[..]);
+        for_each_pair_of_chunks(both, n_nodes, &|slot, blocks, masses| {
             if tiles[slot].occupied {
                 // Row by row: so short that plain stores do it.
                 for row in blocks.chunks_mut(block_edge(D)) {
@@ -151,18 +128,21 @@ impl<S: Number, const D: usize> Grid<S, D> {
                 if with_mass {
                     masses.fill(S::constant(0.0));
                 }
-                give(slot, slot * n_nodes, blocks, masses);
+                add(slot, slot * n_nodes, blocks, masses);
             }
         });
     }
 
     /// The same for the gradients of masses.
-    pub(crate) fn collect_outward(&mut self, give: impl Fn(usize, usize, &mut [[S; D]]) + Sync) {
+    pub(crate) fn sum_outward_in_blocks(
+        &mut self,
+        add: &(dyn Fn(usize, usize, &mut [[S; D]]) + Sync),
+    ) {
         let (tiles, n_nodes) = (&self.tiles.all, self.n_fields * block_len(D));
-        for_each_chunk(&mut self.outward, n_nodes, |slot, blocks| {
+        for_each_chunk(&mut self.outward, n_nodes, &|slot, blocks| {
             if tiles[slot].occupied {
                 blocks.fill([S::constant(0.0); D]);
-                give(slot, slot * n_nodes, blocks);
+                add(slot, slot * n_nodes, blocks);
             }
         });
     }
@@ -171,59 +151,64 @@ impl<S: Number, const D: usize> Grid<S, D> {
     /// change over the step by the force and by contact, and what the planes make of them; then the blocks are filled with
     /// them again.
     pub(crate) fn solve(&mut self, solve: Solve) {
-        let Self { cell, planes, tiles, blocks, nodes, masses, n_fields, friction, .. } = self;
-        let Tiles { directory, all: tiles, .. } = &*tiles;
-        let (planes, cell) = (&*planes, *cell);
-        let (n_fields, friction) = (*n_fields, *friction);
-        let (given, outward) = (&*self.given, &*self.outward);
-        let given = Given { directory, tiles, planes, n_fields, blocks, masses: given, outward };
-        let both = (&mut nodes[..], &mut masses[..]);
-        for_each_pair_of_chunks(both, n_fields * tile_len(D), |slot, owned, masses| {
-            let tile = &tiles[slot];
+        self.solve_at_nodes(solve);
+        self.fill_blocks();
+    }
+
+    fn solve_at_nodes(&mut self, solve: Solve) {
+        let Tiles { directory, all: tiles, .. } = &self.tiles;
+        let n_fields = self.n_fields;
+        let sums = BlockSums {
+            directory,
+            tiles,
+            planes: &self.planes,
+            n_fields,
+            blocks: &self.blocks,
+            masses: &self.block_masses,
+            outward: &self.outward,
+        };
+        // Velocities that particles bring once more hold what contact did to them.
+        let friction = self.friction.filter(|_| solve.dt > 0.0);
+        let cell = self.lattice.cell;
+        let both = (&mut self.nodes[..], &mut self.masses[..]);
+        for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
             in_widest_registers(
                 #[inline(always)]
                 || {
                     for field in 0..n_fields {
                         let range = field * tile_len(D)..(field + 1) * tile_len(D);
                         let (owned, masses) = (&mut owned[range.clone()], &mut masses[range]);
-                        let masses_given = solve.with_mass.then_some(&mut *masses);
-                        if tile.plain {
-                            given.collect(tile, owned, masses_given, field);
-                        } else {
-                            given.collect_at_planes(tile, owned, masses_given, field);
-                        }
-                        find_velocities(owned, masses, solve);
+                        sums.solve(&tiles[slot], (owned, masses), field, solve);
                     }
-                    // Velocities that particles give once more hold what contact did to them.
-                    if let Some(coefficient) = friction.filter(|_| solve.dt > 0.0) {
-                        given.let_meet(tile, owned, masses, coefficient);
+                    if let Some(coefficient) = friction {
+                        sums.let_meet(&tiles[slot], owned, masses, coefficient);
                     }
-                    if tile.plain {
-                        for node in &mut *owned {
-                            for k in 0..D {
-                                node.motion[k] = node.motion[k] + node.change[k];
-                            }
-                        }
+                    if tiles[slot].plain {
+                        add_changes(owned);
                     } else {
-                        constrain(tile, owned, planes, (solve.dt, cell));
+                        constrain(&tiles[slot], owned, sums.planes, (solve.dt, cell));
                     }
                 },
             );
         });
-        let owned = &*nodes;
-        for_each_chunk(blocks, block_len(D), |set, block| {
+    }
+
+    fn fill_blocks(&mut self) {
+        let Self { planes, tiles: Tiles { directory, all: tiles, .. }, nodes, n_fields, .. } = self;
+        let (planes, nodes, n_fields) = (&*planes, &*nodes, *n_fields);
+        for_each_chunk(&mut self.blocks, block_len(D), &|set, block| {
             let tile = &tiles[set / n_fields];
             if !tile.occupied {
                 return;
             }
             let fields = Fields { n_fields, field: set % n_fields };
             if tile.plain {
-                fill(tile, owned, block, fields);
+                fill(tile, nodes, block, fields);
                 return;
             }
             for (index, node) in block.iter_mut().enumerate() {
                 let place = place_in_block::<D>(&tile.at, index);
-                *node = seen_at(planes, directory, owned, fields, place);
+                *node = seen_at(planes, directory, nodes, fields, place);
             }
         });
     }
@@ -234,7 +219,27 @@ impl<S: Number, const D: usize> Grid<S, D> {
     }
 }
 
-/// Momenta and forces become velocities and their changes.
+impl<S: Number, const D: usize> BlockSums<'_, S, D> {
+    /// Nodes of a tile in one field collect what is theirs, and find their velocities.
+    #[inline(always)]
+    fn solve(
+        &self,
+        tile: &Tile<D>,
+        (owned, masses): (&mut [Node<S, D>], &mut [S]),
+        field: usize,
+        solve: Solve,
+    ) {
+        let summed_masses = solve.with_mass.then_some(&mut *masses);
+        if tile.plain {
+            self.collect(tile, owned, summed_masses, field);
+        } else {
+            self.collect_at_planes(tile, owned, summed_masses, field);
+        }
+        find_velocities(owned, masses, solve);
+    }
+}
+
+/// Momenta and forces become velocities and their changes: `v_i = (m v)_i / m_i`, `dt f_i / m_i`.
 #[inline(always)]
 fn find_velocities<S: Number, const D: usize>(
     nodes: &mut [Node<S, D>],
@@ -249,8 +254,18 @@ fn find_velocities<S: Number, const D: usize>(
         let inverse = mass.recip();
         let by_step = inverse * solve.dt;
         for k in 0..D {
-            node.motion[k] = node.motion[k] * inverse;
-            node.change[k] = node.change[k] * by_step;
+            node.velocity_mut()[k] = node.momentum()[k] * inverse;
+            node.velocity_change_mut()[k] = node.force()[k] * by_step;
+        }
+    }
+}
+
+/// Velocities at the end of the step where no plane acts.
+#[inline(always)]
+fn add_changes<S: Number, const D: usize>(nodes: &mut [Node<S, D>]) {
+    for node in nodes {
+        for k in 0..D {
+            node.velocity_mut()[k] = node.velocity()[k] + node.velocity_change()[k];
         }
     }
 }
@@ -265,17 +280,17 @@ fn constrain<S: Number, const D: usize>(
     for (index, node) in owned.iter_mut().enumerate() {
         let place = place::<D>(&tile.at, index % tile_len(D), tile_edge(D));
         // Mirrors hold before the step too: what the image takes from the momentum is no change.
-        let mut before: [S; D] = node.motion;
+        let mut before: [S; D] = *node.velocity();
         for plane in planes.iter().filter(|plane| plane.mirrors()) {
             plane.constrain(place[plane.axis], (dt, cell), &mut before);
         }
-        let mut after: [S; D] = std::array::from_fn(|k| before[k] + node.change[k]);
+        let mut after: [S; D] = std::array::from_fn(|k| before[k] + node.velocity_change()[k]);
         for plane in planes {
             plane.constrain(place[plane.axis], (dt, cell), &mut after);
         }
         for k in 0..D {
-            node.change[k] = after[k] - before[k];
+            node.velocity_change_mut()[k] = after[k] - before[k];
         }
-        node.motion = after;
+        *node.velocity_mut() = after;
     }
 }

@@ -1,12 +1,36 @@
 //! The number type of a run.
 
-use perturbation_moments::{Scalar, in_registers_of_four, in_widest_registers};
+use std::any::Any;
+
+use perturbation_moments::{Gradient, Scalar, in_registers_of_four, in_widest_registers};
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
-/// its history. Implemented for every [`Scalar`] that threads may share.
-pub trait Number: Scalar + std::fmt::Debug + Send + Sync + 'static {}
+/// its history, or a [`Gradient`]. Any [`Scalar`] that threads may share becomes one by `impl Number for MyScalar {}`.
+pub trait Number: Scalar + std::fmt::Debug + Send + Sync + 'static {
+    /// The dimensions in which the step is compiled with this crate; in others it is compiled with who runs it.
+    #[doc(hidden)]
+    const COMPILED: &'static [usize] = &[];
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync + 'static> Number for S {}
+    /// The step of a simulation with such numbers, in one of these dimensions.
+    #[doc(hidden)]
+    fn compiled_step(_dimension: usize) -> &'static (dyn Any + Send + Sync) {
+        &()
+    }
+}
+
+impl Number for Gradient {}
+
+/// Whether the step is compiled with this crate.
+pub(crate) const fn is_compiled<S: Number>(dimension: usize) -> bool {
+    let mut k = 0;
+    while k < S::COMPILED.len() {
+        if S::COMPILED[k] == dimension {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
 
 /// Whether a value is finite, by one comparison: `is_finite` beside others becomes a test of bits, of twenty instructions.
 #[inline(always)]

@@ -1,18 +1,34 @@
 //! Work whose every output bit is the same for any number of threads: each entry is written once, from data that nobody
-//! writes, and sums have a shape that lengths alone decide. Nothing here allocates.
+//! writes, and sums have a shape that lengths alone decide. Nothing here allocates but the results of [`map_in_order`].
+//!
+//! Work is behind `dyn`: what hands it to threads is compiled once, not for every closure.
+
+/// Pieces of the work for each thread: enough that none waits long for another.
+#[cfg(feature = "rayon")]
+const PIECES: usize = 16;
 
 /// Both, at once where there are threads.
-pub(crate) fn join<A: Send, B: Send>(
-    a: impl FnOnce() -> A + Send,
-    b: impl FnOnce() -> B + Send,
-) -> (A, B) {
+pub(crate) fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     #[cfg(feature = "rayon")]
     {
-        rayon::join(a, b)
+        rayon::join(a, b);
     }
     #[cfg(not(feature = "rayon"))]
     {
-        (a(), b())
+        a();
+        b();
+    }
+}
+
+/// How many of `n` chunks one thread works on without offering any to another.
+fn piece_of(n: usize) -> usize {
+    #[cfg(feature = "rayon")]
+    {
+        n.div_ceil(PIECES * rayon::current_num_threads())
+    }
+    #[cfg(not(feature = "rayon"))]
+    {
+        n
     }
 }
 
@@ -20,16 +36,29 @@ pub(crate) fn join<A: Send, B: Send>(
 pub(crate) fn for_each_chunk<T: Send>(
     entries: &mut [T],
     length: usize,
-    work: impl Fn(usize, &mut [T]) + Sync,
+    work: &(dyn Fn(usize, &mut [T]) + Sync),
 ) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        entries.par_chunks_mut(length).enumerate().for_each(|(k, chunk)| work(k, chunk));
+    let piece = piece_of(entries.len().div_ceil(length));
+    chunks_in_halves((0, entries), (length, piece), work);
+}
+
+fn chunks_in_halves<T: Send>(
+    (first, entries): (usize, &mut [T]),
+    lengths: (usize, usize),
+    work: &(dyn Fn(usize, &mut [T]) + Sync),
+) {
+    let (length, piece) = lengths;
+    let n = entries.len().div_ceil(length);
+    if n > piece {
+        let middle = n / 2;
+        let (low, high) = entries.split_at_mut(middle * length);
+        join(&mut || chunks_in_halves((first, &mut *low), lengths, work), &mut || {
+            chunks_in_halves((first + middle, &mut *high), lengths, work);
+        });
+        return;
     }
-    #[cfg(not(feature = "rayon"))]
     for (k, chunk) in entries.chunks_mut(length).enumerate() {
-        work(k, chunk);
+        work(first + k, chunk);
     }
 }
 
@@ -37,30 +66,43 @@ pub(crate) fn for_each_chunk<T: Send>(
 pub(crate) fn for_each_pair_of_chunks<T: Send, U: Send>(
     (one, two): (&mut [T], &mut [U]),
     length: usize,
-    work: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+    work: &(dyn Fn(usize, &mut [T], &mut [U]) + Sync),
 ) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        let pairs = one.par_chunks_mut(length).zip(two.par_chunks_mut(length));
-        pairs.enumerate().for_each(|(k, (one, two))| work(k, one, two));
+    let piece = piece_of(one.len().div_ceil(length));
+    pairs_in_halves((0, one, two), (length, piece), work);
+}
+
+fn pairs_in_halves<T: Send, U: Send>(
+    (first, one, two): (usize, &mut [T], &mut [U]),
+    lengths: (usize, usize),
+    work: &(dyn Fn(usize, &mut [T], &mut [U]) + Sync),
+) {
+    let (length, piece) = lengths;
+    let n = one.len().div_ceil(length);
+    if n > piece {
+        let middle = n / 2;
+        let (low, high) = one.split_at_mut(middle * length);
+        let (low_two, high_two) = two.split_at_mut(middle * length);
+        join(
+            &mut || pairs_in_halves((first, &mut *low, &mut *low_two), lengths, work),
+            &mut || {
+                pairs_in_halves((first + middle, &mut *high, &mut *high_two), lengths, work);
+            },
+        );
+        return;
     }
-    #[cfg(not(feature = "rayon"))]
     for (k, (one, two)) in one.chunks_mut(length).zip(two.chunks_mut(length)).enumerate() {
-        work(k, one, two);
+        work(first + k, one, two);
     }
 }
 
 /// `work(entry)` for every entry, each much work; results in the order of the entries.
 pub(crate) fn map_in_order<T: Sync, U: Send>(
     entries: &[T],
-    work: impl Fn(&T) -> U + Sync + Send,
+    work: &(dyn Fn(&T) -> U + Sync),
 ) -> Vec<U> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        entries.par_iter().with_max_len(1).map(work).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    entries.iter().map(work).collect()
+    let mut results: Vec<Option<U>> = entries.iter().map(|_| None).collect();
+    let each = |k: usize, result: &mut [Option<U>]| result[0] = Some(work(&entries[k]));
+    chunks_in_halves((0, &mut results), (1, 1), &each);
+    results.into_iter().flatten().collect()
 }

@@ -5,13 +5,18 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
+use std::ops::Range;
+
 use crate::binning::{Binning, permute};
-use crate::body::Fill;
 use crate::config::{Config, Geometry, Transfer, UpdateOrder};
 use crate::error::Fault;
+use crate::fill::Fill;
 use crate::number::{Number, is_finite};
+use crate::pass::Pass;
 use crate::shape::Shape;
-use crate::transfer::Sweep;
+
+/// Particles that go through a pass together: what nodes and material make of them stays in the nearest cache.
+pub(crate) const BATCH: usize = 32;
 
 /// What every particle carries besides the state of its material, in the order of memory. A column that no step of the
 /// configuration needs is empty.
@@ -58,15 +63,25 @@ fn halves<T>(column: &mut [T], middle: usize) -> (&mut [T], &mut [T]) {
 }
 
 /// Two chunks of one: columns that are written, then those that are only read.
-macro_rules! split {
+macro_rules! halves {
     ($chunk:ident at $middle:ident: $($written:ident),+; $($read:ident),+) => {{
         $(let $written = halves($chunk.$written, $middle);)+
         $(let $read = $chunk.$read.split_at($middle);)+
         (
-            Self { $($written: $written.0,)+ $($read: $read.0,)+ },
-            Self { $($written: $written.1,)+ $($read: $read.1,)+ },
+            Chunk { $($written: $written.0,)+ $($read: $read.0,)+ },
+            Chunk { $($written: $written.1,)+ $($read: $read.1,)+ },
         )
     }};
+}
+
+/// A range of a chunk, likewise.
+macro_rules! part {
+    ($chunk:ident in $range:ident: $($written:ident),+; $($read:ident),+) => {
+        Chunk {
+            $($written: $chunk.$written.get_mut($range.clone()).unwrap_or_default(),)+
+            $($read: &$chunk.$read[$range.clone()],)+
+        }
+    };
 }
 
 impl<S, const D: usize> Chunk<'_, S, D> {
@@ -74,9 +89,16 @@ impl<S, const D: usize> Chunk<'_, S, D> {
         self.position.len()
     }
 
-    #[inline]
-    pub(crate) fn split(self, middle: usize) -> (Self, Self) {
-        split!(self at middle:
+    /// The first so many particles, and the others.
+    pub(crate) fn halves(&mut self, middle: usize) -> (Chunk<'_, S, D>, Chunk<'_, S, D>) {
+        halves!(self at middle:
+            position, velocity, displacement, affine, half_length, stretched;
+            mass, reference_volume, number, base, node)
+    }
+
+    /// A range of the particles.
+    pub(crate) fn part(&mut self, range: Range<usize>) -> Chunk<'_, S, D> {
+        part!(self in range:
             position, velocity, displacement, affine, half_length, stretched;
             mass, reference_volume, number, base, node)
     }
@@ -151,8 +173,8 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
     /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
     /// (Chen et al. 2019, eq 8). Whether all of them are then where they may be; who is not, [`Self::check`] says.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, sweep: &Sweep<'_, S, D>) -> bool {
-        if !sweep.pass.takes_motion() {
+    pub(crate) fn advance(&mut self, pass: Pass, config: &Config<D>) -> bool {
+        if !pass.updates_velocity() {
             for (x, by) in self.position.iter_mut().zip(&*self.displacement) {
                 for k in 0..D {
                     x[k] = x[k] + by[k];
@@ -166,15 +188,15 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
             }
         }
         let mut is_allowed = true;
-        if sweep.config.geometry == Geometry::Axisymmetric {
+        if config.geometry == Geometry::Axisymmetric {
             for x in &*self.position {
                 is_allowed &= x[0].value() > 0.0;
             }
         }
-        if sweep.config.shape == Shape::Gimp {
+        if config.shape == Shape::Gimp {
             self.half_length.copy_from_slice(self.stretched);
             for length in self.half_length.as_flattened() {
-                is_allowed &= is_length(length.value() / sweep.config.cell);
+                is_allowed &= is_length(length.value() / config.cell);
             }
         }
         are_finite && is_allowed

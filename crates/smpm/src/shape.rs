@@ -7,7 +7,7 @@
 
 use perturbation_moments::Scalar;
 
-use crate::tiles::block_edge;
+use crate::tile_size::{MOST_NODES, block_edge};
 
 /// Which shape function carries values between particles and nodes.
 ///
@@ -29,9 +29,6 @@ pub enum Shape {
     CubicBSpline,
 }
 
-/// Most nodes that a particle sees along an axis.
-pub(crate) const MOST_NODES: usize = 4;
-
 /// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees; of `N` particles, by
 /// nodes, so that a register takes several particles.
 #[derive(Debug, Clone, Copy)]
@@ -40,29 +37,29 @@ pub(crate) struct Axis<S, const N: usize> {
     pub(crate) slope: [[S; N]; MOST_NODES],
 }
 
-/// A shape function as a type, so that loops over its nodes unroll.
-pub(crate) trait ShapeFunction: std::fmt::Debug + Send + Sync + 'static {
-    /// Nodes along an axis.
-    const NODES: usize;
-    /// Whether the size of the particle matters.
-    const SIZED: bool = false;
+impl Shape {
+    /// Nodes that a particle sees along an axis. What loops over nodes takes it as a constant, so that the loops unroll.
+    pub(crate) const fn n_nodes(self) -> usize {
+        match self {
+            Self::Linear => 2,
+            Self::QuadraticBSpline => 3,
+            Self::Gimp | Self::CubicBSpline => 4,
+        }
+    }
 
-    /// At the place `s` (in cells) of a particle, given by its number among the `N`, which reaches `half` cells to either side and sees `base` as its lowest node.
-    /// Only what belongs to [`Self::NODES`] nodes is written.
-    fn along<S: Scalar, const N: usize>(s: S, half: S, base: i32, of: (&mut Axis<S, N>, usize));
-
-    /// The lowest node that a particle at `s` sees.
-    fn base(s: f64, half: f64) -> i32;
+    /// The lowest node that a particle at `s` (in cells) sees, which with GIMP reaches `half` cells to either side.
+    #[inline(always)]
+    pub(crate) fn lowest_node(self, s: f64, half: f64) -> i32 {
+        let (reach, further) = match self {
+            Self::Linear => (0.0, 0),
+            Self::Gimp => (half, 0),
+            Self::QuadraticBSpline => (0.5, 0),
+            Self::CubicBSpline => (0.0, 1),
+        };
+        // Round the end of the type it is as far away, and refused.
+        floor(s - reach).wrapping_sub(further)
+    }
 }
-
-#[derive(Debug)]
-pub(crate) struct Linear;
-#[derive(Debug)]
-pub(crate) struct Gimp;
-#[derive(Debug)]
-pub(crate) struct QuadraticBSpline;
-#[derive(Debug)]
-pub(crate) struct CubicBSpline;
 
 /// The largest whole number not above `s`.
 #[inline(always)]
@@ -80,109 +77,61 @@ impl<S: Scalar, const N: usize> Axis<S, N> {
         let zeros = [[S::constant(0.0); N]; MOST_NODES];
         Self { value: zeros, slope: zeros }
     }
-}
 
-impl ShapeFunction for Linear {
-    const NODES: usize = 2;
-
+    /// The B-spline over `NODES` nodes, the hat over two, of particle `p` of the `N` at the place `s` (in cells), which sees
+    /// `lowest` as its lowest node. Only what belongs to these nodes is written.
     #[inline(always)]
-    fn base(s: f64, _: f64) -> i32 {
-        floor(s)
+    pub(crate) fn set_b_spline<const NODES: usize>(&mut self, s: S, lowest: i32, p: usize) {
+        match NODES {
+            2 => self.set_hat(s - f64::from(lowest), p),
+            3 => self.set_quadratic(s - f64::from(lowest), p),
+            _ => self.set_cubic(s - f64::from(lowest + 1), p),
+        }
     }
 
+    /// At `f` from 0 to 1 behind the lowest node.
     #[inline(always)]
-    fn along<S: Scalar, const N: usize>(
-        s: S,
-        _: S,
-        base: i32,
-        (axis, p): (&mut Axis<S, N>, usize),
-    ) {
-        let f = s - f64::from(base);
-        (axis.value[0][p], axis.value[1][p]) = (-f + 1.0, f);
-        (axis.slope[0][p], axis.slope[1][p]) = (S::constant(-1.0), S::constant(1.0));
-    }
-}
-
-impl ShapeFunction for QuadraticBSpline {
-    const NODES: usize = 3;
-
-    #[inline(always)]
-    fn base(s: f64, _: f64) -> i32 {
-        floor(s - 0.5)
+    fn set_hat(&mut self, f: S, p: usize) {
+        (self.value[0][p], self.value[1][p]) = (-f + 1.0, f);
+        (self.slope[0][p], self.slope[1][p]) = (S::constant(-1.0), S::constant(1.0));
     }
 
+    /// At `f` from 1/2 to 3/2 behind the lowest node.
     #[inline(always)]
-    fn along<S: Scalar, const N: usize>(
-        s: S,
-        _: S,
-        base: i32,
-        (axis, p): (&mut Axis<S, N>, usize),
-    ) {
-        // From 1/2 to 3/2.
-        let f = s - f64::from(base);
+    fn set_quadratic(&mut self, f: S, p: usize) {
         let (left, centre, right) = (-f + 1.5, f - 1.0, f - 0.5);
-        axis.value[0][p] = left.squared() * 0.5;
-        axis.value[1][p] = -centre.squared() + 0.75;
-        axis.value[2][p] = right.squared() * 0.5;
-        (axis.slope[0][p], axis.slope[1][p], axis.slope[2][p]) = (f - 1.5, centre * -2.0, right);
-    }
-}
-
-impl ShapeFunction for CubicBSpline {
-    const NODES: usize = 4;
-
-    #[inline(always)]
-    fn base(s: f64, _: f64) -> i32 {
-        // Round the end of the type it is as far away, and refused.
-        floor(s).wrapping_sub(1)
+        self.value[0][p] = left.squared() * 0.5;
+        self.value[1][p] = -centre.squared() + 0.75;
+        self.value[2][p] = right.squared() * 0.5;
+        (self.slope[0][p], self.slope[1][p], self.slope[2][p]) = (f - 1.5, centre * -2.0, right);
     }
 
+    /// At `f` from 0 to 1 behind the second node.
     #[inline(always)]
-    fn along<S: Scalar, const N: usize>(
-        s: S,
-        _: S,
-        base: i32,
-        (axis, p): (&mut Axis<S, N>, usize),
-    ) {
-        let f = s - f64::from(base + 1);
+    fn set_cubic(&mut self, f: S, p: usize) {
         let rest = -f + 1.0;
         let (f2, r2) = (f.squared(), rest.squared());
         let sixth = 1.0 / 6.0;
-        axis.value[0][p] = r2 * rest * sixth;
-        axis.value[1][p] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
-        axis.value[2][p] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
-        axis.value[3][p] = f2 * f * sixth;
-        axis.slope[0][p] = r2 * -0.5;
-        axis.slope[1][p] = f2 * 1.5 - f * 2.0;
-        axis.slope[2][p] = -(r2 * 1.5 - rest * 2.0);
-        axis.slope[3][p] = f2 * 0.5;
-    }
-}
-
-impl ShapeFunction for Gimp {
-    const NODES: usize = 4;
-    const SIZED: bool = true;
-
-    #[inline(always)]
-    fn base(s: f64, half: f64) -> i32 {
-        floor(s - half)
+        self.value[0][p] = r2 * rest * sixth;
+        self.value[1][p] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
+        self.value[2][p] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
+        self.value[3][p] = f2 * f * sixth;
+        self.slope[0][p] = r2 * -0.5;
+        self.slope[1][p] = f2 * 1.5 - f * 2.0;
+        self.slope[2][p] = -(r2 * 1.5 - rest * 2.0);
+        self.slope[3][p] = f2 * 0.5;
     }
 
     /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
     /// length of the particle in cells.
     #[inline(always)]
-    fn along<S: Scalar, const N: usize>(
-        s: S,
-        half: S,
-        base: i32,
-        (axis, p): (&mut Axis<S, N>, usize),
-    ) {
+    pub(crate) fn set_gimp(&mut self, (s, half): (S, S), lowest: i32, p: usize) {
         let inverse = half.recip() * 0.5;
-        for (k, node) in (base..).take(Self::NODES).enumerate() {
+        for (k, node) in (lowest..).take(Shape::Gimp.n_nodes()).enumerate() {
             let d = s - f64::from(node);
             let (low, high) = (d - half, d + half);
-            axis.value[k][p] = (hat_integral(high) - hat_integral(low)) * inverse;
-            axis.slope[k][p] = (hat(high) - hat(low)) * inverse;
+            self.value[k][p] = (hat_integral(high) - hat_integral(low)) * inverse;
+            self.slope[k][p] = (hat(high) - hat(low)) * inverse;
         }
     }
 }
@@ -237,15 +186,15 @@ pub(crate) fn outer<S: Scalar, const D: usize, const N: usize>(
 }
 
 /// Nodes that a particle sees along an axis of `D`; one along an axis that there is not.
-pub(crate) const fn nodes_along<F: ShapeFunction, const D: usize>(axis: usize) -> usize {
-    if axis < D { F::NODES } else { 1 }
+pub(crate) const fn nodes_along<const NODES: usize, const D: usize>(axis: usize) -> usize {
+    if axis < D { NODES } else { 1 }
 }
 
 /// Nodes of a block from the first that a particle sees to the last.
-pub(crate) const fn nodes_spanned<F: ShapeFunction, const D: usize>() -> usize {
+pub(crate) const fn nodes_spanned<const NODES: usize, const D: usize>() -> usize {
     let edge = block_edge(D);
-    let rows = (nodes_along::<F, D>(2) - 1) * edge + nodes_along::<F, D>(1) - 1;
-    rows * edge + F::NODES
+    let rows = (nodes_along::<NODES, D>(2) - 1) * edge + nodes_along::<NODES, D>(1) - 1;
+    rows * edge + NODES
 }
 
 #[cfg(test)]
@@ -253,58 +202,55 @@ mod tests {
     use super::*;
     use perturbation_moments::Jet;
 
-    fn axis<F: ShapeFunction, S: Scalar>(s: S, half: f64) -> (i32, Axis<S, 1>) {
-        let (base, mut axis) = (F::base(s.value(), half), Axis::empty());
-        F::along(s, S::constant(half), base, (&mut axis, 0));
-        (base, axis)
-    }
-
-    fn laws<F: ShapeFunction>(name: &str, linear_exact: bool) {
-        for step in 0..400 {
-            let s = 0.01 * f64::from(step) - 1.7;
-            let (half, delta) = (0.3, 1e-6);
-            let (base, here) = axis::<F, f64>(s, half);
-            let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
-            for (k, node) in (base..).take(F::NODES).enumerate() {
-                sum += here.value[k][0];
-                slopes += here.slope[k][0];
-                place += here.value[k][0] * f64::from(node);
-                assert!(here.value[k][0] > -1e-15, "{name}: negative at {s}");
-            }
-            assert!(
-                (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
-                "{name}: no partition at {s}"
-            );
-            if linear_exact {
-                assert!(
-                    (place - s).abs() < 1e-13,
-                    "{name}: a linear field does not come back at {s}"
-                );
-            }
-            let ((over, above), (under, below)) =
-                (axis::<F, f64>(s + delta, half), axis::<F, f64>(s - delta, half));
-            if over == base && under == base {
-                for k in 0..F::NODES {
-                    let slope = (above.value[k][0] - below.value[k][0]) / (2.0 * delta);
-                    // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
-                    assert!((slope - here.slope[k][0]).abs() < 1e-5, "{name}: slope {k} at {s}");
-                }
-            }
-            let (_, jet) = axis::<F, Jet>(Jet::variable(s, 0), half);
-            for k in 0..F::NODES {
-                assert!(
-                    (jet.value[k][0].first[0] - here.slope[k][0]).abs() < 1e-12,
-                    "{name} at {s}"
-                );
-            }
+    fn axis<S: Scalar>(shape: Shape, s: S, half: f64) -> (i32, Axis<S, 1>) {
+        let (lowest, mut axis) = (shape.lowest_node(s.value(), half), Axis::empty());
+        match shape {
+            Shape::Linear => axis.set_b_spline::<2>(s, lowest, 0),
+            Shape::QuadraticBSpline => axis.set_b_spline::<3>(s, lowest, 0),
+            Shape::CubicBSpline => axis.set_b_spline::<4>(s, lowest, 0),
+            Shape::Gimp => axis.set_gimp((s, S::constant(half)), lowest, 0),
         }
+        (lowest, axis)
     }
 
     #[test]
     fn shape_functions_part_unity_reproduce_a_line_and_have_their_slopes() {
-        laws::<Linear>("linear", true);
-        laws::<Gimp>("GIMP", true);
-        laws::<QuadraticBSpline>("quadratic B-spline", true);
-        laws::<CubicBSpline>("cubic B-spline", true);
+        for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+            for step in 0..400 {
+                let s = 0.01 * f64::from(step) - 1.7;
+                let (half, delta) = (0.3, 1e-6);
+                let (lowest, here) = axis(shape, s, half);
+                let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
+                for (k, node) in (lowest..).take(shape.n_nodes()).enumerate() {
+                    sum += here.value[k][0];
+                    slopes += here.slope[k][0];
+                    place += here.value[k][0] * f64::from(node);
+                    assert!(here.value[k][0] > -1e-15, "{shape:?}: negative at {s}");
+                }
+                assert!(
+                    (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
+                    "{shape:?}: no partition at {s}"
+                );
+                assert!(
+                    (place - s).abs() < 1e-13,
+                    "{shape:?}: a linear field does not come back at {s}"
+                );
+                let ((over, above), (under, below)) =
+                    (axis(shape, s + delta, half), axis(shape, s - delta, half));
+                if over == lowest && under == lowest {
+                    for k in 0..shape.n_nodes() {
+                        let slope = (above.value[k][0] - below.value[k][0]) / (2.0 * delta);
+                        // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
+                        let error = (slope - here.slope[k][0]).abs();
+                        assert!(error < 1e-5, "{shape:?}: slope {k} at {s}");
+                    }
+                }
+                let (_, jet) = axis(shape, Jet::variable(s, 0), half);
+                for k in 0..shape.n_nodes() {
+                    let error = (jet.value[k][0].first[0] - here.slope[k][0]).abs();
+                    assert!(error < 1e-12, "{shape:?} at {s}");
+                }
+            }
+        }
     }
 }

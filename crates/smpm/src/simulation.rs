@@ -5,15 +5,18 @@ use std::io::{Read, Write};
 use crate::body::Body;
 use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
-use crate::constitution::{Summary, signal_speed};
 use crate::error::Error;
-use crate::giving::Given;
 use crate::grid::{Grid, Solve};
-use crate::number::Number;
+use crate::number::{Number, is_compiled};
+use crate::outward::sum_outward;
+use crate::particle_pass::ParticlePass;
+use crate::particle_terms::Given;
+use crate::particle_to_grid::particle_to_grid;
 use crate::particles::Particles;
-use crate::shape::MOST_NODES;
+use crate::pass::Pass;
 use crate::snapshot::{Clock, Stored, read, write};
-use crate::transfer::{Pass, Places, Sweep, carrier};
+use crate::summary::{Summary, signal_speed};
+use crate::tile_size::MOST_NODES;
 
 /// A node lighter than this part of the lightest particle stands still.
 const SMALLEST_MASS: f64 = 1e-12;
@@ -67,6 +70,10 @@ pub struct Ledger<const D: usize> {
     /// Internal energy of the materials.
     pub internal: f64,
 }
+
+/// A step of a given length.
+pub(crate) type Step<S, const D: usize> =
+    fn(&mut Simulation<S, D>, f64) -> Result<StepReport, Error>;
 
 /// The longest step and who asks for it.
 #[derive(Debug, Clone, Copy)]
@@ -201,14 +208,22 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        let outcome = self.try_step(dt);
+        let outcome = if const { is_compiled::<S>(D) } {
+            match S::compiled_step(D).downcast_ref::<Step<S, D>>() {
+                Some(step) => step(self, dt),
+                None => unreachable!("a step of these numbers is compiled"),
+            }
+        } else {
+            self.try_step(dt)
+        };
         if let Err(error) = &outcome {
             self.failed = Some(error.clone());
         }
         outcome
     }
 
-    fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
+    /// What [`step_of`](Self::step_of) does while nothing has failed.
+    pub(crate) fn try_step(&mut self, dt: f64) -> Result<StepReport, Error> {
         if self.n_steps >= self.config.most_steps {
             let (time, limit) = (self.time, self.config.most_steps);
             return Err(Error::WorkLimit { time, target: self.time + dt, limit });
@@ -222,21 +237,21 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         self.allocate()?;
         if self.grid.has_contact() {
-            carrier(self.config.shape).give_outward(&mut self.grid, &self.bodies);
+            sum_outward(&mut self.grid, &self.bodies, &self.config);
         }
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {
-            self.give(Given::Motion, 0.0);
-            self.sweep(dt, Pass::Stress)?;
+            self.to_grid(Given::MassAndMomentum, 0.0);
+            self.to_particles(dt, Pass::Stress)?;
         }
-        self.give(Given::MotionAndForce, dt);
+        self.to_grid(Given::MassMomentumAndForce, dt);
         let summary = match order {
-            UpdateOrder::StressFirst => self.sweep(dt, Pass::MotionAndMove)?,
-            UpdateOrder::StressLast => self.sweep(dt, Pass::Whole)?,
+            UpdateOrder::StressFirst => self.to_particles(dt, Pass::VelocityAndMove)?,
+            UpdateOrder::StressLast => self.to_particles(dt, Pass::Whole)?,
             UpdateOrder::ModifiedStressLast => {
-                self.sweep(dt, Pass::Motion)?;
-                self.give(Given::MotionAgain, 0.0);
-                self.sweep(dt, Pass::StressAndMove)?
+                self.to_particles(dt, Pass::Velocity)?;
+                self.to_grid(Given::Momentum, 0.0);
+                self.to_particles(dt, Pass::StressAndMove)?
             }
         };
         self.n_steps = step;
@@ -259,29 +274,30 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     }
 
     fn bin(&mut self) -> Result<(), Error> {
-        let places = Places::of(&self.grid);
-        let carrier = carrier::<S, D>(self.config.shape);
+        let lattice = self.grid.lattice;
         for body in &mut self.bodies {
-            carrier.find_bases(&places, body);
+            let Particles { position, half_length, .. } = &body.particles;
+            let bases = &mut body.binning.bases;
+            lattice.find_lowest_nodes(self.config.shape, (position, half_length), bases);
         }
         self.grid.allocate(&mut self.bodies)
     }
 
-    fn give(&mut self, given: Given, dt: f64) {
-        carrier(self.config.shape).give(&mut self.grid, &self.bodies, &self.config, given);
-        let with_mass = given != Given::MotionAgain;
+    /// Particle-to-grid, and the solution at the nodes.
+    fn to_grid(&mut self, given: Given, dt: f64) {
+        particle_to_grid(&mut self.grid, &self.bodies, &self.config, given);
+        let with_mass = given != Given::Momentum;
         self.grid.solve(Solve { dt, smallest_mass: self.smallest_mass, with_mass });
     }
 
-    /// A pass over all particles.
-    fn sweep(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
+    /// A pass over all particles: grid-to-particle, the material update, the motion.
+    fn to_particles(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
         let Self { config, bodies, grid, .. } = self;
-        let carrier = carrier(config.shape);
         let (step, time) = (self.n_steps + 1, self.time + dt);
+        let pass = ParticlePass::of(grid, config, pass, (dt, time));
         let (mut all, mut fastest) = (Summary::none(), 0.0);
         for (number, body) in bodies.iter_mut().enumerate() {
-            let sweep = Sweep { grid, config, carrier, dt, time, pass };
-            let summary = body.sweep(&sweep);
+            let summary = pass.over(body);
             if let Some((particle, fault)) = summary.fault {
                 let particle = particle as usize;
                 return Err(Error::Material { step, time, body: number, particle, fault });
@@ -312,7 +328,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
                 ledger.momentum[k] += m * v;
                 ledger.kinetic += 0.5 * m * v * v;
             }
-            ledger.internal += body.constitution.observe(p).energy.value() * reference_volume[p];
+            ledger.internal += body.points.observe(p).energy.value() * reference_volume[p];
         }
         ledger
     }
@@ -359,7 +375,7 @@ impl Limit {
     fn of<S: Number, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
         let mut limit = Self { dt: f64::INFINITY, body: 0, particle: 0 };
         for (number, body) in bodies.iter().enumerate() {
-            let conditions = body.constitution.conditions();
+            let conditions = body.points.conditions();
             for ((v, condition), &particle) in
                 body.particles.velocity.iter().zip(conditions).zip(&body.particles.number)
             {

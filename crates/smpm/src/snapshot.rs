@@ -151,62 +151,89 @@ pub(crate) fn read<S: Stored, const D: usize>(
 ) -> Result<Clock, Error> {
     let mut all = vec![];
     let mut clock = None;
-    for k in 0..bodies.len() {
+    for (k, body) in bodies.iter().enumerate() {
         let store =
             ParticleStore::<D>::restore(&mut reader).map_err(|error| Error::store(&error))?;
-        let count = |name: &'static str| match store.attribute(name) {
-            Some(Attribute::Count(count)) => Ok(usize::try_from(count).unwrap_or(usize::MAX)),
-            _ => Err(Error::ForeignSnapshot { quantity: name, found: 0, expected: 1 }),
-        };
-        let real = |name: &'static str| match store.attribute(name) {
-            Some(Attribute::Real(value)) => Ok(value),
-            _ => Err(Error::ForeignSnapshot { quantity: name, found: 0, expected: 1 }),
-        };
-        let finite = |name: &'static str| match real(name)? {
-            value if value.is_finite() => Ok(value),
-            value => Err(Error::SnapshotNumber { quantity: name, value }),
-        };
-        let fits = |quantity: &'static str, found: usize, expected: usize| {
-            if found == expected {
-                Ok(())
-            } else {
-                Err(Error::ForeignSnapshot { quantity, found, expected })
-            }
-        };
         // What a body like this one would write.
-        let Some(Columns { number, columns }) = Columns::of(&bodies[k]) else {
+        let Some(expected) = Columns::of(body) else {
             return Err(Error::MaterialNotStored { body: k });
         };
-        fits("bodies", count("n_bodies")?, bodies.len())?;
-        fits("parts of a number", count("parts")?, S::PARTS)?;
-        fits("particles", store.len(), number.len())?;
-        fits("columns", store.columns().len(), columns.len() + 1)?;
-        clock = Some(Clock {
-            time: finite("time")?,
-            n_steps: count("n_steps")? as u64,
-            supplied: finite("supplied")?,
-            limit: (real("longest step")?, count("limiting body")?, count("limiting particle")?),
-        });
-        let handle = store.handle::<u32>("number").map_err(|error| Error::store(&error))?;
-        let number = store.get(handle).map_err(|error| Error::store(&error))?.to_vec();
-        let mut seen = vec![false; number.len()];
-        for &one in &number {
-            match seen.get_mut(one as usize) {
-                Some(seen) if !*seen => *seen = true,
-                _ => fits("numbers of particles", one as usize, number.len())?,
-            }
-        }
-        let columns = (0..columns.len())
-            .map(|column| {
-                let handle = store.handle::<f64>(&name(column, S::PARTS))?;
-                Ok(store.get(handle)?.to_vec())
-            })
-            .collect::<Result<_, _>>()
-            .map_err(|error| Error::store(&error))?;
-        all.push(Columns { number, columns });
+        fits("bodies", count(&store, "n_bodies")?, bodies.len())?;
+        fits("parts of a number", count(&store, "parts")?, S::PARTS)?;
+        fits("particles", store.len(), expected.number.len())?;
+        fits("columns", store.columns().len(), expected.columns.len() + 1)?;
+        clock = Some(read_clock(&store)?);
+        all.push(read_columns(&store, expected.columns.len(), S::PARTS)?);
     }
     for (body, columns) in bodies.iter_mut().zip(&all) {
         columns.put(body);
     }
     clock.ok_or(Error::NoBody)
+}
+
+fn count<const D: usize>(store: &ParticleStore<D>, name: &'static str) -> Result<usize, Error> {
+    match store.attribute(name) {
+        Some(Attribute::Count(count)) => Ok(usize::try_from(count).unwrap_or(usize::MAX)),
+        _ => Err(Error::ForeignSnapshot { quantity: name, found: 0, expected: 1 }),
+    }
+}
+
+fn real<const D: usize>(store: &ParticleStore<D>, name: &'static str) -> Result<f64, Error> {
+    match store.attribute(name) {
+        Some(Attribute::Real(value)) => Ok(value),
+        _ => Err(Error::ForeignSnapshot { quantity: name, found: 0, expected: 1 }),
+    }
+}
+
+fn finite<const D: usize>(store: &ParticleStore<D>, name: &'static str) -> Result<f64, Error> {
+    match real(store, name)? {
+        value if value.is_finite() => Ok(value),
+        value => Err(Error::SnapshotNumber { quantity: name, value }),
+    }
+}
+
+fn fits(quantity: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::ForeignSnapshot { quantity, found, expected })
+    }
+}
+
+fn read_clock<const D: usize>(store: &ParticleStore<D>) -> Result<Clock, Error> {
+    Ok(Clock {
+        time: finite(store, "time")?,
+        n_steps: count(store, "n_steps")? as u64,
+        supplied: finite(store, "supplied")?,
+        limit: (
+            real(store, "longest step")?,
+            count(store, "limiting body")?,
+            count(store, "limiting particle")?,
+        ),
+    })
+}
+
+/// So many columns, and the numbers of the particles: each of them once.
+fn read_columns<const D: usize>(
+    store: &ParticleStore<D>,
+    n_columns: usize,
+    parts: usize,
+) -> Result<Columns, Error> {
+    let handle = store.handle::<u32>("number").map_err(|error| Error::store(&error))?;
+    let number = store.get(handle).map_err(|error| Error::store(&error))?.to_vec();
+    let mut seen = vec![false; number.len()];
+    for &one in &number {
+        match seen.get_mut(one as usize) {
+            Some(seen) if !*seen => *seen = true,
+            _ => fits("numbers of particles", one as usize, number.len())?,
+        }
+    }
+    let columns = (0..n_columns)
+        .map(|column| {
+            let handle = store.handle::<f64>(&name(column, parts))?;
+            Ok(store.get(handle)?.to_vec())
+        })
+        .collect::<Result<_, _>>()
+        .map_err(|error| Error::store(&error))?;
+    Ok(Columns { number, columns })
 }

@@ -1,17 +1,9 @@
 //! Which tiles of nodes there are, and who stands next to whom.
 
-#![allow(
-    clippy::inline_always,
-    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
-)]
-
 use crate::binning::Binning;
 use crate::boundary::Plane;
 use crate::error::Error;
-use crate::shape::MOST_NODES;
-
-/// Nodes of a block beyond its tile along each axis: a particle of the tile sees them.
-pub(crate) const HALO: usize = MOST_NODES - 1;
+use crate::tile_size::{block_edge, corner_of, signed, tile_edge};
 
 /// An image is at most this far from its plane, in cells.
 pub(crate) const MOST_DEPTH: i32 = 2;
@@ -24,38 +16,6 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// Marks before tiles are numbered: particles stand there; or it only holds the halo of one where they do.
 const OCCUPIED: u32 = 0;
 pub(crate) const HALO_ONLY: u32 = 1;
-
-/// Nodes of a tile along an axis.
-pub(crate) const fn tile_edge(dimension: usize) -> usize {
-    match dimension {
-        1 => 16,
-        2 => 8,
-        _ => 4,
-    }
-}
-
-/// Nodes of a block along an axis.
-pub(crate) const fn block_edge(dimension: usize) -> usize {
-    tile_edge(dimension) + HALO
-}
-
-const fn power(base: usize, exponent: usize) -> usize {
-    let (mut value, mut k) = (1, 0);
-    while k < exponent {
-        value *= base;
-        k += 1;
-    }
-    value
-}
-
-/// Nodes of a block.
-pub(crate) const fn block_len(dimension: usize) -> usize {
-    power(block_edge(dimension), dimension)
-}
-
-pub(crate) const fn tile_len(dimension: usize) -> usize {
-    power(tile_edge(dimension), dimension)
-}
 
 /// Which tiles exist, and where each is kept.
 #[derive(Debug)]
@@ -101,35 +61,8 @@ impl<const D: usize> Directory<D> {
     }
 }
 
-/// The tile that a node belongs to.
-#[inline(always)]
-pub(crate) fn tile_of<const D: usize>(node: &[i32; D]) -> [i32; D] {
-    let mut tile = *node;
-    for place in &mut tile {
-        // Edges are powers of two: the quotient rounded down.
-        *place >>= const { tile_edge(D).trailing_zeros() };
-    }
-    tile
-}
-
-/// The lowest node of a tile.
-#[inline(always)]
-pub(crate) fn corner_of<const D: usize>(tile: &[i32; D]) -> [i32; D] {
-    let mut corner = *tile;
-    for place in &mut corner {
-        *place *= signed(tile_edge(D));
-    }
-    corner
-}
-
 /// Nodes of blocks and halos around it still have numbers.
 const FARTHEST_NODE: i32 = i32::MAX / 2;
-
-/// A length within a block: far below the range of the type.
-#[inline(always)]
-pub(crate) fn signed(length: usize) -> i32 {
-    i32::try_from(length).unwrap_or(i32::MAX)
-}
 
 /// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they stand one
 /// tile further along axis `k`.

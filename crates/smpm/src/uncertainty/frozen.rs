@@ -2,7 +2,8 @@
 
 use perturbation_moments::{Jet, LANES, Moments, Scalar};
 
-use super::study::{Experiment, Study};
+use super::experiment::Experiment;
+use super::study::Study;
 use crate::error::Error;
 use crate::material::{LocalFlow, LocalState};
 use crate::observation::{Located, Quantity};

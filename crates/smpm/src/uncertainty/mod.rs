@@ -13,6 +13,7 @@
 //!
 //! A study that is [kept](Study::kept_by) goes on, after it was killed, from where each of its runs was last kept, to the same bits.
 
+mod experiment;
 mod frozen;
 mod keep;
 mod range;
@@ -20,9 +21,10 @@ mod sampled;
 mod study;
 mod switch;
 
+pub use experiment::Experiment;
 pub use frozen::{FrozenForm, FrozenMoments};
 pub use keep::{Keep, Standing};
 pub use range::MOST_CHANCE_OUT_OF_RANGE;
 pub use sampled::{Exceedance, Sampled};
-pub use study::{Experiment, Propagated, Study};
+pub use study::{Propagated, Study};
 pub use switch::Switch;

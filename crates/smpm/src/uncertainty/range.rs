@@ -2,7 +2,7 @@
 
 use perturbation_moments::RandomVector;
 
-use super::study::Experiment;
+use super::experiment::Experiment;
 use crate::error::Error;
 
 /// The largest chance, of one parameter by itself, that a sample cannot be run.

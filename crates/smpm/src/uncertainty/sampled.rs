@@ -6,8 +6,9 @@ use std::ops::Range;
 
 use perturbation_moments::{ControlledSamples, Estimate, Moments, MonteCarlo, SampledMoments};
 
+use super::experiment::Experiment;
 use super::range::upper_tail;
-use super::study::{Experiment, Study};
+use super::study::Study;
 use crate::error::Error;
 use crate::parallel::map_in_order;
 
@@ -67,7 +68,8 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
         while from < range.end {
             let end = range.end.min(from.saturating_add(each.max(1)));
             let realisations: Vec<u64> = (from..end).collect();
-            for (&realisation, outcome) in realisations.iter().zip(map_in_order(&realisations, run))
+            for (&realisation, outcome) in
+                realisations.iter().zip(map_in_order(&realisations, &run))
             {
                 match outcome {
                     Ok(sample) => sampled.samples.push(sample),

@@ -4,28 +4,16 @@ use perturbation_moments::{
     AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints,
 };
 
+use super::experiment::Experiment;
 use super::keep::{Keep, Kept};
 use super::range;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::Error;
-use crate::number::Number;
 use crate::observation::Plan;
 use crate::parallel::map_in_order;
 use crate::record::{Plain, Reader, Record, Schedule, Witness};
 use crate::simulation::Simulation;
 use crate::snapshot::Stored;
-
-/// A run as a function of `N` random parameters, written once over every number type.
-///
-/// What it refuses, by the errors of the materials it builds, is outside the range of a parameter.
-pub trait Experiment<const D: usize, const N: usize>: Sync {
-    /// The simulation at its start, with the parameters `x` in the order of the random vector. Grid, places of particles and
-    /// steps must not depend on them.
-    ///
-    /// # Errors
-    /// Where the parameters are out of range.
-    fn simulation<S: Number>(&self, x: &[S; N]) -> Result<Simulation<S, D>, Error>;
-}
 
 /// An experiment, the law of its parameters, and what is looked at; its mean run is done.
 #[derive(Debug)]
@@ -251,7 +239,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let name = format!("point {point} at {distance} deviations");
             self.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
         };
-        for run in map_in_order(&numbered, run) {
+        for run in map_in_order(&numbered, &run) {
             table.push(run?);
         }
         Ok(table)

@@ -4,6 +4,7 @@ mod elastic_shear;
 mod fluid;
 mod johnson_cook;
 mod johnson_cook_damage;
+mod johnson_cook_return;
 mod von_mises;
 
 use perturbation_moments::Scalar;

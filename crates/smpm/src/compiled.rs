@@ -1,0 +1,47 @@
+//! The steps that are compiled with this crate, once for all that run them: a step is most of the code of a simulation, and only its
+//! materials come from outside.
+
+use perturbation_moments::Jet;
+
+use crate::number::Number;
+
+#[cfg(not(test))]
+macro_rules! compiled {
+    ($number:ty: $($dimension:literal $step:ident),+) => {
+        impl Number for $number {
+            const COMPILED: &'static [usize] = &[$($dimension),+];
+
+            fn compiled_step(dimension: usize) -> &'static (dyn std::any::Any + Send + Sync) {
+                $(
+                    #[inline(never)]
+                    fn $step(
+                        simulation: &mut crate::simulation::Simulation<$number, $dimension>,
+                        dt: f64,
+                    ) -> Result<crate::simulation::StepReport, crate::error::Error> {
+                        simulation.try_step(dt)
+                    }
+                )+
+                match dimension {
+                    $(
+                        $dimension => {
+                            static STEP: crate::simulation::Step<$number, $dimension> = $step;
+                            &STEP
+                        }
+                    )+
+                    _ => &(),
+                }
+            }
+        }
+    };
+}
+
+#[cfg(not(test))]
+compiled!(f64: 1 in_one, 2 in_two, 3 in_three);
+#[cfg(not(test))]
+compiled!(Jet: 1 in_one, 2 in_two);
+
+// The unit tests run no step.
+#[cfg(test)]
+impl Number for f64 {}
+#[cfg(test)]
+impl Number for Jet {}

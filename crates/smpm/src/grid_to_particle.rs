@@ -1,0 +1,209 @@
+//! Grid to particle (G2P): velocity and velocity gradient of the particles.
+//!
+//! $$ v_p \leftarrow v_p + \sum_i \Delta v_i N_i(x_p) \;\text{(FLIP)} \quad\text{or}\quad \sum_i v_i N_i(x_p) \;\text{(PIC, APIC)},
+//!    \qquad L_p = \sum_i v_i \nabla N_i(x_p), \qquad x_p \leftarrow x_p + \Delta t \sum_i v_i N_i(x_p) $$
+//!
+//! With GIMP the particle's lengths follow `L_p` (Chen et al. 2019, eq 8), its density too (eq 9, in the material update). Here
+//! are the sums over the nodes; what a particle makes of them is [`GridToParticle::apply`]. `N_i(x_p)` is a product of values along
+//! the axes: at the nodes of a row, those along the first axis vary, the others are in `n`, and `grad n`.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::grid::Grid;
+use crate::node::Node;
+use crate::number::{Number, in_registers_of, is_plain};
+use crate::particle_motion::{GridToParticle, Sums, nothing};
+use crate::particles::Chunk;
+use crate::pass::Pass;
+use crate::shape::{Axis, nodes_along, nodes_spanned, outer};
+use crate::tile_size::block_edge;
+
+// Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// Particles whose sums stand in memory together: few enough for the nearest cache.
+const BATCH: usize = 8;
+
+impl<const D: usize> GridToParticle<D> {
+    /// What the pass asks of all particles of a chunk; velocity gradients go into `gradients`.
+    pub(crate) fn chunk<S: Number>(
+        &self,
+        grid: &Grid<S, D>,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+    ) {
+        match self.shape.n_nodes() {
+            2 => self.in_registers::<S, 2>(grid, chunk, gradients),
+            3 => self.in_registers::<S, 3>(grid, chunk, gradients),
+            _ => self.in_registers::<S, 4>(grid, chunk, gradients),
+        }
+    }
+
+    /// Of plain numbers, in the usual cases, what is asked for is known to the compiler, which then asks at no node; beside the
+    /// arithmetic of a jet a question costs nothing, and its code is long.
+    #[inline(never)]
+    fn in_registers<S: Number, const NODES: usize>(
+        &self,
+        grid: &Grid<S, D>,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+    ) {
+        in_registers_of::<S, _>(
+            #[inline(always)]
+            || {
+                if const { !is_plain::<S>() } {
+                    self.batches::<S, NODES, 1>(grid, chunk, gradients);
+                    return;
+                }
+                let flip = Self { affine: false, with_pic: false, ..*self };
+                match (self.pass, self.affine || self.with_pic) {
+                    (Pass::Whole, false) => Self { pass: Pass::Whole, ..flip }
+                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
+                    (Pass::Velocity, false) => Self { pass: Pass::Velocity, ..flip }
+                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
+                    (Pass::StressAndMove, _) => Self { pass: Pass::StressAndMove, ..flip }
+                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
+                    _ => self.batches::<S, NODES, BATCH>(grid, chunk, gradients),
+                }
+            },
+        );
+    }
+
+    /// `N` particles at a time: sums over nodes go through memory, whence registers take several numbers at once.
+    #[inline(always)]
+    fn batches<S: Number, const NODES: usize, const N: usize>(
+        &self,
+        grid: &Grid<S, D>,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut [[[S; 3]; 3]],
+    ) {
+        let mut axes = [Axis::<S, N>::empty(); D];
+        let mut sums = [Sums::none(); N];
+        let mut begin = 0;
+        while begin < gradients.len() {
+            let these = begin..gradients.len().min(begin + N);
+            let half_length = chunk.half_length.get(these.clone()).unwrap_or_default();
+            let seen = (&chunk.position[these.clone()], half_length, &chunk.base[these.clone()]);
+            self.lattice.find_axes::<S, NODES, N>(self.shape, seen, &mut axes);
+            let (sums, node) = (&mut sums[..these.len()], &chunk.node[these.clone()]);
+            for p in 0..node.len() {
+                let nodes = &grid.from(node[p])[..nodes_spanned::<NODES, D>()];
+                self.sum::<S, NODES, N>((&axes, p), nodes, &mut sums[p]);
+            }
+            for (p, sums) in these.clone().zip(sums) {
+                self.apply::<S, NODES>(chunk, p, sums, &mut gradients[p]);
+            }
+            begin = these.end;
+        }
+    }
+
+    /// The sums over the nodes that a particle sees, row by row.
+    #[inline(always)]
+    fn sum<S: Number, const NODES: usize, const N: usize>(
+        &self,
+        (axes, p): (&[Axis<S, N>; D], usize),
+        nodes: &[Node<S, D>],
+        sums: &mut Sums<S, D>,
+    ) {
+        let (edge, value) = (block_edge(D), &axes[0].value);
+        *sums = Sums::none();
+        let with_change = self.pass.updates_velocity() && (!self.with_pic || self.shares.0 != 0.0);
+        let with_matrix = self.pass.updates_velocity() && self.affine;
+        let with_moment = with_matrix && self.inverse_inertia.is_some();
+        let with_gradient = self.pass.updates_stress() || (with_matrix && !with_moment);
+        for k in 0..nodes_along::<NODES, D>(2) {
+            for j in 0..nodes_along::<NODES, D>(1) {
+                let (n, grad_n) = outer(axes, p, (j, k));
+                let start = (k * edge + j) * edge;
+                let row = &nodes[start..start + NODES];
+                let (mut velocity, mut change) = ([nothing::<S>(); D], [nothing::<S>(); D]);
+                for i in 0..NODES {
+                    for c in 0..D {
+                        velocity[c] = velocity[c] + row[i].velocity()[c] * value[i][p];
+                    }
+                    if with_change {
+                        for c in 0..D {
+                            change[c] = change[c] + row[i].velocity_change()[c] * value[i][p];
+                        }
+                    }
+                }
+                for c in 0..D {
+                    let here = velocity[c] * n;
+                    sums.velocity[c] = sums.velocity[c] + here;
+                    if with_change {
+                        sums.change[c] = sums.change[c] + change[c] * n;
+                    }
+                    if with_moment {
+                        add_moment_across(&mut sums.moment[c], here, (j, k));
+                    }
+                }
+                if with_gradient {
+                    add_gradient::<S, NODES, N, D>((axes, p), row, &velocity, (n, &grad_n), sums);
+                }
+                if with_moment {
+                    add_moment_along::<S, NODES, N, D>((axes, p), row, n, sums);
+                }
+            }
+        }
+    }
+}
+
+/// The part of a row in `sum_i v_k dN_i/dx_l`, with `velocity` its part of `sum_i v_k N_i` but for `n`.
+#[inline(always)]
+fn add_gradient<S: Number, const NODES: usize, const N: usize, const D: usize>(
+    (axes, p): (&[Axis<S, N>; D], usize),
+    row: &[Node<S, D>],
+    velocity: &[S; D],
+    (n, grad_n): (S, &[S; D]),
+    sums: &mut Sums<S, D>,
+) {
+    let mut steep = [nothing::<S>(); D];
+    for i in 0..NODES {
+        for c in 0..D {
+            steep[c] = steep[c] + row[i].velocity()[c] * axes[0].slope[i][p];
+        }
+    }
+    for c in 0..D {
+        sums.gradient[0][c] = sums.gradient[0][c] + steep[c] * n;
+        for l in 1..D {
+            sums.gradient[l][c] = sums.gradient[l][c] + velocity[c] * grad_n[l];
+        }
+    }
+}
+
+/// The part of row `(j, k)` in `sum_i v_k n_il N_i` for the axes `l` beyond the first, with `here` its part of `sum_i v_k N_i`.
+#[inline(always)]
+fn add_moment_across<S: Number, const D: usize>(
+    moment: &mut [S; D],
+    here: S,
+    (j, k): (usize, usize),
+) {
+    if D > 1 {
+        let l = D.min(2) - 1;
+        moment[l] = moment[l] + here * j as f64;
+    }
+    if D > 2 {
+        moment[D - 1] = moment[D - 1] + here * k as f64;
+    }
+}
+
+/// The same along the row.
+#[inline(always)]
+fn add_moment_along<S: Number, const NODES: usize, const N: usize, const D: usize>(
+    (axes, p): (&[Axis<S, N>; D], usize),
+    row: &[Node<S, D>],
+    n: S,
+    sums: &mut Sums<S, D>,
+) {
+    let mut moment = [nothing::<S>(); D];
+    for i in 1..NODES {
+        for c in 0..D {
+            moment[c] = moment[c] + row[i].velocity()[c] * (axes[0].value[i][p] * i as f64);
+        }
+    }
+    for c in 0..D {
+        sums.moment[c][0] = sums.moment[c][0] + moment[c] * n;
+    }
+}

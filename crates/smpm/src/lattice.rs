@@ -1,0 +1,86 @@
+//! Where nodes are, and how particles are seen by the nodes around them.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use perturbation_moments::in_widest_registers;
+
+use crate::config::Config;
+use crate::number::Number;
+use crate::parallel::for_each_chunk;
+use crate::shape::{Axis, Shape};
+
+/// Particles whose lowest nodes are found together.
+const SHARE: usize = 1024;
+
+/// The nodes of the grid: node `n` is at `origin + n cell`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lattice<const D: usize> {
+    pub(crate) origin: [f64; D],
+    pub(crate) cell: f64,
+    pub(crate) per_cell: f64,
+}
+
+impl<const D: usize> Lattice<D> {
+    pub(crate) fn of(config: &Config<D>) -> Self {
+        Self { origin: config.origin, cell: config.cell, per_cell: 1.0 / config.cell }
+    }
+
+    /// The shape function of up to `N` particles along all axes, from the lowest node that each sees.
+    #[inline(always)]
+    pub(crate) fn find_axes<S: Number, const NODES: usize, const N: usize>(
+        &self,
+        shape: Shape,
+        (positions, half_lengths, lowest): (&[[S; D]], &[[S; D]], &[[i32; D]]),
+        axes: &mut [Axis<S, N>; D],
+    ) {
+        let n = positions.len().min(N);
+        if NODES == Shape::Gimp.n_nodes() && shape == Shape::Gimp {
+            for p in 0..n {
+                for k in 0..D {
+                    let half = half_lengths[p][k] * self.per_cell;
+                    let s = (positions[p][k] - self.origin[k]) * self.per_cell;
+                    axes[k].set_gimp((s, half), lowest[p][k], p);
+                }
+            }
+            return;
+        }
+        for p in 0..n {
+            for k in 0..D {
+                let s = (positions[p][k] - self.origin[k]) * self.per_cell;
+                axes[k].set_b_spline::<NODES>(s, lowest[p][k], p);
+            }
+        }
+    }
+
+    /// The lowest node that each particle sees.
+    pub(crate) fn find_lowest_nodes<S: Number>(
+        &self,
+        shape: Shape,
+        (positions, half_lengths): (&[[S; D]], &[[S; D]]),
+        lowest: &mut [[i32; D]],
+    ) {
+        for_each_chunk(lowest, SHARE, &|chunk, lowest| {
+            let share = chunk * SHARE..chunk * SHARE + lowest.len();
+            let positions = &positions[share.clone()];
+            let half_lengths = half_lengths.get(share).unwrap_or_default();
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    for p in 0..lowest.len() {
+                        for k in 0..D {
+                            let s = (positions[p][k].value() - self.origin[k]) * self.per_cell;
+                            let half = match shape {
+                                Shape::Gimp => half_lengths[p][k].value() * self.per_cell,
+                                _ => 0.0,
+                            };
+                            lowest[p][k] = shape.lowest_node(s, half);
+                        }
+                    }
+                },
+            );
+        });
+    }
+}

@@ -1,0 +1,131 @@
+//! A pass over the particles: from the nodes, through the material, to their new places, batch by batch.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use perturbation_moments::in_widest_registers;
+
+use crate::body::Body;
+use crate::config::Config;
+use crate::grid::Grid;
+use crate::material_points::{Condition, MaterialUpdate, Strain};
+use crate::number::Number;
+use crate::parallel::join;
+use crate::particle_motion::GridToParticle;
+use crate::particles::{BATCH, Chunk};
+use crate::pass::Pass;
+use crate::summary::{Summary, look};
+
+/// Particles of a thread's share at least, a multiple of a batch.
+const SHARE: usize = 1024;
+
+/// A pass with all that it needs to know.
+#[derive(Debug)]
+pub(crate) struct ParticlePass<'a, S, const D: usize> {
+    grid: &'a Grid<S, D>,
+    config: &'a Config<D>,
+    pass: Pass,
+    grid_to_particle: GridToParticle<D>,
+    strain: Strain,
+}
+
+impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
+    /// A pass of a step of `dt` that ends at `time`.
+    pub(crate) fn of(
+        grid: &'a Grid<S, D>,
+        config: &'a Config<D>,
+        pass: Pass,
+        (dt, time): (f64, f64),
+    ) -> Self {
+        let Config { cell, viscosity, .. } = *config;
+        Self {
+            grid,
+            config,
+            pass,
+            grid_to_particle: GridToParticle::of(grid.lattice, config, pass, dt),
+            strain: Strain { dt, time, cell, viscosity },
+        }
+    }
+
+    /// Over all particles of a body.
+    pub(crate) fn over(&self, body: &mut Body<S, D>) -> Summary<D> {
+        let mut summary = Summary::none();
+        let (mut chunk, points) = body.for_pass();
+        points.pass(&mut |points| summary = self.in_halves(&mut chunk, points));
+        summary
+    }
+
+    /// In halves down to a share: the sums have a shape that the number of particles alone decides.
+    fn in_halves(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        points: &mut dyn MaterialUpdate<S>,
+    ) -> Summary<D> {
+        let n = chunk.len();
+        if n <= SHARE {
+            return self.over_share(chunk, points);
+        }
+        let middle = (n / 2).next_multiple_of(BATCH);
+        let (mut low, mut high) = chunk.halves(middle);
+        let (mut one, mut two) = (Summary::none(), Summary::none());
+        points.split(middle, &mut |low_points, high_points| {
+            join(&mut || one = self.in_halves(&mut low, low_points), &mut || {
+                two = self.in_halves(&mut high, high_points);
+            });
+        });
+        one.and(two)
+    }
+
+    fn over_share(
+        &self,
+        share: &mut Chunk<'_, S, D>,
+        points: &mut dyn MaterialUpdate<S>,
+    ) -> Summary<D> {
+        let mut summary = Summary::none();
+        let mut velocity_gradients = [[[S::constant(0.0); 3]; 3]; BATCH];
+        for begin in (0..share.len()).step_by(BATCH) {
+            let batch = begin..share.len().min(begin + BATCH);
+            let mut chunk = share.part(batch.clone());
+            let velocity_gradients = &mut velocity_gradients[..batch.len()];
+            self.grid_to_particle.chunk(self.grid, &mut chunk, velocity_gradients);
+            if self.pass.updates_stress() {
+                let (range, numbers) = (batch.clone(), chunk.number);
+                let fault = points.update(range, self.strain, velocity_gradients, numbers);
+                if let Some((number, fault)) = fault {
+                    summary.fail(number, fault);
+                }
+            }
+            if self.pass.moves() {
+                self.move_batch(&mut chunk, &points.conditions()[batch.clone()], &mut summary);
+                points.add_energies(batch, chunk.reference_volume, &mut summary.internal);
+            }
+        }
+        summary
+    }
+
+    /// Particles of a batch to where they stand at the end of the step, and what is seen of them there.
+    #[inline(never)]
+    fn move_batch(
+        &self,
+        chunk: &mut Chunk<'_, S, D>,
+        conditions: &[Condition<S>],
+        summary: &mut Summary<D>,
+    ) {
+        let is_everywhere = in_widest_registers(
+            #[inline(always)]
+            || {
+                look(chunk, conditions, self.config, summary);
+                chunk.advance(self.pass, self.config)
+            },
+        );
+        if !is_everywhere {
+            for i in 0..chunk.len() {
+                if let Err(fault) = chunk.check(i, self.config) {
+                    summary.fail(chunk.number[i], fault);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Particle to grid (P2G): nodal mass, momentum and force.
+//!
+//! $$ m_i = \sum_p m_p N_i(x_p), \qquad (m v)_i = \sum_p m_p (v_p + C_p (x_i - x_p)) N_i(x_p), \qquad
+//!    f_i = \sum_p m_p N_i(x_p) b - V_p \sigma_p \nabla N_i(x_p) $$
+//!
+//! Chen et al. 2019, eq 3 and 6 with their errata; `C_p` is APIC's matrix, zero with FLIP. `N_i(x_p)` is a product of values
+//! along the axes: at the nodes of a row, those along the first axis vary, the others are in `n`, and `grad n`.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use crate::body::Body;
+use crate::config::Config;
+use crate::grid::Grid;
+use crate::node::Node;
+use crate::number::{Number, in_registers_of, is_plain};
+use crate::particle_terms::{Given, ParticleToGrid, Run, Terms};
+use crate::shape::{Axis, nodes_along, nodes_spanned, outer};
+use crate::tile_size::block_edge;
+
+// Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// Particles whose terms stand in memory together: few enough for the nearest cache.
+const BATCH: usize = 12;
+
+/// The blocks of a tile.
+#[derive(Debug)]
+struct Block<'a, S, const D: usize> {
+    /// The number of the first node.
+    first: usize,
+    nodes: &'a mut [Node<S, D>],
+    masses: &'a mut [S],
+}
+
+/// What the nodes of a row have in common.
+#[derive(Debug)]
+struct RowTerms<S, const D: usize> {
+    /// Momentum, of which a node has the part by the value along the row; force, by the slope there.
+    along: Node<S, D>,
+    /// No momentum; force, of which a node has the part by the value.
+    across: Node<S, D>,
+    /// By how much the momentum grows from node to node.
+    growth: [S; D],
+}
+
+impl<S: Number, const D: usize> RowTerms<S, D> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self { along: Node::zero(), across: Node::zero(), growth: [S::constant(0.0); D] }
+    }
+}
+
+/// Sums what is `given` at the nodes of all blocks.
+pub(crate) fn particle_to_grid<S: Number, const D: usize>(
+    grid: &mut Grid<S, D>,
+    bodies: &[Body<S, D>],
+    config: &Config<D>,
+    given: Given,
+) {
+    let transfer = ParticleToGrid::of(config, given);
+    grid.sum_in_blocks(given != Given::Momentum, &|slot, first, nodes, masses| {
+        for body in bodies {
+            let block = &mut Block { first, nodes, masses };
+            match config.shape.n_nodes() {
+                2 => transfer.tile::<S, 2>(body, slot, block),
+                3 => transfer.tile::<S, 3>(body, slot, block),
+                _ => transfer.tile::<S, 4>(body, slot, block),
+            }
+        }
+    });
+}
+
+impl<const D: usize> ParticleToGrid<D> {
+    /// The particles of a body in a tile. Of plain numbers, in the usual cases, what is given is known to the compiler, which
+    /// then asks at no node; beside the arithmetic of a jet a question costs nothing, and its code is long.
+    fn tile<S: Number, const NODES: usize>(
+        &self,
+        body: &Body<S, D>,
+        slot: usize,
+        block: &mut Block<'_, S, D>,
+    ) {
+        in_registers_of::<S, _>(
+            #[inline(always)]
+            || {
+                if const { !is_plain::<S>() } {
+                    self.batches::<S, NODES, 1>(body, slot, block);
+                    return;
+                }
+                let flip = Self { affine: false, axisymmetric: false, body_force: false, ..*self };
+                match (self.given, self.affine || self.body_force) {
+                    (Given::MassMomentumAndForce, false) => {
+                        let all = Self { given: Given::MassMomentumAndForce, ..flip };
+                        all.batches::<S, NODES, BATCH>(body, slot, block);
+                    }
+                    (Given::Momentum, _) if !self.affine => {
+                        let momentum = Self { given: Given::Momentum, ..flip };
+                        momentum.batches::<S, NODES, BATCH>(body, slot, block);
+                    }
+                    _ => self.batches::<S, NODES, BATCH>(body, slot, block),
+                }
+            },
+        );
+    }
+
+    /// `N` particles at a time: their terms first stand in memory, whence registers take several numbers at once.
+    #[inline(always)]
+    fn batches<S: Number, const NODES: usize, const N: usize>(
+        &self,
+        body: &Body<S, D>,
+        slot: usize,
+        block: &mut Block<'_, S, D>,
+    ) {
+        let conditions = body.points.conditions();
+        let mut axes = [Axis::<S, N>::empty(); D];
+        let mut terms = [Terms::zero(); N];
+        for run in body.binning.runs_of(slot) {
+            let mut begin = run.start;
+            while begin < run.end {
+                let end = run.end.min(begin + N);
+                let of = Run::of(body, conditions, begin..end);
+                let terms = &mut terms[..end - begin];
+                let seen = (of.position, of.half_length, of.base);
+                self.lattice.find_axes::<S, NODES, N>(self.shape, seen, &mut axes);
+                for p in 0..terms.len() {
+                    self.find_terms(&of, p, &mut terms[p]);
+                }
+                for p in 0..terms.len() {
+                    let node = of.node[p] - block.first;
+                    let end = node + nodes_spanned::<NODES, D>();
+                    self.add::<S, NODES, N>((&terms[p], &axes, p), &mut block.nodes[node..end]);
+                    if self.given != Given::Momentum {
+                        let masses = &mut block.masses[node..end];
+                        add_mass::<S, NODES, N, D>(terms[p].mass, (&axes, p), masses);
+                    }
+                }
+                begin = end;
+            }
+        }
+    }
+
+    /// Momentum and force of a particle at every node that it sees.
+    #[inline(always)]
+    fn add<S: Number, const NODES: usize, const N: usize>(
+        &self,
+        (terms, axes, p): (&Terms<S, D>, &[Axis<S, N>; D], usize),
+        nodes: &mut [Node<S, D>],
+    ) {
+        let edge = block_edge(D);
+        for k in 0..nodes_along::<NODES, D>(2) {
+            for j in 0..nodes_along::<NODES, D>(1) {
+                let (n, grad_n) = outer(axes, p, (j, k));
+                let mut common = RowTerms::zero();
+                self.find_row_terms(terms, (j, k), (n, &grad_n), &mut common);
+                let start = (k * edge + j) * edge;
+                let row = &mut nodes[start..start + NODES];
+                for i in 0..NODES {
+                    let RowTerms { along, across, growth } = &common;
+                    let (value, slope) = (&axes[0].value[i][p], &axes[0].slope[i][p]);
+                    let node = &mut row[i];
+                    for c in 0..D {
+                        let mut momentum = along.momentum()[c];
+                        if self.affine {
+                            momentum = momentum + growth[c] * i as f64;
+                        }
+                        let mut part = momentum * *value;
+                        // Of plain numbers a zero, so that a register takes momentum and force alike.
+                        if self.with_force() && const { is_plain::<S>() } {
+                            part = part + across.momentum()[c] * *slope;
+                        }
+                        node.momentum_mut()[c] = node.momentum()[c] + part;
+                    }
+                    if self.with_force() {
+                        for c in 0..D {
+                            let part = along.force()[c] * *slope + across.force()[c] * *value;
+                            node.force_mut()[c] = node.force()[c] + part;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn find_row_terms<S: Number>(
+        &self,
+        terms: &Terms<S, D>,
+        (j, k): (usize, usize),
+        (n, grad_n): (S, &[S; D]),
+        row: &mut RowTerms<S, D>,
+    ) {
+        for c in 0..D {
+            let mut momentum = terms.along.momentum()[c];
+            if self.affine {
+                if D > 1 {
+                    momentum = momentum + terms.growth[D.min(2) - 1][c] * j as f64;
+                }
+                if D > 2 {
+                    momentum = momentum + terms.growth[D - 1][c] * k as f64;
+                }
+                row.growth[c] = terms.growth[0][c] * n;
+            }
+            row.along.momentum_mut()[c] = momentum * n;
+            if self.with_force() {
+                row.along.force_mut()[c] = terms.along.force()[c] * n;
+                let (slope, across) = (grad_n[D.min(2) - 1], &mut row.across);
+                if const { is_plain::<S>() } {
+                    across.momentum_mut()[c] = terms.across.momentum()[c] * slope;
+                }
+                across.force_mut()[c] = terms.across.force()[c] * slope;
+                if D > 2 {
+                    across.force_mut()[c] = across.force()[c] + terms.force_z[c] * grad_n[D - 1];
+                }
+                if self.body_force {
+                    across.force_mut()[c] = across.force()[c] + terms.body_force[c] * n;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn with_force(&self) -> bool {
+        self.given == Given::MassMomentumAndForce
+    }
+}
+
+/// The mass of a particle at every node that it sees.
+#[inline(always)]
+fn add_mass<S: Number, const NODES: usize, const N: usize, const D: usize>(
+    mass: S,
+    (axes, p): (&[Axis<S, N>; D], usize),
+    masses: &mut [S],
+) {
+    let edge = block_edge(D);
+    for k in 0..nodes_along::<NODES, D>(2) {
+        for j in 0..nodes_along::<NODES, D>(1) {
+            let mass_n = mass * outer(axes, p, (j, k)).0;
+            let start = (k * edge + j) * edge;
+            let row = &mut masses[start..start + NODES];
+            for i in 0..NODES {
+                row[i] = row[i] + mass_n * axes[0].value[i][p];
+            }
+        }
+    }
+}

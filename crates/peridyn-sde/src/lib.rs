@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod body;
+mod bond_config;
 mod bonds;
 mod contact;
 mod correlation;
@@ -40,7 +41,8 @@ mod surface;
 mod update;
 
 pub use body::{AtStrength, Body, BrokenBond, Cause};
-pub use bonds::{Bond, BondConfig, Bonds, VolumeCorrection};
+pub use bond_config::{BondConfig, VolumeCorrection};
+pub use bonds::{Bond, Bonds};
 pub use correlation::{Correlation, CorrelationFunction};
 pub use crossing::Crossing;
 pub use disorder::{BondValue, DisorderField, between_nodes, from_column};

@@ -68,6 +68,7 @@ mod parameter_space;
 mod polynomial;
 mod posterior;
 mod regressions;
+mod sampler_config;
 mod summaries;
 mod synthetic;
 mod target;
@@ -81,7 +82,8 @@ pub use mixture::EmulatorMixture;
 pub use parameter::{Parameter, Prior, Scale};
 pub use parameter_space::ParameterSpace;
 pub use posterior::{
-    LEAST_CONTRACTION, POSTERIOR_QUANTILES, ParameterPosterior, Posterior, SamplerConfig, Verdict,
+    LEAST_CONTRACTION, POSTERIOR_QUANTILES, ParameterPosterior, Posterior, Verdict,
 };
+pub use sampler_config::SamplerConfig;
 pub use summaries::{Absent, LoadSummary, Summaries, SummaryConfig};
 pub use synthetic::{Estimator, SyntheticLikelihood};

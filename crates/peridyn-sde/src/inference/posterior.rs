@@ -1,10 +1,11 @@
 //! The posterior: chains of draws and what they say of each parameter.
 
 use rayon::prelude::*;
-use sde_integrators::{Estimate, Noise, Purpose, Uncertainty};
+use sde_integrators::{Estimate, Purpose, Uncertainty};
 
 use super::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 use super::parameter_space::ParameterSpace;
+use super::sampler_config::SamplerConfig;
 use super::target::{LogLikelihood, Proposal, Target};
 use super::tempered::{covariance, tempered};
 use crate::error::{Error, at_least};
@@ -15,38 +16,6 @@ pub const LEAST_CONTRACTION: f64 = 0.5;
 
 /// The probabilities of the quantiles that are told.
 pub const POSTERIOR_QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
-
-/// How the posterior is sampled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SamplerConfig {
-    /// Points of the cloud that goes from prior to posterior, at least 100.
-    pub n_particles: usize,
-    /// Steps of each point at each power of the likelihood, at least 1.
-    pub n_moves: usize,
-    /// Chains from points of that cloud, at least 4.
-    pub n_chains: usize,
-    /// Steps of each chain before its draws.
-    pub n_warm_up: usize,
-    /// Draws of each chain, at least 100.
-    pub n_draws: usize,
-    /// What is drawn by: [`Purpose::InitialLaw`], [`Purpose::MarkovChain`] and [`Purpose::Bootstrap`] of it.
-    pub noise: Noise,
-}
-
-impl SamplerConfig {
-    /// 500 points with 10 steps, 4 chains of 5,000 draws after 500 steps: some 100,000 likelihoods.
-    #[must_use]
-    pub fn new(noise: Noise) -> Self {
-        Self { n_particles: 500, n_moves: 10, n_chains: 4, n_warm_up: 500, n_draws: 5000, noise }
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        at_least("points of a cloud", self.n_particles, 100)?;
-        at_least("steps of a point", self.n_moves, 1)?;
-        at_least("chains", self.n_chains, 4)?;
-        at_least("draws of a chain", self.n_draws, 100)
-    }
-}
 
 /// Whether data say something of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use sde_integrators::{Purpose, exp};
 
-use super::posterior::SamplerConfig;
+use super::sampler_config::SamplerConfig;
 use super::target::{Proposal, Target, Walker};
 use crate::error::{Error, at_least, positive};
 

@@ -1,6 +1,6 @@
 //! From nodes beside a crack to the middle of it.
 
-use super::Fractured;
+use super::fractured::Fractured;
 use super::measure::{along, resampled};
 
 /// Middles of the bonds that a crack broke.

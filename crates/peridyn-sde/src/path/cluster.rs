@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 
-use super::Fractured;
+use super::fractured::Fractured;
 use crate::error::Error;
 
 /// Nodes of cracks nearer than this are linked (spacings): on a lattice, those across the diagonal of a square or a cube.

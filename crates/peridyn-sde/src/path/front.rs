@@ -1,7 +1,8 @@
 //! The front of a crack in three dimensions.
 
+use super::PathConfig;
 use super::cluster::{Cluster, Tree};
-use super::{Fractured, PathConfig};
+use super::fractured::Fractured;
 use crate::error::{Error, finite, positive};
 
 /// A flat notch in three dimensions: the parallelogram of [`Bonds::across_plane`](crate::Bonds::across_plane) with one of its

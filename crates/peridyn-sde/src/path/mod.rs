@@ -2,16 +2,16 @@
 
 mod centre;
 mod cluster;
+mod fractured;
 mod front;
 mod measure;
 
+pub use fractured::Fractured;
 pub use front::{FrontPoint, PlaneNotch, crack_front};
 pub(crate) use measure::height_at;
 pub use measure::{Branch, CrackPath};
 
-use crate::bonds::Bonds;
 use crate::error::{Error, between, finite, positive};
-use crate::nodes::Nodes;
 use centre::Middles;
 use cluster::{Cluster, Tree};
 
@@ -38,37 +38,6 @@ impl Notch {
         let length = along[0].hypot(along[1]);
         positive("length of the notch", length)?;
         Ok(along.map(|c| c / length))
-    }
-}
-
-/// A body with its bonds, broken and not.
-#[derive(Debug, Clone, Copy)]
-pub struct Fractured<'a, const D: usize> {
-    /// The nodes.
-    pub nodes: &'a Nodes<D>,
-    /// The bonds.
-    pub bonds: &'a Bonds,
-    /// Whether each bond is broken, in the order of [`Bonds::all`]; what the notch cut may be among them. To keep grips out,
-    /// hand their bonds over as whole.
-    pub broken: &'a [bool],
-    /// The bonds that the notch cut, as [`Bonds::across_segment`] and [`Bonds::across_plane`] give them.
-    pub cut: &'a [usize],
-}
-
-impl<const D: usize> Fractured<'_, D> {
-    fn check(&self) -> Result<(), Error> {
-        let length = |name, value, expected| {
-            if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
-        };
-        length("nodes", self.nodes.positions().len(), self.bonds.n_nodes())?;
-        let expected = self.bonds.len();
-        length("flags of broken bonds", self.broken.len(), expected)?;
-        match self.cut.iter().find(|&&bond| bond >= expected) {
-            Some(&value) => {
-                Err(Error::Length { name: "the number of a cut bond", value, expected })
-            }
-            None => Ok(()),
-        }
     }
 }
 

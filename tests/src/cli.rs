@@ -38,6 +38,9 @@ struct Verify {
     filters: Vec<String>,
     #[command(flatten)]
     extent: Extent,
+    /// Print every claim instead of one line per case
+    #[arg(long)]
+    claims: bool,
     /// List the cases instead of running them
     #[arg(long)]
     list: bool,
@@ -83,6 +86,7 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
         filters: arguments.filters,
         out: arguments.out.unwrap_or_else(|| default_folder("verify")),
         json: arguments.json,
+        rows: if arguments.claims { verify::Rows::Claims } else { verify::Rows::Cases },
     };
     let report = verify::verify(cases::ALL, &options, output)?;
     Ok(if report.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -1,4 +1,4 @@
-//! The proof: runs the cases, prints their claims, writes the report.
+//! The proof: runs the cases, prints their verdicts, writes the report.
 
 mod fingerprint;
 mod page;
@@ -16,7 +16,7 @@ pub use self::page::render_page;
 pub use self::recorded::render_record;
 pub use self::run::{Outcome, run_cases};
 pub use self::select::{TableError, check_table, select};
-pub use self::table::{Style, write_failures, write_summary};
+pub use self::table::{Rows, Style, write_failures, write_summary};
 
 use crate::case::Case;
 use crate::case::Profile;
@@ -40,6 +40,8 @@ pub struct Options {
     pub json: Option<PathBuf>,
     /// Whether it goes into the documents too.
     pub recording: Recording,
+    /// What has a row in what is printed.
+    pub rows: Rows,
 }
 
 /// Why there is no report. Claims that fail are in the report instead.
@@ -121,7 +123,7 @@ pub fn verify(
     let selected = select(cases, &options.filters, options.profile)?;
     // What is run was built from what is there now.
     let recorded = recorded(cases, options)?;
-    let style = Style::of_terminal();
+    let style = Style::of_terminal(options.rows);
     let outcome = run_cases(&selected, options.profile, style, output).map_err(to_terminal)?;
     let report = outcome.report;
     write_file(&options.out.join("report.json"), &finite::to_json(&report)?)?;
@@ -132,7 +134,9 @@ pub fn verify(
     if let Some((path, fingerprint)) = &recorded {
         write_file(path, &render_record(&report, fingerprint))?;
     }
-    write_failures(&report, output).map_err(to_terminal)?;
+    if options.rows == Rows::Claims {
+        write_failures(&report, output).map_err(to_terminal)?;
+    }
     writeln!(output, "report: {}", options.out.join("index.html").display())
         .map_err(to_terminal)?;
     write_summary(&report, output).map_err(to_terminal)?;
@@ -277,6 +281,7 @@ mod tests {
             out: out.clone(),
             json: Some(json.clone()),
             recording: Recording::Off,
+            rows: Rows::Claims,
         };
         let mut output = Vec::new();
         let report = verify(&CASES, &options, &mut output).unwrap();
@@ -299,6 +304,7 @@ mod tests {
             out: root.join("target"),
             json: None,
             recording: Recording::On(root.into()),
+            rows: Rows::Cases,
         }
     }
 

@@ -21,9 +21,13 @@ pub mod scene;
 pub mod schema;
 #[cfg(feature = "smpm")]
 pub mod smpm;
+mod solve;
 
 pub use self::built_in::ALL;
 pub use self::kind::{
     BlockRecord, BlocksLeft, Cut, Inputs, JobRecord, Options, Part, Place, Progress, Run, RunError,
     SceneKind, SolverError, check, kind_of, run, run_on_ranks,
 };
+pub use self::ladder::{Answer, Quantity};
+pub use self::scene::SceneFile;
+pub use self::solve::{SolveError, solve};

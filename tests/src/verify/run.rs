@@ -199,6 +199,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::Rows;
     use super::*;
     use crate::case::CaseError;
     use crate::claim::Criterion;
@@ -232,7 +233,9 @@ mod tests {
     fn run(cases: &[Case]) -> (Outcome, String) {
         let mut output = Vec::new();
         let selected: Vec<&Case> = cases.iter().collect();
-        let outcome = run_cases(&selected, Profile::Quick, Style::plain(150), &mut output).unwrap();
+        let outcome =
+            run_cases(&selected, Profile::Quick, Style::plain(150, Rows::Claims), &mut output)
+                .unwrap();
         (outcome, String::from_utf8(output).unwrap())
     }
 

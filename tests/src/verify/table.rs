@@ -1,4 +1,4 @@
-//! One row per claim, in columns that stay aligned from case to case.
+//! One line per case with its worst claims and those that fail, or one row per claim, in columns that stay aligned from case to case.
 
 use std::io::{self, IsTerminal, Write};
 
@@ -13,31 +13,49 @@ const DITTO: &str = "\"";
 /// Rows stand in from the heading of their case.
 const INDENT: u16 = 2;
 
-/// How wide the table is, and whether verdicts are coloured.
+/// What is printed of a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rows {
+    /// One line, and the claims that fail.
+    Cases,
+    /// All claims.
+    Claims,
+}
+
+/// How wide the table is, whether verdicts are coloured, and what has a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Style {
     width: u16,
     colour: bool,
+    rows: Rows,
 }
 
 impl Style {
     /// The width of the terminal within 120 to 180; 150 and no colour where there is none.
     #[must_use]
-    pub fn of_terminal() -> Self {
+    pub fn of_terminal(rows: Rows) -> Self {
         let is_terminal = io::stdout().is_terminal();
         let size = if is_terminal { terminal_size::terminal_size() } else { None };
         let width = size.map_or(150, |(width, _)| width.0.clamp(120, 180));
-        Self { width, colour: is_terminal && std::env::var_os("NO_COLOR").is_none() }
+        Self { width, colour: is_terminal && std::env::var_os("NO_COLOR").is_none(), rows }
     }
 
     /// A given width and no colour.
     #[must_use]
-    pub const fn plain(width: u16) -> Self {
-        Self { width, colour: false }
+    pub const fn plain(width: u16, rows: Rows) -> Self {
+        Self { width, colour: false, rows }
+    }
+
+    /// Case, title, worst claims, seconds, verdict.
+    fn case_columns(self) -> [usize; 5] {
+        let (numbers, gaps) = (8 + 5, 4 * 2);
+        let text = usize::from(self.width) - numbers - gaps;
+        let (id, title) = (text * 3 / 10, text * 3 / 10);
+        [id, title, text - id - title, 8, 5]
     }
 
     /// Claim, quantity, method, measured, reference, error, tolerance, seconds, verdict.
-    fn columns(self) -> [u16; 9] {
+    fn claim_columns(self) -> [u16; 9] {
         // Value and uncertainty stand side by side where there is room and under each other elsewhere.
         let value = if self.width >= 145 { 20 } else { 12 };
         let numbers = [value, value, 14, 9, 7, 7];
@@ -54,31 +72,113 @@ impl Style {
 
 /// The names of the columns.
 pub(super) fn write_header(style: Style, output: &mut dyn Write) -> io::Result<()> {
-    let mut table = empty_table();
-    table.add_row(vec![
-        "claim",
-        "quantity",
-        "method",
-        "measured ± s.e.",
-        "reference ± error",
-        "error",
-        "tolerance",
-        "seconds",
-        "verdict",
-    ]);
-    write_table(table, style, output)?;
+    match style.rows {
+        Rows::Cases => {
+            let names = ["case", "problem", "worst claim of each kind: error / tolerance"];
+            write_line(names.map(str::to_owned), ("seconds", "verdict"), style, output)?;
+        }
+        Rows::Claims => {
+            let mut table = empty_table();
+            table.add_row(vec![
+                "claim",
+                "quantity",
+                "method",
+                "measured ± s.e.",
+                "reference ± error",
+                "error",
+                "tolerance",
+                "seconds",
+                "verdict",
+            ]);
+            write_table(table, style, output)?;
+        }
+    }
     writeln!(output, "{}", "-".repeat(usize::from(style.width)))
 }
 
-/// A heading with id and title, then one row per claim.
+/// One line, or a heading with id and title and one row per claim.
 pub(super) fn write_case(
     case: &CaseRecord,
     style: Style,
     output: &mut dyn Write,
 ) -> io::Result<()> {
+    match style.rows {
+        Rows::Cases => write_case_line(case, style, output),
+        Rows::Claims => write_claims(case, style, output),
+    }
+}
+
+/// Id, title, the claims that come closest to their tolerances, seconds and verdict; then each claim that fails.
+fn write_case_line(case: &CaseRecord, style: Style, output: &mut dyn Write) -> io::Result<()> {
+    let n_failed = case.claims.iter().filter(|claim| !claim.passed).count();
+    let verdict = if n_failed == 0 { "pass" } else { "FAIL" };
+    let counted = format!("{} ({})", worst(case), number::counted(case.claims.len(), "claim"));
+    let words = [case.id.clone(), case.title.clone(), counted];
+    write_line(words, (&format!("{:.2}", case.seconds), verdict), style, output)?;
+    for claim in case.claims.iter().filter(|claim| !claim.passed) {
+        writeln!(output, "  FAIL {}: {}", claim.id, claim.reason)?;
+    }
+    write_skipped(case, output)
+}
+
+/// The largest part of its tolerance that a claim of each kind of error takes: `relative 3.1e-3 / 0.02, log10 0.01 / 0.1`.
+fn worst(case: &CaseRecord) -> String {
+    let kinds = [
+        ErrorKind::Relative,
+        ErrorKind::Absolute,
+        ErrorKind::Log10,
+        ErrorKind::Ratio,
+        ErrorKind::Order,
+    ];
+    let of_kind = |kind: ErrorKind| {
+        let claims = case.claims.iter().filter(|claim| claim.error_kind == kind);
+        let by_part = claims.filter_map(|claim| Some((claim.used()?, claim)));
+        let (_, claim) = by_part.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let error = number::error(claim.error.map(f64::abs), kind);
+        let error = error.trim_start_matches('+');
+        Some(format!("{} {error} / {}", short_name(kind), number::short(claim.tolerance)))
+    };
+    kinds.into_iter().filter_map(of_kind).collect::<Vec<_>>().join(", ")
+}
+
+/// A line of the table of cases; what is too long for its column ends in an ellipsis.
+fn write_line(
+    words: [String; 3],
+    (seconds, verdict): (&str, &str),
+    style: Style,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    let [id, title, worst, number, last] = style.case_columns();
+    let [of_id, of_title, of_worst] = words;
+    // An id is what other commands take: it is never cut.
+    let title = (title + id).saturating_sub(of_id.chars().count().max(id));
+    let line = format!(
+        "{of_id:<id$}  {:<title$}  {:<worst$}  {seconds:>number$}  {verdict:<last$}",
+        shortened(&of_title, title),
+        shortened(&of_worst, worst),
+    );
+    writeln!(output, "{}", coloured(line.trim_end(), style))
+}
+
+fn shortened(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
+    }
+    text.chars().take(width.saturating_sub(1)).chain(['…']).collect()
+}
+
+fn write_skipped(case: &CaseRecord, output: &mut dyn Write) -> io::Result<()> {
+    for skipped in &case.skipped {
+        writeln!(output, "  SKIPPED {skipped}")?;
+    }
+    Ok(())
+}
+
+/// A heading with id and title, then one row per claim.
+fn write_claims(case: &CaseRecord, style: Style, output: &mut dyn Write) -> io::Result<()> {
     writeln!(output, "{}: {}", case.id, case.title)?;
     let mut table = empty_table();
-    let name_width = usize::from(style.columns()[0]);
+    let name_width = usize::from(style.claim_columns()[0]);
     let mut method_above = "";
     for (i, claim) in case.claims.iter().enumerate() {
         // The claims of a case share its run, so its time stands once, in the first row.
@@ -94,9 +194,7 @@ pub(super) fn write_case(
     for claim in case.claims.iter().filter(|claim| is_case_error(claim)) {
         writeln!(output, "  {}", claim.reason)?;
     }
-    for skipped in &case.skipped {
-        writeln!(output, "  SKIPPED {skipped}")?;
-    }
+    write_skipped(case, output)?;
     writeln!(output)
 }
 
@@ -126,15 +224,19 @@ fn cells(claim: &Claim, case_id: &str, seconds: String, name_width: usize) -> Ve
 
 /// The error, with a word for how it was formed.
 fn measure(claim: &Claim) -> String {
-    let word = match claim.error_kind {
+    let error = number::error(claim.error, claim.error_kind);
+    let word = short_name(claim.error_kind);
+    if claim.error.is_some() { format!("{word} {error}") } else { error }
+}
+
+const fn short_name(kind: ErrorKind) -> &'static str {
+    match kind {
         ErrorKind::Relative => "rel",
         ErrorKind::Absolute => "abs",
         ErrorKind::Log10 => "log10",
         ErrorKind::Ratio => "factor",
         ErrorKind::Order => "order",
-    };
-    let error = number::error(claim.error, claim.error_kind);
-    if claim.error.is_some() { format!("{word} {error}") } else { error }
+    }
 }
 
 /// A claim's name in lines of at most `width`, each but the last ending in a slash.
@@ -160,7 +262,7 @@ fn empty_table() -> Table {
 
 fn write_table(mut table: Table, style: Style, output: &mut dyn Write) -> io::Result<()> {
     table.set_width(style.width);
-    for (i, (column, width)) in table.column_iter_mut().zip(style.columns()).enumerate() {
+    for (i, (column, width)) in table.column_iter_mut().zip(style.claim_columns()).enumerate() {
         let gap = if i < 8 { 2 } else { 0 };
         let indent = if i == 0 { INDENT } else { 0 };
         let fixed = ColumnConstraint::Absolute(Width::Fixed(indent + width + gap));
@@ -211,8 +313,10 @@ mod tests {
     #[test]
     fn columns_fill_the_width() {
         for width in [120, 144, 150, 180] {
-            let columns = Style::plain(width).columns();
+            let style = Style::plain(width, Rows::Claims);
+            let columns = style.claim_columns();
             assert_eq!(columns.iter().sum::<u16>() + INDENT + 16, width);
+            assert_eq!(style.case_columns().iter().sum::<usize>() + 8, usize::from(width));
             assert!(columns.iter().all(|&column| column >= 7), "{columns:?}");
         }
     }
@@ -228,8 +332,8 @@ mod tests {
 
     #[test]
     fn colour_is_beside_the_word_and_only_where_asked_for() {
-        let coloured_style = Style { width: 150, colour: true };
+        let coloured_style = Style { width: 150, colour: true, rows: Rows::Cases };
         assert_eq!(coloured("x  pass", coloured_style), "x  \x1b[32mpass\x1b[0m");
-        assert_eq!(coloured("x  FAIL", Style::plain(150)), "x  FAIL");
+        assert_eq!(coloured("x  FAIL", Style::plain(150, Rows::Cases)), "x  FAIL");
     }
 }

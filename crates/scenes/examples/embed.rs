@@ -1,0 +1,24 @@
+//! A scene from a text to its quantities, each with its error.
+
+#![allow(clippy::print_stdout, reason = "an example shows its result")]
+
+// docs: embed
+const SCENE: &str = r#"{
+  "solver": "fpk-sph", "title": "A building with a viscous damper",
+  "system": { "viscous_damper": {
+    "structure": { "natural_frequency": 3.14, "damping_ratio": 0.01, "noise_intensity": 0.2, "window": "stationary" },
+    "damper_coefficient": 0.25, "damper_exponent": 0.35 } },
+  "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.15, 0.1] } },
+  "method": { "flow_map_fit": { "count": [25, 25], "reach": 5 } },
+  "times": [2], "moments": [[2, 0]], "thresholds": [0.5]
+}"#;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let answer = scenes::solve(&scenes::SceneFile::from_text("damper", SCENE.to_owned())?)?;
+    for quantity in answer.quantities {
+        let error = quantity.error.map_or("unknown".to_owned(), |error| format!("{error:.0e}"));
+        println!("{} = {:.4e}, error {error}", quantity.words, quantity.value);
+    }
+    Ok(())
+}
+// docs: end

@@ -1,0 +1,111 @@
+//! The edges between packages of the workspace are those that `docs/ARCHITECTURE.md` states.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// What a package depends on: always, and for its tests alone.
+type Edges = BTreeMap<String, [BTreeSet<String>; 2]>;
+
+fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The packages of the workspace and their edges, as cargo reads the manifests.
+fn edges() -> Edges {
+    let metadata = ["metadata", "--no-deps", "--locked", "--format-version", "1"];
+    let run = Command::new(env!("CARGO")).args(metadata).current_dir(workspace()).output();
+    let run = run.expect("cargo metadata");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let metadata: Value = serde_json::from_slice(&run.stdout).expect("the JSON of cargo metadata");
+    let packages = metadata["packages"].as_array().expect("packages");
+    packages.iter().map(|package| (word(&package["name"]), of_package(package))).collect()
+}
+
+fn of_package(package: &Value) -> [BTreeSet<String>; 2] {
+    let dependencies = package["dependencies"].as_array().expect("dependencies");
+    let ours = || dependencies.iter().filter(|dependency| dependency["path"].is_string());
+    let of_kind = |is_dev: bool| -> BTreeSet<String> {
+        let chosen = ours().filter(|dependency| (dependency["kind"] == "dev") == is_dev);
+        chosen.map(|dependency| word(&dependency["name"])).collect()
+    };
+    let always = of_kind(false);
+    let for_tests = of_kind(true).difference(&always).cloned().collect();
+    [always, for_tests]
+}
+
+fn word(value: &Value) -> String {
+    value.as_str().expect("a string").to_owned()
+}
+
+/// The rows of the table, one for each package that depends on another.
+fn rows(edges: &Edges) -> String {
+    let list = |names: &BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(", ");
+    let with_edges =
+        edges.iter().filter(|(_, [always, tests])| !always.is_empty() || !tests.is_empty());
+    with_edges
+        .map(|(name, [always, tests])| format!("| {name} | {} | {} |\n", list(always), list(tests)))
+        .collect()
+}
+
+#[test]
+fn the_page_of_the_architecture_states_all_edges_and_no_other() {
+    const HEAD: &str = "| from | to | for tests alone |\n|---|---|---|\n";
+    let page = std::fs::read_to_string(workspace().join("docs/ARCHITECTURE.md")).expect("the page");
+    let (_, rest) = page.split_once(HEAD).expect("the table of edges");
+    let stated: String = rest
+        .lines()
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let found = rows(&edges());
+    assert!(stated == found, "docs/ARCHITECTURE.md states\n{stated}\nthe manifests have\n{found}");
+}
+
+#[test]
+fn no_package_reaches_itself_tests_included() {
+    let edges = edges();
+    for start in edges.keys() {
+        let (mut reached, mut next) = (BTreeSet::new(), vec![start]);
+        while let Some(name) = next.pop() {
+            for to in edges[name].iter().flatten() {
+                assert_ne!(to, start, "{start} is reached from {name}");
+                if reached.insert(to) {
+                    next.push(to);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn solvers_do_not_know_each_other_and_figures_knows_no_solver() {
+    let edges = edges();
+    let solvers = ["fpk-sph", "smpm", "peridyn-sde"];
+    for package in [&solvers[..], &["figures", "mpi-ensembles", "xtask"]].concat() {
+        let [always, _] = &edges[package];
+        assert!(solvers.iter().all(|solver| !always.contains(*solver)), "{package}: {always:?}");
+    }
+    assert!(edges["lanes"][0].is_empty() && edges["xtask"][0].is_empty());
+}
+
+/// An embedder of one solver compiles no other.
+#[test]
+fn scenes_of_one_solver_build_no_other() {
+    for (feature, solver) in [("fpk", "fpk-sph"), ("smpm", "smpm"), ("peridyn", "peridyn-sde")] {
+        let tree = ["tree", "--locked", "-p", "scenes", "--no-default-features", "-e", "normal"];
+        let run = Command::new(env!("CARGO"))
+            .args(tree)
+            .args(["--prefix", "none", "--features", feature])
+            .current_dir(workspace())
+            .output()
+            .expect("cargo tree");
+        let text = String::from_utf8_lossy(&run.stdout);
+        for other in ["fpk-sph", "smpm", "peridyn-sde"] {
+            let is_built = text.lines().any(|line| line.starts_with(&format!("{other} ")));
+            assert_eq!(is_built, other == solver, "{feature}: {other}");
+        }
+    }
+}

@@ -167,7 +167,7 @@ impl<const D: usize> Evaluation<D> {
     ) -> Result<(), Error> {
         self.estimate(discretisation, state, t, x)?;
         let (whitening, score_y) = (&self.cloud.whitening, &self.estimates.score);
-        for_each_block(v, |first, v| {
+        for_each_block(v, &|first, v| {
             let mut score = [[0.0; D]; BLOCK];
             let (block, score) = (first..first + v.len(), &mut score[..v.len()]);
             for (score, score_y) in score.iter_mut().zip(&score_y[block.clone()]) {

@@ -5,26 +5,20 @@ use crate::error::Error;
 use crate::score::{Estimates, Fits};
 
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
-const GRAIN: usize = 128;
-
-/// Particles in a block of [`for_each_block`] at most.
-pub(crate) const BLOCK: usize = GRAIN;
+pub(crate) const BLOCK: usize = 128;
 
 /// `out[i] = value(i)`.
 pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        out.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(|(i, entry)| *entry = value(i));
-    }
-    #[cfg(not(feature = "rayon"))]
-    for (i, entry) in out.iter_mut().enumerate() {
-        *entry = value(i);
-    }
+    for_each_block(out, &|first, block| {
+        for (i, entry) in (first..).zip(block) {
+            *entry = value(i);
+        }
+    });
 }
 
-/// `write(first, block)` for blocks of at most [`BLOCK`] entries, the first of which is `out[first]`.
-pub(crate) fn for_each_block<T: Send>(out: &mut [T], write: impl Fn(usize, &mut [T]) + Sync) {
+/// `write(first, block)` for blocks of at most [`BLOCK`] entries, the first of which is `out[first]`. A pointer to the
+/// function, so that the threads' code is compiled once per type of entry.
+pub(crate) fn for_each_block<T: Send>(out: &mut [T], write: &(dyn Fn(usize, &mut [T]) + Sync)) {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -52,7 +46,7 @@ pub(crate) fn for_each_particle<const D: usize>(
             .zip(out.density.par_iter_mut())
             .zip(out.volume.par_iter_mut())
             .enumerate()
-            .with_min_len(GRAIN)
+            .with_min_len(BLOCK)
             .for_each(|(i, ((score, density), volume))| write(i, score, density, volume));
     }
     #[cfg(not(feature = "rayon"))]
@@ -79,12 +73,12 @@ pub(crate) fn for_each_fit<const D: usize, W>(
             (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
         };
         score
-            .par_chunks_mut(GRAIN)
-            .zip(volume.par_chunks_mut(GRAIN))
+            .par_chunks_mut(BLOCK)
+            .zip(volume.par_chunks_mut(BLOCK))
             .enumerate()
             .map(|(chunk, (score, volume))| {
                 let (mut scratch, mut all) = (scratch(), Fits::default());
-                for (i, (score, volume)) in (chunk * GRAIN..).zip(score.iter_mut().zip(volume)) {
+                for (i, (score, volume)) in (chunk * BLOCK..).zip(score.iter_mut().zip(volume)) {
                     let fits;
                     (*score, *volume, fits) = value(&mut scratch, i).map_err(|error| (i, error))?;
                     all = all.and(fits);

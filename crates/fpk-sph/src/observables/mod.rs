@@ -21,6 +21,7 @@
 //! [`Simulation::exceedance_indicator`]: crate::Simulation::exceedance_indicator
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
 
+mod absorption;
 mod cell;
 mod cell_integral;
 mod density_field;

@@ -33,7 +33,9 @@ impl<const D: usize> Lattice<D> {
     pub(crate) fn find_axes<S: Number, const NODES: usize, const N: usize>(
         &self,
         shape: Shape,
-        (positions, half_lengths, lowest): (&[[S; D]], &[[S; D]], &[[i32; D]]),
+        positions: &[[S; D]],
+        half_lengths: &[[S; D]],
+        lowest: &[[i32; D]],
         axes: &mut [Axis<S, N>; D],
     ) {
         let n = positions.len().min(N);

@@ -11,21 +11,21 @@ pub enum UpdateOrder {
     StressFirst,
     /// Update stress last: from the velocities that the nodes have at the end.
     StressLast,
-    /// Modified update stress last: from what the particles, already accelerated, give to the nodes once more.
+    /// Modified update stress last: from nodal velocities by a second particle-to-grid, of the accelerated particles.
     ModifiedStressLast,
 }
 
 /// How velocities go from nodes to particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transfer {
-    /// Particles take the change of the nodes' velocity (FLIP, Brackbill & Ruppel 1986), and go over to the velocity itself
+    /// Particles interpolate the change of the nodal velocity (FLIP, Brackbill & Ruppel 1986), and go over to the velocity itself
     /// (PIC) at a rate: the share of FLIP in a step is `exp(-dt/damping_time)`, so that halving the step changes nothing. An
     /// infinite time is FLIP alone.
     Flip {
         /// The time (time); above zero, infinite for none.
         damping_time: f64,
     },
-    /// Particles take the velocity and its gradient (APIC, Jiang et al. 2015): angular momentum is kept.
+    /// Particles interpolate the nodal velocity and its gradient (APIC, Jiang et al. 2015): angular momentum is kept.
     Apic,
 }
 

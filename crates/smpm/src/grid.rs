@@ -115,7 +115,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
     pub(crate) fn sum_in_blocks(
         &mut self,
         with_mass: bool,
-        add: &(dyn Fn(usize, usize, &mut [Node<S, D>], &mut [S]) + Sync),
+        add: impl Fn(usize, usize, &mut [Node<S, D>], &mut [S]) + Sync,
     ) {
         let (tiles, n_nodes) = (&self.tiles.all, self.n_fields * block_len(D));
         let both = (&mut self.blocks[..], &mut self.block_masses[..]);
@@ -136,7 +136,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
     /// The same for the gradients of masses.
     pub(crate) fn sum_outward_in_blocks(
         &mut self,
-        add: &(dyn Fn(usize, usize, &mut [[S; D]]) + Sync),
+        add: impl Fn(usize, usize, &mut [[S; D]]) + Sync,
     ) {
         let (tiles, n_nodes) = (&self.tiles.all, self.n_fields * block_len(D));
         for_each_chunk(&mut self.outward, n_nodes, &|slot, blocks| {

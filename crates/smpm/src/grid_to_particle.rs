@@ -85,8 +85,14 @@ impl<const D: usize> GridToParticle<D> {
         while begin < gradients.len() {
             let these = begin..gradients.len().min(begin + N);
             let half_length = chunk.half_length.get(these.clone()).unwrap_or_default();
-            let seen = (&chunk.position[these.clone()], half_length, &chunk.base[these.clone()]);
-            self.lattice.find_axes::<S, NODES, N>(self.shape, seen, &mut axes);
+            let (position, base) = (&chunk.position[these.clone()], &chunk.base[these.clone()]);
+            self.lattice.find_axes::<S, NODES, N>(
+                self.shape,
+                position,
+                half_length,
+                base,
+                &mut axes,
+            );
             let (sums, node) = (&mut sums[..these.len()], &chunk.node[these.clone()]);
             for p in 0..node.len() {
                 let nodes = &grid.from(node[p])[..nodes_spanned::<NODES, D>()];

@@ -10,7 +10,7 @@ use perturbation_moments::in_widest_registers;
 use crate::config::Config;
 use crate::number::Number;
 use crate::parallel::for_each_chunk;
-use crate::shape::{Axis, Shape};
+use crate::shape::{Axis, Shape, lowest_node};
 
 /// Particles whose lowest nodes are found together.
 const SHARE: usize = 1024;
@@ -33,7 +33,9 @@ impl<const D: usize> Lattice<D> {
     pub(crate) fn find_axes<S: Number, const NODES: usize, const N: usize>(
         &self,
         shape: Shape,
-        (positions, half_lengths, lowest): (&[[S; D]], &[[S; D]], &[[i32; D]]),
+        positions: &[[S; D]],
+        half_lengths: &[[S; D]],
+        lowest: &[[i32; D]],
         axes: &mut [Axis<S, N>; D],
     ) {
         let n = positions.len().min(N);
@@ -69,14 +71,21 @@ impl<const D: usize> Lattice<D> {
             in_widest_registers(
                 #[inline(always)]
                 || {
+                    if shape == Shape::Gimp {
+                        for p in 0..lowest.len() {
+                            for k in 0..D {
+                                let half = half_lengths[p][k].value() * self.per_cell;
+                                let s = (positions[p][k].value() - self.origin[k]) * self.per_cell;
+                                lowest[p][k] = lowest_node(s, shape.reach(half));
+                            }
+                        }
+                        return;
+                    }
+                    let reach = shape.reach(0.0);
                     for p in 0..lowest.len() {
                         for k in 0..D {
                             let s = (positions[p][k].value() - self.origin[k]) * self.per_cell;
-                            let half = match shape {
-                                Shape::Gimp => half_lengths[p][k].value() * self.per_cell,
-                                _ => 0.0,
-                            };
-                            lowest[p][k] = shape.lowest_node(s, half);
+                            lowest[p][k] = lowest_node(s, reach);
                         }
                     }
                 },

@@ -16,18 +16,18 @@ pub(crate) fn sum_outward<S: Number, const D: usize>(
     config: &Config<D>,
 ) {
     let lattice = grid.lattice;
-    grid.sum_outward_in_blocks(&|slot, first, blocks| {
+    grid.sum_outward_in_blocks(|slot, first, blocks| {
         let mut axes = [Axis::<S, 1>::empty(); D];
         for body in bodies {
             let Particles { position, half_length, mass, .. } = &body.particles;
             let Binning { bases, nodes, .. } = &body.binning;
             for p in body.binning.runs_of(slot).flatten() {
-                let half_length = half_length.get(p..=p).unwrap_or_default();
-                let seen = (&position[p..=p], half_length, &bases[p..=p]);
+                let (x, half, base) = (&position[p..=p], half_length.get(p..=p), &bases[p..=p]);
+                let half = half.unwrap_or_default();
                 match config.shape.n_nodes() {
-                    2 => lattice.find_axes::<S, 2, 1>(config.shape, seen, &mut axes),
-                    3 => lattice.find_axes::<S, 3, 1>(config.shape, seen, &mut axes),
-                    _ => lattice.find_axes::<S, 4, 1>(config.shape, seen, &mut axes),
+                    2 => lattice.find_axes::<S, 2, 1>(config.shape, x, half, base, &mut axes),
+                    3 => lattice.find_axes::<S, 3, 1>(config.shape, x, half, base, &mut axes),
+                    _ => lattice.find_axes::<S, 4, 1>(config.shape, x, half, base, &mut axes),
                 }
                 add(&axes, config.shape.n_nodes(), mass[p], &mut blocks[nodes[p] - first..]);
             }

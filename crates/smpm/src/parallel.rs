@@ -62,11 +62,14 @@ fn chunks_in_halves<T: Send>(
     }
 }
 
+/// Work on a chunk of each of two columns, by their number.
+type OfPairs<'a, T, U> = dyn Fn(usize, &mut [T], &mut [U]) + Sync + 'a;
+
 /// `work(k, chunk k of one, chunk k of two)` for every run of `length` entries of both, which is much work.
 pub(crate) fn for_each_pair_of_chunks<T: Send, U: Send>(
     (one, two): (&mut [T], &mut [U]),
     length: usize,
-    work: &(dyn Fn(usize, &mut [T], &mut [U]) + Sync),
+    work: &OfPairs<'_, T, U>,
 ) {
     let piece = piece_of(one.len().div_ceil(length));
     pairs_in_halves((0, one, two), (length, piece), work);
@@ -75,7 +78,7 @@ pub(crate) fn for_each_pair_of_chunks<T: Send, U: Send>(
 fn pairs_in_halves<T: Send, U: Send>(
     (first, one, two): (usize, &mut [T], &mut [U]),
     lengths: (usize, usize),
-    work: &(dyn Fn(usize, &mut [T], &mut [U]) + Sync),
+    work: &OfPairs<'_, T, U>,
 ) {
     let (length, piece) = lengths;
     let n = one.len().div_ceil(length);

@@ -60,7 +60,7 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
     given: Given,
 ) {
     let transfer = ParticleToGrid::of(config, given);
-    grid.sum_in_blocks(given != Given::Momentum, &|slot, first, nodes, masses| {
+    grid.sum_in_blocks(given != Given::Momentum, |slot, first, nodes, masses| {
         for body in bodies {
             let block = &mut Block { first, nodes, masses };
             match config.shape.n_nodes() {
@@ -121,8 +121,14 @@ impl<const D: usize> ParticleToGrid<D> {
                 let end = run.end.min(begin + N);
                 let of = Run::of(body, conditions, begin..end);
                 let terms = &mut terms[..end - begin];
-                let seen = (of.position, of.half_length, of.base);
-                self.lattice.find_axes::<S, NODES, N>(self.shape, seen, &mut axes);
+                let Run { position, half_length, base, .. } = of;
+                self.lattice.find_axes::<S, NODES, N>(
+                    self.shape,
+                    position,
+                    half_length,
+                    base,
+                    &mut axes,
+                );
                 for p in 0..terms.len() {
                     self.find_terms(&of, p, &mut terms[p]);
                 }

@@ -47,18 +47,24 @@ impl Shape {
         }
     }
 
-    /// The lowest node that a particle at `s` (in cells) sees, which with GIMP reaches `half` cells to either side.
+    /// How far below its place, in cells, a particle looks for its lowest node, and how many nodes below the one there that is. With
+    /// GIMP, which sees as far as the particle is `half` long, in cells too.
     #[inline(always)]
-    pub(crate) fn lowest_node(self, s: f64, half: f64) -> i32 {
-        let (reach, further) = match self {
+    pub(crate) fn reach(self, half: f64) -> (f64, i32) {
+        match self {
             Self::Linear => (0.0, 0),
             Self::Gimp => (half, 0),
             Self::QuadraticBSpline => (0.5, 0),
             Self::CubicBSpline => (0.0, 1),
-        };
-        // Round the end of the type it is as far away, and refused.
-        floor(s - reach).wrapping_sub(further)
+        }
     }
+}
+
+/// The lowest node that a particle at `s` (in cells) sees.
+#[inline(always)]
+pub(crate) fn lowest_node(s: f64, (reach, further): (f64, i32)) -> i32 {
+    // Round the end of the type it is as far away, and refused.
+    floor(s - reach).wrapping_sub(further)
 }
 
 /// The largest whole number not above `s`.
@@ -203,7 +209,7 @@ mod tests {
     use perturbation_moments::Jet;
 
     fn axis<S: Scalar>(shape: Shape, s: S, half: f64) -> (i32, Axis<S, 1>) {
-        let (lowest, mut axis) = (shape.lowest_node(s.value(), half), Axis::empty());
+        let (lowest, mut axis) = (lowest_node(s.value(), shape.reach(half)), Axis::empty());
         match shape {
             Shape::Linear => axis.set_b_spline::<2>(s, lowest, 0),
             Shape::QuadraticBSpline => axis.set_b_spline::<3>(s, lowest, 0),

@@ -241,17 +241,17 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {
-            self.to_grid(Given::MassAndMomentum, 0.0);
-            self.to_particles(dt, Pass::Stress)?;
+            self.map_to_grid(Given::MassAndMomentum, 0.0);
+            self.map_to_particles(dt, Pass::Stress)?;
         }
-        self.to_grid(Given::MassMomentumAndForce, dt);
+        self.map_to_grid(Given::MassMomentumAndForce, dt);
         let summary = match order {
-            UpdateOrder::StressFirst => self.to_particles(dt, Pass::VelocityAndMove)?,
-            UpdateOrder::StressLast => self.to_particles(dt, Pass::Whole)?,
+            UpdateOrder::StressFirst => self.map_to_particles(dt, Pass::VelocityAndMove)?,
+            UpdateOrder::StressLast => self.map_to_particles(dt, Pass::Whole)?,
             UpdateOrder::ModifiedStressLast => {
-                self.to_particles(dt, Pass::Velocity)?;
-                self.to_grid(Given::Momentum, 0.0);
-                self.to_particles(dt, Pass::StressAndMove)?
+                self.map_to_particles(dt, Pass::Velocity)?;
+                self.map_to_grid(Given::Momentum, 0.0);
+                self.map_to_particles(dt, Pass::StressAndMove)?
             }
         };
         self.n_steps = step;
@@ -284,14 +284,14 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     }
 
     /// Particle-to-grid, and the solution at the nodes.
-    fn to_grid(&mut self, given: Given, dt: f64) {
+    fn map_to_grid(&mut self, given: Given, dt: f64) {
         particle_to_grid(&mut self.grid, &self.bodies, &self.config, given);
         let with_mass = given != Given::Momentum;
         self.grid.solve(Solve { dt, smallest_mass: self.smallest_mass, with_mass });
     }
 
     /// A pass over all particles: grid-to-particle, the material update, the motion.
-    fn to_particles(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
+    fn map_to_particles(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
         let Self { config, bodies, grid, .. } = self;
         let (step, time) = (self.n_steps + 1, self.time + dt);
         let pass = ParticlePass::of(grid, config, pass, (dt, time));

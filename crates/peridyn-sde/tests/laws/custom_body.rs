@@ -86,7 +86,7 @@ struct End {
 fn end(body: impl Body<f64, 1, 1>, scheme: Scheme) -> End {
     let dynamics = Dynamics::Overdamped {
         mobility: Mobility::identity(&[true; 20], 1.0).unwrap(),
-        temperature: 3e-5,
+        temperature: 5e-5,
         scheme,
     };
     let (breaking, confinement, noise) = (Breaking::AtEnds, 0.0, Noise::new(3));

@@ -93,7 +93,12 @@ impl<const D: usize> Shape<D> {
         let u: Vec<T> = normals.iter().map(|z| T::of(3e-5 * z)).collect();
         let mut forces = vec![T::ZERO; u.len()];
         let name = format!("{} {name} {} {level}", self.name, T::NAME);
-        let run = move || body.forces(black_box(&u), &mut forces, AtStrength::Break).unwrap();
+        let mut broken = Vec::new();
+        let run = move || {
+            let at = AtStrength::Break(&mut broken);
+            body.forces(black_box(&u), &mut forces, at).unwrap();
+            assert!(broken.is_empty());
+        };
         Path { name, n_bonds: self.bonds.len() * L, run: Box::new(run) }
     }
 

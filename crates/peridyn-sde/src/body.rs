@@ -1,46 +1,29 @@
-//! What a step in time asks of a body.
+//! What a time step needs from a body.
 
 use crate::bonds::Bonds;
-use crate::crossing::Crossing;
-use crate::error::Error;
+use crate::broken_bond::BrokenBond;
+use crate::crossing::{BondOverStep, Crossing};
+use crate::error::{Error, same_length};
 use crate::nodes::Nodes;
 use crate::real::Real;
+use crate::strain::Strain;
 
-/// What a force evaluation does with bonds that have reached their strength.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AtStrength {
-    /// They break, and pull no more.
-    Break,
-    /// They pull on: the displacements are not those of a finished step, or breaking is looked after elsewhere.
+/// What a force evaluation does with bonds whose stretch is at their strength.
+#[derive(Debug)]
+pub enum AtStrength<'a> {
+    /// They carry no force and are added to this list. The evaluation leaves them intact: the caller breaks them by
+    /// [`Body::set_intact`].
+    Break(&'a mut Vec<BrokenBond>),
+    /// They carry their force: the displacements are not those of a finished step, or bond failure is checked elsewhere.
     Hold,
-}
-
-/// Why a bond broke.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
-    /// A notch cut it.
-    Cut,
-    /// It was found at its strength at the end of a step.
-    Stretch,
-    /// It was below its strength at both ends of a step, and crossed it in between.
-    Crossing,
-    /// Its law wore it down.
-    Wear,
-}
-
-/// A bond that broke.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BrokenBond {
-    /// Its number in [`Bonds::all`].
-    pub bond: usize,
-    /// In which lanes, a bit for each.
-    pub lanes: u16,
-    /// Why.
-    pub cause: Cause,
 }
 
 /// A body of `L` realisations side by side. Displacements and forces are slices of `L D N` numbers: node by node, component
 /// by component, lane by lane.
+///
+/// A body computes forces and stores which bonds are intact; a [`Simulation`](crate::Simulation) decides when bonds break. Five
+/// methods are required. The provided ones describe elastic bonds of the stiffness in [`Bonds`] that break nowhere but in
+/// [`forces`](Self::forces) and by cuts.
 pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     /// The nodes.
     fn nodes(&self) -> &Nodes<D>;
@@ -52,22 +35,88 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     ///
     /// # Errors
     /// Those of the body, as for two nodes that have come to one place.
-    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength) -> Result<(), Error>;
+    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error>;
 
-    /// Whether bonds at their strength break where forces are evaluated with [`AtStrength::Break`]; if not, in
-    /// [`advance`](Self::advance).
-    fn breaks_in_forces(&self) -> bool {
-        true
+    /// The lanes in which a bond is intact, a bit for each.
+    fn intact(&self, bond: usize) -> u16;
+
+    /// Makes a bond intact in these lanes, a bit for each, and broken in the others.
+    fn set_intact(&mut self, bond: usize, lanes: u16);
+
+    /// How strains are measured.
+    fn strain(&self) -> Strain {
+        Strain::Finite
     }
 
-    /// `-K v`: forces under small displacements `v` from rest, linear in them, of the bonds as they stand broken or whole.
+    /// The strength of a bond in a lane (a stretch), at which it breaks between the ends of a step; infinite for never.
+    fn strength(&self, _bond: usize, _lane: usize) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The stretch of a bond between two nodes in a lane.
+    fn stretch(&self, bond: usize, ends: (usize, usize), u: &[T], lane: usize) -> f64 {
+        let shape = (ends, self.bonds().all()[bond].length);
+        let strain = self.strain();
+        strain.stretch(strain.squared_elongation_of::<T, D, L>(self.nodes(), shape, u, lane))
+    }
+
+    /// The slope of the tension over the stretch at rest in a lane, as part of the stiffness of the bond.
+    fn slope(&self, bond: usize, lane: usize) -> f64 {
+        f64::from(self.intact(bond) >> lane & 1)
+    }
+
+    /// The damage of a bond in a lane: 0 intact, 1 broken.
+    fn bond_damage(&self, bond: usize, lane: usize) -> f64 {
+        f64::from(self.intact(bond) & 1 << lane == 0)
+    }
+
+    /// The energy of the bonds in a lane (energy).
+    fn energy(&self, u: &[T], lane: usize) -> f64 {
+        let mut energy = 0.0;
+        for (bond, (ends, of)) in self.bonds().pairs().zip(self.bonds().all()).enumerate() {
+            if self.intact(bond) & 1 << lane != 0 {
+                let stretch = self.stretch(bond, ends, u, lane);
+                energy += 0.5 * of.stiffness * of.length * stretch.powi(2);
+            }
+        }
+        energy
+    }
+
+    /// `-K v`: forces under small displacements `v` from rest, linear in them, of the bonds in their present state.
     ///
     /// # Errors
     /// [`Error::Length`] for columns of another body.
-    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error>;
+    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
+        same_length("displacements", v.len(), self.bonds().n_nodes() * D * L)?;
+        same_length("forces", forces.len(), v.len())?;
+        forces.fill(T::ZERO);
+        let x = self.nodes().positions();
+        for (bond, ((i, j), of)) in self.bonds().pairs().zip(self.bonds().all()).enumerate() {
+            let inverse = 1.0 / of.length;
+            let e: [f64; D] = std::array::from_fn(|k| inverse * (x[j][k] - x[i][k]));
+            for lane in 0..L {
+                let at = |node: usize, k: usize| (node * D + k) * L + lane;
+                let elongation: f64 =
+                    (0..D).map(|k| e[k] * (v[at(j, k)] - v[at(i, k)]).to_f64()).sum();
+                let tension = of.stiffness * self.slope(bond, lane) * inverse * elongation;
+                for k in 0..D {
+                    let force = T::of(tension * e[k]);
+                    forces[at(i, k)] += force;
+                    forces[at(j, k)] -= force;
+                }
+            }
+        }
+        Ok(())
+    }
 
-    /// Takes bonds over a step from one displacement to another; with `crossing`, those that crossed their strength in
-    /// between are broken too.
+    /// Whether bonds remember more than whether they are intact. Such bonds change in [`advance`](Self::advance) alone, and
+    /// the body cannot be saved.
+    fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Takes bonds over a step from one displacement to another and adds those that break to a list. With `crossing`, bonds
+    /// that crossed their strength between the ends of the step break too.
     ///
     /// # Errors
     /// Those of the body.
@@ -75,34 +124,20 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
         &mut self,
         from: &[T],
         to: &[T],
-        dt: f64,
+        _dt: f64,
         crossing: Option<&mut Crossing<L>>,
-    ) -> Result<(), Error>;
-
-    /// Cuts bonds in all lanes, as a notch does.
-    ///
-    /// # Errors
-    /// [`Error::Length`] for a number that no bond has.
-    fn cut(&mut self, bonds: &[usize]) -> Result<(), Error>;
-
-    /// How much of a bond is lost in a lane: 0 whole, 1 broken.
-    fn lost(&self, bond: usize, lane: usize) -> f64;
-
-    /// The strength of a bond in a lane (a stretch).
-    fn strength(&self, bond: usize, lane: usize) -> f64;
-
-    /// The energy of the bonds in a lane (energy).
-    fn energy(&self, u: &[T], lane: usize) -> f64;
-
-    /// For each bond the lanes in which it is whole, a bit for each; `None` where bonds remember more than that.
-    fn whole(&self) -> Option<Vec<u16>>;
-
-    /// Puts bonds back to what [`whole`](Self::whole) gave.
-    ///
-    /// # Errors
-    /// [`Error::Length`] for another number of bonds; [`Error::NotSaved`].
-    fn set_whole(&mut self, whole: &[u16]) -> Result<(), Error>;
-
-    /// Bonds that broke since this was last called.
-    fn take_broken(&mut self) -> Vec<BrokenBond>;
+        broken: &mut Vec<BrokenBond>,
+    ) -> Result<(), Error> {
+        let Some(crossing) = crossing else { return Ok(()) };
+        for (bond, ends) in self.bonds().pairs().enumerate() {
+            let intact = self.intact(bond);
+            for lane in (0..L).filter(|lane| intact & 1 << lane != 0) {
+                let stretch = [from, to].map(|u| self.stretch(bond, ends, u, lane));
+                let over = BondOverStep { stretch, strength: self.strength(bond, lane) };
+                let cause = crossing.test(bond, lane, over);
+                broken.extend(cause.map(|cause| BrokenBond { bond, lanes: 1 << lane, cause }));
+            }
+        }
+        Ok(())
+    }
 }

@@ -177,17 +177,27 @@ impl<const D: usize> Search<D> {
         near: &mut Vec<Near>,
         now: &Now<L>,
     ) -> Result<(), Error> {
-        let (x, spacing) = (nodes.positions(), nodes.spacing());
-        let skin = SKIN * spacing;
-        let reach = law.spacing_factor * spacing + skin;
         let lanes = u.as_chunks::<L>().0.as_chunks::<D>().0;
         let place =
             |(x, u): (&[f64; D], &[[T; L]; D])| std::array::from_fn(|k| x[k] + u[k][lane].to_f64());
         self.places.clear();
-        self.places.extend(x.iter().zip(lanes).map(place));
+        self.places.extend(nodes.positions().iter().zip(lanes).map(place));
+        let reach = law.spacing_factor * nodes.spacing() + SKIN * nodes.spacing();
+        self.pairs(law, nodes, reach, near).map_err(|error| refused(error, reach, lane, now))
+    }
+
+    /// Pairs of the nodes at their present places.
+    fn pairs(
+        &mut self,
+        law: &Repulsion,
+        nodes: &Nodes<D>,
+        reach: f64,
+        near: &mut Vec<Near>,
+    ) -> Result<(), neighbour_search::Error> {
+        let (x, spacing) = (nodes.positions(), nodes.spacing());
+        let skin = SKIN * spacing;
         let Self { grid, list, places } = self;
-        grid.full_list(places, Radii::Uniform(reach), list)
-            .map_err(|error| refused(error, reach, lane, now))?;
+        grid.full_list(places, Radii::Uniform(reach), list)?;
         list.sort_rows();
         near.clear();
         for (i, row) in list.rows().enumerate() {

@@ -2,7 +2,7 @@
 
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::body::Cause;
+use crate::broken_bond::Cause;
 
 /// Beyond this exponent a crossing has a probability below 1e-13: it is not drawn for.
 const UNLIKELY: f64 = 30.0;
@@ -38,9 +38,9 @@ impl<const L: usize> Crossing<L> {
         0.51 * UNLIKELY * self.rates[bond] * self.dt
     }
 
-    /// Whether a bond that was whole has broken over the step in a lane, and how.
-    pub(crate) fn test(&mut self, bond: usize, lane: usize, standing: Standing) -> Option<Cause> {
-        let [before, after] = standing.stretch.map(|stretch| standing.strength - stretch);
+    /// Whether a bond that was intact breaks over the step in a lane, and how.
+    pub(crate) fn test(&mut self, bond: usize, lane: usize, over: BondOverStep) -> Option<Cause> {
+        let [before, after] = over.stretch.map(|stretch| over.strength - stretch);
         if after <= 0.0 {
             return Some(Cause::Stretch);
         }
@@ -57,7 +57,7 @@ impl<const L: usize> Crossing<L> {
 
 /// A bond over a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Standing {
+pub(crate) struct BondOverStep {
     /// Its stretch before and after.
     pub(crate) stretch: [f64; 2],
     pub(crate) strength: f64,

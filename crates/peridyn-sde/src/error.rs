@@ -207,20 +207,20 @@ pub enum Error {
         /// How many lanes there are.
         lanes: usize,
     },
-    /// A displacement that two conditions give.
-    #[error("component {component} of node {node} is gripped twice")]
-    GrippedTwice {
+    /// A displacement that two conditions prescribe.
+    #[error("component {component} of node {node} is prescribed twice")]
+    PrescribedTwice {
         /// Which node.
         node: usize,
         /// Which component.
         component: usize,
     },
-    /// A mobility that couples nodes moves one that is gripped, holds one that is free, or one is gripped in some directions only.
+    /// A mobility that couples nodes moves one with a prescribed component, or holds one without.
     #[error(
-        "node {node} is gripped in some direction and free in the mobility, or the other way round; a mobility that couples \
-         nodes must move those that are gripped in no direction, and no other"
+        "node {node} has a prescribed displacement in some direction and is free in the mobility, or the other way round; a \
+         mobility that couples nodes must move the nodes without a prescribed component, and no other"
     )]
-    MobilityOfGrip {
+    MobilityOfPrescribed {
         /// Which node.
         node: usize,
     },

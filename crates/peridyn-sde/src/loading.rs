@@ -1,4 +1,4 @@
-//! What is done to a body from outside: grips, velocities, forces.
+//! Boundary conditions and loads: prescribed displacements and velocities, forces.
 
 use crate::error::{Error, finite, positive, same_length};
 use crate::nodes::Nodes;
@@ -78,20 +78,20 @@ impl Program {
     }
 }
 
-/// What is done to the nodes of a body: displacements that are given, and forces.
+/// Prescribed displacements of nodes, and forces on them.
 ///
-/// A body under a ramp that only its grips feel breaks at the grips: what they do travels inwards as fast as the body relaxes,
-/// over `O(n^2)` overdamped steps. With a predictor every free node is moved along with the affine field of the grips, and
-/// relaxation has only the difference to make.
+/// A body that a ramp moves at its ends alone breaks there: the motion travels inwards as fast as the body relaxes, over
+/// `O(n^2)` overdamped steps. With a predictor every free node moves along with the affine field of the ends, and relaxation has
+/// only the difference to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loading<const D: usize> {
     n_nodes: usize,
     drives: Vec<Drive<D>>,
     loads: Vec<Load<D>>,
-    gripped: Vec<[bool; D]>,
+    prescribed: Vec<[bool; D]>,
 }
 
-/// `u = program(t) field` where gripped; elsewhere what `field` does in a step is added.
+/// `u = program(t) field` where prescribed; elsewhere the change of that in a step is added.
 #[derive(Debug, Clone, PartialEq)]
 struct Drive<const D: usize> {
     program: Program,
@@ -108,13 +108,18 @@ struct Load<const D: usize> {
 }
 
 impl<const D: usize> Loading<D> {
-    /// Nothing, on a body of so many nodes.
+    /// No condition, on a body of so many nodes.
     #[must_use]
     pub fn new(n_nodes: usize) -> Self {
-        Self { n_nodes, drives: Vec::new(), loads: Vec::new(), gripped: vec![[false; D]; n_nodes] }
+        Self {
+            n_nodes,
+            drives: Vec::new(),
+            loads: Vec::new(),
+            prescribed: vec![[false; D]; n_nodes],
+        }
     }
 
-    /// Nodes that stay where they are, in all directions.
+    /// Fixes nodes in all directions.
     ///
     /// # Errors
     /// [`Error::Length`] for a node that does not exist.
@@ -122,7 +127,7 @@ impl<const D: usize> Loading<D> {
         self.displace(nodes, [true; D], [0.0; D], Program::Constant(0.0))
     }
 
-    /// Nodes held at a velocity (length over time) in some directions.
+    /// Prescribes the velocity of nodes (length over time) in some directions.
     ///
     /// # Errors
     /// As [`Loading::displace`].
@@ -135,11 +140,11 @@ impl<const D: usize> Loading<D> {
         self.displace(nodes, directions, velocity, Program::Linear { rate: 1.0 })
     }
 
-    /// Nodes whose displacement in some directions is `program(t) unit` (lengths).
+    /// Prescribes the displacement `program(t) unit` of nodes (lengths) in some directions.
     ///
     /// # Errors
     /// [`Error::Length`] for a node that does not exist, [`Error::NotFinite`], [`Error::OutOfRange`] for a table whose times do
-    /// not ascend, [`Error::GrippedTwice`].
+    /// not ascend, [`Error::PrescribedTwice`].
     pub fn displace(
         mut self,
         nodes: &[usize],
@@ -148,7 +153,7 @@ impl<const D: usize> Loading<D> {
         program: Program,
     ) -> Result<Self, Error> {
         let mut field = vec![[0.0; D]; self.n_nodes];
-        self.grip(nodes, directions)?;
+        self.prescribe(nodes, directions)?;
         for &node in nodes {
             field[node] = std::array::from_fn(|k| if directions[k] { unit[k] } else { 0.0 });
         }
@@ -156,21 +161,21 @@ impl<const D: usize> Loading<D> {
         Ok(self)
     }
 
-    /// Grips that follow an affine field `u = program(t) gradient x`, rows of `gradient` by component, and free nodes that are
-    /// moved along by what it does in each step.
+    /// Prescribes the affine field `u = program(t) gradient x` at some nodes, rows of `gradient` by component; free nodes move along
+    /// with its change in each step.
     ///
     /// # Errors
     /// As [`Loading::displace`].
     pub fn stretch(
         mut self,
         nodes: &Nodes<D>,
-        gripped: &[usize],
+        prescribed: &[usize],
         directions: [bool; D],
         gradient: [[f64; D]; D],
         program: Program,
     ) -> Result<Self, Error> {
         same_length("nodes", nodes.positions().len(), self.n_nodes)?;
-        self.grip(gripped, directions)?;
+        self.prescribe(prescribed, directions)?;
         let field = nodes
             .positions()
             .iter()
@@ -217,10 +222,10 @@ impl<const D: usize> Loading<D> {
         self.force(nodes, &force, program)
     }
 
-    /// Which components of which nodes are given.
+    /// Which displacement components of which nodes are prescribed.
     #[must_use]
-    pub fn gripped(&self) -> &[[bool; D]] {
-        &self.gripped
+    pub fn prescribed(&self) -> &[[bool; D]] {
+        &self.prescribed
     }
 
     /// The displacement that the fields of all drives have at a node and a time.
@@ -262,14 +267,14 @@ impl<const D: usize> Loading<D> {
         }
     }
 
-    fn grip(&mut self, nodes: &[usize], directions: [bool; D]) -> Result<(), Error> {
+    fn prescribe(&mut self, nodes: &[usize], directions: [bool; D]) -> Result<(), Error> {
         self.exist(nodes)?;
         for &node in nodes {
             for k in 0..D {
-                if self.gripped[node][k] && directions[k] {
-                    return Err(Error::GrippedTwice { node, component: k });
+                if self.prescribed[node][k] && directions[k] {
+                    return Err(Error::PrescribedTwice { node, component: k });
                 }
-                self.gripped[node][k] |= directions[k];
+                self.prescribed[node][k] |= directions[k];
             }
         }
         Ok(())
@@ -278,7 +283,7 @@ impl<const D: usize> Loading<D> {
     fn drive(&mut self, field: Vec<[f64; D]>, program: Program) -> Result<(), Error> {
         program.check()?;
         for &value in field.iter().flatten() {
-            finite("displacement of a grip", value)?;
+            finite("a prescribed displacement", value)?;
         }
         self.drives.push(Drive { program, field });
         Ok(())
@@ -303,10 +308,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_gripped_twice_is_refused() {
+    fn a_displacement_prescribed_twice_is_refused() {
         let loading = Loading::<2>::new(3).hold(&[0]).unwrap();
         let error = loading.velocity(&[1, 0], [false, true], [0.0, 1.0]).unwrap_err();
-        assert_eq!(error, Error::GrippedTwice { node: 0, component: 1 });
+        assert_eq!(error, Error::PrescribedTwice { node: 0, component: 1 });
         assert!(Loading::<2>::new(3).hold(&[3]).is_err());
     }
 }

@@ -1,8 +1,9 @@
 //! A body of nodes and bonds with what they remember: forces, energy, damage.
 
-use crate::body::{AtStrength, Body, BrokenBond, Cause};
+use crate::body::{AtStrength, Body};
 use crate::bonds::{Bonds, cut_numbers};
-use crate::crossing::{Crossing, Standing};
+use crate::broken_bond::{BrokenBond, Cause};
+use crate::crossing::{BondOverStep, Crossing};
 use crate::error::{Error, same_length};
 use crate::law::BondLaw;
 use crate::nodes::Nodes;
@@ -16,10 +17,9 @@ pub struct Network<L: BondLaw, const D: usize> {
     /// One for each bond.
     strengths: Vec<f64>,
     states: Vec<L::State>,
-    broken: Vec<BrokenBond>,
 }
 
-/// A bond as it stands.
+/// A bond as deformed.
 struct Stretched<const D: usize> {
     stretch: f64,
     /// From the first node to the second, of length one.
@@ -39,7 +39,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             crate::error::positive("strength of a bond", strength)?;
         }
         let states = vec![law.start(); bonds.len()];
-        Ok(Self { nodes, bonds, law, strengths, states, broken: Vec::new() })
+        Ok(Self { nodes, bonds, law, strengths, states })
     }
 
     /// The nodes.
@@ -68,7 +68,6 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         cut_numbers(bonds, self.bonds.len())?;
         for &bond in bonds {
             self.states[bond] = self.law.cut();
-            self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Cut });
         }
         Ok(())
     }
@@ -77,9 +76,9 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     ///
     /// $$ F_i = \sum_j \kappa_{ij} \sigma(s_{ij})  e_{ij}, \qquad V = \sum_{i<j} \kappa_{ij} r_{ij} \int_0^{s_{ij}} \sigma ds, $$
     ///
-    /// with the direction `e_ij` from `i` to `j` as they stand and the stretch
+    /// with the direction `e_ij` from `i` to `j` as deformed and the stretch
     /// `s = eta (2 xi + eta)/(r (r + |xi + eta|))` of a bond `xi` of the length `r` whose ends move apart by `eta`: written so, it
-    /// loses no digits where it is small. This is the reference that every faster path is held against.
+    /// loses no digits where it is small. This is the reference for every faster path.
     ///
     /// # Errors
     /// [`Error::Length`] for columns of another body; [`Error::Node`] for a displacement that is not finite;
@@ -152,11 +151,11 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         u: &[[f64; D]],
     ) -> Result<Stretched<D>, Error> {
         let (x, r) = (self.nodes.positions(), self.bonds.all()[bond].length);
-        let (mut now, mut growth, mut square) = ([0.0; D], 0.0, 0.0);
+        let (mut now, mut elongation, mut square) = ([0.0; D], 0.0, 0.0);
         for k in 0..D {
             let (xi, eta) = (x[j][k] - x[i][k], u[j][k] - u[i][k]);
             now[k] = xi + eta;
-            growth += eta * (2.0 * xi + eta);
+            elongation += eta * (2.0 * xi + eta);
             square += now[k] * now[k];
         }
         let length = square.sqrt();
@@ -164,7 +163,36 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             return Err(Error::Coincident { first: i, second: j });
         }
         let inverse = 1.0 / length;
-        Ok(Stretched { stretch: growth / (r * (r + length)), direction: now.map(|c| c * inverse) })
+        let stretch = elongation / (r * (r + length));
+        Ok(Stretched { stretch, direction: now.map(|c| c * inverse) })
+    }
+
+    /// Takes a bond over a step by its law; why it broke, if it did.
+    fn advance_bond(
+        &mut self,
+        bond: usize,
+        stretch: [f64; 2],
+        dt: f64,
+        crossing: Option<&mut Crossing<1>>,
+    ) -> Option<Cause> {
+        let ([before, after], strength) = (stretch, self.strengths[bond]);
+        let state = &mut self.states[bond];
+        let damage_before = self.law.damage(strength, state);
+        let threshold = self.law.threshold(strength, state);
+        self.law.advance(strength, before, after, dt, state);
+        let mut cause = match threshold {
+            Some(threshold) if after >= threshold => Cause::Stretch,
+            _ => Cause::Wear,
+        };
+        if self.law.damage(strength, state) < 1.0
+            && let (Some(threshold), Some(crossing)) = (threshold, crossing)
+            && let Some(found) =
+                crossing.test(bond, 0, BondOverStep { stretch, strength: threshold })
+        {
+            self.law.advance(strength, before.max(after), threshold, dt, state);
+            cause = found;
+        }
+        (damage_before < 1.0 && self.law.damage(strength, state) >= 1.0).then_some(cause)
     }
 
     fn check(&self, u: &[[f64; D]]) -> Result<(), Error> {
@@ -188,37 +216,41 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
         &self.bonds
     }
 
-    fn forces(&mut self, u: &[f64], forces: &mut [f64], _at: AtStrength) -> Result<(), Error> {
+    fn forces(&mut self, u: &[f64], forces: &mut [f64], _at: AtStrength<'_>) -> Result<(), Error> {
         same_length("displacements", u.len(), self.bonds.n_nodes() * D)?;
         same_length("forces", forces.len(), u.len())?;
         Network::forces(self, u.as_chunks().0, forces.as_chunks_mut().0).map(|_| ())
     }
 
-    fn breaks_in_forces(&self) -> bool {
-        false
+    fn intact(&self, bond: usize) -> u16 {
+        u16::from(self.law.damage(self.strengths[bond], &self.states[bond]) < 1.0)
     }
 
-    fn linear_forces(&mut self, v: &[f64], forces: &mut [f64]) -> Result<(), Error> {
-        same_length("displacements", v.len(), self.bonds.n_nodes() * D)?;
-        same_length("forces", forces.len(), v.len())?;
-        let (v, forces) = (v.as_chunks::<D>().0, forces.as_chunks_mut::<D>().0);
-        forces.fill([0.0; D]);
-        let x = self.nodes.positions();
-        for i in 0..self.bonds.n_nodes() {
-            for bond in self.bonds.row(i) {
-                let (j, of) = (self.bonds.partner(bond), self.bonds.all()[bond]);
-                let inverse = 1.0 / of.length;
-                let e: [f64; D] = std::array::from_fn(|k| inverse * (x[j][k] - x[i][k]));
-                let growth: f64 = (0..D).map(|k| e[k] * (v[j][k] - v[i][k])).sum();
-                let slope = self.law.slope(self.strengths[bond], &self.states[bond]);
-                let tension = of.stiffness * slope * inverse * growth;
-                for k in 0..D {
-                    forces[i][k] += tension * e[k];
-                    forces[j][k] -= tension * e[k];
-                }
-            }
+    fn set_intact(&mut self, bond: usize, lanes: u16) {
+        if lanes != Body::intact(self, bond) {
+            self.states[bond] = if lanes == 0 { self.law.cut() } else { self.law.start() };
         }
-        Ok(())
+    }
+
+    fn strength(&self, bond: usize, _lane: usize) -> f64 {
+        self.strengths[bond]
+    }
+
+    fn slope(&self, bond: usize, _lane: usize) -> f64 {
+        self.law.slope(self.strengths[bond], &self.states[bond])
+    }
+
+    fn bond_damage(&self, bond: usize, _lane: usize) -> f64 {
+        self.law.damage(self.strengths[bond], &self.states[bond])
+    }
+
+    fn energy(&self, u: &[f64], _lane: usize) -> f64 {
+        let mut forces = vec![[0.0; D]; self.bonds.n_nodes()];
+        Network::forces(self, u.as_chunks().0, &mut forces).unwrap_or(f64::NAN)
+    }
+
+    fn has_memory(&self) -> bool {
+        true
     }
 
     fn advance(
@@ -227,67 +259,19 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
         to: &[f64],
         dt: f64,
         mut crossing: Option<&mut Crossing<1>>,
+        broken: &mut Vec<BrokenBond>,
     ) -> Result<(), Error> {
         crate::error::positive("step", dt)?;
         let (from, to) = (from.as_chunks::<D>().0, to.as_chunks::<D>().0);
         self.check(from)?;
         self.check(to)?;
         for bond in 0..self.bonds.len() {
-            let pair = self.bonds.ends(bond);
-            let before = self.stretched(pair, bond, from)?.stretch;
-            let after = self.stretched(pair, bond, to)?.stretch;
-            let strength = self.strengths[bond];
-            let state = &mut self.states[bond];
-            let was = (self.law.damage(strength, state), self.law.threshold(strength, state));
-            self.law.advance(strength, before, after, dt, state);
-            let mut cause = match was.1 {
-                Some(threshold) if after >= threshold => Cause::Stretch,
-                _ => Cause::Wear,
-            };
-            if self.law.damage(strength, state) < 1.0
-                && let (Some(threshold), Some(crossing)) = (was.1, crossing.as_deref_mut())
-                && let Some(found) = crossing.test(
-                    bond,
-                    0,
-                    Standing { stretch: [before, after], strength: threshold },
-                )
-            {
-                self.law.advance(strength, before.max(after), threshold, dt, state);
-                cause = found;
-            }
-            if was.0 < 1.0 && self.law.damage(strength, &self.states[bond]) >= 1.0 {
-                self.broken.push(BrokenBond { bond, lanes: 1, cause });
-            }
+            let ends = self.bonds.ends(bond);
+            let before = self.stretched(ends, bond, from)?.stretch;
+            let after = self.stretched(ends, bond, to)?.stretch;
+            let cause = self.advance_bond(bond, [before, after], dt, crossing.as_deref_mut());
+            broken.extend(cause.map(|cause| BrokenBond { bond, lanes: 1, cause }));
         }
         Ok(())
-    }
-
-    fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
-        Network::cut(self, bonds)
-    }
-
-    fn lost(&self, bond: usize, _lane: usize) -> f64 {
-        self.law.damage(self.strengths[bond], &self.states[bond])
-    }
-
-    fn strength(&self, bond: usize, _lane: usize) -> f64 {
-        self.strengths[bond]
-    }
-
-    fn energy(&self, u: &[f64], _lane: usize) -> f64 {
-        let mut forces = vec![[0.0; D]; self.bonds.n_nodes()];
-        Network::forces(self, u.as_chunks().0, &mut forces).unwrap_or(f64::NAN)
-    }
-
-    fn whole(&self) -> Option<Vec<u16>> {
-        None
-    }
-
-    fn set_whole(&mut self, _whole: &[u16]) -> Result<(), Error> {
-        Err(Error::NotSaved)
-    }
-
-    fn take_broken(&mut self) -> Vec<BrokenBond> {
-        std::mem::take(&mut self.broken)
     }
 }

@@ -17,7 +17,7 @@ use crate::scheme::{Dynamics, Scheme};
 /// - The energy (eq 3) weighs each bond by the volume of one end. Seen from both its ends that is the mean of the volumes: the
 ///   stiffness of a bond is `c (V_i + V_j)/2`, where `c V_i V_j` is meant.
 /// - `du = -C grad V/eta dt + sqrt(2 C) dB` (eq 4): a mobility `C/eta` at the temperature `eta`, which is viscosity and
-///   temperature at once. Its steps are those of Euler and Maruyama; bonds are looked after at their ends.
+///   temperature at once. Its steps are those of Euler and Maruyama; bond failure is checked at their ends.
 ///
 /// Bonds break for good: "reversibly" in the text contradicts the maximum over the history in eq 2. See `docs/errata.md`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,6 @@
 //! Simulations whose nodes repel each other.
 
-use crate::body::{AtStrength, Body};
-use crate::contact::{Contact, Now};
+use crate::body::Body;
 use crate::error::Error;
 use crate::real::Real;
 use crate::repulsion::Repulsion;
@@ -29,23 +28,14 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// stable range of a pair; [`Error::Coincident`] for two nodes that are at one place, here and in [`step`](Self::step): none
     /// of them has a direction to push the other in.
     pub fn with_repulsion(mut self, repulsion: Repulsion) -> Result<Self, Error> {
-        repulsion.check()?;
-        let (volumes, dt) = (self.body.nodes().volumes(), self.config.dt);
-        let dynamics = &self.config.dynamics;
-        let (value, limit) = repulsion.relative_step(volumes, &self.resistance, dynamics, dt)?;
-        if value.is_nan() || value >= limit {
-            return Err(Error::Unstable { dt, value, limit });
-        }
-        let contact = Contact::new(repulsion, volumes.len());
-        self.repulsion = Some(Box::new(Repelled { contact, relative_step: value }));
-        self.evaluate(AtStrength::Hold)?;
+        self.relative_step_of_repulsion = self.motion.repel(&mut self.body, repulsion)?;
         Ok(self)
     }
 
     /// `z = h (M_i + M_j) k` of one touching pair, the stiffest; in inertial dynamics `(h omega)^2`. Zero without a repulsion.
     #[must_use]
     pub fn relative_step_of_repulsion(&self) -> f64 {
-        self.repulsion.as_ref().map_or(0.0, |repelled| repelled.relative_step)
+        self.relative_step_of_repulsion
     }
 
     /// The energy of the repulsion in a lane (energy); zero without one.
@@ -53,7 +43,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Coincident`] for two nodes at one place.
     pub fn repulsion_energy(&self, lane: usize) -> Result<f64, Error> {
-        Ok(self.repulsion_of(lane)?.0)
+        Ok(self.motion.repulsion(&self.body, lane)?.0)
     }
 
     /// What the repulsion pushes the nodes of a lane with, at their present displacements (force); zero without one.
@@ -61,39 +51,6 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Coincident`] for two nodes at one place.
     pub fn repulsion_forces(&self, lane: usize) -> Result<Vec<[f64; D]>, Error> {
-        Ok(self.repulsion_of(lane)?.1)
+        Ok(self.motion.repulsion(&self.body, lane)?.1)
     }
-
-    fn repulsion_of(&self, lane: usize) -> Result<(f64, Vec<[f64; D]>), Error> {
-        let nodes = self.body.nodes();
-        match &self.repulsion {
-            Some(repelled) => repelled.contact.of_lane(nodes, &self.unknowns.u, lane, &self.now()),
-            None => Ok((0.0, vec![[0.0; D]; nodes.positions().len()])),
-        }
-    }
-
-    /// Finds who touches, at the displacements as they stand.
-    pub(crate) fn find_touching(&mut self) -> Result<(), Error> {
-        let now = self.now();
-        match &mut self.repulsion {
-            Some(repelled) => repelled.contact.find(self.body.nodes(), &self.unknowns.u, &now),
-            None => Ok(()),
-        }
-    }
-
-    fn now(&self) -> Now<L> {
-        Now {
-            step: self.step + 1,
-            time: self.time_after(),
-            realisations: self.realisations,
-            level: self.level,
-        }
-    }
-}
-
-/// What a repulsion adds to a simulation.
-#[derive(Debug)]
-pub(crate) struct Repelled<T, const D: usize, const L: usize> {
-    pub(crate) contact: Contact<T, D, L>,
-    relative_step: f64,
 }

@@ -1,6 +1,6 @@
-//! What a step tells.
+//! The report of a step.
 
-use crate::body::Cause;
+use crate::broken_bond::Cause;
 
 /// What happened in a step.
 #[derive(Debug, Clone, PartialEq)]

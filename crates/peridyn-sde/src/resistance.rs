@@ -10,7 +10,7 @@ use crate::scheme::Dynamics;
 /// Mobility or inverse mass of each unknown, or a mobility that couples nodes.
 #[derive(Debug, Clone)]
 pub(crate) enum Resistance<T> {
-    /// Of each component of each node; zero where it is gripped.
+    /// Of each component of each node; zero where its displacement is prescribed.
     Diagonal {
         /// `M`.
         values: Vec<T>,
@@ -27,41 +27,44 @@ pub(crate) enum Resistance<T> {
 }
 
 impl<T: Real> Resistance<T> {
-    pub(crate) fn new<B: Body<T, D, L>, const D: usize, const L: usize>(
-        body: &B,
+    pub(crate) fn new<const D: usize, const L: usize>(
+        body: &dyn Body<T, D, L>,
         loading: &Loading<D>,
         dynamics: &Dynamics,
     ) -> Result<Self, Error> {
-        let gripped = loading.gripped();
+        let prescribed = loading.prescribed();
         let of_nodes: Vec<f64> = match dynamics {
             Dynamics::Inertial { density, .. } => {
                 body.nodes().volumes().iter().map(|volume| 1.0 / (density * volume)).collect()
             }
             Dynamics::Overdamped { mobility, .. } => {
-                let (value, expected) = (mobility.n_nodes(), gripped.len());
+                let (value, expected) = (mobility.n_nodes(), prescribed.len());
                 if value != expected {
                     return Err(Error::Length { name: "nodes of the mobility", value, expected });
                 }
                 let Some(diagonal) = mobility.diagonal() else {
-                    return Self::coupled(mobility, gripped);
+                    return Self::coupled(mobility, prescribed);
                 };
                 diagonal
             }
         };
         let entries = || {
-            of_nodes.iter().zip(gripped).flat_map(|(&value, gripped)| {
-                gripped.map(|gripped| if gripped { 0.0 } else { value })
+            of_nodes.iter().zip(prescribed).flat_map(|(&value, prescribed)| {
+                prescribed.map(|prescribed| if prescribed { 0.0 } else { value })
             })
         };
         let values = entries().map(T::of).collect();
         Ok(Self::Diagonal { values, factor: entries().map(|m| T::of(m.sqrt())).collect() })
     }
 
-    /// A mobility that couples nodes moves those, and only those, that no component is given of.
-    fn coupled<const D: usize>(mobility: &Mobility, gripped: &[[bool; D]]) -> Result<Self, Error> {
-        for (node, (gripped, &free)) in gripped.iter().zip(mobility.free()).enumerate() {
-            if gripped.contains(&free) {
-                return Err(Error::MobilityOfGrip { node });
+    /// A mobility that couples nodes moves just the nodes without a prescribed component.
+    fn coupled<const D: usize>(
+        mobility: &Mobility,
+        prescribed: &[[bool; D]],
+    ) -> Result<Self, Error> {
+        for (node, (prescribed, &free)) in prescribed.iter().zip(mobility.free()).enumerate() {
+            if prescribed.contains(&free) {
+                return Err(Error::MobilityOfPrescribed { node });
             }
         }
         Ok(Self::Coupled { mobility: mobility.clone(), dimension: D })
@@ -88,9 +91,9 @@ impl<T: Real> Resistance<T> {
     }
 
     /// For each bond the rate at which noise spreads its stretch, `2 kT n^T (M_ii + M_jj - 2 M_ij) n / |xi|^2` (1/time).
-    pub(crate) fn rates_of_bonds<B: Body<T, D, L>, const D: usize, const L: usize>(
+    pub(crate) fn rates_of_bonds<const D: usize, const L: usize>(
         &self,
-        body: &B,
+        body: &dyn Body<T, D, L>,
         dynamics: &Dynamics,
     ) -> Result<Vec<f64>, Error> {
         if !dynamics.has_path() {

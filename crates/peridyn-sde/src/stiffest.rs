@@ -2,9 +2,9 @@
 
 use crate::body::Body;
 use crate::error::Error;
+use crate::kicks::Kicks;
 use crate::real::Real;
 use crate::resistance::Resistance;
-use crate::update::Kicks;
 
 /// Iterations of the power method, at most.
 const MOST_ITERATIONS: usize = 200;
@@ -14,8 +14,8 @@ const SETTLED: f64 = 1e-4;
 
 /// The largest eigenvalue of `L^T (K + epsilon) L`, that is of `M (K + epsilon)`, at rest (1/time, with masses 1/time squared),
 /// from below, within about a part in a thousand.
-pub(crate) fn stiffest<T: Real, B: Body<T, D, L>, const D: usize, const L: usize>(
-    body: &mut B,
+pub(crate) fn stiffest<T: Real, const D: usize, const L: usize>(
+    body: &mut dyn Body<T, D, L>,
     resistance: &Resistance<T>,
     kicks: &mut Kicks<L>,
     confinement: f64,

@@ -1,6 +1,6 @@
 //! Bodies that broke where they were not meant to.
 
-use super::CrackStudy;
+use super::study::CrackStudy;
 use crate::statistics::CrackOutcome;
 
 /// A grip is broken where so much of the bonds of a node in it is gone.
@@ -13,7 +13,7 @@ impl CrackStudy<'_> {
     /// Why the crack of a body does not count, if so: a gripped node has lost its hold, or a piece has come off that nothing
     /// grips.
     pub(super) fn broke_elsewhere(&self, broken: &[bool], damage: &[f64]) -> Option<CrackOutcome> {
-        let gripped = self.loading.gripped();
+        let gripped = self.loading.prescribed();
         let is_gripped = |node: usize| gripped[node].contains(&true);
         if (0..gripped.len()).any(|node| is_gripped(node) && damage[node] > BROKEN_GRIP) {
             return Some(CrackOutcome::GripsBroken);

@@ -1,7 +1,8 @@
 //! Realisations that run side by side.
 
-use super::{CrackStudy, FinalState, Stiffness, Strength};
-use crate::body::Cause;
+use super::crack_run::FinalState;
+use super::study::{CrackStudy, Stiffness, Strength};
+use crate::broken_bond::Cause;
 use crate::disorder::{DisorderField, between_nodes};
 use crate::error::Error;
 use crate::fast::BondList;
@@ -28,15 +29,26 @@ type Lost<const L: usize> = [Option<String>; L];
 
 type Lanes<T, const L: usize> = Simulation<T, BondList<T, 2, L>, 2, L>;
 
-/// What was seen of each lane on the way.
+/// Loads and broken bonds of each lane, observed at every step.
 struct Seen<const L: usize> {
     loads: [Vec<f64>; L],
     broken: [Vec<bool>; L],
 }
 
+/// A lane at the end of its run.
+struct LaneEnd<'a> {
+    realisation: u64,
+    loads: &'a [f64],
+    broken: &'a [bool],
+    damage: Vec<f64>,
+    /// If its final state is kept.
+    displacements: Option<Vec<[f64; 2]>>,
+    strength: Option<&'a Vec<f64>>,
+}
+
 impl CrackStudy<'_> {
-    /// Runs a group to its end. A lane that is lost is left out, and the others run anew without it: lanes do not know of each
-    /// other, so they come to the same.
+    /// Runs a group to its end. A lane that is lost is left out, and the others run again without it: lanes are independent, so
+    /// their results are bitwise identical.
     pub(super) fn group<T: Real, const L: usize>(
         &self,
         cut: &[usize],
@@ -71,8 +83,17 @@ impl CrackStudy<'_> {
                     return Ok(failed(ids[lane], message));
                 }
                 let keep = keep.contains(&ids[lane]);
-                let field = fields.get(lane).filter(|_| keep);
-                self.ended(&simulation, &seen, cut, (lane, ids[lane]), field, keep)
+                self.ended(
+                    LaneEnd {
+                        realisation: ids[lane],
+                        loads: &seen.loads[lane],
+                        broken: &seen.broken[lane],
+                        damage: simulation.damage(lane),
+                        displacements: keep.then(|| simulation.displacements(lane)),
+                        strength: fields.get(lane),
+                    },
+                    cut,
+                )
             })
             .collect()
     }
@@ -207,18 +228,9 @@ impl CrackStudy<'_> {
         Ok(seen)
     }
 
-    fn ended<T: Real, const L: usize>(
-        &self,
-        simulation: &Lanes<T, L>,
-        seen: &Seen<L>,
-        cut: &[usize],
-        (lane, realisation): (usize, u64),
-        field: Option<&Vec<f64>>,
-        keep: bool,
-    ) -> Result<Ended, Error> {
-        let (broken, damage) = (&seen.broken[lane], simulation.damage(lane));
+    fn ended(&self, lane: LaneEnd<'_>, cut: &[usize]) -> Result<Ended, Error> {
+        let LaneEnd { realisation, loads, broken, damage, displacements, strength } = lane;
         let body = Fractured { nodes: self.nodes, bonds: self.bonds, broken, cut };
-        let loads = seen.loads[lane].clone();
         let failure_load = loads
             .iter()
             .copied()
@@ -229,14 +241,15 @@ impl CrackStudy<'_> {
             let path = crack_path(&body, &self.notch, &self.path)?;
             CrackRecord::of_path(realisation, path.as_ref(), Some(self.border), failure_load)
         };
-        let kept = keep.then(|| FinalState {
+        let kept = displacements.map(|displacements| FinalState {
             realisation,
-            displacements: simulation.displacements(lane),
+            displacements,
             damage: damage.clone(),
-            strength: field.cloned(),
+            strength: strength.cloned(),
         });
-        let broken = broken.iter().filter(|&&broken| broken).count() - cut.len();
-        Ok(Ended { record, loads, damage: Some(damage), broken: broken as u64, kept })
+        let n_broken = broken.iter().filter(|&&broken| broken).count() - cut.len();
+        let (loads, damage) = (loads.to_vec(), Some(damage));
+        Ok(Ended { record, loads, damage, broken: n_broken as u64, kept })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parts of an ensemble that run apart.
 
-use super::{CrackRun, CrackStudy};
+use super::crack_run::CrackRun;
+use super::study::CrackStudy;
 use crate::error::Error;
 use crate::real::Real;
 

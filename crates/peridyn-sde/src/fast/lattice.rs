@@ -4,16 +4,16 @@ use rayon::prelude::*;
 use sde_integrators::SimdLevel;
 
 use super::lattice_rows::{Band, BandWork, Components};
-use super::list::growth;
+use super::limit::Limit;
 use super::stencil::{Sites, Stencil};
-use super::strain::Strain;
 use super::vectors::{Mask, dispatch};
-use crate::body::{AtStrength, Body, BrokenBond, Cause};
-use crate::bonds::{Bonds, cut_numbers};
-use crate::crossing::{Crossing, Standing};
+use crate::body::{AtStrength, Body};
+use crate::bonds::Bonds;
+use crate::broken_bond::{BrokenBond, Cause};
 use crate::error::{Error, positive, same_length};
 use crate::nodes::Nodes;
 use crate::real::Real;
+use crate::strain::Strain;
 
 /// A body whose nodes stand on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
 /// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more
@@ -33,12 +33,11 @@ pub struct LatticeBody<T, const D: usize> {
     /// Displacements by component, over all sites.
     padded: Components<T, D>,
     bands: Vec<Band<T, D>>,
-    broken: Vec<BrokenBond>,
     level: SimdLevel,
 }
 
 impl<T: Real, const D: usize> LatticeBody<T, D> {
-    /// A body as yet untouched, whose bonds break at one strength (a stretch).
+    /// An undamaged body whose bonds break at one strength (a stretch).
     ///
     /// # Errors
     /// [`Error::Length`] where nodes and bonds are not of one body; [`Error::NotPositive`] for the strength;
@@ -58,11 +57,11 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         let bands = (0..n_rows)
             .step_by(of_band)
             .map(|start| Band::new(start..n_rows.min(start + of_band), &sites, stencil.len()));
-        let (bands, broken, level) = (bands.collect(), Vec::new(), SimdLevel::best());
+        let (bands, level) = (bands.collect(), SimdLevel::best());
         let mut body =
-            Self { nodes, bonds, strain, strength, stencil, sites, padded, bands, broken, level };
+            Self { nodes, bonds, strain, strength, stencil, sites, padded, bands, level };
         for bond in 0..body.bonds.len() {
-            body.set_one(bond, true);
+            body.set_intact(bond, 1);
         }
         Ok(body)
     }
@@ -73,23 +72,32 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         Self { level, ..self }
     }
 
-    fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength) {
-        let limit = match at {
-            AtStrength::Break => T::of(self.strain.growth(self.strength)),
-            AtStrength::Hold => T::LARGEST,
+    fn evaluate(&mut self, strain: Strain, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
+        let mut none = Vec::new();
+        let (limit, reached) = Limit::of(at, &mut none);
+        let limit = match limit {
+            Limit::Strength => T::of(self.strain.squared_elongation(self.strength)),
+            Limit::Unreached => T::LARGEST,
         };
         self.spread(u);
         let (level, stencil, padded, sites) =
             (self.level, &self.stencil, &self.padded, &self.sites);
-        self.bands.par_iter_mut().for_each(|band| {
-            dispatch(level, BandWork::<T, D, LINEAR> { band, sites, stencil, padded, limit });
-        });
+        // A virtual call for a band of many bonds, so that what distributes bands is compiled once.
+        let of_band: &(dyn Fn(&mut Band<T, D>) + Sync) = match strain {
+            Strain::Finite => &|band| {
+                dispatch(level, BandWork::<T, D, false> { band, sites, stencil, padded, limit });
+            },
+            Strain::Linear => &|band| {
+                dispatch(level, BandWork::<T, D, true> { band, sites, stencil, padded, limit });
+            },
+        };
+        self.bands.par_iter_mut().for_each(of_band);
         for next in 1..self.bands.len() {
             let (before, after) = self.bands.split_at_mut(next);
             after[0].add(&before[next - 1]);
         }
         self.collect(forces);
-        self.collect_broken();
+        self.collect_reached(reached);
     }
 
     /// Displacements of nodes to their sites.
@@ -123,36 +131,18 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         }
     }
 
-    /// Bonds that bands have broken.
-    fn collect_broken(&mut self) {
+    /// Bonds that bands have found at their limit.
+    fn collect_reached(&mut self, reached: &mut Vec<BrokenBond>) {
         for band in &mut self.bands {
-            for (site, vector) in band.broken.drain(..) {
+            for (site, vector) in band.reached.drain(..) {
                 let ends = self.sites.nodes(site, self.stencil.vectors[vector].offset);
                 // A bond is in the row of one of its nodes.
                 let number = |(i, j)| self.bonds.number(i, j).or_else(|| self.bonds.number(j, i));
                 if let Some(bond) = ends.and_then(number) {
-                    self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                    reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
                 }
             }
         }
-    }
-
-    /// Takes a bond out.
-    fn cut_one(&mut self, bond: usize, cause: Cause) {
-        self.set_one(bond, false);
-        self.broken.push(BrokenBond { bond, lanes: 1, cause });
-    }
-
-    /// Takes a bond out or puts it in.
-    fn set_one(&mut self, bond: usize, whole: bool) {
-        let (band, word, bit) = self.bit(self.bonds.ends(bond));
-        let word = &mut self.bands[band].whole[word];
-        *word = if whole { *word | bit } else { *word & !bit };
-    }
-
-    fn is_whole(&self, pair: (usize, usize)) -> bool {
-        let (band, word, bit) = self.bit(pair);
-        self.bands[band].whole[word] & bit != 0
     }
 
     /// Where the bit of a bond is: band, word and bit.
@@ -175,90 +165,36 @@ impl<T: Real, const D: usize> Body<T, D, 1> for LatticeBody<T, D> {
         &self.bonds
     }
 
-    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength) -> Result<(), Error> {
+    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error> {
         same_length("displacements", u.len(), self.bonds.n_nodes() * D)?;
         same_length("forces", forces.len(), u.len())?;
-        match self.strain {
-            Strain::Finite => self.evaluate::<false>(u, forces, at),
-            Strain::Linear => self.evaluate::<true>(u, forces, at),
-        }
+        self.evaluate(self.strain, u, forces, at);
         Ok(())
     }
 
-    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        same_length("displacements", v.len(), self.bonds.n_nodes() * D)?;
-        same_length("forces", forces.len(), v.len())?;
-        self.evaluate::<true>(v, forces, AtStrength::Hold);
-        Ok(())
+    fn intact(&self, bond: usize) -> u16 {
+        let (band, word, bit) = self.bit(self.bonds.ends(bond));
+        u16::from(self.bands[band].intact[word] & bit != 0)
     }
 
-    fn advance(
-        &mut self,
-        from: &[T],
-        to: &[T],
-        _dt: f64,
-        crossing: Option<&mut Crossing<1>>,
-    ) -> Result<(), Error> {
-        let Some(crossing) = crossing else { return Ok(()) };
-        for bond in 0..self.bonds.len() {
-            let pair = self.bonds.ends(bond);
-            if !self.is_whole(pair) {
-                continue;
-            }
-            let of = &self.bonds.all()[bond];
-            let stretch = [from, to].map(|u| {
-                let w = growth::<T, D, 1>(&self.nodes, pair, (self.strain, of.length), u, 0);
-                self.strain.stretch(w)
-            });
-            if let Some(cause) =
-                crossing.test(bond, 0, Standing { stretch, strength: self.strength })
-            {
-                self.cut_one(bond, cause);
-            }
-        }
-        Ok(())
+    fn set_intact(&mut self, bond: usize, lanes: u16) {
+        let (band, word, bit) = self.bit(self.bonds.ends(bond));
+        let word = &mut self.bands[band].intact[word];
+        *word = if lanes & 1 != 0 { *word | bit } else { *word & !bit };
     }
 
-    fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
-        cut_numbers(bonds, self.bonds.len())?;
-        for &bond in bonds {
-            self.cut_one(bond, Cause::Cut);
-        }
-        Ok(())
-    }
-
-    fn lost(&self, bond: usize, _lane: usize) -> f64 {
-        f64::from(!self.is_whole(self.bonds.ends(bond)))
+    fn strain(&self) -> Strain {
+        self.strain
     }
 
     fn strength(&self, _bond: usize, _lane: usize) -> f64 {
         self.strength
     }
 
-    fn energy(&self, u: &[T], lane: usize) -> f64 {
-        let mut energy = 0.0;
-        for (pair, of) in self.bonds.pairs().zip(self.bonds.all()) {
-            if self.is_whole(pair) {
-                let w = growth::<T, D, 1>(&self.nodes, pair, (self.strain, of.length), u, lane);
-                energy += 0.5 * of.stiffness * of.length * self.strain.stretch(w).powi(2);
-            }
-        }
-        energy
-    }
-
-    fn whole(&self) -> Option<Vec<u16>> {
-        Some(self.bonds.pairs().map(|pair| u16::from(self.is_whole(pair))).collect())
-    }
-
-    fn set_whole(&mut self, whole: &[u16]) -> Result<(), Error> {
-        same_length("saved bonds", whole.len(), self.bonds.len())?;
-        for (bond, &whole) in whole.iter().enumerate() {
-            self.set_one(bond, whole != 0);
-        }
+    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
+        same_length("displacements", v.len(), self.bonds.n_nodes() * D)?;
+        same_length("forces", forces.len(), v.len())?;
+        self.evaluate(Strain::Linear, v, forces, AtStrength::Hold);
         Ok(())
-    }
-
-    fn take_broken(&mut self) -> Vec<BrokenBond> {
-        std::mem::take(&mut self.broken)
     }
 }

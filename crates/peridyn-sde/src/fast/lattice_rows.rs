@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::pull::{Growth, Separation};
+use super::bond_force::{Separation, SquaredElongation};
 use super::stencil::{GROUP, Sites, Stencil, Vector};
 use super::vectors::{MOST_LANES, Mask};
 use crate::real::Real;
@@ -22,18 +22,18 @@ pub(super) struct Band<T, const D: usize> {
     pub(super) first: usize,
     /// Up to the last site that a bond of these rows reaches.
     pub(super) forces: Components<T, D>,
-    /// Bits of whole bonds, by row, group of sites and vector.
-    pub(super) whole: Vec<Mask>,
-    /// Site and vector of bonds that broke.
-    pub(super) broken: Vec<(usize, usize)>,
+    /// Bits of intact bonds, by row, group of sites and vector.
+    pub(super) intact: Vec<Mask>,
+    /// Site and vector of bonds found at their limit.
+    pub(super) reached: Vec<(usize, usize)>,
 }
 
 impl<T: Real, const D: usize> Band<T, D> {
     pub(super) fn new(rows: Range<usize>, sites: &Sites<D>, n_vectors: usize) -> Self {
-        let whole = vec![0; rows.len() * sites.groups() * n_vectors];
+        let intact = vec![0; rows.len() * sites.groups() * n_vectors];
         let of = sites.sites_of(&rows);
         let forces = Components::new(of.len());
-        Self { rows, first: of.start, forces, whole, broken: Vec::new() }
+        Self { rows, first: of.start, forces, intact, reached: Vec::new() }
     }
 
     /// Adds what another band pulls with at sites of this one.
@@ -62,7 +62,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for BandWork<'_, T, D
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { band, sites, stencil, padded, limit } = self;
-        let Band { rows, first, forces, whole, broken } = band;
+        let Band { rows, first, forces, intact, reached } = band;
         let n_vectors = stencil.len();
         let of_row = sites.groups() * n_vectors;
         let mut row = Row::<T, D> {
@@ -70,25 +70,25 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for BandWork<'_, T, D
             u: padded.all(),
             first: *first,
             forces: forces.all_mut(),
-            broken,
+            reached,
             limit,
         };
         for forces in &mut row.forces {
             forces.fill(T::ZERO);
         }
-        for (&start, whole) in sites.rows()[rows.clone()].iter().zip(whole.chunks_exact_mut(of_row))
-        {
+        for (&start, intact) in sites.rows()[rows.clone()].iter().zip(intact.chunks_exact(of_row)) {
             // A row without nodes has no place.
-            let words = whole.chunks_exact_mut(n_vectors).filter(|_| start > 0);
+            let words = intact.chunks_exact(n_vectors).filter(|_| start > 0);
             for (at, words) in (0..sites.width()).step_by(GROUP).zip(words) {
                 let group = (start + at, words);
-                // As a number that is known, so that loops over registers are unrolled.
+                // As a number that is known, so that loops over registers are unrolled; guards leave out what no group needs.
+                let most = GROUP / T::lanes::<S>();
                 match (sites.width() - at).min(GROUP).div_ceil(T::lanes::<S>()) {
-                    0 | 1 => row.pull::<S, LINEAR, 1>(simd, group),
-                    2 => row.pull::<S, LINEAR, 2>(simd, group),
-                    3 => row.pull::<S, LINEAR, 3>(simd, group),
-                    4 => row.pull::<S, LINEAR, 4>(simd, group),
-                    _ => row.pull::<S, LINEAR, 8>(simd, group),
+                    2 if most >= 2 => row.pull::<S, LINEAR, 2>(simd, group),
+                    3 if most >= 4 => row.pull::<S, LINEAR, 3>(simd, group),
+                    4 if most >= 4 => row.pull::<S, LINEAR, 4>(simd, group),
+                    5.. if most >= 8 => row.pull::<S, LINEAR, 8>(simd, group),
+                    _ => row.pull::<S, LINEAR, 1>(simd, group),
                 }
             }
         }
@@ -101,24 +101,24 @@ struct Row<'a, T, const D: usize> {
     u: [&'a [T]; D],
     first: usize,
     forces: [&'a mut [T]; D],
-    broken: &'a mut Vec<(usize, usize)>,
+    reached: &'a mut Vec<(usize, usize)>,
     limit: T,
 }
 
 impl<T: Real, const D: usize> Row<'_, T, D> {
     /// The bonds from a group of sites on, with their words of bits, vector by vector, so that the order of sums does not depend on
-    /// how long registers are; those at their limit break.
+    /// how long registers are; those at their limit carry no force.
     #[inline(always)]
     fn pull<S: Simd, const LINEAR: bool, const N: usize>(
         &mut self,
         simd: S,
-        (group, words): (usize, &mut [Mask]),
+        (group, words): (usize, &[Mask]),
     ) {
         let lanes = T::lanes::<S>();
-        let near = Growth::<T, S>::near::<LINEAR>(simd, T::splat(simd, self.limit));
+        let near = SquaredElongation::<T, S>::near::<LINEAR>(simd, T::splat(simd, self.limit));
         let mut sums = [[T::splat(simd, T::ZERO); D]; N];
         let here = self.u.map(|u| &u[group..group + N * lanes]);
-        for (number, (vector, word)) in self.vectors.iter().zip(words).enumerate() {
+        for (number, (vector, &word)) in self.vectors.iter().zip(words).enumerate() {
             let xi = vector.xi.map(|xi| T::splat(simd, xi));
             let inverse_square = T::splat(simd, vector.inverse_square);
             let stiffness = T::splat(simd, vector.stiffness);
@@ -133,15 +133,15 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
                 let eta = std::array::from_fn(|k| T::minus(simd, u(&there, k), u(&here, k)));
                 let shape = (&xi, inverse_square);
                 let separation =
-                    Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, *word >> at);
-                let mut pull = separation.growth.near_pull::<LINEAR>(simd);
-                if T::any_beyond(simd, separation.growth.0, near) {
+                    Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, word >> at);
+                let elongation = separation.elongation;
+                let mut pull = elongation.near_pull::<LINEAR>(simd);
+                if T::any_beyond(simd, elongation.0, near) {
                     let mut values = [T::ZERO; MOST_LANES];
-                    T::store::<S>(separation.growth.0, &mut values, 0);
-                    let (word, broken) = (&mut *word, &mut *self.broken);
-                    let (limit, of) = (self.limit, (group, at, number));
-                    let values_of = &mut values;
-                    simd.vectorize(Far::<T, LINEAR> { values: values_of, limit, word, broken, of });
+                    T::store::<S>(elongation.0, &mut values, 0);
+                    let (limit, reached) = (self.limit, &mut *self.reached);
+                    let (of_lanes, first) = (&mut values, (group + at, number));
+                    simd.vectorize(Far::<T, LINEAR> { values: of_lanes, limit, reached, first });
                     pull = T::load::<S>(&values, 0);
                 }
                 let tension = T::times(simd, stiffness, pull);
@@ -163,15 +163,15 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
     }
 }
 
-/// A register whose bonds are not all near, as a function of its own: the rest does not share its registers with it.
+/// The pull of a register whose bonds are not all near, as a function of its own, so that the common path keeps all registers.
+/// Lists need no such function: their kernels hold fewer values at a time.
 struct Far<'a, T, const LINEAR: bool> {
-    /// How far bonds have grown, then what they pull with.
+    /// The relative squared elongations of bonds, then their pulls.
     values: &'a mut [T; MOST_LANES],
     limit: T,
-    word: &'a mut Mask,
-    broken: &'a mut Vec<(usize, usize)>,
-    /// Group, place in the group, and number of the vector.
-    of: (usize, usize, usize),
+    reached: &'a mut Vec<(usize, usize)>,
+    /// Site of the first lane, and number of the vector.
+    first: (usize, usize),
 }
 
 impl<T: Real, const LINEAR: bool> WithSimd for Far<'_, T, LINEAR> {
@@ -179,12 +179,11 @@ impl<T: Real, const LINEAR: bool> WithSimd for Far<'_, T, LINEAR> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (group, at, number) = self.of;
-        let mut growth = Growth::<T, S>(T::load::<S>(self.values, 0));
-        let pull = growth.pull::<LINEAR>(simd, T::splat(simd, self.limit), |reached| {
-            *self.word &= !(reached << at);
+        let (site, number) = self.first;
+        let mut elongation = SquaredElongation::<T, S>(T::load::<S>(self.values, 0));
+        let pull = elongation.far_pull::<LINEAR>(simd, T::splat(simd, self.limit), |reached| {
             for lane in (0..T::lanes::<S>()).filter(|lane| reached & 1 << lane != 0) {
-                self.broken.push((group + at + lane, number));
+                self.reached.push((site + lane, number));
             }
         });
         T::store::<S>(pull, self.values, 0);

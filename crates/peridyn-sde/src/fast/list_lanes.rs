@@ -7,11 +7,12 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::list::Columns;
-use super::pull::Separation;
+use super::bond_force::Separation;
+use super::limit::Limit;
+use super::list_columns::Columns;
 use super::vectors::Mask;
-use crate::body::{AtStrength, BrokenBond, Cause};
 use crate::bonds::Bonds;
+use crate::broken_bond::{BrokenBond, Cause};
 use crate::nodes::Nodes;
 use crate::real::Real;
 
@@ -26,11 +27,12 @@ pub(super) struct InLanes<
 > {
     pub(super) graph: (&'a Nodes<D>, &'a Bonds),
     pub(super) columns: &'a Columns<T>,
-    pub(super) whole: &'a mut [Mask],
-    pub(super) broken: &'a mut Vec<BrokenBond>,
+    pub(super) intact: &'a [Mask],
     pub(super) u: &'a [T],
     pub(super) forces: &'a mut [T],
-    pub(super) at: AtStrength,
+    pub(super) limit: Limit,
+    /// Bonds found at their limit.
+    pub(super) reached: &'a mut Vec<BrokenBond>,
 }
 
 impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: bool> WithSimd
@@ -71,14 +73,13 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
                 eta[k] = T::minus(simd, T::load::<S>(self.u, at(j, k)), u_i[k]);
             }
             let inverse_square = T::splat(simd, self.columns.inverse_squares[bond]);
-            let whole = self.whole[bond] >> first;
+            let intact = self.intact[bond] >> first;
             let mut separation =
-                Separation::<T, S, D>::new::<LINEAR>(simd, (&xi, inverse_square), &eta, whole);
+                Separation::<T, S, D>::new::<LINEAR>(simd, (&xi, inverse_square), &eta, intact);
             let limit = self.limit(simd, bond, first);
-            let pull = separation.growth.pull::<LINEAR>(simd, limit, |reached| {
+            let pull = separation.elongation.pull::<LINEAR>(simd, limit, |reached| {
                 let lanes = reached << first;
-                self.whole[bond] &= !lanes;
-                self.broken.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
+                self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
             });
             let tension =
                 T::times(simd, Self::of(simd, &self.columns.stiffness, bond, first), pull);
@@ -96,9 +97,9 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
 
     #[inline(always)]
     fn limit<S: Simd>(&self, simd: S, bond: usize, first: usize) -> T::V<S> {
-        match self.at {
-            AtStrength::Break => Self::of(simd, &self.columns.limits, bond, first),
-            AtStrength::Hold => T::splat(simd, T::LARGEST),
+        match self.limit {
+            Limit::Strength => Self::of(simd, &self.columns.limits, bond, first),
+            Limit::Unreached => T::splat(simd, T::LARGEST),
         }
     }
 

@@ -10,11 +10,12 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::list::Columns;
-use super::pull::Growth;
+use super::bond_force::{SquaredElongation, component};
+use super::limit::Limit;
+use super::list_columns::Columns;
 use super::vectors::{MOST_LANES, Mask};
-use crate::body::{AtStrength, BrokenBond, Cause};
 use crate::bonds::Bonds;
+use crate::broken_bond::{BrokenBond, Cause};
 use crate::nodes::Nodes;
 use crate::real::Real;
 
@@ -73,14 +74,13 @@ impl<T: Real> Padded<T> {
             let Node { x: x_j, u: u_j, .. } = &self.0[j as usize];
             for k in 0..WIDTH {
                 let (xi, eta) = (T::of(x_j[k] - x_i[k]), u_j[k] - u_i[k]);
-                direction[k] = if LINEAR { xi } else { xi + eta };
-                square[k] = eta * (xi + direction[k]);
+                (direction[k], square[k]) = component::<T, LINEAR>(xi, eta);
             }
         }
     }
 
     #[inline(always)]
-    fn give_back(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
+    fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
         // The sum of a row is kept apart: adding each to memory would wait for the one before.
         let mut sum = [T::ZERO; WIDTH];
         let of_batch = batch.directions.iter().zip(&batch.tensions);
@@ -102,21 +102,21 @@ impl<T: Real> Padded<T> {
 struct Batch<T> {
     /// `xi + eta`, or `xi` where strains are linear.
     directions: [[T; WIDTH]; BATCH],
-    /// By component, what the square of the length has grown by: `eta (2 xi + eta)`, or `2 eta xi`.
+    /// By component, the growth of the squared length: `eta (2 xi + eta)`, or `2 eta xi`.
     squares: [[T; WIDTH]; BATCH],
     tensions: [T; BATCH],
 }
 
-/// Forces under `u`, node by node: its bonds are gathered, computed in registers, and their forces given back one by one.
+/// Forces under `u`, node by node: its bonds are gathered, computed in registers, and their forces added one by one.
 pub(super) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
     pub(super) bonds: &'a Bonds,
-    pub(super) columns: &'a mut Columns<T>,
+    pub(super) columns: &'a Columns<T>,
     pub(super) padded: &'a mut Padded<T>,
-    pub(super) whole: &'a mut [Mask],
-    pub(super) broken: &'a mut Vec<BrokenBond>,
     pub(super) u: &'a [T],
     pub(super) forces: &'a mut [T],
-    pub(super) at: AtStrength,
+    pub(super) limit: Limit,
+    /// Bonds found at their limit.
+    pub(super) reached: &'a mut Vec<BrokenBond>,
 }
 
 impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, LINEAR> {
@@ -134,7 +134,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, 
                 let partners = self.bonds.partners(bonds.clone());
                 self.padded.gather::<LINEAR>(&mut batch, i, partners);
                 self.pull(simd, &mut batch, bonds);
-                self.padded.give_back(&batch, i, partners);
+                self.padded.scatter(&batch, i, partners);
             }
         }
         self.padded.end::<D>(self.forces);
@@ -142,20 +142,20 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, 
 }
 
 impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
-    /// Tensions of gathered bonds; those at their limit break.
+    /// Tensions of gathered bonds; those at their limit carry none.
     #[inline(always)]
     fn pull<S: Simd>(&mut self, simd: S, batch: &mut Batch<T>, bonds: Range<usize>) {
         let lanes = T::lanes::<S>();
-        let least = match self.at {
-            AtStrength::Break => T::ZERO,
-            AtStrength::Hold => T::LARGEST,
+        let least = match self.limit {
+            Limit::Strength => T::ZERO,
+            Limit::Unreached => T::LARGEST,
         };
-        // What the last register holds beside these bonds has not grown.
+        // The last register holds zeros beside these bonds.
         let n = bonds.len().next_multiple_of(lanes);
         batch.squares[bonds.len()..n].fill([T::ZERO; WIDTH]);
         let filled = bonds.start..bonds.start + n;
-        let Columns { inverse_squares, stiffness, limits, .. } = &mut *self.columns;
-        let inverse_squares = inverse_squares[filled.clone()].chunks_exact_mut(lanes);
+        let Columns { inverse_squares, stiffness, limits, .. } = self.columns;
+        let inverse_squares = inverse_squares[filled.clone()].chunks_exact(lanes);
         let stiffness = stiffness[filled.clone()].chunks_exact(lanes);
         let limits = limits[filled.clone()].chunks_exact(lanes);
         let columns = inverse_squares.zip(stiffness.zip(limits));
@@ -163,20 +163,18 @@ impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
         let registers = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
         for (first, register) in filled.step_by(lanes).zip(registers) {
             let ((squares, tensions), (inverse_squares, (stiffness, limits))) = register;
-            let mut grown = [T::ZERO; MOST_LANES];
+            let mut square = [T::ZERO; MOST_LANES];
             for lane in 0..lanes {
-                let square = &squares[lane];
-                grown[lane] = square[1..D].iter().fold(square[0], |sum, &part| sum + part);
+                let parts = &squares[lane];
+                square[lane] = parts[1..D].iter().fold(parts[0], |sum, &part| sum + part);
             }
-            let of = (T::load::<S>(&grown, 0), T::load::<S>(inverse_squares, 0));
+            let of = (T::load::<S>(&square, 0), T::load::<S>(inverse_squares, 0));
             let limit = T::greater(simd, T::load::<S>(limits, 0), T::splat(simd, least));
-            let mut growth = Growth::<T, S>::new(simd, of, Mask::MAX);
-            let pull = growth.pull::<LINEAR>(simd, limit, |reached| {
+            let mut elongation = SquaredElongation::<T, S>::new(simd, of, Mask::MAX);
+            let pull = elongation.pull::<LINEAR>(simd, limit, |reached| {
                 for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
                     let bond = first + lane;
-                    self.whole[bond] = 0;
-                    inverse_squares[lane] = T::ZERO;
-                    self.broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                    self.reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
                 }
             });
             T::store::<S>(T::times(simd, T::load::<S>(stiffness, 0), pull), tensions, 0);

@@ -342,7 +342,7 @@ fn what_cannot_be_is_refused() {
     let mobility = Mobility::from_matrix(&all_free(&nodes), &matrix).unwrap();
     let coupled =
         Dynamics::Overdamped { mobility, temperature: 0.0, scheme: Scheme::EulerMaruyama };
-    assert_eq!(new(config(coupled, 0.01)).unwrap_err(), Error::MobilityOfGrip { node: 0 });
+    assert_eq!(new(config(coupled, 0.01)).unwrap_err(), Error::MobilityOfPrescribed { node: 0 });
 }
 
 /// Beyond what numbers hold a run ends with step, time, node and realisation: here by a force that pulls without end.

@@ -49,7 +49,7 @@ fn error<T: Real, const D: usize, const L: usize>(
 ) -> f64 {
     let u = flat::<T, D, L>(&case.u);
     let mut forces = vec![T::ZERO; u.len()];
-    body.forces(&u, &mut forces, AtStrength::Break).unwrap();
+    body.forces(&u, &mut forces, AtStrength::Break(&mut Vec::new())).unwrap();
     let largest = reference.iter().flatten().fold(0.0, |m: f64, f| m.max(f.abs()));
     let lanes = forces.as_chunks::<L>().0.iter().zip(reference.as_flattened());
     let worst = lanes.flat_map(|(lanes, f)| lanes.map(|lane| (lane.to_f64() - f).abs()));

@@ -4,6 +4,7 @@
 
 mod bridge;
 mod constants;
+mod custom_body;
 mod custom_law;
 mod disorder;
 mod dynamics;

@@ -212,7 +212,7 @@ fn motion(
     still: Loading<2>,
     stiffness: Stiffness<'_>,
 ) -> Result<Motion, Objection> {
-    let free: Vec<bool> = still.gripped().iter().map(|given| *given == [false; 2]).collect();
+    let free: Vec<bool> = still.prescribed().iter().map(|given| *given == [false; 2]).collect();
     let of_ratio_one = of_ratio_one(&plate.bonds, &still, plate.stretch);
     let temperature = scene.dynamics.joule(of_ratio_one)?;
     let density = scene.material.density;
@@ -332,7 +332,7 @@ fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), O
 /// the length `l`, the variance of the stretch of `n` bonds that are as stiff as a shortest one is `kT dof/(n kappa l)`. A
 /// nominal number: a shortest bond inside has 1.2 times the deviation, one at an edge 1.5 times.
 fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
-    let dof = loading.gripped().iter().flatten().filter(|&&gripped| !gripped).count();
+    let dof = loading.prescribed().iter().flatten().filter(|&&gripped| !gripped).count();
     let shortest = bonds.all().iter().min_by(|a, b| a.length.total_cmp(&b.length));
     let stiffness = shortest.map_or(0.0, |bond| bond.stiffness * bond.length);
     stretch * stretch * bonds.len() as f64 * stiffness / dof.max(1) as f64
@@ -363,7 +363,7 @@ fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, 
 fn of_simulation(error: &Error) -> Objection {
     let path = match error {
         Error::NoPathBetween => "time.breaking",
-        Error::MobilityOfGrip { .. } => "grips.hold",
+        Error::MobilityOfPrescribed { .. } => "grips.hold",
         Error::OutOfRange { name: "theta", .. } => "dynamics.overdamped.scheme.theta",
         Error::OutOfRange { name: "confinement", .. }
         | Error::NotFinite { name: "confinement", .. } => "time.confinement",

@@ -58,7 +58,7 @@ impl<const D: usize> Strained<D> {
     ) -> Result<Vec<f64>, CaseError> {
         let u: Vec<T> = self.u.as_flattened().iter().flat_map(|&u| [T::of(u); L]).collect();
         let mut forces = vec![T::ZERO; u.len()];
-        body.forces(&u, &mut forces, AtStrength::Break)?;
+        body.forces(&u, &mut forces, AtStrength::Break(&mut Vec::new()))?;
         Ok(forces.into_iter().map(Real::to_f64).collect())
     }
 

@@ -100,7 +100,7 @@ impl Plate {
                 Loading::new(n).hold(&low)?.displace(&high, [true; 2], [0.0, 1.0], ramp)?
             }
         };
-        let free: Vec<bool> = loading.gripped().iter().map(|of| of == &[false; 2]).collect();
+        let free: Vec<bool> = loading.prescribed().iter().map(|of| of == &[false; 2]).collect();
         let (mobility, scheme) = (Mobility::identity(&free, 1.0)?, Scheme::EulerMaruyama);
         let config = SimulationConfig {
             dynamics: Dynamics::Overdamped { mobility, temperature: 0.0, scheme },

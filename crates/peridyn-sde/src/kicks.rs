@@ -1,41 +1,10 @@
-//! The numbers of a simulation, and the noise that drives them.
+//! The noise that drives the nodes.
 
 use sde_integrators::{LaneNormals, Noise, Purpose};
 
 use crate::error::Error;
 use crate::real::Real;
 use crate::resistance::Resistance;
-
-/// What there is per unknown: node by node, component by component, lane by lane.
-#[derive(Debug, Clone)]
-pub(crate) struct Unknowns<T> {
-    pub(crate) u: Vec<T>,
-    pub(crate) v: Vec<T>,
-    /// Of the bonds.
-    pub(crate) forces: Vec<T>,
-    /// `u` where the step began; of use to some schemes.
-    pub(crate) before: Vec<T>,
-    /// `M f`.
-    pub(crate) drift: Vec<T>,
-    /// `L z`.
-    pub(crate) kick: Vec<T>,
-    pub(crate) work: [Vec<T>; 4],
-}
-
-impl<T: Real> Unknowns<T> {
-    pub(crate) fn new(length: usize) -> Self {
-        let zero = || vec![T::ZERO; length];
-        Self {
-            u: zero(),
-            v: zero(),
-            forces: zero(),
-            before: zero(),
-            drift: zero(),
-            kick: zero(),
-            work: std::array::from_fn(|_| Vec::new()),
-        }
-    }
-}
 
 /// Motions whose normals are made together, few enough for the nearest cache.
 pub(crate) const CHUNK: usize = 256;
@@ -44,13 +13,13 @@ pub(crate) const CHUNK: usize = 256;
 #[derive(Debug, Clone)]
 pub(crate) struct Kicks<const L: usize> {
     path: LaneNormals<L>,
-    /// What Leimkuhler and Matthews' method begins with.
+    /// The first of Leimkuhler and Matthews' method.
     first: LaneNormals<L>,
     n_motions: usize,
     normals: Vec<f64>,
-    /// What a factor that couples nodes is applied to, and what comes of it.
-    from: Vec<f64>,
-    to: Vec<f64>,
+    /// Argument and result of a factor that couples nodes.
+    argument: Vec<f64>,
+    image: Vec<f64>,
 }
 
 /// The kick of a step, or the one before the first.
@@ -67,8 +36,8 @@ impl<const L: usize> Kicks<L> {
             first: LaneNormals::new(&noise, Purpose::PathArea, realisations),
             n_motions,
             normals: vec![0.0; CHUNK * L],
-            from: Vec::new(),
-            to: Vec::new(),
+            argument: Vec::new(),
+            image: Vec::new(),
         }
     }
 
@@ -137,20 +106,20 @@ impl<const L: usize> Kicks<L> {
             }
             Resistance::Coupled { mobility, dimension } => (mobility, dimension * L),
         };
-        self.from.clear();
-        self.from.extend(values.iter().map(|value| value.to_f64()));
+        self.argument.clear();
+        self.argument.extend(values.iter().map(|value| value.to_f64()));
         match way {
             Way::Forth => {
-                self.to.resize(mobility.n_nodes() * components, 0.0);
-                mobility.apply_factor(components, &self.from, &mut self.to)?;
+                self.image.resize(mobility.n_nodes() * components, 0.0);
+                mobility.apply_factor(components, &self.argument, &mut self.image)?;
             }
             Way::Back => {
-                self.to.resize(self.n_motions * L, 0.0);
-                mobility.apply_factor_transposed(components, &self.from, &mut self.to)?;
+                self.image.resize(self.n_motions * L, 0.0);
+                mobility.apply_factor_transposed(components, &self.argument, &mut self.image)?;
             }
         }
         values.clear();
-        values.extend(self.to.iter().map(|&value| T::of(value)));
+        values.extend(self.image.iter().map(|&value| T::of(value)));
         Ok(())
     }
 }

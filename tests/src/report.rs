@@ -6,8 +6,8 @@
 use figures::ErrorKind;
 use serde::{Deserialize, Serialize};
 
-use crate::case::Profile;
 use scenes::machine::Machine;
+use work_precision::context::Profile;
 
 /// The name of the schema, the first field of every report.
 pub const SCHEMA: &str = "verification-report/1";

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Part, Run, RunError};
+use super::kind_run::Run;
+use super::part::Part;
+use super::run_error::RunError;
 use crate::checkpoint::{Checkpoint, Head, Start};
 use crate::scene::NamedFile;
 use figures::finite::JsonError;

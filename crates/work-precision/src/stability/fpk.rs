@@ -20,10 +20,10 @@ use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::Problem;
 use figures::Drawing;
 use figures::Scale;
-use scenes::fpk::scene::System;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",
@@ -116,7 +116,7 @@ struct Damper {
 impl Damper {
     fn new() -> Result<Self, CaseError> {
         let problem = Problem::viscous_damper()?;
-        let System::Damper(system) = &problem.system else {
+        let Oscillator::Damper(system) = &problem.system else {
             return Err("the scene of the damper is not one".into());
         };
         let system = system.clone();

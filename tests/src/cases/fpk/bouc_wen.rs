@@ -18,7 +18,7 @@ use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
 use figures::ErrorKind;
-use scenes::fpk::scene_system::SceneSystem;
+use scenes::fpk::system::System;
 use work_precision::problems::fpk::reference::ReferenceTable;
 
 const SOURCE: &str =
@@ -106,7 +106,7 @@ fn run(
 ) -> Result<Run, CaseError> {
     let text = include_str!("../../../scenes/fpk/bouc_wen.json");
     let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let SceneSystem::BoucWen(system) = scene.system.build()? else {
+    let System::BoucWen(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

@@ -9,7 +9,7 @@ use crate::case::{CaseError, Context, Profile};
 use crate::claim::Criterion;
 use crate::report::Claim;
 use figures::Measured;
-use scenes::fpk::density::{DensityRun, run as run_density};
+use scenes::fpk::density::DensityRun;
 use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
@@ -28,9 +28,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (Problem::linear_oscillator()?, "linear-oscillator", &LINEAR),
     ] {
         context.progress(scene);
-        let run = run_density(
-            &problem.system,
-            &problem.law,
+        let run = problem.density(
             &papers_config(problem.system.period()),
             &asked(&[2.0, 6.0], &problem, false),
         )?;

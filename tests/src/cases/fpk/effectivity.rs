@@ -11,8 +11,8 @@ use crate::case::{CaseError, Context, Profile};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 use figures::Reference;
-use scenes::fpk::scene::System;
-use scenes::fpk::scene_system::SceneSystem;
+use scenes::fpk::system::System;
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
 use work_precision::problems::fpk::reference::ReferenceTable;
 
@@ -143,7 +143,7 @@ fn indices<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
 
 fn damper() -> Result<Vec<Index>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let System::Damper(system) = &problem.system else {
+    let Oscillator::Damper(system) = &problem.system else {
         return Err("the scene holds another system".into());
     };
     let config = Config {
@@ -166,7 +166,7 @@ fn damper() -> Result<Vec<Index>, CaseError> {
 fn bouc_wen(method: Method) -> Result<Vec<Index>, CaseError> {
     let text = include_str!("../../../scenes/fpk/bouc_wen.json");
     let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let SceneSystem::BoucWen(system) = scene.system.build()? else {
+    let System::BoucWen(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

@@ -19,8 +19,8 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 use figures::ErrorKind;
 use figures::Reference;
-use scenes::fpk::scene::System;
 use work_precision::problems::fpk::linear_moments::linear_moments;
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 use work_precision::problems::fpk::reference::ReferenceTable;
 
@@ -180,8 +180,8 @@ fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> 
 
 fn damper_system(problem: &Problem) -> Result<fpk_sph::systems::ViscousDamper, CaseError> {
     match &problem.system {
-        System::Damper(system) => Ok(system.clone()),
-        System::Linear(_) => Err("the scene holds another system".into()),
+        Oscillator::Damper(system) => Ok(system.clone()),
+        Oscillator::Linear(_) => Err("the scene holds another system".into()),
     }
 }
 

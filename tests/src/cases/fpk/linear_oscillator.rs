@@ -12,7 +12,7 @@ use crate::report::Claim;
 use figures::ErrorKind;
 use figures::{Measured, Reference};
 use scenes::fpk::density::{DensityRun, Row, run_on};
-use scenes::fpk::scene::System;
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
@@ -85,7 +85,7 @@ fn density_run(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<(DensityRun, Vec<Exactness>), CaseError> {
-    let System::Linear(system) = problem.system.clone() else {
+    let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut exactness = Vec::new();
@@ -266,7 +266,7 @@ fn rim(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<Vec<Claim>, CaseError> {
-    let System::Linear(system) = problem.system.clone() else {
+    let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut claims = Vec::new();

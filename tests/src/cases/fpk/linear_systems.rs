@@ -15,7 +15,7 @@ use crate::report::Claim;
 use figures::ErrorKind;
 use figures::Reference;
 use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
-use scenes::fpk::scene_system::SceneSystem;
+use scenes::fpk::system::System;
 use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 
 pub(crate) const CASE: Case = Case {
@@ -52,7 +52,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
-    let SceneSystem::KanaiTajimiLinear(system) = &built else {
+    let System::KanaiTajimiLinear(system) = &built else {
         return Err("the scene holds another system".into());
     };
     let law: GaussianMixture<4> = scene.initial.build(built.filter_covariance().as_deref())?;

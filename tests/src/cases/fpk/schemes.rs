@@ -175,7 +175,9 @@ fn leap_frog(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// makes it grow.
 fn with_noise(context: &Context<'_>) -> Result<Claim, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let scenes::fpk::scene::System::Damper(system) = problem.system.clone() else {
+    let work_precision::problems::fpk::oscillator::Oscillator::Damper(system) =
+        problem.system.clone()
+    else {
         return Err("the scene holds another system".into());
     };
     let combination =

@@ -13,7 +13,7 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 use figures::ErrorKind;
 use figures::{Measured, Reference};
-use scenes::fpk::density::{Asked, Demand, run as run_density};
+use scenes::fpk::density::{Asked, Demand};
 use work_precision::order;
 use work_precision::problems::fpk::problem::Problem;
 
@@ -90,8 +90,7 @@ fn errors(
         .iter()
         .map(|&n| {
             context.progress(&format!("{n} x {n} particles"));
-            let run =
-                run_density(&problem.system, &problem.law, &config(problem, n, estimator), &asked)?;
+            let run = problem.density(&config(problem, n, estimator), &asked)?;
             let row =
                 run.at(TIME).ok_or_else(|| format!("{n} x {n} particles: {:?}", run.stopped))?;
             Ok((

@@ -18,7 +18,7 @@ use crate::report::Claim;
 use figures::ErrorKind;
 use figures::Reference;
 use scenes::fpk::density::{Asked, Demand, run_on};
-use scenes::fpk::scene_system::SceneSystem;
+use scenes::fpk::system::System;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",
@@ -55,7 +55,7 @@ fn config(method: Method, reach: f64, spacing: f64, reference_period: f64) -> Co
 fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/duffing.json");
     let scene = scene("tests/scenes/fpk/duffing.json", text)?;
-    let SceneSystem::Duffing(system) = scene.system.build()? else {
+    let System::Duffing(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;
@@ -82,7 +82,7 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 fn van_der_pol(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/van_der_pol.json");
     let scene = scene("tests/scenes/fpk/van_der_pol.json", text)?;
-    let SceneSystem::VanDerPol(system) = scene.system.build()? else {
+    let System::VanDerPol(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

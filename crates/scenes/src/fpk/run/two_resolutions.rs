@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::fpk::density::{DensityRun, Row};
 
-use super::record::{ErrorOrigin, Observed};
+use super::observed::{ErrorOrigin, Observed};
 
 /// What a run does not know, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::Scene;
-use super::records::{Outcome, Record, methods};
+use super::records::{Outcome, Record, Scene, methods};
 use figures::Drawing;
 use figures::DrawingError;
 use figures::markdown::{table, text};

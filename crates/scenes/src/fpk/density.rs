@@ -1,10 +1,11 @@
 //! A run of the density solver, observed at given times.
 
-use crate::clock::CpuClock;
 use fpk_sph::observables::CellIntegral;
 use fpk_sph::{Config, Error, Simulation, Work};
 use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
+
+use crate::clock::CpuClock;
 
 /// What is asked of a run.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::clock::CpuClock;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
     merge_so_far,
@@ -12,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::density::Asked;
 use super::integrator_scene::IntegratorScene;
 use super::paths::{PathEnsemble, Paths, PathsError};
+use crate::clock::CpuClock;
 
 /// What is sampled, and how.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,12 +12,12 @@ mod two_resolutions;
 
 use std::path::PathBuf;
 
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::{GaussianMixture, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
-use crate::fpk::density;
-use crate::fpk::density::{Asked, DensityRun, Erased, Reached, Row, Standing};
+use crate::fpk::density::{self, Asked, DensityRun, Erased, Reached, Row, Standing};
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
@@ -27,8 +27,6 @@ use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::{Machine, commit};
 use crate::output::{write_drawing, write_json};
 use crate::scene::SceneFile;
-use figures::Drawing;
-use figures::{Line, Scale, TimeSeries, Words};
 use observed::Observed;
 use pictures::{Pictures, Seen};
 use record::{RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series};

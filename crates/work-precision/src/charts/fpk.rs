@@ -2,23 +2,21 @@
 
 use std::time::Duration;
 
+use figures::{
+    Drawing, Line, Measure, Method, Reading, Reference, ReferencePoint, ReferencePoints, Run,
+    RunOutcome, Scale, TimeSeries, Words, WorkPrecision,
+};
 use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule};
 use scenes::clock::CpuClock;
+use scenes::fpk::density::{Asked, Demand};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::Sampling;
+use scenes::machine::Machine;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::fpk::methods::papers_config;
 use crate::problems::fpk::problem::Problem;
-use figures::Drawing;
-use figures::Reference;
-use figures::{
-    Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
-    TimeSeries, Words, WorkPrecision,
-};
-use scenes::fpk::density::{Asked, Demand};
-use scenes::fpk::integrator_scene::IntegratorScene;
-use scenes::fpk::monte_carlo::Sampling;
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk",

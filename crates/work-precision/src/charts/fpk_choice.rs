@@ -4,6 +4,10 @@ mod records;
 mod runs;
 mod table;
 
+use figures::{Drawing, Reference};
+use fpk_sph::InitialLattice;
+use fpk_sph::systems::StrangBoucWen;
+use scenes::fpk::integrator_scene::IntegratorScene;
 use sde_integrators::{Shark, StrangOscillator};
 
 use self::records::{Scene, charts};
@@ -20,11 +24,6 @@ use crate::problems::fpk::methods::{
 };
 use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
-use figures::Drawing;
-use figures::Reference;
-use fpk_sph::InitialLattice;
-use fpk_sph::systems::StrangBoucWen;
-use scenes::fpk::integrator_scene::IntegratorScene;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk-choice",

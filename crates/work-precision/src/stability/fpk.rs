@@ -10,6 +10,7 @@
 //! `l(R)` is had from the estimator on a lattice at rest, the trace from a run with 81 x 81 particles, whose steps are at
 //! most 0.01: it is 4 times the trace of 41 x 41, since `F` is in spacings.
 
+use figures::{Drawing, Scale};
 use fpk_sph::score::LatticePlaces;
 use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
@@ -22,8 +23,6 @@ use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::Problem;
-use figures::Drawing;
-use figures::Scale;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",

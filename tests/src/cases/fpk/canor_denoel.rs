@@ -1,16 +1,14 @@
 //! The paper's method as printed, on both oscillators: reproduced, with its errors.
 
-use crate::case::Schedule;
-use work_precision::problems::fpk::methods::papers_config;
-
-use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
 use figures::Measured;
 use scenes::fpk::density::DensityRun;
+use work_precision::problems::fpk::methods::papers_config;
 use work_precision::problems::fpk::problem::Problem;
+
+use super::{ExceedanceEstimator, Judge, asked};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/canor-denoel-2013",

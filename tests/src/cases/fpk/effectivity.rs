@@ -1,20 +1,18 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
-use crate::case::Schedule;
+use figures::Reference;
 use fpk_sph::systems::GeometricBrownianMotion;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
-use sde_integrators::{GaussianMixture, Sde};
-
-use super::scene;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
-use figures::Reference;
 use scenes::fpk::system::System;
+use sde_integrators::{GaussianMixture, Sde};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
 use work_precision::problems::fpk::reference::ReferenceTable;
+
+use super::scene;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/effectivity",

@@ -1,15 +1,13 @@
 //! Where the method leaves its range it says so.
 
-use crate::case::Schedule;
+use figures::Measured;
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
+use work_precision::problems::fpk::problem::Problem;
 
 use super::asked;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
-use figures::Measured;
-use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/failures",

@@ -1,23 +1,20 @@
 //! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
-use sde_integrators::{Estimate, GaussianMixture};
-
-use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use scenes::fpk::paths::Paths;
 use scenes::fpk::scene::FpkScene;
 use scenes::fpk::system::System;
+use sde_integrators::{Estimate, GaussianMixture};
+
+use super::{row, scene};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const DAMPER: Case = Case {
     id: "fpk-sph/filtered-damper",

@@ -1,16 +1,14 @@
 //! Same bits whatever the number of threads, and after a restart.
 
-use crate::case::Schedule;
 use fpk_sph::{Config, Simulation};
-use sde_integrators::Sde;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::report::Claim;
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::Sampling;
+use sde_integrators::Sde;
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/invariance",

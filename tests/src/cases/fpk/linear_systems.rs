@@ -1,22 +1,19 @@
 //! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
+use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
+use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use work_precision::problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 
 use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
-use scenes::fpk::system::System;
-use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-systems",

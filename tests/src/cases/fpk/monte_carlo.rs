@@ -1,17 +1,15 @@
 //! The rival: Monte Carlo on the same declarations.
 
-use super::{POWERS, asked, moment_words};
-use crate::case::Case;
-use crate::case::Schedule;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Measured;
+use figures::{ErrorKind, Measured};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling};
 use work_precision::charts;
 use work_precision::problems::fpk::problem::Problem;
+
+use super::{POWERS, asked, moment_words};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/monte-carlo",

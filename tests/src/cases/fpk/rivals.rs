@@ -1,24 +1,21 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{BoucWen, Duffing};
 use sde_integrators::{GaussianMixture, Sde, StrangOscillator, SubsetConfig};
-use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
-
-use super::moment_words;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::order;
 use work_precision::problems::fpk::grid::{GridConfig, GridDensity};
 use work_precision::problems::fpk::linearisation::{Linearisation, Quadrature};
+use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
 use work_precision::problems::fpk::reference::DuffingReference;
 use work_precision::problems::fpk::tail::TailPaths;
+
+use super::moment_words;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/rivals",

@@ -1,21 +1,18 @@
 //! The order in which the error falls with the spacing of the particles.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::{
     Combination, Config, DEFAULT_REACH, Estimator, InitialLattice, InitialSmoothing, Method,
     StepRule,
 };
-
-use super::{POWERS, index_of};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use scenes::fpk::density::{Asked, Demand};
 use work_precision::order;
 use work_precision::problems::fpk::problem::Problem;
+
+use super::{POWERS, index_of};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/spatial-order",

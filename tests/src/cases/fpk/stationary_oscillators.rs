@@ -1,24 +1,21 @@
 //! Oscillators with an exact stationary law, from a Gaussian, with fresh lattices laid over the cloud on the way.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::StationaryOscillator;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
     StepRule,
 };
+use scenes::fpk::density::{Asked, Demand, run_on};
+use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 
 use super::invariance::over_threads;
 use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::fpk::density::{Asked, Demand, run_on};
-use scenes::fpk::system::System;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",

@@ -1,17 +1,15 @@
 //! The building with a viscous damper of the paper's section 4.1, by the better method.
 
-use crate::case::Schedule;
+use figures::Measured;
 use fpk_sph::{Config, Error, Method, Remapping};
+use work_precision::charts;
+use work_precision::problems::fpk::problem::Problem;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::Measured;
-use work_precision::charts;
-use work_precision::problems::fpk::problem::Problem;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.1; references by grid, Monte Carlo and importance sampling";

@@ -1,18 +1,17 @@
 //! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
 
+use figures::number::with_uncertainty;
 use sde_integrators::{Estimate, Uncertainty};
 
 use super::observed::{ErrorOrigin, Observed};
 use super::record::{Series, WorkRecord, moment_id, moment_words};
 use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
-use crate::fpk::monte_carlo;
-use crate::fpk::monte_carlo::{SampledRow, SampledSoFar, Sampling};
+use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
-use figures::number::with_uncertainty;
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {

@@ -1,12 +1,10 @@
 //! What a run of a method cost and how far it was off, and the charts of that.
 
+use figures::{Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
 
 use crate::charts::fpk::cost_in_seconds;
-use figures::Drawing;
-use figures::DrawingError;
-use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use scenes::machine::Machine;
 
 /// One run of one method, for one question.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,12 @@
 
 use std::time::Duration;
 
+use figures::Reference;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{self, Sampling};
+use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
 
 use super::records::{Outcome, Quantity, Record, Scene};
@@ -11,13 +16,6 @@ use crate::context::{CaseError, Context, Profile};
 use crate::problems::fpk::grid::{GridConfig, GridDensity};
 use crate::problems::fpk::linearisation::Linearisation;
 use crate::problems::fpk::tail::TailPaths;
-use figures::Reference;
-use scenes::fpk::density;
-use scenes::fpk::density::{Asked, Demand, DensityRun, Erased};
-use scenes::fpk::integrator_scene::IntegratorScene;
-use scenes::fpk::monte_carlo;
-use scenes::fpk::monte_carlo::Sampling;
-use scenes::fpk::paths::Paths;
 
 /// The methods of the density solver that every scene is given: a new one is one line.
 const METHODS: &[(&str, Method)] = &[

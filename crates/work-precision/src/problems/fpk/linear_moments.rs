@@ -1,8 +1,7 @@
 //! Exact first and second moments of a linear system, and the tails of its normal law.
 
-use sde_integrators::{GaussianMixture, Sde};
-
 use figures::Reference;
+use sde_integrators::{GaussianMixture, Sde};
 
 /// The normal law of a linear system at a time, with the error of its integration.
 #[derive(Debug, Clone, Copy, PartialEq)]

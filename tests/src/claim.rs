@@ -6,8 +6,9 @@
 #[cfg(test)]
 mod tests;
 
-use crate::report::Claim;
 use figures::{ErrorKind, Measured, Reference, Spread};
+
+use crate::report::Claim;
 
 /// Begins the reason of a claim that is held to where it was seen.
 const BAND: &str = "as measured, ";

@@ -4,10 +4,9 @@
 //! Numbers are finite or `null`: [`figures::finite`] refuses the rest.
 
 use figures::ErrorKind;
-use serde::{Deserialize, Serialize};
-
-use crate::case::Profile;
 use scenes::machine::Machine;
+use serde::{Deserialize, Serialize};
+use work_precision::context::Profile;
 
 /// The name of the schema, the first field of every report.
 pub const SCHEMA: &str = "verification-report/1";
@@ -117,9 +116,10 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
+    use figures::{Measured, Reference};
+
     use super::*;
     use crate::claim::{Criterion, Subject};
-    use figures::{Measured, Reference};
 
     fn sample() -> Report {
         let subject = Subject::new("self-check/pi/value", "pi", "rad", "22/7");

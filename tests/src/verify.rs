@@ -11,21 +11,18 @@ mod table;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use figures::finite::{self, JsonError};
+use figures::number;
+use work_precision::record::{self, RecordError, Recording};
+
 pub use self::fingerprint::{Change, Fingerprint, SourceError};
 pub use self::page::render_page;
 pub use self::recorded::render_record;
 pub use self::run::{Outcome, run_cases};
 pub use self::select::{TableError, check_table, select};
 pub use self::table::{Rows, Style, write_failures, write_summary};
-
-use crate::case::Case;
-use crate::case::Profile;
+use crate::case::{Case, Profile};
 use crate::report::Report;
-use figures::finite;
-use figures::finite::JsonError;
-use figures::number;
-use work_precision::record;
-use work_precision::record::{RecordError, Recording};
 
 /// What is to be run, and where the report goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -218,12 +215,12 @@ fn write_file(path: &Path, text: &str) -> Result<(), VerifyError> {
 
 #[cfg(test)]
 mod tests {
+    use figures::{ErrorKind, Measured, Reference};
+
     use super::*;
     use crate::case::{Context, Schedule};
     use crate::claim::Criterion;
     use crate::report::Claim;
-    use figures::ErrorKind;
-    use figures::{Measured, Reference};
 
     const METHOD: &str = "log-density fit, whitened, RK4, 1,700 particles";
 

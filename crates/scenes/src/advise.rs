@@ -18,8 +18,7 @@ pub use self::judgement::{Judgement, judge};
 pub use self::within::{Within, print_within, run_within};
 pub use self::words::print;
 use crate::kind::{Progress, RunError, SceneKind, kind_of};
-use crate::ladder;
-use crate::ladder::{Ladder, LadderError, Outcome, Trial};
+use crate::ladder::{self, Ladder, LadderError, Outcome, Trial};
 use crate::scene::SceneFile;
 
 /// Sizes are told for so much of the tolerance: an error that is carried on is itself not certain.

@@ -1,5 +1,6 @@
 //! The command line of scenes: words to options, errors to exit codes.
 
+mod paths;
 mod ranks;
 
 use std::io::{self, Write};
@@ -10,6 +11,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
+use self::paths::print_paths;
 use crate::built_in::ALL;
 use crate::checkpoint::Start;
 use crate::kind::{self, Options, Part, Place, Progress};
@@ -239,13 +241,6 @@ fn run_scene(scene: &Path, options: &Options, output: &mut dyn Write) -> miette:
     let written = kind::run(ALL, scene, options, &progress);
     progress.finish();
     print_paths(&written?, output)
-}
-
-fn print_paths(written: &[PathBuf], output: &mut dyn Write) -> miette::Result<ExitCode> {
-    for path in written {
-        writeln!(output, "{}", path.display()).map_err(miette::Report::from_err)?;
-    }
-    Ok(ExitCode::SUCCESS)
 }
 
 fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {

@@ -4,34 +4,37 @@
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod blocks;
+mod blocks_left;
 mod inputs;
+mod kind_run;
+mod options;
 mod part;
 mod progress;
+mod run_error;
+mod shards;
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::Duration;
 
-use mpi_ensembles::{JobError, Ranks};
+use mpi_ensembles::Ranks;
 use schemars::Schema;
 
-pub use self::blocks::{BlockRecord, BlocksLeft, Cut, JobRecord};
+pub use self::blocks::{BlockRecord, Cut, JobRecord};
+pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
+pub use self::kind_run::Run;
+pub use self::options::Options;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
-use crate::checkpoint::{Checkpoint, CheckpointError, Start};
+pub use self::run_error::{RunError, SolverError};
+use crate::checkpoint::Checkpoint;
 use crate::ladder::{Ladder, Quantity};
 use crate::models::Ingredient;
 use crate::nearest::nearest;
-use crate::output::OutputError;
-use crate::scene::{Objection, Scene, SceneError, SceneFile};
-use figures::finite::JsonError;
+use crate::scene::{Objection, SceneError, SceneFile};
 
 /// The key that names the kind of a scene.
 pub const KIND_KEY: &str = "solver";
-
-/// Why a solver refused or stopped, or a case or chart could not run to its end: any typed error, so that `?` takes them all.
-pub type SolverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// One entry of the table [`ALL`](crate::ALL).
 #[derive(Debug, Clone, Copy)]
@@ -81,122 +84,6 @@ impl SceneKind {
         let written = (self.run)(file, &run)?;
         run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
         Ok(written)
-    }
-}
-
-/// How a scene is run.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Options {
-    /// Where the results go.
-    pub out: PathBuf,
-    /// In place of the seed of the scene.
-    pub seed: Option<u64>,
-    /// From nothing or from a checkpoint; whether over one.
-    pub start: Start,
-    /// The least time between two checkpoints.
-    pub checkpoint_every: Duration,
-    /// All of an ensemble, a shard of it, or what shards have come to.
-    pub part: Part,
-}
-
-impl Options {
-    /// The least time between two checkpoints, where nothing else is asked for.
-    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(10);
-
-    /// A run from nothing, with the seed of the scene.
-    pub fn new(out: impl Into<PathBuf>) -> Self {
-        let (seed, start) = (None, Start::Anew);
-        let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
-        Self { out: out.into(), seed, start, checkpoint_every, part }
-    }
-}
-
-/// What a kind of scene is given.
-#[derive(Debug)]
-pub struct Run<'a> {
-    /// Hears what is being done.
-    pub progress: &'a Progress,
-    solver: &'static str,
-    options: &'a Options,
-    checkpoint: OnceLock<Checkpoint>,
-    ranks: Option<&'a dyn Ranks>,
-}
-
-impl Run<'_> {
-    /// Where the results go.
-    #[must_use]
-    pub fn out(&self) -> &Path {
-        &self.options.out
-    }
-
-    /// Reads a scene, with the seed that was asked for in place of its own.
-    ///
-    /// # Errors
-    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed to a scene that has none.
-    pub fn parse<T: Scene>(&self, file: &SceneFile) -> Result<T, RunError> {
-        let mut scene: T = file.parse()?;
-        if let Some(seed) = self.options.seed {
-            *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
-        }
-        Ok(scene)
-    }
-}
-
-/// Why a scene was not run to its end.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[non_exhaustive]
-pub enum RunError {
-    /// The scene is wrong.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
-    /// There is no kind of scene yet.
-    #[error("no kind of scene can be run yet")]
-    NoKinds,
-    /// The solver refused or stopped.
-    #[error("the run ended in an error")]
-    Solver(#[source] SolverError),
-    /// A result could not be written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The checkpoint was refused, or could not be written.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Checkpoint(#[from] CheckpointError),
-    /// The scene cannot be told from others.
-    #[error("the scene holds what JSON does not")]
-    Identity(#[from] JsonError),
-    /// Shards were asked for, or given, and the method of the scene has none.
-    #[error("the method of the scene samples nothing, so that there are no shards of it")]
-    #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
-    NoShards,
-    /// Shards that are not one ensemble.
-    #[error(transparent)]
-    Shards(#[from] part::ShardsError),
-    /// The ranks of a job did not come to its end.
-    #[error(transparent)]
-    Job(#[from] JobError),
-    /// A run would start anew over blocks of another.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    BlocksLeft(#[from] BlocksLeft),
-    /// The ranks of a job share an ensemble among themselves.
-    #[error("a shard of an ensemble, or its merge, is the work of one process")]
-    #[diagnostic(help("leave out --shard, or mpirun"))]
-    PartOnRanks,
-    /// Nothing in the scene is random.
-    #[error("the seed {seed} was given, and the scene draws nothing at random")]
-    #[diagnostic(help("leave out --seed"))]
-    NoSeed {
-        /// The seed.
-        seed: u64,
-    },
-}
-
-impl RunError {
-    /// Takes any error of a solver: `simulation.step().map_err(RunError::solver)?`.
-    pub fn solver(error: impl std::error::Error + Send + Sync + 'static) -> Self {
-        Self::Solver(Box::new(error))
     }
 }
 

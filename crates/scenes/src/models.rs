@@ -2,20 +2,11 @@
 //!
 //! A kind of scene says what can be left out; the scene is run with and without, and every quantity compared.
 
-use serde_json::{Map, Value};
+pub mod edit;
+mod ingredient;
 
+pub use self::ingredient::Ingredient;
 use crate::ladder::{Answer, BuiltIn, LadderError, Outcome, Trial, climb, try_scene};
-
-/// Something of a scene that can be left out, such as a damper, a filter of the noise, a random parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ingredient {
-    /// Its name, e.g. `the damper`.
-    pub name: String,
-    /// The scene without it.
-    pub scene: Map<String, Value>,
-    /// How many states the scene lost at their end: powers of moments are shorter by as many.
-    pub states_lost: usize,
-}
 
 /// What leaving out an ingredient does.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,58 +123,10 @@ fn id_without(id: &str, states_lost: usize) -> Option<String> {
     lost.iter().all(|power| *power == "0").then(|| format!("moment/{}", kept.join("-")))
 }
 
-/// Pieces from which kinds of scenes make their ingredients.
-pub mod edit {
-    use serde_json::{Map, Value};
-
-    use super::Ingredient;
-
-    /// The scene with another value at a JSON pointer; none where there is nothing yet.
-    #[must_use]
-    pub fn with(
-        scene: &Map<String, Value>,
-        pointer: &str,
-        value: Value,
-    ) -> Option<Map<String, Value>> {
-        let mut whole = Value::Object(scene.clone());
-        *whole.pointer_mut(pointer)? = value;
-        match whole {
-            Value::Object(scene) => Some(scene),
-            _ => None,
-        }
-    }
-
-    /// The scene without a key of the object at a JSON pointer; none where it is not there.
-    #[must_use]
-    pub fn without(
-        scene: &Map<String, Value>,
-        pointer: &str,
-        key: &str,
-    ) -> Option<Map<String, Value>> {
-        let mut whole = Value::Object(scene.clone());
-        let object = match pointer {
-            "" => whole.as_object_mut()?,
-            pointer => whole.pointer_mut(pointer)?.as_object_mut()?,
-        };
-        object.remove(key)?;
-        match whole {
-            Value::Object(scene) => Some(scene),
-            _ => None,
-        }
-    }
-
-    /// An ingredient that loses no state, where the scene has it.
-    #[must_use]
-    pub fn ingredient(
-        name: impl Into<String>,
-        scene: Option<Map<String, Value>>,
-    ) -> Option<Ingredient> {
-        Some(Ingredient { name: name.into(), scene: scene?, states_lost: 0 })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use serde_json::Map;
+
     use super::*;
     use crate::ladder::Quantity;
 

@@ -1,6 +1,8 @@
 //! Scenes of cracks: their types, and how they are run.
 
+mod named;
 pub mod points;
+mod positive;
 pub mod run;
 pub mod scene;
 pub mod scene_body;

@@ -17,6 +17,7 @@ mod value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use figures::finite;
 use serde_json::{Value, json};
 
 pub use self::error::SchemaError;
@@ -25,7 +26,6 @@ use self::rows::rows;
 use self::tree::Tree;
 use crate::kind::{KIND_KEY, SceneKind};
 use crate::output::{OutputError, write_text};
-use figures::finite;
 
 /// A file of the documents.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,6 +1,8 @@
 //! Scenes of explosions and impacts: their types, and how they are run.
 
+mod coordinates;
 pub mod experiment;
+mod material_library;
 pub mod material_scene;
 mod material_schema;
 pub mod quantity_name;

@@ -7,10 +7,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use scenes::cli::exit_code;
 
-use crate::charts;
 use crate::context::Profile;
-use crate::draw;
 use crate::record::{self, Recording};
+use crate::{charts, draw};
 
 #[derive(Debug, Parser)]
 #[command(

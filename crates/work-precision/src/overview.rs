@@ -3,10 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-
 use figures::markdown::text;
 use figures::{Choice, Reading, Words, choices_table};
+use serde::Deserialize;
 
 /// The name of the page in the folder of the pictures.
 pub(super) const PAGE: &str = "README.md";
@@ -142,9 +141,9 @@ fn entry(folder: &Path, file: &str) -> Result<String, OverviewError> {
 
 #[cfg(test)]
 mod tests {
+    use figures::{Drawing, Scale, samples};
+
     use super::*;
-    use figures::Drawing;
-    use figures::{Scale, samples};
 
     fn folder(name: &str) -> PathBuf {
         std::env::temp_dir().join(format!("overview-{name}-{}", std::process::id()))

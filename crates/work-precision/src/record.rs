@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::context::Profile;
 use scenes::machine;
+
+use crate::context::Profile;
 
 /// The folder of the recorded pictures, from the root of the workspace.
 const CHARTS: &str = "docs/charts";

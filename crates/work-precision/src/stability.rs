@@ -11,15 +11,15 @@ pub(crate) mod peridyn;
 pub(crate) mod sde;
 pub(crate) mod smpm;
 
+use figures::{
+    Drawing, DrawingError, Face, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
+    finite, time_series,
+};
 use rayon::prelude::*;
+use scenes::causes::with_causes;
 use serde::{Deserialize, Serialize};
 
 use crate::context::CaseError;
-use figures::Drawing;
-use figures::finite;
-use figures::{DrawingError, Face};
-use figures::{Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words, time_series};
-use scenes::causes::with_causes;
 
 /// Points of the line of a boundary.
 const BOUNDARY_POINTS: u32 = 120;

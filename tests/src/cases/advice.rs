@@ -1,12 +1,11 @@
 //! What is claimed of `advise`: on the built-in scenes its short trials find what longer ones confirm.
 
-use crate::case::Case;
-use crate::case::Schedule;
-use crate::case::{CaseError, Context, Profile};
-use crate::report::Claim;
 use figures::Measured;
 use scenes::advise::{Advice, Candidate, Options, from_trials};
 use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_rung};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::report::Claim;
 
 pub(super) const CASE: Case = Case {
     id: "advise/built-in-scenes",

@@ -17,15 +17,15 @@ pub(crate) mod spatial_order;
 pub(crate) mod stationary_oscillators;
 pub(crate) mod viscous_damper;
 
-use crate::case::{CaseError, Context};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
+use figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
 use scenes::fpk::scene::FpkScene;
 use scenes::scene::SceneFile;
 use work_precision::problems::fpk::problem::Problem;
+
+use crate::case::{CaseError, Context};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 /// The moments that the references hold.
 const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];

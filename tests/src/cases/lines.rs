@@ -1,10 +1,10 @@
 //! Claims of one run of any dimension.
 
+use figures::{ErrorKind, Measured, Reference};
+
 use crate::case::Context;
 use crate::claim::{Criterion, Subject};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 /// One run: the front of its ids, empty for none, and its method.
 pub(super) struct Lines<'a> {

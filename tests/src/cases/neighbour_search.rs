@@ -1,13 +1,11 @@
 //! What is claimed of `neighbour-search`: the pairs of brute force, no more and no fewer.
 
-use crate::case::Schedule;
 use neighbour_search::{
     BruteForce, CellGrid, Criterion, Domain, LeafTree, NeighbourList, NeighbourSearch, Radii,
 };
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

@@ -1,13 +1,11 @@
 //! What is claimed of `particle-store`: columns stay together, and a snapshot comes back bit for bit.
 
-use crate::case::Schedule;
+use figures::Measured;
 use particle_store::{Lattice, ParticleStore};
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
-use figures::Measured;
 
 pub(crate) const CASE: Case = Case {
     id: "particle-store/order",

@@ -1,24 +1,21 @@
 //! What is claimed of mpi-ensembles: a scene on ranks comes to the bits of one process, and what is killed or damaged is named.
 
-use crate::case::Schedule;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use figures::{ErrorKind, Measured, Reference};
 use mpi_ensembles::ThreadRank;
-use serde_json::Value;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::{Criterion, Subject};
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
+use serde_json::Value;
 use work_precision::processes::{Scene, finish, outcome, piped, scenes, started};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::{Criterion, Subject};
+use crate::report::Claim;
 
 pub(super) const CASE: Case = Case {
     id: "mpi-ensembles/same-bits",

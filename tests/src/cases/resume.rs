@@ -1,20 +1,17 @@
 //! What is claimed of runs that were killed, were shorter, or were divided: that they come to the same bits.
 
-use crate::case::Schedule;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
+use work_precision::processes::{Change, Scene, finish, outcome, piped, scenes, started};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::{Criterion, Subject};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use work_precision::processes::{Change, Scene, finish, outcome, piped, scenes, started};
 
 pub(super) const CASE: Case = Case {
     id: "run/resume",

@@ -6,13 +6,12 @@ pub(crate) mod first_passage;
 pub(crate) mod rare_events;
 pub(crate) mod reproducibility;
 
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, SecondOrder};
 
 use crate::case::{CaseError, Context};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 /// `q'' + 2 xi omega q' + omega^2 q = s W`.
 #[derive(Debug, Clone, Copy)]

@@ -1,14 +1,11 @@
 //! What is claimed of `smoothing-kernels`: every kernel integrates to one and has the gradient it says.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use smoothing_kernels::{Kernel, all, unit_sphere_surface};
 
-use crate::case::Case;
-use crate::case::{Context, Profile};
+use crate::case::{Case, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "smoothing-kernels/laws",

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 use sde_integrators::{EulerMaruyama, Integrator, Noise, StepError};
-
 use work_precision::problems::sde::problems::Cubic;
 
 /// Where and when a path left.

@@ -1,14 +1,12 @@
 //! What a recorded proof was made from: the text of cases, scenes and references, each file by its hash.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 use twox_hash::XxHash64;
 
-use crate::case::Case;
-use crate::case::Profile;
+use crate::case::{Case, Profile};
 
 /// What is hashed, from the root of the workspace: a file, or a folder with all in it.
 const SOURCES: [&str; 4] =

@@ -1,11 +1,11 @@
 //! The report as one self-contained page: no script, no font, no file beside it.
 
+use figures::number;
 use minijinja::{AutoEscape, Environment, Value, context};
+use scenes::machine;
 
 use crate::case::InlineChart;
 use crate::report::{CaseRecord, Claim, Report};
-use figures::number;
-use scenes::machine;
 
 const TEMPLATE: &str = include_str!("page.html");
 
@@ -76,12 +76,12 @@ fn claim_value(claim: &Claim, case_id: &str) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use figures::{ErrorKind, Measured, Reference};
+    use scenes::machine::Machine;
+
     use super::*;
     use crate::case::Profile;
     use crate::claim::{Criterion, Subject};
-    use figures::ErrorKind;
-    use figures::{Measured, Reference};
-    use scenes::machine::Machine;
 
     fn claim(name: &str, value: f64) -> Claim {
         Claim::judge(

@@ -2,14 +2,14 @@
 
 mod rows;
 
+use figures::markdown::{self, text};
+use figures::number::{counted, short};
+use scenes::machine;
+
 use self::rows::{Rows, of_case};
 use super::fingerprint::Fingerprint;
 use crate::case::Profile;
 use crate::report::{CaseRecord, Claim, Report};
-use figures::markdown;
-use figures::markdown::text;
-use figures::number::{counted, short};
-use scenes::machine;
 
 const HOW_TO_READ: &str = "How to read it. A claim holds if its error is within its tolerance, if it is within its bias bound and four \
 standard errors, or, where a method is known to be wrong, if the error is where it was seen: a *band*. *used* is the part of the \

@@ -199,12 +199,12 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
+    use figures::{ErrorKind, Measured, Reference};
+
     use super::super::table::Rows;
     use super::*;
     use crate::case::CaseError;
     use crate::claim::Criterion;
-    use figures::ErrorKind;
-    use figures::{Measured, Reference};
 
     fn claim(context: &Context<'_>, name: &str, value: f64) -> Claim {
         Claim::judge(

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::VerifyError;
-use crate::case::Case;
-use crate::case::Profile;
 use scenes::nearest::nearest;
+
+use super::VerifyError;
+use crate::case::{Case, Profile};
 
 /// A mistake in the table of cases.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]

@@ -3,10 +3,9 @@
 use std::io::{self, IsTerminal, Write};
 
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
+use figures::{ErrorKind, number};
 
 use crate::report::{CaseRecord, Claim, Report};
-use figures::ErrorKind;
-use figures::number;
 
 /// Stands for the method of the row above.
 const DITTO: &str = "\"";

@@ -1,7 +1,8 @@
 //! Error and cost of a method over its size, carried on to the size that a tolerance needs.
 
-use crate::ladder::Growth;
 use figures::settled;
+
+use crate::ladder::Growth;
 
 /// Error and cost over size.
 #[derive(Debug, Clone, PartialEq)]

@@ -145,9 +145,10 @@ fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::Map;
+
     use super::*;
     use crate::ladder::{Answer, Method, Outcome, Rung};
-    use serde_json::Map;
 
     fn method(growth: Growth) -> Method {
         let standing = if growth == Growth::Samples { Standing::Judge } else { Standing::Judged };

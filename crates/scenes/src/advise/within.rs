@@ -3,14 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use figures::number::short;
 use serde_json::{Map, Value};
 
 use super::{Advice, AdviseError, Options, Tried, Unreached, advise_on};
-use crate::kind as scenes;
-use crate::kind::{Progress, SceneKind, kind_of};
+use crate::kind::{self, Progress, SceneKind, kind_of};
 use crate::ladder::{Quantity, read_answer};
 use crate::scene::SceneFile;
-use figures::number::short;
 
 /// A run to a tolerance.
 #[derive(Debug)]
@@ -47,7 +46,7 @@ impl Within {
 pub fn run_within(
     table: &[SceneKind],
     scene: &Path,
-    options: &scenes::Options,
+    options: &kind::Options,
     wanted: &Options,
     progress: &Progress,
 ) -> Result<Within, AdviseError> {

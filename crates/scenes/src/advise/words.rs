@@ -2,12 +2,12 @@
 
 use std::io::Write;
 
+use figures::markdown;
+use figures::number::{percent, short};
 use serde_json::Value;
 
 use super::{Advice, AdviseError, Candidate, Unreached};
 use crate::ladder::{Outcome, Trial};
-use figures::markdown;
-use figures::number::{percent, short};
 
 /// Prints what was tried, the cheapest methods, and what to write into the scene.
 ///

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use mpi_ensembles::Alone;
 
+use super::paths::print_paths;
 use crate::built_in::ALL;
 use crate::kind::{self, Options, Progress};
 
@@ -34,7 +35,7 @@ pub(super) fn run_alone(
     let progress = Progress::on_stderr();
     let written = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
     progress.finish();
-    super::print_paths(&written?, output)
+    print_paths(&written?, output)
 }
 
 /// Runs a scene together with the other ranks. What fails on one rank ends all of them, and does not return.
@@ -56,7 +57,7 @@ pub(super) fn run_scene(
     let written = kind::run_on_ranks(ALL, scene, options, &progress, &world);
     progress.finish();
     match written {
-        Ok(written) => super::print_paths(&written, output),
+        Ok(written) => print_paths(&written, output),
         Err(error) => {
             // What rank 0 refuses, others refuse as well, or never hear of.
             if is_first {

@@ -1,12 +1,11 @@
 //! A run of the density solver, observed at given times.
 
-use crate::clock::CpuClock;
 use fpk_sph::observables::CellIntegral;
 use fpk_sph::{Config, Error, Simulation, Work};
 use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
-use super::scene::System;
+use crate::clock::CpuClock;
 
 /// What is asked of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,25 +144,9 @@ impl DensityRun {
     }
 }
 
-/// Runs the density solver on a built-in system.
+/// Runs the density solver on a system; `look` sees the simulation at every time.
 ///
 /// A run that ends early is a result: its rows so far, with the reason in [`DensityRun::stopped`].
-///
-/// # Errors
-/// [`Error`] where the run could not start.
-pub fn run(
-    system: &System,
-    law: &GaussianMixture<2>,
-    config: &Config<2>,
-    asked: &Asked,
-) -> Result<DensityRun, Error> {
-    match system.clone() {
-        System::Linear(system) => run_on(system, law, config, asked, |_, _| ()),
-        System::Damper(system) => run_on(system, law, config, asked, |_, _| ()),
-    }
-}
-
-/// As [`run`], for any system; `look` sees the simulation at every time.
 ///
 /// # Errors
 /// [`Error`] where the run could not start.

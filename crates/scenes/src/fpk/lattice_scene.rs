@@ -5,7 +5,7 @@ use fpk_sph::{Combination, Estimator, InitialLattice, Method, Remapping, StepRul
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::scene::{check_length, must};
+use super::checks::{check_length, must};
 use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 

@@ -4,17 +4,16 @@ use schemars::JsonSchema;
 use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
+use super::checks::must;
 use super::paths::Paths;
-use super::scene::must;
-use super::scene_examples;
-use super::scene_system::{SceneSystem, Visitor};
+use super::system::{System, Visitor};
 use super::system_scene::{SystemError, list, square};
 use crate::scene::Objection;
 
 /// The initial law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = scene_examples::mixture())]
+#[schemars(example = Self::mixture())]
 pub enum LawScene {
     /// Independent Gaussian states.
     Gaussian {
@@ -47,6 +46,16 @@ pub struct ComponentScene {
 }
 
 impl LawScene {
+    /// An example of what no built-in scene shows, for the schema.
+    fn mixture() -> Self {
+        let component = |weight, place| ComponentScene {
+            weight,
+            mean: vec![place, 0.0],
+            covariance: vec![vec![0.04, 0.0], vec![0.0, 0.01]],
+        };
+        Self::Mixture(vec![component(0.25, -1.0), component(0.75, 1.0)])
+    }
+
     /// The law, checked; `filter` is the stationary covariance of a filter's states, which come last.
     ///
     /// # Errors
@@ -97,7 +106,7 @@ impl LawScene {
         Ok(law.map_err(fpk_sph::Error::from)?)
     }
 
-    pub(super) fn check(&self, system: &SceneSystem) -> Result<(), Objection> {
+    pub(super) fn check(&self, system: &System) -> Result<(), Objection> {
         let name = match self {
             Self::Gaussian { .. } => "gaussian",
             Self::StationaryFilter { .. } => "stationary_filter",
@@ -140,5 +149,15 @@ impl Visitor for Build<'_> {
     type Output = Result<(), SystemError>;
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
         self.0.build::<D>(self.1).map(|_| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_that_the_schema_shows_can_be_built() {
+        assert!(LawScene::mixture().build::<2>(None).is_ok());
     }
 }

@@ -4,20 +4,22 @@ use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, S
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::lattice_scene::{LatticeScene, check_counts, scaled_counts};
+use super::checks::{check_length, must};
+use super::integrator_scene::IntegratorScene;
+use super::lattice_scene::{
+    DegreeScene, FreshLatticesScene, LatticeScene, check_counts, scaled_counts,
+};
 use super::law_scene::LawScene;
-use super::scene::{check_length, must};
-use super::scene_examples;
-use super::scene_system::SceneSystem;
 use super::scheme_scene::SchemeScene;
+use super::system::System;
 use crate::scene::Objection;
 
 /// The method, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = scene_examples::paper())]
-#[schemars(example = scene_examples::sampled())]
-#[schemars(example = scene_examples::fit())]
+#[schemars(example = Self::paper())]
+#[schemars(example = Self::sampled())]
+#[schemars(example = Self::fit())]
 pub enum MethodScene {
     /// Whitened log-density fit: local polynomials over the particles near.
     LogDensityFit(LatticeScene),
@@ -52,20 +54,39 @@ pub enum MethodScene {
     },
 }
 
-/// How a path is stepped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum IntegratorScene {
-    /// Forward Euler, the paper's.
-    EulerMaruyama,
-    /// Semi-implicit Euler.
-    SemiImplicitEuler,
-    /// Strang splitting with exact rotation and damper flow.
-    StrangOscillator,
-    /// The same for the hysteretic oscillator.
-    StrangBoucWen,
-    /// Two drifts, strong order 1.5, for any system with additive noise.
-    Shark,
+/// Examples of what no built-in scene shows, for the schema and the page of scenes.
+impl MethodScene {
+    /// That of section 4.1 of Canor & Denoël 2013.
+    fn paper() -> Self {
+        Self::CanorDenoel2013 {
+            count: vec![50, 33],
+            half_width: vec![0.6, 0.4],
+            courant: 0.8,
+            support_over_spacing: 2.5,
+            scheme: Some(SchemeScene::RungeKutta4),
+        }
+    }
+
+    fn sampled() -> Self {
+        Self::MonteCarlo {
+            paths: 100_000,
+            step: 0.01,
+            integrator: IntegratorScene::StrangOscillator,
+            seed: 1,
+        }
+    }
+
+    fn fit() -> Self {
+        Self::FlowMapFit(LatticeScene {
+            count: None,
+            spacing: Some(0.3),
+            reach: 6.0,
+            fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
+            steps_per_period: Some(80.0),
+            scheme: Some(SchemeScene::Heun),
+            degree: Some(DegreeScene::Quadratic),
+        })
+    }
 }
 
 impl MethodScene {
@@ -111,7 +132,7 @@ impl MethodScene {
     /// Refuses numbers outside their range, lists of another length, and integrators and schemes of another system.
     pub(super) fn check(
         &self,
-        system: &SceneSystem,
+        system: &System,
         initial: &LawScene,
         times: &[f64],
     ) -> Result<(), Objection> {

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::clock::CpuClock;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
     merge_so_far,
@@ -10,9 +9,9 @@ use sde_integrators::{
 use serde::{Deserialize, Serialize};
 
 use super::density::Asked;
-use super::method_scene::IntegratorScene;
+use super::integrator_scene::IntegratorScene;
 use super::paths::{PathEnsemble, Paths, PathsError};
-use super::scene::System;
+use crate::clock::CpuClock;
 
 /// What is sampled, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,37 +56,7 @@ impl SampledRun {
     }
 }
 
-impl IntegratorScene {
-    /// Its name for the reader.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::EulerMaruyama => "forward Euler",
-            Self::SemiImplicitEuler => "semi-implicit Euler",
-            Self::StrangOscillator => "Strang",
-            Self::StrangBoucWen => "Strang with hysteresis",
-            Self::Shark => "ShARK",
-        }
-    }
-}
-
-/// Samples one of the systems of section 4.1; [`Asked::cells`] has no meaning here.
-///
-/// # Errors
-/// Those of [`run_on`].
-pub fn run(
-    system: &System,
-    law: &GaussianMixture<2>,
-    sampling: &Sampling,
-    asked: &Asked,
-) -> Result<SampledRun, PathsError> {
-    match system {
-        System::Linear(system) => run_on(system, law, sampling, asked),
-        System::Damper(system) => run_on(system, law, sampling, asked),
-    }
-}
-
-/// As [`run`], for any system of a scene.
+/// Samples paths of a system of a scene; [`Asked::cells`] has no meaning here.
 ///
 /// # Errors
 /// Those of the ensemble: bad numbers, or a path that is no longer finite; an integrator that does not step the system.

@@ -11,7 +11,7 @@ use sde_integrators::{
 };
 
 use super::density::Erased;
-use super::method_scene::IntegratorScene;
+use super::integrator_scene::IntegratorScene;
 
 /// A system whose paths can be sampled.
 pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {

@@ -2,6 +2,7 @@
 
 mod ingredients;
 mod ladder;
+mod observed;
 mod pictures;
 mod record;
 mod sampled;
@@ -11,27 +12,24 @@ mod two_resolutions;
 
 use std::path::PathBuf;
 
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::{GaussianMixture, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
-use crate::fpk::density;
-use crate::fpk::density::{Asked, DensityRun, Erased, Reached, Row, Standing};
+use crate::fpk::density::{self, Asked, DensityRun, Erased, Reached, Row, Standing};
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
-use crate::fpk::scene_system::{SceneSystem, Visitor};
+use crate::fpk::system::{System, Visitor};
 use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::{Machine, commit};
 use crate::output::{write_drawing, write_json};
 use crate::scene::SceneFile;
-use figures::Drawing;
-use figures::{Line, Scale, TimeSeries, Words};
+use observed::Observed;
 use pictures::{Pictures, Seen};
-use record::{
-    Observed, RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series,
-};
+use record::{RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
 use two_resolutions::{TwoResolutions, Unknown};
 
@@ -109,7 +107,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
 /// the system has states.
 fn asked<const D: usize>(
     scene: &FpkScene,
-    system: &SceneSystem,
+    system: &System,
     cells: bool,
 ) -> Result<Asked<D>, RunError> {
     let powers = |powers: &Vec<u32>| {
@@ -134,10 +132,7 @@ struct OtherDimension {
 }
 
 /// The law of the scene in the dimension of its system.
-fn law<const D: usize>(
-    scene: &FpkScene,
-    system: &SceneSystem,
-) -> Result<GaussianMixture<D>, RunError> {
+fn law<const D: usize>(scene: &FpkScene, system: &System) -> Result<GaussianMixture<D>, RunError> {
     scene.initial.build(system.filter_covariance().as_deref()).map_err(RunError::solver)
 }
 
@@ -172,7 +167,7 @@ impl From<PathsError> for RunError {
 /// The density solver at two resolutions.
 struct Solved<'a> {
     scene: &'a FpkScene,
-    system: &'a SceneSystem,
+    system: &'a System,
     run: &'a Run<'a>,
     checkpoint: &'a Checkpoint,
 }
@@ -288,7 +283,7 @@ impl Visitor for Solved<'_> {
 /// The second moments, and the probabilities, over time.
 fn drawings(
     scene: &FpkScene,
-    system: &SceneSystem,
+    system: &System,
     quantities: &[Series],
 ) -> Result<Vec<Drawing>, RunError> {
     let second = |powers: &&Vec<u32>| powers.iter().sum::<u32>() == 2;

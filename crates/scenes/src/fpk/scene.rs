@@ -1,9 +1,9 @@
 //! A density scene as it stands in its JSON file.
 
-use fpk_sph::systems::{LinearOscillator, ViscousDamper};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::checks::{check_length, must};
 use super::density::Demand;
 use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
@@ -84,15 +84,6 @@ pub struct Times {
     pub every: f64,
 }
 
-/// One of the two oscillators of section 4.1 of the paper, checked.
-#[derive(Debug, Clone, PartialEq)]
-pub enum System {
-    /// The linear oscillator.
-    Linear(LinearOscillator),
-    /// The viscous damper.
-    Damper(ViscousDamper),
-}
-
 /// Most output times of a scene: beyond it a result file is no longer read by anyone.
 const MOST_TIMES: f64 = 10_000.0;
 
@@ -118,17 +109,6 @@ impl Times {
         )?;
         let n = self.until / self.every;
         must("times.every", self.every, n <= MOST_TIMES, "such that there are at most 10000 times")
-    }
-}
-
-impl System {
-    /// The natural period (s).
-    #[must_use]
-    pub fn period(&self) -> f64 {
-        match self {
-            Self::Linear(system) => system.period(),
-            Self::Damper(system) => system.period(),
-        }
     }
 }
 
@@ -238,22 +218,5 @@ impl FpkScene {
             must(&format!("planes.times[{k}]"), t, observed, "a time of observation")?;
         }
         Ok(())
-    }
-}
-
-pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
-    if count == states.len() {
-        return Ok(());
-    }
-    let message = format!("there are {count} entries; the system has {} states", states.len());
-    Err(Objection::new(path, message).with_help(format!("the states are {}", states.join(", "))))
-}
-
-/// Objects to the value at a path unless it is as it must be.
-pub(super) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
-    if holds {
-        Ok(())
-    } else {
-        Err(Objection::new(path, format!("{value} was given; it must be {limit}")))
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::law_scene::LawScene;
 use super::paths::Paths;
-use super::scene_system::{SceneSystem, Visitor};
+use super::system::{System, Visitor};
 use crate::scene::Objection;
 
 /// The scheme in time, by its name.
@@ -40,7 +40,7 @@ impl SchemeScene {
     pub(super) fn check(
         self,
         path: &str,
-        system: &SceneSystem,
+        system: &System,
         initial: &LawScene,
         times: &[f64],
     ) -> Result<(), Objection> {

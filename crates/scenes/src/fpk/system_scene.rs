@@ -10,19 +10,18 @@ use fpk_sph::systems::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::scene_examples;
-use super::scene_system::SceneSystem;
 use super::structure_scene::{
     BoucWenScene, DamperScene, StructureScene, TwoStoreyScene, WindowScene,
 };
+use super::system::System;
 use crate::scene::Objection;
 
 /// The system, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = scene_examples::clough_penzien())]
-#[schemars(example = scene_examples::kanai_tajimi())]
-#[schemars(example = scene_examples::ornstein_uhlenbeck())]
+#[schemars(example = Self::clough_penzien())]
+#[schemars(example = Self::kanai_tajimi())]
+#[schemars(example = Self::ornstein_uhlenbeck())]
 #[schemars(example = Self::Bistable { growth: 1.0, cubic: 1.0, diffusion: 0.25 })]
 #[schemars(example = Self::CoxIngersollRoss { rate: 1.0, mean: 1.0, volatility: 0.3 })]
 #[schemars(example = Self::GeometricBrownianMotion { growth: 0.1, volatility: 0.3 })]
@@ -189,22 +188,73 @@ impl SystemError {
     }
 }
 
+/// The window of the examples.
+const RISE: WindowScene = WindowScene::RisePlateauDecay {
+    rise_exponent: 1.0,
+    rise_end: 2.0,
+    decay_rate: 2.0,
+    decay_start: 6.0,
+};
+
+/// Examples of what no built-in scene shows, for the schema and the page of scenes.
+impl SystemScene {
+    fn clough_penzien() -> Self {
+        let structure = StructureScene {
+            natural_frequency: 3.0,
+            damping_ratio: 0.05,
+            noise_intensity: 0.2,
+            window: RISE,
+        };
+        Self::CloughPenzien {
+            structure: ShakenScene::LinearOscillator(structure),
+            ground_frequency: 15.6,
+            ground_damping: 0.6,
+            low_cut_frequency: 1.5,
+            low_cut_damping: 0.6,
+            noise_window: WindowScene::Stationary,
+        }
+    }
+
+    fn kanai_tajimi() -> Self {
+        let frame = TwoStoreyScene {
+            mass: [1.0, 1.0],
+            stiffness: [40.0, 40.0],
+            damping: [0.4, 0.4],
+            damper_coefficient: [0.25, 0.0],
+            damper_exponent: 0.5,
+            noise_intensity: 0.2,
+            window: WindowScene::Stationary,
+        };
+        Self::KanaiTajimi {
+            structure: ShakenScene::TwoStorey(frame),
+            ground_frequency: 15.6,
+            ground_damping: 0.6,
+            noise_window: RISE,
+        }
+    }
+
+    fn ornstein_uhlenbeck() -> Self {
+        Self::OrnsteinUhlenbeck {
+            rates: vec![vec![1.0, 0.5], vec![0.0, 2.0]],
+            mean: vec![0.0, 0.0],
+            noise: vec![vec![0.5, 0.0], vec![0.0, 0.5]],
+        }
+    }
+}
+
 impl SystemScene {
     /// The system, checked.
     ///
     /// # Errors
     /// [`SystemError`], naming the parameter.
-    pub fn build(&self) -> Result<SceneSystem, SystemError> {
+    pub fn build(&self) -> Result<System, SystemError> {
         Ok(match self {
-            Self::LinearOscillator(structure) => SceneSystem::LinearOscillator(structure.build()?),
-            Self::ViscousDamper(damper) => SceneSystem::ViscousDamper(damper.build()?),
-            Self::BoucWen(hysteretic) => SceneSystem::BoucWen(hysteretic.build()?),
+            Self::LinearOscillator(structure) => System::LinearOscillator(structure.build()?),
+            Self::ViscousDamper(damper) => System::ViscousDamper(damper.build()?),
+            Self::BoucWen(hysteretic) => System::BoucWen(hysteretic.build()?),
             Self::Duffing { structure, cubic_stiffness } => {
                 let (structure, cubic_stiffness) = (structure.parameters()?, *cubic_stiffness);
-                SceneSystem::Duffing(Duffing::new(DuffingParameters {
-                    structure,
-                    cubic_stiffness,
-                })?)
+                System::Duffing(Duffing::new(DuffingParameters { structure, cubic_stiffness })?)
             }
             &Self::VanDerPol {
                 natural_frequency,
@@ -212,14 +262,14 @@ impl SystemScene {
                 energy_damping,
                 noise_intensity,
                 ref window,
-            } => SceneSystem::VanDerPol(VanDerPolRayleigh::new(VanDerPolRayleighParameters {
+            } => System::VanDerPol(VanDerPolRayleigh::new(VanDerPolRayleighParameters {
                 natural_frequency,
                 self_excitation,
                 energy_damping,
                 noise_intensity,
                 window: window.build()?,
             })?),
-            Self::TwoStorey(frame) => SceneSystem::TwoStorey(frame.build()?),
+            Self::TwoStorey(frame) => System::TwoStorey(frame.build()?),
             &Self::KanaiTajimi {
                 ref structure,
                 ground_frequency,
@@ -251,15 +301,15 @@ impl SystemScene {
             }
             &Self::Bistable { growth, cubic, diffusion } => {
                 let parameters = BistableParameters { growth, cubic, diffusion };
-                SceneSystem::Bistable(Bistable::new(parameters)?)
+                System::Bistable(Bistable::new(parameters)?)
             }
             &Self::CoxIngersollRoss { rate, mean, volatility } => {
                 let parameters = CoxIngersollRossParameters { rate, mean, volatility };
-                SceneSystem::CoxIngersollRoss(CoxIngersollRoss::new(parameters)?)
+                System::CoxIngersollRoss(CoxIngersollRoss::new(parameters)?)
             }
             &Self::GeometricBrownianMotion { growth, volatility } => {
                 let system = GeometricBrownianMotion::new(growth, volatility)?;
-                SceneSystem::GeometricBrownianMotion(system)
+                System::GeometricBrownianMotion(system)
             }
         })
     }
@@ -287,19 +337,19 @@ fn behind_kanai_tajimi(
     structure: &ShakenScene,
     filter: Filter<2>,
     window: Window,
-) -> Result<SceneSystem, SystemError> {
+) -> Result<System, SystemError> {
     Ok(match structure {
         ShakenScene::LinearOscillator(structure) => {
-            SceneSystem::KanaiTajimiLinear(Filtered::new(structure.build()?, filter, window)?)
+            System::KanaiTajimiLinear(Filtered::new(structure.build()?, filter, window)?)
         }
         ShakenScene::ViscousDamper(damper) => {
-            SceneSystem::KanaiTajimiDamper(Filtered::new(damper.build()?, filter, window)?)
+            System::KanaiTajimiDamper(Filtered::new(damper.build()?, filter, window)?)
         }
         ShakenScene::BoucWen(hysteretic) => {
-            SceneSystem::KanaiTajimiBoucWen(Filtered::new(hysteretic.build()?, filter, window)?)
+            System::KanaiTajimiBoucWen(Filtered::new(hysteretic.build()?, filter, window)?)
         }
         ShakenScene::TwoStorey(frame) => {
-            SceneSystem::KanaiTajimiTwoStorey(Filtered::new(frame.build()?, filter, window)?)
+            System::KanaiTajimiTwoStorey(Filtered::new(frame.build()?, filter, window)?)
         }
     })
 }
@@ -308,14 +358,14 @@ fn behind_clough_penzien(
     structure: &ShakenScene,
     filter: &Filter<4>,
     window: Window,
-) -> Result<SceneSystem, SystemError> {
+) -> Result<System, SystemError> {
     let too_many = |structure, states| Err(SystemError::TooManyStates { structure, states });
     Ok(match structure {
         ShakenScene::LinearOscillator(structure) => {
-            SceneSystem::CloughPenzienLinear(Filtered::new(structure.build()?, *filter, window)?)
+            System::CloughPenzienLinear(Filtered::new(structure.build()?, *filter, window)?)
         }
         ShakenScene::ViscousDamper(damper) => {
-            SceneSystem::CloughPenzienDamper(Filtered::new(damper.build()?, *filter, window)?)
+            System::CloughPenzienDamper(Filtered::new(damper.build()?, *filter, window)?)
         }
         ShakenScene::BoucWen(_) => return too_many("hysteretic oscillator", 7),
         ShakenScene::TwoStorey(_) => return too_many("building of two storeys", 8),
@@ -326,7 +376,7 @@ fn ornstein_uhlenbeck(
     rates: &[Vec<f64>],
     mean: &[f64],
     noise: &[Vec<f64>],
-) -> Result<SceneSystem, SystemError> {
+) -> Result<System, SystemError> {
     fn process<const D: usize>(
         rates: &[Vec<f64>],
         mean: &[f64],
@@ -339,10 +389,10 @@ fn ornstein_uhlenbeck(
         })?)
     }
     Ok(match mean.len() {
-        1 => SceneSystem::OrnsteinUhlenbeck1(process(rates, mean, noise)?),
-        2 => SceneSystem::OrnsteinUhlenbeck2(process(rates, mean, noise)?),
-        3 => SceneSystem::OrnsteinUhlenbeck3(process(rates, mean, noise)?),
-        4 => SceneSystem::OrnsteinUhlenbeck4(process(rates, mean, noise)?),
+        1 => System::OrnsteinUhlenbeck1(process(rates, mean, noise)?),
+        2 => System::OrnsteinUhlenbeck2(process(rates, mean, noise)?),
+        3 => System::OrnsteinUhlenbeck3(process(rates, mean, noise)?),
+        4 => System::OrnsteinUhlenbeck4(process(rates, mean, noise)?),
         count => {
             let wanted = "there must be 1 to 4".to_owned();
             return Err(SystemError::Shape { key: "mean", count, wanted });
@@ -373,4 +423,22 @@ pub(super) fn square<const D: usize>(
         *row = list(key, values)?;
     }
     Ok(matrix)
+}
+
+#[cfg(test)]
+mod tests {
+    use schemars::schema_for;
+
+    use super::*;
+
+    #[test]
+    fn the_systems_that_the_schema_shows_can_be_built() {
+        let schema = schema_for!(SystemScene);
+        let systems: Vec<SystemScene> =
+            serde_json::from_value(schema.get("examples").cloned().unwrap_or_default()).unwrap();
+        assert!(!systems.is_empty());
+        for system in systems {
+            assert!(system.build().is_ok(), "{system:?}");
+        }
+    }
 }

@@ -9,7 +9,10 @@ use mpi_ensembles::{BlockReport, Finished, Job, Ranks, Report, Store};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{Inputs, Run, RunError};
+use super::blocks_left::BlocksLeft;
+use super::inputs::Inputs;
+use super::kind_run::Run;
+use super::run_error::RunError;
 use crate::causes::with_causes;
 use crate::checkpoint::{CheckpointError, Head, Start, read_file, write_block};
 use crate::output::write_json;
@@ -48,15 +51,6 @@ impl Cut {
         let bound = |k: u64| k.saturating_mul(self.length()).min(self.n);
         bound(block)..bound(block + 1)
     }
-}
-
-/// Blocks of another run in the folder of one that would start anew.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("{} holds {found} blocks of a run", .folder.display())]
-#[diagnostic(help("--resume goes on from them, --overwrite removes them"))]
-pub struct BlocksLeft {
-    folder: PathBuf,
-    found: usize,
 }
 
 /// A file in the folder of the blocks that is none of theirs.

@@ -1,11 +1,13 @@
 //! What the numbers of a run depend on, by which its checkpoints and shards are told from others.
 
+use figures::finite::JsonError;
 use serde::Serialize;
 
-use super::{Part, Run, RunError};
+use super::kind_run::Run;
+use super::part::Part;
+use super::run_error::RunError;
 use crate::checkpoint::{Checkpoint, Head, Start};
 use crate::scene::NamedFile;
-use figures::finite::JsonError;
 
 /// What a run was made from.
 #[derive(Debug)]

@@ -5,11 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-
-use super::{Inputs, Run, RunError};
-use crate::checkpoint::{read_file, write_file};
 
 /// What is done of an ensemble.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,8 +21,8 @@ pub enum Part {
 /// Which shard, from 1 on, and of how many: `2/4`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
-    shard: u64,
-    of: u64,
+    pub(super) shard: u64,
+    pub(super) of: u64,
 }
 
 /// A text that is no place.
@@ -106,99 +102,6 @@ impl Place {
     pub fn of(self, n: u64) -> Range<u64> {
         let bound = |k: u64| n / self.of * k + (n % self.of).min(k);
         bound(self.shard - 1)..bound(self.shard)
-    }
-}
-
-impl Run<'_> {
-    /// What is to be done of the ensemble.
-    #[must_use]
-    pub fn part(&self) -> &Part {
-        &self.options.part
-    }
-
-    /// Its part of `n` things.
-    #[must_use]
-    pub fn range(&self, n: u64) -> Range<u64> {
-        match &self.options.part {
-            Part::Shard(place) => place.of(n),
-            Part::Whole | Part::Merged(_) => 0..n,
-        }
-    }
-
-    /// Refuses shards, and ranks that would share them, for a method that has none.
-    ///
-    /// # Errors
-    /// [`RunError::NoShards`].
-    pub fn no_shards(&self) -> Result<(), RunError> {
-        let is_whole = self.options.part == Part::Whole && self.ranks.is_none();
-        if is_whole { Ok(()) } else { Err(RunError::NoShards) }
-    }
-
-    /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene and files it is.
-    ///
-    /// # Errors
-    /// [`RunError::Checkpoint`], [`RunError::Identity`].
-    pub fn write_shard<T: Serialize>(
-        &self,
-        inputs: &Inputs<'_, impl Serialize>,
-        place: Place,
-        content: &T,
-    ) -> Result<PathBuf, RunError> {
-        let path = self.out().join(format!("shard-{}-of-{}.bin", place.shard, place.of));
-        write_file(&path, &self.shard_head(inputs)?, &(place, content))?;
-        Ok(path)
-    }
-
-    /// Refuses a shard that holds another number of things than it must.
-    ///
-    /// # Errors
-    /// [`RunError::Shards`].
-    pub(crate) fn require(
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    ) -> Result<(), RunError> {
-        if found == expected {
-            return Ok(());
-        }
-        Err(ShardsError::OtherContent { what, found, expected }.into())
-    }
-
-    /// Reads the files of all shards of a scene, given in any order.
-    ///
-    /// # Errors
-    /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files; [`RunError::Shards`] for one that is missing, there
-    /// twice, or of another division.
-    pub fn read_shards<T: DeserializeOwned>(
-        &self,
-        inputs: &Inputs<'_, impl Serialize>,
-        files: &[PathBuf],
-    ) -> Result<Vec<T>, RunError> {
-        let head = self.shard_head(inputs)?;
-        let mut shards: Vec<(Place, T)> = Vec::new();
-        for file in files {
-            let (place, content): (Place, T) = read_file(file, &head)?;
-            let expected = shards.first().map_or(place.of, |(first, _)| first.of);
-            if place.of != expected {
-                return Err(
-                    ShardsError::OtherDivision { place, file: file.clone(), expected }.into()
-                );
-            }
-            if shards.iter().any(|(other, _)| *other == place) {
-                return Err(ShardsError::Doubled { place, file: file.clone() }.into());
-            }
-            shards.push((place, content));
-        }
-        let Some(&(Place { of, .. }, _)) = shards.first() else {
-            return Err(ShardsError::None.into());
-        };
-        shards.sort_by_key(|(place, _)| *place);
-        let mut all = (1..=of).map(|shard| Place { shard, of });
-        let missing = all.find(|place| shards.iter().all(|(found, _)| found != place));
-        match missing {
-            Some(place) => Err(ShardsError::Missing(place).into()),
-            None => Ok(shards.into_iter().map(|(_, content)| content).collect()),
-        }
     }
 }
 

@@ -11,6 +11,7 @@
 //! the points. Other columns are left alone.
 
 mod csv;
+mod table;
 mod vtu;
 
 use std::collections::BTreeMap;
@@ -18,32 +19,16 @@ use std::path::Path;
 
 use peridyn_sde::{Condition, Nodes};
 
+use self::table::{COLUMNS, Table};
 use super::scene_body::BodyScene;
 use crate::nearest::nearest;
 use crate::scene::{NamedFile, Objection};
-
-/// The columns that are read.
-const COLUMNS: [&str; 5] = ["x", "y", "volume", "strength_factor", "stiffness_factor"];
 
 /// Where a file of points is named.
 const KEY: &str = "body.points";
 
 /// Two points as near as this (spacings) are at one place.
 const AT_ONE_PLACE: f64 = 1e-6;
-
-/// A body has no more points than this.
-const MOST_POINTS: usize = 10_000_000;
-
-/// What was read of a file.
-#[derive(Debug, Clone, PartialEq)]
-struct Table {
-    /// The names of all its columns.
-    names: Vec<String>,
-    /// Those of [`COLUMNS`] that it has.
-    columns: [Option<Vec<f64>>; COLUMNS.len()],
-    /// The line of each row; none of a file without lines.
-    lines: Option<Vec<u64>>,
-}
 
 /// Points of a body, with the file that they are from.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,7 +135,7 @@ impl Cloud {
     /// Where a row stands, e.g. `points.csv line 7`.
     #[must_use]
     pub fn row(&self, row: usize) -> String {
-        place(&self.file.path, &self.table, row)
+        self.table.place(&self.file.path, row)
     }
 
     fn column(&self, name: &str) -> Option<&[f64]> {
@@ -213,12 +198,5 @@ impl Cloud {
             boxes.entry([i, j]).or_default().push(row);
         }
         Ok(())
-    }
-}
-
-fn place(file: &str, table: &Table, row: usize) -> String {
-    match table.lines.as_ref().and_then(|lines| lines.get(row)) {
-        Some(line) => format!("{file} line {line}"),
-        None => format!("{file} point {row}"),
     }
 }

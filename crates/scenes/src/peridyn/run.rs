@@ -6,15 +6,16 @@ mod ladder;
 mod pictures;
 mod record;
 
-use crate::clock::CpuClock;
 use std::path::PathBuf;
 
+use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Record, RunResult, WorkRecord};
+use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
 use crate::machine::{Machine, commit};
 use crate::output::{write_drawing, write_json};
@@ -22,7 +23,6 @@ use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::scene::{NamedFile, Objection, SceneFile};
-use figures::number::with_uncertainty;
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "peridyn-sde",

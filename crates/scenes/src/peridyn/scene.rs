@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::positive::positive;
 use super::scene_body::{BodyScene, BondsScene, MaterialScene};
 use super::scene_dynamics::{DynamicsScene, TimeScene};
 use super::scene_field::VariationScene;
@@ -174,14 +175,6 @@ impl Default for OutputScene {
     fn default() -> Self {
         Self { vtu: Vec::new(), abscissae: Vec::new(), windows: 50, damage_threshold: 0.3 }
     }
-}
-
-/// An objection to a number that is not greater than zero.
-pub(super) fn positive(path: &str, name: &str, value: f64) -> Result<(), Objection> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Objection::new(path, format!("{name} is {value}; it must be greater than 0")))
 }
 
 impl Scene for CrackScene {

@@ -6,7 +6,8 @@ use peridyn_sde::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::scene::positive;
+use super::named::named;
+use super::positive::positive;
 use crate::scene::Objection;
 
 /// A rectangle, from the origin, or points inside of it.
@@ -218,23 +219,6 @@ impl HorizonScene {
         })
     }
 }
-
-/// An enum of keys that stands for one of the solver.
-macro_rules! named {
-    ($(#[$meta:meta])* $scene:ident => $target:ident { $($(#[$variant_meta:meta])* $variant:ident,)+ }) => {
-        $(#[$meta])*
-        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-        #[serde(rename_all = "snake_case")]
-        pub enum $scene { $($(#[$variant_meta])* $variant,)+ }
-
-        impl From<$scene> for $target {
-            fn from(scene: $scene) -> Self {
-                match scene { $($scene::$variant => Self::$variant,)+ }
-            }
-        }
-    };
-}
-pub(super) use named;
 
 named! {
     /// Influence functions of `q`, the length of a bond over the horizon.

@@ -6,6 +6,7 @@ use peridyn_sde::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::positive::positive;
 use super::scene_field::CorrelationScene;
 use crate::scene::Objection;
 
@@ -208,7 +209,7 @@ impl DynamicsScene {
                 Err(Objection::new(path, message))
             }
             TemperatureScene::Ratio(ratio) => {
-                super::scene::positive(&path, "the ratio of critical stretch to noise", ratio)?;
+                positive(&path, "the ratio of critical stretch to noise", ratio)?;
                 Ok(of_ratio_one / (ratio * ratio))
             }
         }
@@ -235,7 +236,7 @@ impl DynamicsScene {
                     let message = "inertial dynamics need the density of the material";
                     return Err(Objection::new("material", message));
                 };
-                super::scene::positive("material.density", "the density", density)?;
+                positive("material.density", "the density", density)?;
                 if !(friction.is_finite() && *friction >= 0.0) {
                     let message = format!("the friction is {friction}/s; it must not be negative");
                     return Err(Objection::new("dynamics.inertial.friction", message));

@@ -4,7 +4,7 @@ use peridyn_sde::{BondValue, Correlation, CorrelationFunction, Marginal};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::scene_body::named;
+use super::named::named;
 
 /// How the critical stretch or the stiffness varies.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

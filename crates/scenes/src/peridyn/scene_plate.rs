@@ -6,6 +6,7 @@ use peridyn_sde::{
 };
 
 use super::points::Cloud;
+use super::positive::positive;
 use super::scene::CrackScene;
 use super::scene_body::{BodyScene, ToughnessScene};
 use super::scene_field::{FieldScene, VariationScene};
@@ -165,7 +166,7 @@ fn stretch_of(
     match scene.material.toughness {
         ToughnessScene::CriticalStretch(stretch) => {
             let path = "material.toughness.critical_stretch";
-            super::scene::positive(path, "the critical stretch", stretch)?;
+            positive(path, "the critical stretch", stretch)?;
             Ok(stretch)
         }
         ToughnessScene::EnergyReleaseRate(rate) => {

@@ -10,6 +10,7 @@ use sde_integrators::Noise;
 use serde::Serialize;
 
 use super::points::Cloud;
+use super::positive::positive;
 use super::scene::{CrackScene, LoadingScene, PrecisionScene, StrainScene};
 use super::scene_dynamics::StepScene;
 use super::scene_plate::{Plate, Variation, at};
@@ -316,11 +317,11 @@ fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), O
                 }
             };
             let path = format!("loading.stretch.strain.{key}");
-            super::scene::positive(&path, "the mean strain", value)?;
+            positive(&path, "the mean strain", value)?;
             Ok((value / duration, value))
         }
         LoadingScene::Velocity { speed } => {
-            super::scene::positive("loading.velocity.speed", "the speed of the grips", speed)?;
+            positive("loading.velocity.speed", "the speed of the grips", speed)?;
             Ok((speed, 2.0 * speed * duration / scene.body.size[1]))
         }
     }
@@ -349,7 +350,7 @@ fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, 
         StepScene::Dt(dt) => ("dt", dt, dt * unit),
     };
     let path = format!("time.step.{key}");
-    super::scene::positive(&path, "the step", dt)?;
+    positive(&path, "the step", dt)?;
     if z >= limit {
         let message = format!("the step is {z} in units of the stiffest mode of the body");
         let largest = limit / unit;

@@ -3,9 +3,10 @@
 use std::io;
 use std::path::PathBuf;
 
+use figures::finite::JsonError;
+
 use crate::output::OutputError;
 use crate::scene::SceneError;
-use figures::finite::JsonError;
 
 /// What the generator of schemas refuses.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

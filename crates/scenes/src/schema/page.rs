@@ -1,11 +1,12 @@
 //! The page of all keys of all scenes, as Markdown.
 
+use figures::markdown::table;
+
 use super::example::{BuiltIn, Example};
 use super::rows::{Row, is_list_of_words, label, rows};
 use super::tree::{Holds, Key, Named, Presence, Tree};
 use super::value::compact;
 use super::{Described, schema_path, unit};
-use figures::markdown::table;
 
 const HEAD: &str = "\
 # Scenes

@@ -9,10 +9,11 @@ use smpm::material::{
     EquationOfState, Fluid, JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters,
     JohnsonCookParameters, Jwl, JwlParameters, MieGruneisen, MieGruneisenParameters, NeoHookean,
     NeoHookeanParameters, Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units,
-    VonMises, VonMisesParameters, library,
+    VonMises, VonMisesParameters,
 };
 use smpm::{Body, Error, Fill, Number};
 
+use super::material_library::entry;
 use super::material_schema;
 use crate::nearest::nearest;
 use crate::scene::Objection;
@@ -41,9 +42,7 @@ pub struct MaterialScene {
 /// An equation of state with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = material_schema::air())]
-#[schemars(example = material_schema::bulk())]
-#[schemars(example = material_schema::rubber())]
+#[schemars(example = Self::air(), example = Self::bulk(), example = Self::rubber())]
 pub enum EquationScene {
     /// Mie and Grueneisen: a solid or a liquid by its shock Hugoniot.
     MieGruneisen(#[schemars(schema_with = "material_schema::mie_gruneisen")] ParameterScene),
@@ -60,8 +59,7 @@ pub enum EquationScene {
 /// A strength with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = material_schema::shear())]
-#[schemars(example = material_schema::hardening())]
+#[schemars(example = Self::shear(), example = Self::hardening())]
 pub enum StrengthScene {
     /// Elastic.
     Elastic(#[schemars(schema_with = "material_schema::elastic")] ParameterScene),
@@ -112,22 +110,23 @@ impl Part {
 /// The numbers of a material.
 pub type Numbers = BTreeMap<(Part, &'static str), f64>;
 
-pub(super) type Names = &'static [&'static str];
-pub(super) type Library = Vec<(&'static str, f64)>;
-
-/// Entries of the library; each has some of the models.
-pub(super) const LIBRARY: [&str; 6] =
-    ["steel", "steel_as_published", "copper", "aluminium", "water", "tnt"];
-
-macro_rules! entries {
-    ($parameters:expr) => {{
-        let mut entries = Vec::new();
-        let _ = $parameters.map(|name, value: f64| entries.push((name, value)));
-        Some(entries)
-    }};
-}
-
+type Names = &'static [&'static str];
 impl EquationScene {
+    fn air() -> Self {
+        let numbers = [("density", 1.2), ("exponent", 1.4), ("stiffness", 0.0), ("pressure", 1e5)];
+        Self::StiffenedGas(ParameterScene::of_numbers(&numbers))
+    }
+
+    fn bulk() -> Self {
+        let numbers = [("density", 2700.0), ("bulk_modulus", 70e9)];
+        Self::ElasticBulk(ParameterScene::of_numbers(&numbers))
+    }
+
+    fn rubber() -> Self {
+        let numbers = [("density", 1100.0), ("shear_modulus", 0.5e6), ("bulk_modulus", 25e6)];
+        Self::NeoHookean(ParameterScene::of_numbers(&numbers))
+    }
+
     /// The key, the names of the parameters and what is given.
     fn parts(&self) -> (&'static str, Names, &ParameterScene) {
         match self {
@@ -144,20 +143,19 @@ impl EquationScene {
             Self::NeoHookean(given) => ("neo_hookean", NeoHookeanParameters::<f64>::NAMES, given),
         }
     }
-
-    pub(super) fn library(&self, name: &str, units: Units) -> Option<Library> {
-        match (self, name) {
-            (Self::MieGruneisen(_), "steel") => entries!(library::steel_equation(units)),
-            (Self::MieGruneisen(_), "copper") => entries!(library::copper_equation(units)),
-            (Self::MieGruneisen(_), "aluminium") => entries!(library::aluminium_equation(units)),
-            (Self::MieGruneisen(_), "water") => entries!(library::water(units)),
-            (Self::Jwl(_), "tnt") => entries!(library::tnt(units)),
-            _ => None,
-        }
-    }
 }
 
 impl StrengthScene {
+    fn shear() -> Self {
+        Self::Elastic(ParameterScene::of_numbers(&[("shear_modulus", 26e9)]))
+    }
+
+    fn hardening() -> Self {
+        let numbers =
+            [("shear_modulus", 77.5e9), ("yield_stress", 400e6), ("hardening_modulus", 1e9)];
+        Self::VonMises(ParameterScene::of_numbers(&numbers))
+    }
+
     /// Takes all that is not set anew from another entry of the library.
     pub fn take_from(&mut self, library: &str) {
         let (Self::Elastic(given) | Self::VonMises(given) | Self::JohnsonCook(given)) = self;
@@ -173,50 +171,29 @@ impl StrengthScene {
             }
         }
     }
-
-    pub(super) fn library(&self, name: &str, units: Units) -> Option<Library> {
-        match (self, name) {
-            (Self::JohnsonCook(_), "steel") => entries!(library::steel_strength(units)),
-            (Self::JohnsonCook(_), "steel_as_published") => {
-                entries!(library::steel_strength_as_published(units))
-            }
-            (Self::JohnsonCook(_), "copper") => entries!(library::copper_strength(units)),
-            _ => None,
-        }
-    }
-}
-
-pub(super) fn damage_library(name: &str, units: Units) -> Option<Library> {
-    match name {
-        "steel" => entries!(library::steel_damage(units)),
-        _ => None,
-    }
 }
 
 impl ParameterScene {
-    pub(super) const NONE: Self = Self { library: None, set: BTreeMap::new() };
-
-    pub(super) fn of_numbers(numbers: &[(&str, f64)]) -> Self {
+    fn of_numbers(numbers: &[(&str, f64)]) -> Self {
         let set = numbers.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
-        Self { set, ..Self::NONE }
+        Self { library: None, set }
     }
 
     fn of_library(name: &str) -> Self {
-        Self { library: Some(name.to_owned()), ..Self::NONE }
+        Self { library: Some(name.to_owned()), set: BTreeMap::new() }
     }
 
-    /// Every parameter of a part, by name.
+    /// Every parameter of a part, by name; `model` is the key of its model.
     fn read(
         &self,
-        part: Part,
-        names: Names,
-        library: impl Fn(&str) -> Option<Library>,
+        (part, model, names): (Part, &str, Names),
+        units: Units,
         path: &str,
         numbers: &mut Numbers,
     ) -> Result<(), Objection> {
         let base = match &self.library {
             None => Vec::new(),
-            Some(name) => library(name).ok_or_else(|| {
+            Some(name) => entry(model, name, units).ok_or_else(|| {
                 let message = format!("the library has no `{name}` for this model");
                 Objection::new(format!("{path}.library"), message).with_help(
                     "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; johnson_cook has steel, steel_as_published, copper; damage has steel",
@@ -254,20 +231,17 @@ impl MaterialScene {
     pub fn numbers(&self, units: Units, path: &str) -> Result<Numbers, Objection> {
         let mut numbers = Numbers::new();
         let (key, names, given) = self.equation.parts();
-        let from = |name: &str| self.equation.library(name, units);
         let at = format!("{path}.equation.{key}");
-        given.read(Part::Equation, names, from, &at, &mut numbers)?;
+        given.read((Part::Equation, key, names), units, &at, &mut numbers)?;
         if let Some(strength) = &self.strength {
             let (key, names, given) = strength.parts();
-            let from = |name: &str| strength.library(name, units);
             let at = format!("{path}.strength.{key}");
-            given.read(Part::Strength, names, from, &at, &mut numbers)?;
+            given.read((Part::Strength, key, names), units, &at, &mut numbers)?;
         }
         if let Some(given) = &self.damage {
             let names = JohnsonCookDamageParameters::<f64>::NAMES;
-            let from = |name: &str| damage_library(name, units);
             let at = format!("{path}.damage");
-            given.read(Part::Damage, names, from, &at, &mut numbers)?;
+            given.read((Part::Damage, "damage", names), units, &at, &mut numbers)?;
         }
         self.check_parts(path)?;
         Ok(numbers)

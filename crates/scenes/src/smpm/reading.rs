@@ -8,6 +8,7 @@ use smpm::{
     Quantity, Shape, Side, Transfer, UpdateOrder,
 };
 
+use super::coordinates::point;
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::region::Region;
 use super::scene::{
@@ -256,14 +257,6 @@ impl BoundaryScene {
             },
         }
     }
-}
-
-/// A point of the right dimension.
-pub(super) fn point<const D: usize>(given: &[f64], path: &str) -> Result<[f64; D], Objection> {
-    given.try_into().map_err(|_| {
-        let message = format!("{} coordinates; the scene has {D} dimensions", given.len());
-        Objection::new(path, message)
-    })
 }
 
 fn unknown<'a>(

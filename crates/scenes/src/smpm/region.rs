@@ -1,6 +1,6 @@
 //! Regions of space that bodies fill.
 
-use super::reading::point;
+use super::coordinates::point;
 use super::scene::SolidScene;
 use crate::scene::Objection;
 

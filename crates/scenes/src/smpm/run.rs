@@ -8,6 +8,7 @@ mod solve;
 
 use std::path::PathBuf;
 
+use figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 
@@ -19,8 +20,6 @@ use crate::output::{write_drawing, write_json};
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
-use figures::Drawing;
-use figures::{Band, Line, Scale, TimeSeries, Words};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "smpm",

@@ -325,7 +325,8 @@ fn an_unknown_key_is_told_the_nearest() {
 #[test]
 fn built_in_scenes_can_be_read_and_built() {
     use scenes::peridyn::points::Cloud;
-    use scenes::peridyn::{scene::CrackScene, scene_problem::CrackProblem};
+    use scenes::peridyn::scene::CrackScene;
+    use scenes::peridyn::scene_problem::CrackProblem;
     use scenes::scene::SceneFile;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes/peridyn");
     let mut n_scenes = 0;

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
-use twox_hash::XxHash64;
-
 use scenes::checkpoint::{CheckpointError, Reason, Start};
 use scenes::{ALL, Options, Part, Progress, RunError, run};
+use serde_json::Value;
+use twox_hash::XxHash64;
 
 /// A plate of steel runs into a wall, in uniaxial strain.
 const PLATE: &str = r#"{

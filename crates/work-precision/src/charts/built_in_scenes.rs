@@ -2,13 +2,13 @@
 //!
 //! One definition serves these charts and `advise`: the ladder of the scene's kind.
 
-use crate::context::{CaseError, Context, Profile};
-use crate::draw::ChartKind;
-use figures::Drawing;
-use figures::{Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
+use figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::advise::{Advice, Judgement, Options, from_trials};
 use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
 use scenes::machine::Machine;
+
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "scenes",

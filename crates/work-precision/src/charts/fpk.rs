@@ -2,23 +2,21 @@
 
 use std::time::Duration;
 
+use figures::{
+    Drawing, Line, Measure, Method, Reading, Reference, ReferencePoint, ReferencePoints, Run,
+    RunOutcome, Scale, TimeSeries, Words, WorkPrecision,
+};
 use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule};
 use scenes::clock::CpuClock;
+use scenes::fpk::density::{Asked, Demand};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::Sampling;
+use scenes::machine::Machine;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::fpk::methods::papers_config;
 use crate::problems::fpk::problem::Problem;
-use figures::Drawing;
-use figures::Reference;
-use figures::{
-    Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
-    TimeSeries, Words, WorkPrecision,
-};
-use scenes::fpk::density::{Asked, Demand, run as run_density};
-use scenes::fpk::method_scene::IntegratorScene;
-use scenes::fpk::monte_carlo::{Sampling, run as run_sampled};
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk",
@@ -266,9 +264,8 @@ fn density(
     let mut points = Vec::new();
     while let Some((label, config)) = next(points.len()) {
         context.progress(&format!("{progress}, {label}"));
-        let (outcome, cost, spread) = timed(LONG, || {
-            run_density(&problem.system, &problem.law, &config, &asked).map_err(CaseError::from)
-        })?;
+        let (outcome, cost, spread) =
+            timed(LONG, || problem.density(&config, &asked).map_err(CaseError::from))?;
         let outcome = match (outcome.at(TIME), &outcome.stopped) {
             (Some(row), _) => {
                 let exceedance = row.exceedances[0];
@@ -305,10 +302,8 @@ fn monte_carlo(
         .map(|&paths| {
             let sampling =
                 Sampling { paths, step: TIME / f64::from(steps), integrator, seed: paths };
-            let (run, cost, spread) = timed(LONG, || {
-                run_sampled(&problem.system, &problem.law, &sampling, &asked)
-                    .map_err(CaseError::from)
-            })?;
+            let (run, cost, spread) =
+                timed(LONG, || problem.sampled(&sampling, &asked).map_err(CaseError::from))?;
             let row = run.at(TIME).ok_or("no row")?;
             let of =
                 |estimate: &sde_integrators::Estimate| (estimate.value, estimate.standard_error());
@@ -365,7 +360,7 @@ pub fn exceedance(
         thresholds: thresholds.clone(),
         cells: true,
     };
-    let run = run_density(&problem.system, &problem.law, &config, &asked)?;
+    let run = problem.density(&config, &asked)?;
     let lines = thresholds
         .iter()
         .enumerate()

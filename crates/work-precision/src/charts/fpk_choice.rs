@@ -4,27 +4,26 @@ mod records;
 mod runs;
 mod table;
 
+use figures::{Drawing, Reference};
+use fpk_sph::InitialLattice;
+use fpk_sph::systems::StrangBoucWen;
+use scenes::fpk::integrator_scene::IntegratorScene;
 use sde_integrators::{Shark, StrangOscillator};
 
-use self::records::{Record, charts};
+use self::records::{Scene, charts};
 use self::runs::{
     Ladder, Setting, Target, sample, solve_linearised, solve_on_grid, solve_with_particles, usual,
 };
 use self::table::page;
-use crate::context::{CaseError, Context, Profile};
+use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
 use crate::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use crate::problems::fpk::linearisation::{Linearisation, Quadrature};
 use crate::problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR, bouc_wen_tail,
 };
+use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
-use figures::Drawing;
-use figures::Reference;
-use fpk_sph::InitialLattice;
-use fpk_sph::systems::StrangBoucWen;
-use scenes::fpk::method_scene::IntegratorScene;
-use scenes::fpk::scene::System;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk-choice",
@@ -44,30 +43,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         drawings.push(page(&scenes)?);
         Ok(drawings)
     })
-}
-
-/// One scene with the records of all methods.
-pub(super) struct Scene {
-    /// Begins the names of its charts.
-    name: &'static str,
-    title: String,
-    /// What was asked, moments first.
-    quantities: Vec<Quantity>,
-    records: Vec<Record>,
-}
-
-/// One question.
-pub(super) struct Quantity {
-    name: &'static str,
-    title: String,
-    /// The relative error of its reference.
-    reference_error: f64,
-}
-
-/// How much of a ladder is run: its first two rungs in a quick run.
-fn rungs<T: Clone>(context: &Context<'_>, all: &[T]) -> Vec<T> {
-    let n = if context.profile == Profile::Quick { all.len().min(2) } else { all.len() };
-    all[..n].to_vec()
 }
 
 /// The levels of the probabilities.
@@ -110,7 +85,7 @@ const SIDES: [usize; 5] = [21, 29, 41, 57, 81];
 
 fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
     let problem = Problem::linear_oscillator()?;
-    let System::Linear(system) = &problem.system else { return Err("another system".into()) };
+    let Oscillator::Linear(system) = &problem.system else { return Err("another system".into()) };
     let law = linear_moments(system, &problem.law, &[6.0], 2e-3)?[0];
     let setting = Setting {
         name: "fpk-choice-linear",
@@ -136,7 +111,7 @@ fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
 
 fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let System::Damper(system) = &problem.system else { return Err("another system".into()) };
+    let Oscillator::Damper(system) = &problem.system else { return Err("another system".into()) };
     let time = 6.0;
     let moment = |powers| problem.reference.moment(powers, time).ok_or("no reference moment");
     let setting = Setting {

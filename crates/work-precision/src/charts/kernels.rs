@@ -2,12 +2,11 @@
 
 use std::f64::consts::PI;
 
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smoothing_kernels::{Kernel, all};
 
 use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
-use figures::Drawing;
-use figures::{Line, Scale, TimeSeries, Words};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "kernels",

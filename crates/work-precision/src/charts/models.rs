@@ -2,16 +2,15 @@
 
 use std::fmt::Write as _;
 
+use figures::number::{percent, short};
+use figures::{Drawing, markdown};
+use scenes::ladder::BuiltIn;
+use scenes::machine::{Machine, commit, commit_words};
+use scenes::models::{Change, Effect, Study, study};
 use serde::Serialize;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use figures::Drawing;
-use figures::markdown;
-use figures::number::{percent, short};
-use scenes::ladder::BuiltIn;
-use scenes::machine::{Machine, commit, commit_words};
-use scenes::models::{Change, Effect, Study, study};
 
 pub(crate) const FPK: ChartKind = ChartKind {
     name: "fpk",

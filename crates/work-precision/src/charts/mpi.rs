@@ -4,16 +4,15 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::process::Command;
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
+use scenes::kind::{BlockRecord, JobRecord};
+use scenes::machine::Machine;
 use sde_integrators::{Noise, Purpose, Stream};
 use serde_json::json;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::processes::{finish, piped, scenes};
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
-use scenes::kind::{BlockRecord, JobRecord};
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "mpi",

@@ -1,8 +1,10 @@
 //! Error against cost for the schemes of peridyn-sde: of the stationary law, of the rate of breaking, of crack paths.
 
+use figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
 use peridyn_sde::statistics::Bootstrap;
 use peridyn_sde::{Breaking, Dynamics, Mobility, Real, Scheme, Simulation, SimulationConfig};
 use rayon::ThreadPoolBuilder;
+use scenes::machine::Machine;
 use sde_integrators::Noise;
 
 use super::fpk::{LONG, cost_in_seconds, timed};
@@ -12,10 +14,6 @@ use crate::problems::peridyn::first_passage::rate as rate_of_breaking;
 use crate::problems::peridyn::network::{Network, lanes_of, rate};
 use crate::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 use crate::problems::peridyn::one_bond::{BONDS, seen};
-use figures::Drawing;
-use figures::Measured;
-use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "peridyn",

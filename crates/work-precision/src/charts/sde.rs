@@ -2,10 +2,12 @@
 
 mod maps;
 
+use figures::{Drawing, Measure, Method as Series, Reading, Run, RunOutcome, Words, WorkPrecision};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use scenes::clock::CpuClock;
+use scenes::machine::Machine;
 use sde_integrators::{
     DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StepError, StrangOscillator,
 };
@@ -17,9 +19,6 @@ use crate::problems::sde::methods::{Method, additive, diagonal, follow, second_o
 use crate::problems::sde::orders::{Errors, Failure, Outcome, Study, Target, attempt};
 use crate::problems::sde::problems::{Geometric, Populations, Sine};
 use crate::problems::sde::reference::Diffrax;
-use figures::Drawing;
-use figures::{Measure, Method as Series, Reading, Run, RunOutcome, Words, WorkPrecision};
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "sde",

@@ -2,8 +2,12 @@
 
 use std::time::Duration;
 
+use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use perturbation_moments::{ControlledSamples, Moments, MonteCarlo, SampledMoments, SigmaPoints};
 use scenes::clock::CpuClock;
+use scenes::machine::Machine;
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
 
 use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
@@ -12,11 +16,6 @@ use crate::draw::ChartKind;
 use crate::problems::smpm::problems::{Problem, experiment};
 use crate::problems::smpm::schemes::Shock;
 use crate::quantile::quantile;
-use figures::Drawing;
-use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use scenes::machine::Machine;
-use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::scene::SmpmScene;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm",

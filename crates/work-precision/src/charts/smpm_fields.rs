@@ -1,15 +1,14 @@
 //! Mean and standard deviation of the flow stress over a plate in contact with an explosion: fields from one run with jets.
 
+use figures::{Drawing, Field, Region, Words};
 use perturbation_moments::{Jet, Scalar};
+use scenes::machine::Machine;
 use smpm::uncertainty::Study;
 use smpm::{Body, Quantity, Simulation};
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::smpm::problems::{Problem, experiment};
-use figures::Drawing;
-use figures::{Field, Region, Words};
-use scenes::machine::Machine;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-fields",

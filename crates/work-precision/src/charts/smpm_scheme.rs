@@ -3,6 +3,10 @@
 
 use std::time::Duration;
 
+use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
+use scenes::causes::with_causes;
+use scenes::machine::Machine;
+use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use serde::Serialize;
 
 use super::fpk::{cost_in_seconds, timed};
@@ -11,12 +15,6 @@ use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
 use crate::stability::Work;
-use figures::Drawing;
-use figures::markdown;
-use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use scenes::causes::with_causes;
-use scenes::machine::Machine;
-use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-scheme",

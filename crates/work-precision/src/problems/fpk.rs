@@ -7,6 +7,7 @@ mod grid_config;
 pub mod linear_moments;
 pub mod linearisation;
 pub mod methods;
+pub mod oscillator;
 pub mod problem;
 pub mod reference;
 mod remap;

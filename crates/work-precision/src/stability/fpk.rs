@@ -10,6 +10,7 @@
 //! `l(R)` is had from the estimator on a lattice at rest, the trace from a run with 81 x 81 particles, whose steps are at
 //! most 0.01: it is 4 times the trace of 41 x 41, since `F` is in spacings.
 
+use figures::{Drawing, Scale};
 use fpk_sph::score::LatticePlaces;
 use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
@@ -20,10 +21,8 @@ use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::Problem;
-use figures::Drawing;
-use figures::Scale;
-use scenes::fpk::scene::System;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",
@@ -116,7 +115,7 @@ struct Damper {
 impl Damper {
     fn new() -> Result<Self, CaseError> {
         let problem = Problem::viscous_damper()?;
-        let System::Damper(system) = &problem.system else {
+        let Oscillator::Damper(system) = &problem.system else {
             return Err("the scene of the damper is not one".into());
         };
         let system = system.clone();

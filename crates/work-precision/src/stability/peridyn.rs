@@ -9,11 +9,11 @@ pub(crate) mod noise;
 pub(crate) mod nugget;
 pub(crate) mod z;
 
+use figures::CurvePoint;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use scenes::causes::with_causes;
 
 use crate::context::CaseError;
-use figures::CurvePoint;
-use scenes::causes::with_causes;
 
 /// A point of a curve, or why there is none.
 fn point(x: f64, found: Result<f64, CaseError>) -> CurvePoint {

@@ -1,6 +1,7 @@
 //! Step length against what the methods of `sde-integrators` can bear: the oscillator, the cubic drift, noise in
 //! proportion to the state.
 
+use figures::{Drawing, Scale};
 use sde_integrators::{
     Baoab, EnsembleConfig, EulerMaruyama, Heun, Integrator, Observable, SemiImplicitEuler, Shark,
     StateSpace, StochasticTheta, StrangOscillator, simulate,
@@ -15,8 +16,6 @@ use crate::problems::sde::oscillator_limits as limits;
 use crate::problems::sde::oscillator_limits::Limited;
 use crate::problems::sde::problems::{Cubic, Oscillator};
 use crate::problems::sde::stability::{Formula, amplification_of, formula_boundary};
-use figures::Drawing;
-use figures::Scale;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "sde",

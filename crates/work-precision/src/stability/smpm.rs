@@ -7,9 +7,10 @@ mod fracture;
 mod plasticity;
 mod shock;
 
+use figures::Drawing;
+
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use figures::Drawing;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "smpm",

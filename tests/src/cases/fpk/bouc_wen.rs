@@ -1,25 +1,23 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
-use crate::case::Schedule;
+use figures::ErrorKind;
 use fpk_sph::systems::BoucWen;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping,
     Simulation,
 };
 use scenes::clock::CpuClock;
+use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
 use work_precision::problems::fpk::methods::{BOUC_WEN_LATTICE, bouc_wen_tail};
+use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::scene;
 use super::stationary_oscillators::remapped as fresh_lattices;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use scenes::fpk::scene_system::SceneSystem;
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.2; references by Monte Carlo and importance sampling";
@@ -106,7 +104,7 @@ fn run(
 ) -> Result<Run, CaseError> {
     let text = include_str!("../../../scenes/fpk/bouc_wen.json");
     let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let SceneSystem::BoucWen(system) = scene.system.build()? else {
+    let System::BoucWen(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

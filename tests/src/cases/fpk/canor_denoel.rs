@@ -1,16 +1,14 @@
 //! The paper's method as printed, on both oscillators: reproduced, with its errors.
 
-use crate::case::Schedule;
+use figures::Measured;
+use scenes::fpk::density::DensityRun;
 use work_precision::problems::fpk::methods::papers_config;
+use work_precision::problems::fpk::problem::Problem;
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::Measured;
-use scenes::fpk::density::{DensityRun, run as run_density};
-use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/canor-denoel-2013",
@@ -28,9 +26,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (Problem::linear_oscillator()?, "linear-oscillator", &LINEAR),
     ] {
         context.progress(scene);
-        let run = run_density(
-            &problem.system,
-            &problem.law,
+        let run = problem.density(
             &papers_config(problem.system.period()),
             &asked(&[2.0, 6.0], &problem, false),
         )?;

@@ -1,20 +1,18 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
-use crate::case::Schedule;
+use figures::Reference;
 use fpk_sph::systems::GeometricBrownianMotion;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
+use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
-
-use super::scene;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
-use figures::Reference;
-use scenes::fpk::scene::System;
-use scenes::fpk::scene_system::SceneSystem;
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
 use work_precision::problems::fpk::reference::ReferenceTable;
+
+use super::scene;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/effectivity",
@@ -143,7 +141,7 @@ fn indices<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
 
 fn damper() -> Result<Vec<Index>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let System::Damper(system) = &problem.system else {
+    let Oscillator::Damper(system) = &problem.system else {
         return Err("the scene holds another system".into());
     };
     let config = Config {
@@ -166,7 +164,7 @@ fn damper() -> Result<Vec<Index>, CaseError> {
 fn bouc_wen(method: Method) -> Result<Vec<Index>, CaseError> {
     let text = include_str!("../../../scenes/fpk/bouc_wen.json");
     let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let SceneSystem::BoucWen(system) = scene.system.build()? else {
+    let System::BoucWen(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

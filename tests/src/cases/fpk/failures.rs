@@ -1,16 +1,13 @@
 //! Where the method leaves its range it says so.
 
-use crate::case::Schedule;
+use figures::Measured;
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
+use work_precision::problems::fpk::problem::Problem;
 
 use super::asked;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
-use figures::Measured;
-use scenes::fpk::density::run as run_density;
-use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/failures",
@@ -62,8 +59,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ..Method::LogDensityFit.combination()
     };
     let config = Config { method: Method::Custom(refused), ..fit };
-    let error =
-        run_density(&problem.system, &problem.law, &config, &asked(&[1.0], &problem, false)).err();
+    let error = problem.density(&config, &asked(&[1.0], &problem, false)).err();
     let refused = matches!(error, Some(Error::SupportTooSmall { .. }));
     let subject = context.subject(
         "log-density-fit/support-2.0",
@@ -94,7 +90,7 @@ fn ended(
 ) -> Result<Claim, CaseError> {
     context.progress(name);
     let times: Vec<f64> = (1..=40).map(|k| f64::from(k) * 0.25).collect();
-    let run = run_density(&problem.system, &problem.law, config, &asked(&times, problem, false))?;
+    let run = problem.density(config, &asked(&times, problem, false))?;
     let reached = run.rows.last().map_or(0.0, |row| row.t);
     let (time, words) = match &run.stopped {
         Some(error) if expected(error) => (reached, error.to_string()),

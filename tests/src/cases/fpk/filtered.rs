@@ -1,23 +1,20 @@
 //! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
-use sde_integrators::{Estimate, GaussianMixture};
-
-use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
-use scenes::fpk::method_scene::IntegratorScene;
+use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use scenes::fpk::paths::Paths;
 use scenes::fpk::scene::FpkScene;
-use scenes::fpk::scene_system::SceneSystem;
+use scenes::fpk::system::System;
+use sde_integrators::{Estimate, GaussianMixture};
+
+use super::{row, scene};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const DAMPER: Case = Case {
     id: "fpk-sph/filtered-damper",
@@ -48,7 +45,7 @@ struct Compared<'a, const D: usize> {
 /// Both, with the law and the system of the scene.
 fn compare<'a, S: Paths<D, 1>, const D: usize>(
     context: &'a Context<'a>,
-    (scene, built, system): (&FpkScene, &SceneSystem, &S),
+    (scene, built, system): (&FpkScene, &System, &S),
     lattice: InitialLattice<D>,
     sampling: &Sampling,
     asked: Asked<D>,
@@ -167,7 +164,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/damper_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/damper_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
-    let SceneSystem::KanaiTajimiDamper(system) = &built else { return Err(OTHER.into()) };
+    let System::KanaiTajimiDamper(system) = &built else { return Err(OTHER.into()) };
     let asked = Asked {
         times: vec![1.0, 2.0, 3.0, 4.0],
         powers: vec![[2, 0, 0, 0], [0, 2, 0, 0]],
@@ -202,7 +199,7 @@ fn bouc_wen(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/bouc_wen_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
-    let SceneSystem::KanaiTajimiBoucWen(system) = &built else { return Err(OTHER.into()) };
+    let System::KanaiTajimiBoucWen(system) = &built else { return Err(OTHER.into()) };
     let asked = Asked {
         times: vec![1.0, 2.0, 3.0, 4.0],
         powers: vec![[2, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0]],

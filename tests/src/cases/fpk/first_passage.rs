@@ -1,28 +1,26 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
-use fpk_sph::{Error, Simulation};
+use fpk_sph::{
+    Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method, Simulation,
+};
 use scenes::clock::CpuClock;
 use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
     maxima, simulate,
 };
+use work_precision::problems::fpk::linear_moments::linear_moments;
+use work_precision::problems::fpk::oscillator::Oscillator;
+use work_precision::problems::fpk::problem::{Problem, bouc_wen};
+use work_precision::problems::fpk::reference::ReferenceTable;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::fpk::scene::System;
-use work_precision::problems::fpk::linear_moments::linear_moments;
-use work_precision::problems::fpk::problem::{Problem, bouc_wen};
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, sections 4.1 and 4.2; references by Monte Carlo with parabolic peaks";
@@ -180,8 +178,8 @@ fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> 
 
 fn damper_system(problem: &Problem) -> Result<fpk_sph::systems::ViscousDamper, CaseError> {
     match &problem.system {
-        System::Damper(system) => Ok(system.clone()),
-        System::Linear(_) => Err("the scene holds another system".into()),
+        Oscillator::Damper(system) => Ok(system.clone()),
+        Oscillator::Linear(_) => Err("the scene holds another system".into()),
     }
 }
 

@@ -1,16 +1,14 @@
 //! Same bits whatever the number of threads, and after a restart.
 
-use crate::case::Schedule;
 use fpk_sph::{Config, Simulation};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::Sampling;
 use sde_integrators::Sde;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::report::Claim;
-use scenes::fpk::method_scene::IntegratorScene;
-use scenes::fpk::monte_carlo::{Sampling, run as run_sampled};
-use scenes::fpk::scene::System;
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/invariance",
@@ -35,10 +33,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             .density_config(problem.system.period(), 1.0)
             .ok_or("the scene has no density method")?;
         match problem.system.clone() {
-            System::Linear(system) => {
+            Oscillator::Linear(system) => {
                 claims.extend(density(context, &problem, scene, &system, &config)?);
             }
-            System::Damper(system) => {
+            Oscillator::Damper(system) => {
                 claims.extend(density(context, &problem, scene, &system, &config)?);
             }
         }
@@ -86,7 +84,7 @@ fn sampled(context: &Context<'_>, problem: &Problem, scene: &str) -> Result<Vec<
     };
     let asked = super::asked(&TIMES, problem, false);
     let whole = || -> Result<Vec<u64>, CaseError> {
-        let rows = run_sampled(&problem.system, &problem.law, &sampling, &asked)?.rows;
+        let rows = problem.sampled(&sampling, &asked)?.rows;
         let estimates = rows.iter().flat_map(|row| row.moments.iter().chain(&row.exceedances));
         Ok(estimates.map(|estimate| estimate.value.to_bits()).collect())
     };

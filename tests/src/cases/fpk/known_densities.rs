@@ -1,6 +1,6 @@
 //! Densities that are known: a double well, processes with multiplicative noise, and a rotated pair of them.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{
     Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
     GeometricBrownianMotion, RotatedPair,
@@ -9,16 +9,13 @@ use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation, StepRule,
 };
 use sde_integrators::{GaussianMixture, Sde};
+use work_precision::order;
+use work_precision::problems::fpk::reference::BistableReference;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use work_precision::order;
-use work_precision::problems::fpk::reference::BistableReference;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/known-densities",

@@ -1,19 +1,16 @@
 //! The linear oscillator, whose answer is exact, by the better method.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Config, Estimator, Method, Simulation};
+use scenes::fpk::density::{DensityRun, Row, run_on};
+use work_precision::problems::fpk::oscillator::Oscillator;
+use work_precision::problems::fpk::problem::Problem;
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use scenes::fpk::density::{DensityRun, Row, run_on};
-use scenes::fpk::scene::System;
-use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-oscillator",
@@ -85,7 +82,7 @@ fn density_run(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<(DensityRun, Vec<Exactness>), CaseError> {
-    let System::Linear(system) = problem.system.clone() else {
+    let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut exactness = Vec::new();
@@ -266,7 +263,7 @@ fn rim(
     problem: &Problem,
     config: &Config<2>,
 ) -> Result<Vec<Claim>, CaseError> {
-    let System::Linear(system) = problem.system.clone() else {
+    let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
     let mut claims = Vec::new();

@@ -1,22 +1,19 @@
 //! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
+use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
+use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use work_precision::problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 
 use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
-use scenes::fpk::scene_system::SceneSystem;
-use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-systems",
@@ -52,7 +49,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
-    let SceneSystem::KanaiTajimiLinear(system) = &built else {
+    let System::KanaiTajimiLinear(system) = &built else {
         return Err("the scene holds another system".into());
     };
     let law: GaussianMixture<4> = scene.initial.build(built.filter_covariance().as_deref())?;

@@ -1,17 +1,15 @@
 //! The rival: Monte Carlo on the same declarations.
 
-use super::{POWERS, asked, moment_words};
-use crate::case::Case;
-use crate::case::Schedule;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Measured;
-use scenes::fpk::method_scene::IntegratorScene;
-use scenes::fpk::monte_carlo::{SampledRun, Sampling, run as run_sampled};
+use figures::{ErrorKind, Measured};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{SampledRun, Sampling};
 use work_precision::charts;
 use work_precision::problems::fpk::problem::Problem;
+
+use super::{POWERS, asked, moment_words};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/monte-carlo",
@@ -86,7 +84,7 @@ fn strang_claims(
     sampling: &Sampling,
 ) -> Result<Vec<Claim>, CaseError> {
     let asked = asked(&TIMES, problem, false);
-    let run = run_sampled(&problem.system, &problem.law, sampling, &asked)?;
+    let run = problem.sampled(sampling, &asked)?;
     let method = words(sampling, &run);
     let mut claims = Vec::new();
     for row in &run.rows {
@@ -129,7 +127,7 @@ fn euler_claim(
     scene: &str,
     sampling: &Sampling,
 ) -> Result<Claim, CaseError> {
-    let run = run_sampled(&problem.system, &problem.law, sampling, &asked(&[6.0], problem, false))?;
+    let run = problem.sampled(sampling, &asked(&[6.0], problem, false))?;
     let row = run.at(6.0).ok_or("no row at t = 6")?;
     let subject = context.subject(
         &format!("{scene}/forward-euler/second-moment-q/t6"),

@@ -1,24 +1,21 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{BoucWen, Duffing};
 use sde_integrators::{GaussianMixture, Sde, StrangOscillator, SubsetConfig};
-use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
-
-use super::moment_words;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use scenes::fpk::scene::System;
 use work_precision::order;
 use work_precision::problems::fpk::grid::{GridConfig, GridDensity};
 use work_precision::problems::fpk::linearisation::{Linearisation, Quadrature};
+use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
+use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
 use work_precision::problems::fpk::reference::DuffingReference;
 use work_precision::problems::fpk::tail::TailPaths;
+
+use super::moment_words;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/rivals",
@@ -42,8 +39,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ] {
         context.progress(&format!("grid, {scene}"));
         claims.extend(match &problem.system {
-            System::Linear(system) => grid(context, &problem, system, scene)?,
-            System::Damper(system) => grid(context, &problem, system, scene)?,
+            Oscillator::Linear(system) => grid(context, &problem, system, scene)?,
+            Oscillator::Damper(system) => grid(context, &problem, system, scene)?,
         });
     }
     claims.push(grid_order(context)?);
@@ -133,7 +130,7 @@ fn grid_words(config: &GridConfig) -> String {
 /// The order when cells and steps are refined together, against the exact answer; and how far down the tail goes.
 fn grid_order(context: &Context<'_>) -> Result<Claim, CaseError> {
     let problem = Problem::linear_oscillator()?;
-    let System::Linear(system) = &problem.system else { return Err("another system".into()) };
+    let Oscillator::Linear(system) = &problem.system else { return Err("another system".into()) };
     let reference = problem.reference.moment([2, 0], 6.0).ok_or("no reference")?;
     let mut levels = Vec::new();
     for cells in [40_u32, 56, 80, 112] {
@@ -226,7 +223,7 @@ fn linearised(
 
 fn linearised_damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let System::Damper(system) = &problem.system else { return Err("another system".into()) };
+    let Oscillator::Damper(system) = &problem.system else { return Err("another system".into()) };
     let mut claims = Vec::new();
     for law in OF_OSCILLATOR.laws(system, &problem.law, &SHAKING)? {
         for (powers, k, name) in [([2, 0], 0, "second-moment-q"), ([0, 2], 1, "second-moment-v")] {
@@ -278,7 +275,7 @@ fn linearised_hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError>
 /// `P(|q| > 1.25)` of the damper at `t = 6`, 6.6e-7, by the two methods that see one event at a time.
 fn one_probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let System::Damper(system) = &problem.system else { return Err("another system".into()) };
+    let Oscillator::Damper(system) = &problem.system else { return Err("another system".into()) };
     let (t, threshold) = (6.0, 1.25);
     let reference = problem.reference.exceedance(threshold, t).ok_or("no reference")?;
     let paths = TailPaths::new(system, &StrangOscillator, &problem.law, (t, 150))?;

@@ -1,23 +1,20 @@
 //! The schemes in time, on an oscillator without damping and noise, where each particle is a path of its own.
 
-use crate::case::Schedule;
 use std::f64::consts::PI;
 
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Scheme, Simulation,
     StepRule,
 };
 use sde_integrators::GaussianMixture;
+use work_precision::problems::fpk::problem::Problem;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use work_precision::problems::fpk::problem::Problem;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/schemes",
@@ -175,7 +172,9 @@ fn leap_frog(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// makes it grow.
 fn with_noise(context: &Context<'_>) -> Result<Claim, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let scenes::fpk::scene::System::Damper(system) = problem.system.clone() else {
+    let work_precision::problems::fpk::oscillator::Oscillator::Damper(system) =
+        problem.system.clone()
+    else {
         return Err("the scene holds another system".into());
     };
     let combination =

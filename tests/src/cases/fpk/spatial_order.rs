@@ -1,21 +1,18 @@
 //! The order in which the error falls with the spacing of the particles.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::{
     Combination, Config, DEFAULT_REACH, Estimator, InitialLattice, InitialSmoothing, Method,
     StepRule,
 };
-
-use super::{POWERS, index_of};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use scenes::fpk::density::{Asked, Demand, run as run_density};
+use scenes::fpk::density::{Asked, Demand};
 use work_precision::order;
 use work_precision::problems::fpk::problem::Problem;
+
+use super::{POWERS, index_of};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/spatial-order",
@@ -90,8 +87,7 @@ fn errors(
         .iter()
         .map(|&n| {
             context.progress(&format!("{n} x {n} particles"));
-            let run =
-                run_density(&problem.system, &problem.law, &config(problem, n, estimator), &asked)?;
+            let run = problem.density(&config(problem, n, estimator), &asked)?;
             let row =
                 run.at(TIME).ok_or_else(|| format!("{n} x {n} particles: {:?}", run.stopped))?;
             Ok((

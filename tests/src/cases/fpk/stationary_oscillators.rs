@@ -1,24 +1,21 @@
 //! Oscillators with an exact stationary law, from a Gaussian, with fresh lattices laid over the cloud on the way.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::StationaryOscillator;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
     StepRule,
 };
+use scenes::fpk::density::{Asked, Demand, run_on};
+use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 
 use super::invariance::over_threads;
 use super::{row, scene};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::fpk::density::{Asked, Demand, run_on};
-use scenes::fpk::scene_system::SceneSystem;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",
@@ -55,7 +52,7 @@ fn config(method: Method, reach: f64, spacing: f64, reference_period: f64) -> Co
 fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/duffing.json");
     let scene = scene("tests/scenes/fpk/duffing.json", text)?;
-    let SceneSystem::Duffing(system) = scene.system.build()? else {
+    let System::Duffing(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;
@@ -82,7 +79,7 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 fn van_der_pol(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let text = include_str!("../../../scenes/fpk/van_der_pol.json");
     let scene = scene("tests/scenes/fpk/van_der_pol.json", text)?;
-    let SceneSystem::VanDerPol(system) = scene.system.build()? else {
+    let System::VanDerPol(system) = scene.system.build()? else {
         return Err("the scene holds another system".into());
     };
     let law = scene.initial.build(None)?;

@@ -1,18 +1,15 @@
 //! The building with a viscous damper of the paper's section 4.1, by the better method.
 
-use crate::case::Schedule;
+use figures::Measured;
 use fpk_sph::{Config, Error, Method, Remapping};
+use work_precision::charts;
+use work_precision::problems::fpk::problem::Problem;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::Measured;
-use scenes::fpk::density::run;
-use work_precision::charts;
-use work_precision::problems::fpk::problem::Problem;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.1; references by grid, Monte Carlo and importance sampling";
@@ -66,7 +63,7 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         .density_config(problem.system.period(), 1.0)
         .ok_or("the scene has no density method")?;
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
-    let run = run(&problem.system, &problem.law, &config, &asked(&times, &problem, true))?;
+    let run = problem.density(&config, &asked(&times, &problem, true))?;
     let method = run.words("log-density fit, box of 6 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
     let mut claims = moments(
@@ -89,7 +86,7 @@ fn refined(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         .method
         .density_config(problem.system.period(), 2.0)
         .ok_or("the scene has no density method")?;
-    let run = run(&problem.system, &problem.law, &config, &asked(&SHAKING, &problem, false))?;
+    let run = problem.density(&config, &asked(&SHAKING, &problem, false))?;
     let method = run.words("log-density fit, box of 6 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
     moments(&judge, 0.003, "a quarter of the truncation at half the spacing: 0.22 to 0.25 %")
@@ -158,7 +155,7 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         .ok_or("the scene has no density method")?;
     let config = Config { method: Method::FlowMapFit, ..config };
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
-    let run = run(&problem.system, &problem.law, &config, &asked(&times, &problem, true))?;
+    let run = problem.density(&config, &asked(&times, &problem, true))?;
     let method = run.words("flow-map fit, box of 6 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
     let reason = "truncation of the cubic fit; seen within 0.081 %, the most at t = 1 in E[v^2], and within 0.05 % after the \
@@ -196,7 +193,7 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ("with", fresh_lattices(remapping, 40.0), [(-0.06, 0.03), (-0.6, -0.15)]),
     ] {
         let config = Config { method, ..config };
-        let run = run(&problem.system, &problem.law, &config, &asked(&times, &problem, true))?;
+        let run = problem.density(&config, &asked(&times, &problem, true))?;
         let words = run.words(&format!("flow-map fit, box of 6 sigma, {id} fresh lattices"));
         let judge = Judge { context, problem: &problem, run: &run, id, method: words };
         let reason = "truncation of the cubic fit; seen within 0.045 % with and without";

@@ -1,14 +1,12 @@
 //! A plate of glass with a notch, pulled at once: the crack branches.
 
-use crate::case::Schedule;
+use figures::{Field, Words, field};
 use peridyn_sde::{Loading, Notch, Program};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
-use figures::{Field, Words, field};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/branching",

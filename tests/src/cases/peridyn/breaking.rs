@@ -1,17 +1,14 @@
 //! Plates in noise and without load: how many bonds break, by step and by temperature.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::Scheme;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::problems::peridyn::background::{broken, noise_of_bonds, temperature};
 use work_precision::problems::peridyn::first_passage::rate;
 use work_precision::problems::peridyn::network::Network;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const LATTICE: Case = Case {
     id: "peridyn-sde/breaking-by-step",

@@ -1,6 +1,5 @@
 //! Waves in a long bar: how their frequency depends on their length.
 
-use crate::case::Schedule;
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, Nodes, Strain,
     SurfaceCorrection, VolumeCorrection,
@@ -8,8 +7,7 @@ use peridyn_sde::{
 use serde_json::Value;
 
 use super::rest::numbers;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

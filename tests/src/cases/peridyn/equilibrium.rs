@@ -1,26 +1,23 @@
 //! The stationary law of each scheme on small networks: exactly, and sampled.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use nalgebra::DMatrix;
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Error,
     Mobility, Scheme, Simulation, SimulationConfig,
 };
 use sde_integrators::Noise;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::problems::peridyn::network::{
     Network, distance, foster, lanes, rate, stationary,
 };
 use work_precision::problems::peridyn::stationary::{
     TEMPERATURE, covariance_of_baoab, law_of, overdamped,
 };
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/equilibrium",

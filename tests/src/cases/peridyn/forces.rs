@@ -1,6 +1,5 @@
 //! Forces of a strained block, against LAMMPS and between all paths.
 
-use crate::case::Schedule;
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, LatticeBody,
@@ -8,8 +7,7 @@ use peridyn_sde::{
 };
 use serde::Deserialize;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

@@ -1,18 +1,16 @@
 //! From cracks back to strength, correlation length and `kT`: do posterior intervals hold the truth?
 
-use crate::case::Schedule;
+use figures::Measured;
 use peridyn_sde::inference::{
     Emulator, EmulatorMixture, LoadSummary, Observations, Parameter, ParameterPosterior,
     ParameterSpace, Posterior, Prior, SamplerConfig, Scale, Summaries, SummaryConfig, Verdict,
 };
 use sde_integrators::{Estimate, Noise, Purpose};
+use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use figures::Measured;
-use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/inference",

@@ -1,17 +1,13 @@
 //! A plate of steel with two notches that is struck between them: two cracks at a steep angle to the notches.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Field, Reference, Words, field};
 use peridyn_sde::{Loading, Notch};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use figures::{Field, Words, field};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/kalthoff-winkler",

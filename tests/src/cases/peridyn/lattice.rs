@@ -1,15 +1,13 @@
 //! What bonds on a lattice amount to: stiffness, strain energy, energy of a crack.
 
-use crate::case::Schedule;
 use peridyn_sde::{Condition, Horizon, Influence, VolumeCorrection};
 use serde_json::Value;
+use work_precision::problems::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 
 use super::rest::number;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use work_precision::problems::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/lattice",

@@ -1,16 +1,14 @@
 //! Bonds that wear out: the exact step of their law against an integration that shares nothing with it.
 
-use crate::case::Schedule;
 use peridyn_sde::BondLaw;
 use peridyn_sde::law::Memory;
 use serde_json::Value;
+use work_precision::problems::peridyn::memory::{Wear, stepped};
 
 use super::rest::{number, numbers};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use work_precision::problems::peridyn::memory::{Wear, stepped};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/memory",

@@ -1,16 +1,14 @@
 //! How far cracks from a notch scatter, and whether that survives another lattice.
 
-use crate::case::Schedule;
+use figures::Measured;
 use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, CrackOutcome, Interval};
 use sde_integrators::Noise;
+use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use figures::Measured;
-use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/notched-plate",

@@ -1,13 +1,11 @@
 //! The note as printed: where it is off, and by how much.
 
-use crate::case::Schedule;
 use peridyn_sde::{
     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
     VolumeCorrection,
 };
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

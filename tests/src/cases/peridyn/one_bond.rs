@@ -1,17 +1,14 @@
 //! One bond in noise: when it first comes to its strength.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::{Breaking, Scheme};
+use work_precision::problems::peridyn::first_passage::{rate, rate_with_bridge};
+use work_precision::problems::peridyn::one_bond::{BONDS, seen};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use work_precision::problems::peridyn::first_passage::{rate, rate_with_bridge};
-use work_precision::problems::peridyn::one_bond::{BONDS, seen};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/one-bond",

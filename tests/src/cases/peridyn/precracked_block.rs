@@ -1,6 +1,5 @@
 //! A block with a flat notch, pulled apart: its crack front, by two paths, on any number of threads.
 
-use crate::case::Schedule;
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Fractured, FrontPoint,
     Horizon, Influence, LatticeBody, Loading, Nodes, PathConfig, PlaneNotch, Simulation,
@@ -8,8 +7,7 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

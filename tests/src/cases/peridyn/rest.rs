@@ -1,13 +1,11 @@
 //! A bar and a plate at rest under a pull at their ends.
 
-use crate::case::Schedule;
 use peridyn_sde::{
     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, SurfaceCorrection, VolumeCorrection,
 };
 use serde_json::Value;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::peridyn::rest::displacements;
 use crate::report::Claim;

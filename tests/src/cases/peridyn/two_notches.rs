@@ -1,20 +1,17 @@
 //! A plate with two notches of which neither is preferred: noise chooses.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::{
     BondList, Bonds, Breaking, Dynamics, Fractured, Loading, Mobility, Nodes, Notch, PathConfig,
     Program, Scheme, Simulation, SimulationConfig, Strain, crack_path,
 };
 use sde_integrators::Noise;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/two-notches",

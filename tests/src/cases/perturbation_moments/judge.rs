@@ -1,20 +1,17 @@
 //! The Monte Carlo judge: raw and controlled, against quadrature; the other ways to differentiate.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use perturbation_moments::{
     CentralDifferences, Expansion, ForwardDifferentiation, HighestOrder, JetCurvature,
     JetDifferentiation, Judgement, Moments, MonteCarlo, RandomVector, Response,
 };
 use sde_integrators::Estimate;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::{Criterion, STANDARD_ERRORS};
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::{Visitor, visit};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/judge",

@@ -1,14 +1,12 @@
 //! 51 cases against automatic differentiation, OpenTURNS and quadrature.
 
-use crate::case::Case;
-use crate::case::Schedule;
-use crate::case::{CaseError, Context, Profile};
+use figures::{ErrorKind, Measured, Reference};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::{Assessed, assess};
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/reference",

@@ -1,14 +1,12 @@
 //! The warning against the truth: how often it is right.
 
-use crate::case::Schedule;
+use figures::Measured;
 use perturbation_moments::{Trust, Verdict};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::{Assessed, assess};
 use crate::report::Claim;
-use figures::Measured;
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/trust",

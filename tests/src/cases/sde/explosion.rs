@@ -1,20 +1,17 @@
 //! Where Euler-Maruyama explodes on `dX = -X^3 dt + sigma dB`, and how the library says so.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, Error, EulerMaruyama, Increment, Integrator, Observable, Sra1, StepError,
     StochasticTheta, TamedEuler, simulate,
 };
+use work_precision::problems::sde::problems::Cubic;
+use work_precision::problems::sde::reference::Explosion as Survey;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
 use crate::sde::explosion::departures;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use work_precision::problems::sde::problems::Cubic;
-use work_precision::problems::sde::reference::Explosion as Survey;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/explosion",

@@ -1,20 +1,17 @@
 //! Fields: the noisy heat equation on a rod, short and long.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use rayon::prelude::*;
 use sde_integrators::{
     DenseFactor, DiagonalFactor, Error, FieldIntegrator, FieldPath, LinearTheta, Noise,
     NoiseFactor, Shark, SkRock, SparseFactor,
 };
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::problems::sde::problems::Rod;
 use work_precision::problems::sde::stability::sk_rock_factors;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/fields",

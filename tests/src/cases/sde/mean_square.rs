@@ -1,20 +1,17 @@
 //! Mean-square stability on `dX = l X dt + m X dB`: the amplification of one step by quadrature, never by sampling.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
-    DiagonalNoise, Increment, Integrator, SkRock, StochasticTheta, StratonovichForm,
+    DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, Milstein, SkRock, StochasticTheta,
+    StratonovichForm,
 };
-use sde_integrators::{EulerMaruyama, Heun, Milstein};
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::problems::sde::problems::Geometric;
 use work_precision::problems::sde::reference::MeanSquare;
 use work_precision::problems::sde::stability::{Formula, boundary, formula_boundary};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/mean-square-stability",

@@ -1,15 +1,7 @@
 //! Strong, weak and noise-free orders of every method of the tables.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use crate::sde::order_claims::{Tolerance, claim};
-use figures::ErrorKind;
-use figures::Reference;
 use work_precision::order;
 use work_precision::problems::sde::linear::StepMap;
 use work_precision::problems::sde::methods::{Method, additive, diagonal, follow, second_order};
@@ -18,6 +10,11 @@ use work_precision::problems::sde::problems::{
     Ageing, Duffing, Geometric, HyperbolicSine, Oscillator, Populations, Sine,
 };
 use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
+use crate::sde::order_claims::{Tolerance, claim};
 
 pub(crate) const ADDITIVE: Case = Case {
     id: "sde-integrators/order-additive",

@@ -1,19 +1,16 @@
 //! The bias of `E[q^2]` of the oscillator with a viscous damper against the step length, by coupled differences.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::ViscousDamper;
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, Sra1, StrangOscillator};
 use work_precision::problems::sde::damper::viscous_damper_at_rest;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::problems::sde::methods::{Method, follow, method};
 use work_precision::problems::sde::orders::{Level, Study, measure};
 use work_precision::problems::sde::reference::OscillatorBias;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-bias",

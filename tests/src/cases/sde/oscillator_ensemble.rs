@@ -1,7 +1,7 @@
 //! Ensembles of the paper's oscillator with viscous damper against an independent code; and proof that the comparison
 //! can fail: with a constant changed, it does.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
@@ -9,15 +9,12 @@ use sde_integrators::{
     Baoab, EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
     StrangOscillator, simulate,
 };
+use work_precision::problems::sde::reference::OscillatorEnsemble;
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::sde_ensembles::sampled;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use work_precision::problems::sde::reference::OscillatorEnsemble;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-ensemble",

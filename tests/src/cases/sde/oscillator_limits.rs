@@ -1,13 +1,11 @@
 //! The largest stable step of a linear oscillator: the spectral radius of one step against formulas.
 
-use crate::case::Case;
-use crate::case::Schedule;
-use crate::case::{CaseError, Context, Profile};
+use figures::{ErrorKind, Measured, Reference};
+use work_precision::problems::sde::oscillator_limits::{Limited, METHODS, formula, measured};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use work_precision::problems::sde::oscillator_limits::{Limited, METHODS, formula, measured};
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-stability",

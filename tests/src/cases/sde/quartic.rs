@@ -1,21 +1,18 @@
 //! The stationary law of `dX = -X^3 dt + sqrt(2) dB` under each method, by iterating its transition operator: no
 //! sampling.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Shark, Sra1, StepError,
     StochasticTheta, TamedEuler,
 };
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::order;
 use work_precision::problems::sde::problems::Cubic;
 use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/quartic-law",

@@ -1,20 +1,17 @@
 //! Stationary laws of the linear oscillator by the discrete Lyapunov equation: no sampling.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     Additive, Baoab, EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Sde,
     SecondOrder, SemiImplicitEuler, Sra1, StateSpace, StepError, StochasticTheta, StrangOscillator,
 };
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::claim::Criterion;
-use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 use work_precision::order;
 use work_precision::problems::sde::linear::probe;
 use work_precision::problems::sde::problems::Oscillator;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/stationary-law",

@@ -1,17 +1,14 @@
 //! Paths that fail are counted and told, never dropped.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, Observable, Sampling, Sde, SimdLevel, Study,
 };
 
 use super::sampled;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/failures",

@@ -1,18 +1,15 @@
 //! First passage: what happens between the steps, by the right rule and by the wrong ones.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use sde_integrators::{
     Additive, Between, EnsembleConfig, Estimate, EulerMaruyama, GaussianMixture, Response, Sde,
     Side, StrangOscillator, maxima,
 };
 
 use super::{Oscillator, against_exact, sampled, upper_tail};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/first-passage",

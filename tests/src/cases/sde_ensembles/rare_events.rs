@@ -1,6 +1,6 @@
 //! Rare events and smaller errors: importance sampling, subset simulation, control variates, antithetic paths.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     Additive, DrivenPath, Ensemble, EnsembleConfig, Error, EulerMaruyama, Noise, Observable,
     Sampling, Sde, SimdLevel, StrangOscillator, Study, SubsetConfig, design_point,
@@ -8,12 +8,9 @@ use sde_integrators::{
 };
 
 use super::{Oscillator, against_exact, upper_tail};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/rare-events",

@@ -1,14 +1,12 @@
 //! The same bits for any number of threads, any division into shards, every level of instructions, and after a file.
 
-use crate::case::Schedule;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Error, GaussianMixture, Observable, Outcome, Sampling, ShardRecord,
     SimdLevel, StrangOscillator, Study, Uncertainty, merge,
 };
 
 use super::Oscillator;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

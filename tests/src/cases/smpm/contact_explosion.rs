@@ -1,19 +1,17 @@
 //! The two examples of Chen et al. 2019: jets against whole runs, differenced and sampled, and the frozen formulas beside them.
 
-use crate::case::Schedule;
 use std::sync::Arc;
 
 use perturbation_moments::{Moments, MonteCarlo};
+use scenes::smpm::experiment::SceneExperiment;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
 use smpm::{Plan, Quantity};
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
-use scenes::smpm::experiment::SceneExperiment;
 use work_precision::problems::smpm::problems::{Problem, experiment};
 use work_precision::quantile::quantile;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 
 const SOURCE: &str =
     "own whole runs; Chen et al. 2019, section 5, with the geometry of docs/methods/smpm.md";

@@ -1,6 +1,5 @@
 //! TNT: the state behind its front, and what it does to steel that it touches.
 
-use crate::case::Schedule;
 use perturbation_moments::{Jet, Scalar};
 use smpm::material::{Detonation, Fluid, Jwl, MieGruneisen, Solid, Units, library};
 use smpm::{
@@ -8,8 +7,7 @@ use smpm::{
     Transfer,
 };
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

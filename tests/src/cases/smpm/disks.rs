@@ -1,6 +1,5 @@
 //! Two elastic disks that collide: when they touch, what is kept, what they part with.
 
-use crate::case::Schedule;
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
@@ -8,8 +7,7 @@ use smpm::{
 };
 
 use super::methods::{METHODS, Method, ended};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

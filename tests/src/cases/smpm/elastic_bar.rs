@@ -1,7 +1,6 @@
 //! An elastic bar, in its first mode and against a wall: closed forms, order, energy and momentum, by shape function, update
 //! order and transfer.
 
-use crate::case::Schedule;
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
@@ -10,8 +9,7 @@ use smpm::{
 };
 
 use super::methods::{METHODS, Method, ended};
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 

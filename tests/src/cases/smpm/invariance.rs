@@ -1,12 +1,10 @@
 //! The same bits on any number of threads, in numbers and with derivatives.
 
-use crate::case::Schedule;
 use smpm::uncertainty::Study;
-
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::report::Claim;
 use work_precision::problems::smpm::problems::{Problem, experiment};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/invariance",

@@ -1,19 +1,16 @@
 //! A point of steel at a constant rate: what jets carry and what the frozen formulas say, against quadrature.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use perturbation_moments::{AlongDirections, Jet, Moments, RandomVector, Scalar};
 use rayon::prelude::*;
 use serde::Deserialize;
 use smpm::Number;
 use smpm::material::{JohnsonCook, JohnsonCookParameters, Now, Observed, Strength};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/johnson-cook-point",

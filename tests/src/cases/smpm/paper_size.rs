@@ -1,23 +1,20 @@
 //! The second example of Chen et al. 2019 with as many particles as there, beside its tables.
 
-use crate::case::Schedule;
 use std::collections::BTreeMap;
 
+use figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::{SmpmScene, SolidScene};
 use serde::Deserialize;
 use smpm::Quantity;
 use smpm::uncertainty::{Propagated, Study};
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::scene::{SmpmScene, SolidScene};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/paper-size",

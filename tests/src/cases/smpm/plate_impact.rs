@@ -1,14 +1,12 @@
 //! A plane shock: its state and the variance of its pressure, exact by the Hugoniot.
 
-use crate::case::Schedule;
+use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 use smpm::uncertainty::{FrozenForm, Study};
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
-use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/plate-impact",

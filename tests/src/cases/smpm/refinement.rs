@@ -1,16 +1,13 @@
 //! What of the contact explosion converges with the cell, and what does not at the cell of the paper.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use smpm::uncertainty::Experiment;
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/refinement",

@@ -1,11 +1,9 @@
 //! Riemann problems between gases, liquids and metal as stiffened gases: profiles against the exact solution.
 
-use crate::case::Schedule;
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Side, Simulation, Transfer};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::report::Claim;
 use crate::smpm::riemann::{Gas, Riemann};

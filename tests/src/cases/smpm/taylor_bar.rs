@@ -1,18 +1,15 @@
 //! A cylinder of copper that runs end on into a rigid wall, axisymmetric and as a quarter in three dimensions.
 
-use crate::case::Schedule;
+use figures::{ErrorKind, Reference};
 use serde::Deserialize;
 use smpm::Body;
 use smpm::uncertainty::Experiment;
+use work_precision::problems::smpm::problems::{Problem, experiment};
 
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
-use figures::ErrorKind;
-use figures::Reference;
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 const SOURCE: &str = "shape of the recovered bar: Johnson and Holmquist 1988, a secondary source, from memory and not looked up; set-up and constants of the Taylor bar of MPM3D-F90";
 

@@ -1,15 +1,13 @@
 //! Whether the indicators of a Taylor series say when to believe it: all responses of the two explosions.
 
-use crate::case::Schedule;
 use smpm::uncertainty::Switch;
-
-use super::contact_explosion::solved;
-use crate::case::Case;
-use crate::case::{CaseError, Context, Profile};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
 use work_precision::problems::smpm::problems::Problem;
 use work_precision::quantile::quantile;
+
+use super::contact_explosion::solved;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/trust",

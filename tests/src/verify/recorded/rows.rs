@@ -1,11 +1,10 @@
 //! The rows of a case: all claims where they are few, the worst of each family where they are many.
 
-use crate::report::{CaseRecord, Claim};
 use figures::ErrorKind;
-use figures::markdown;
-use figures::markdown::text;
-use figures::number;
-use figures::number::counted;
+use figures::markdown::{self, text};
+use figures::number::{self, counted};
+
+use crate::report::{CaseRecord, Claim};
 
 /// Of more claims than this the worst are shown.
 pub(super) const MOST_ROWS: usize = 12;

@@ -1,13 +1,12 @@
+use figures::{ErrorKind, Measured, Reference};
+use scenes::machine::Machine;
+
 use super::rows::MOST_ROWS;
 use super::*;
-use crate::case::Case;
-use crate::case::Schedule;
+use crate::case::{Case, Schedule};
 use crate::claim::{Criterion, Subject};
 use crate::report::Claim;
 use crate::verify::fingerprint::tests::workspace;
-use figures::ErrorKind;
-use figures::{Measured, Reference};
-use scenes::machine::Machine;
 
 const METHOD: &str = "log-density fit";
 const TRUNCATION: &str = "truncation < 1 %";

@@ -3,9 +3,10 @@
 use fpk_sph::Method as FpkMethod;
 use serde_json::{Map, Value};
 
+use crate::fpk::integrator_scene::IntegratorScene;
 use crate::fpk::lattice_scene::LatticeScene;
 use crate::fpk::law_scene::LawScene;
-use crate::fpk::method_scene::{IntegratorScene, MethodScene};
+use crate::fpk::method_scene::MethodScene;
 use crate::fpk::scene::{FpkScene, Times};
 use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use figures::{Drawing, Plane, Words};
 use fpk_sph::{Config, InitialLattice, Simulation};
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use sde_integrators::Sde;
@@ -12,12 +13,9 @@ use serde::{Deserialize, Serialize};
 use crate::fpk::density::{Row, Standing};
 use crate::fpk::plane_density::plane_density;
 use crate::fpk::scene::FpkScene;
-use crate::kind::RunError;
-use crate::kind::SolverError;
+use crate::kind::{RunError, SolverError};
 use crate::machine::Machine;
 use crate::output::write_to_disk;
-use figures::Drawing;
-use figures::{Plane, Words};
 
 /// The bandwidth of a plane's density over the spacing of the lattice.
 const BANDWIDTH_OVER_SPACING: f64 = 0.6;

@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
+use super::observed::{ErrorOrigin, Observed};
 use super::two_resolutions::{TwoResolutions, Unknown};
 use crate::fpk::density::{Exceedances, Row};
 use crate::fpk::scene::FpkScene;
-use crate::fpk::scene_system::SceneSystem;
+use crate::fpk::system::System;
 use crate::machine::Machine;
 
 /// Everything that came of a run: the schema `run-result/1`.
@@ -46,38 +47,6 @@ pub(super) struct Series {
     pub(super) values: Vec<Observed>,
 }
 
-/// A quantity at a time, with its error.
-#[derive(Debug, Serialize)]
-pub(super) struct Observed {
-    pub(super) t: f64,
-    pub(super) value: f64,
-    pub(super) error: Option<f64>,
-    pub(super) error_kind: ErrorOrigin,
-    /// What the value rests on, where that is not firm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) note: Option<String>,
-}
-
-impl Observed {
-    /// The value, unless its error leaves nothing of it.
-    pub(super) fn known(&self) -> Option<f64> {
-        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
-    }
-}
-
-/// Where an error comes from.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum ErrorOrigin {
-    /// A second run with fewer intervals per axis, and the fitted order 2.
-    TwoResolutions,
-    StandardError,
-    Bound,
-    /// A count.
-    Exact,
-    Unknown,
-}
-
 /// An estimator of exceedance, as the end of an id and as a field.
 type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
 
@@ -89,7 +58,7 @@ const ESTIMATORS: [Estimator; 3] = [
 ];
 
 /// All quantities of the scene; those that the method does not give are left out.
-pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &SceneSystem) -> Vec<Series> {
+pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
     let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
     let mut all = Vec::new();
     for (k, powers) in scene.moments.iter().enumerate() {
@@ -158,6 +127,6 @@ pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
 }
 
 /// The name of what exceeds the thresholds.
-pub(super) fn demand_name(scene: &FpkScene, system: &SceneSystem) -> String {
+pub(super) fn demand_name(scene: &FpkScene, system: &System) -> String {
     scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
 }

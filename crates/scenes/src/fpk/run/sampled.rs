@@ -1,22 +1,22 @@
 //! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
 
+use figures::number::with_uncertainty;
 use sde_integrators::{Estimate, Uncertainty};
 
-use super::record::{ErrorOrigin, Observed, Series, WorkRecord, moment_id, moment_words};
+use super::observed::{ErrorOrigin, Observed};
+use super::record::{Series, WorkRecord, moment_id, moment_words};
 use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
-use crate::fpk::monte_carlo;
-use crate::fpk::monte_carlo::{SampledRow, SampledSoFar, Sampling};
+use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
-use crate::fpk::scene_system::{SceneSystem, Visitor};
+use crate::fpk::system::{System, Visitor};
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
-use figures::number::with_uncertainty;
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
     pub(super) scene: &'a FpkScene,
-    pub(super) system: &'a SceneSystem,
+    pub(super) system: &'a System,
     pub(super) sampling: Sampling,
     pub(super) run: &'a Run<'a>,
 }
@@ -105,7 +105,7 @@ impl Visitor for Sampled<'_> {
 /// The first moment that the scene asks for, or else the first exceedance, at the last time: its estimate so far.
 fn words<const D: usize>(
     scene: &FpkScene,
-    system: &SceneSystem,
+    system: &System,
     asked: &Asked<D>,
     so_far: &SampledSoFar,
 ) -> String {

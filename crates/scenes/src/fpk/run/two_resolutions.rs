@@ -3,9 +3,8 @@
 use fpk_sph::{Config, Error, InitialLattice};
 use serde::Serialize;
 
+use super::observed::{ErrorOrigin, Observed};
 use crate::fpk::density::{DensityRun, Row};
-
-use super::record::{ErrorOrigin, Observed};
 
 /// What a run does not know, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,8 +116,9 @@ fn per_length<const D: usize>(lattice: &InitialLattice<D>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use fpk_sph::{DEFAULT_MOST_STEPS, Method};
+
+    use super::*;
 
     /// A run that has seen one moment at these times.
     fn run(moment: f64, times: &[f64]) -> DensityRun {

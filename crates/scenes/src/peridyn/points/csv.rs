@@ -1,6 +1,6 @@
 //! Points as lines of numbers between commas.
 
-use super::{COLUMNS, MOST_POINTS, Table};
+use super::table::{COLUMNS, MOST_POINTS, Table};
 
 /// What is wrong, and where.
 #[derive(Debug, Clone, PartialEq)]

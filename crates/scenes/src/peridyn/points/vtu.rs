@@ -8,7 +8,7 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use roxmltree::{Document, Node};
 
-use super::{COLUMNS, MOST_POINTS, Table};
+use super::table::{COLUMNS, MOST_POINTS, Table};
 
 /// The tag that data behind the head begin with.
 const APPENDED: &[u8] = b"<AppendedData";

@@ -1,5 +1,6 @@
 //! Pictures of an ensemble of cracks: where they run, and what the body bears.
 
+use figures::{Band, Drawing, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{self, Bootstrap, CrackEnsemble, QUANTILES};
 
@@ -8,8 +9,6 @@ use crate::kind::RunError;
 use crate::machine::Machine;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
-use figures::Drawing;
-use figures::{Band, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 
 /// Millimetres of a metre.
 const MM: f64 = 1e3;

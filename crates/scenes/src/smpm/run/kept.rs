@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::sync::{Mutex, PoisonError};
 
-use crate::clock::CpuClock;
 use serde::{Deserialize, Serialize};
 use smpm::uncertainty::{Keep, Standing};
 
 use crate::checkpoint::{Checkpoint, CheckpointError};
+use crate::clock::CpuClock;
 
 /// What a checkpoint holds of a run.
 #[derive(Debug, Serialize, Deserialize)]

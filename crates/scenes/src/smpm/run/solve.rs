@@ -1,9 +1,9 @@
 //! The methods of a scene, one by one.
 
-use crate::clock::CpuClock;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use figures::number::with_uncertainty;
 use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
 use sde_integrators::Accumulator;
 use serde::Serialize;
@@ -13,10 +13,10 @@ use smpm::{Error, Plan, Simulation, Window};
 use super::fields::Fields;
 use super::kept::KeptRuns;
 use crate::checkpoint::{Checkpoint, CheckpointError};
+use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
-use figures::number::with_uncertainty;
 
 /// What a run ends with.
 #[derive(Debug)]

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use particle_store::ParticleStore;
+use scenes::checkpoint::{CheckpointError, Reason};
 
 use super::*;
-use scenes::checkpoint::{CheckpointError, Reason};
 
 const BODY: &str = "\"spacing\": 0.001,";
 

@@ -1,13 +1,10 @@
 //! What a run of a method cost and how far it was off, and the charts of that.
 
+use figures::{Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
 
-use super::Scene;
 use crate::charts::fpk::cost_in_seconds;
-use figures::Drawing;
-use figures::DrawingError;
-use figures::{Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use scenes::machine::Machine;
 
 /// One run of one method, for one question.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +21,24 @@ pub(super) struct Record {
     pub(super) cpu_spread: f64,
     /// What came of it.
     pub(super) outcome: Outcome,
+}
+
+/// One scene with the records of all methods.
+pub(super) struct Scene {
+    /// Begins the names of its charts.
+    pub(super) name: &'static str,
+    pub(super) title: String,
+    /// What was asked, moments first.
+    pub(super) quantities: Vec<Quantity>,
+    pub(super) records: Vec<Record>,
+}
+
+/// One question.
+pub(super) struct Quantity {
+    pub(super) name: &'static str,
+    pub(super) title: String,
+    /// The relative error of its reference.
+    pub(super) reference_error: f64,
 }
 
 /// What came of a run.

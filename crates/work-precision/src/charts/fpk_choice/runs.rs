@@ -2,23 +2,20 @@
 
 use std::time::Duration;
 
+use figures::Reference;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::monte_carlo::{self, Sampling};
+use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
 
-use super::records::{Outcome, Record};
-use super::{Quantity, Scene, rungs};
+use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
-use crate::context::{CaseError, Context};
+use crate::context::{CaseError, Context, Profile};
 use crate::problems::fpk::grid::{GridConfig, GridDensity};
 use crate::problems::fpk::linearisation::Linearisation;
 use crate::problems::fpk::tail::TailPaths;
-use figures::Reference;
-use scenes::fpk::density;
-use scenes::fpk::density::{Asked, Demand, DensityRun, Erased};
-use scenes::fpk::method_scene::IntegratorScene;
-use scenes::fpk::monte_carlo;
-use scenes::fpk::monte_carlo::Sampling;
-use scenes::fpk::paths::Paths;
 
 /// The methods of the density solver that every scene is given: a new one is one line.
 const METHODS: &[(&str, Method)] = &[
@@ -41,6 +38,12 @@ pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladde
 
 /// Beyond this time a run is not repeated.
 const LONG: Duration = Duration::from_secs(1);
+
+/// How much of a ladder is run: its first two rungs in a quick run.
+fn rungs<T: Clone>(context: &Context<'_>, all: &[T]) -> Vec<T> {
+    let n = if context.profile == Profile::Quick { all.len().min(2) } else { all.len() };
+    all[..n].to_vec()
+}
 
 /// One probability `P(|q| > T)`.
 pub(super) struct Target {

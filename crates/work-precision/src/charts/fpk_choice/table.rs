@@ -1,14 +1,11 @@
 //! The cheapest method for a tolerance, as a table.
 
+use figures::markdown::{table, text};
+use figures::{Drawing, DrawingError, settled};
+use scenes::machine::{Machine, date};
 use serde::Serialize;
 
-use super::Scene;
-use super::records::{Outcome, Record, methods};
-use figures::Drawing;
-use figures::DrawingError;
-use figures::markdown::{table, text};
-use figures::settled;
-use scenes::machine::{Machine, date};
+use super::records::{Outcome, Record, Scene, methods};
 
 /// Relative errors for which a method is chosen.
 const TOLERANCES: [f64; 5] = [0.1, 0.03, 0.01, 0.003, 0.001];

@@ -1,11 +1,10 @@
 //! Maps of stability: the largest stable step, by formula and as measured on a step of the code.
 
+use figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 use sde_integrators::Sriw1;
 
 use crate::context::CaseError;
 use crate::problems::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
-use figures::Drawing;
-use figures::{Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 
 /// The largest stable step over the strength of the noise: formula as line, measured by quadrature as points.
 pub(super) fn mean_square() -> Result<Drawing, CaseError> {

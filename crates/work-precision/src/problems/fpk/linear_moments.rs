@@ -1,8 +1,7 @@
 //! Exact first and second moments of a linear system, and the tails of its normal law.
 
-use sde_integrators::{GaussianMixture, Sde};
-
 use figures::Reference;
+use sde_integrators::{GaussianMixture, Sde};
 
 /// The normal law of a linear system at a time, with the error of its integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -248,8 +247,8 @@ mod tests {
     };
 
     use super::*;
+    use crate::problems::fpk::oscillator::Oscillator;
     use crate::problems::fpk::problem::Problem;
-    use scenes::fpk::scene::System;
 
     #[test]
     fn the_tail_of_the_normal_law_is_that_of_the_tables() {
@@ -268,7 +267,7 @@ mod tests {
     #[test]
     fn the_linear_oscillator_has_the_moments_and_tails_of_its_reference() {
         let problem = Problem::linear_oscillator().unwrap();
-        let System::Linear(system) = &problem.system else { panic!("another system") };
+        let Oscillator::Linear(system) = &problem.system else { panic!("another system") };
         let times: Vec<f64> =
             problem.reference.times().iter().copied().filter(|t| *t > 0.0).collect();
         let laws = linear_moments(system, &problem.law, &times, 2e-3).unwrap();
@@ -334,11 +333,11 @@ mod tests {
     #[test]
     fn a_system_that_is_not_linear_and_times_out_of_order_are_refused() {
         let problem = Problem::viscous_damper().unwrap();
-        let System::Damper(damper) = &problem.system else { panic!("another system") };
+        let Oscillator::Damper(damper) = &problem.system else { panic!("another system") };
         let refused = linear_moments(damper, &problem.law, &[1.0], 0.1).unwrap_err();
         assert!(matches!(refused, LinearMomentsError::NotLinear { state: 1, .. }), "{refused}");
         let problem = Problem::linear_oscillator().unwrap();
-        let System::Linear(linear) = &problem.system else { panic!("another system") };
+        let Oscillator::Linear(linear) = &problem.system else { panic!("another system") };
         let refused = linear_moments(linear, &problem.law, &[1.0, 1.0], 0.1).unwrap_err();
         assert_eq!(refused, LinearMomentsError::Times { value: 1.0, limit: 1.0 });
     }

@@ -1,8 +1,7 @@
 //! Methods and lattices that charts and cases use on the problems of `fpk-sph`.
 
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
-
 use fpk_sph::score::{Degree, VolumeEstimate};
+use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
 
 use super::linearisation::{Linearisation, Quadrature};
 

@@ -1,13 +1,18 @@
 //! The built-in problems: each is a scene file, and has references.
 
 use fpk_sph::systems::{BoucWen, Duffing, Filtered, LinearOscillator};
+use fpk_sph::{Config, Error};
+use scenes::fpk::density::{self, Asked, DensityRun};
+use scenes::fpk::monte_carlo::{self, SampledRun, Sampling};
+use scenes::fpk::paths::PathsError;
+use scenes::fpk::scene::FpkScene;
+use scenes::fpk::system::System;
+use scenes::scene::SceneFile;
 use sde_integrators::GaussianMixture;
 
+use super::oscillator::Oscillator;
 use super::reference::ReferenceTable;
 use crate::context::CaseError;
-use scenes::fpk::scene::{FpkScene, System};
-use scenes::fpk::scene_system::SceneSystem;
-use scenes::scene::SceneFile;
 
 /// A built-in scene with its references.
 #[derive(Debug)]
@@ -15,7 +20,7 @@ pub struct Problem {
     /// The scene as it stands in its file.
     pub scene: FpkScene,
     /// Its system.
-    pub system: System,
+    pub system: Oscillator,
     /// Its initial law.
     pub law: GaussianMixture<2>,
     /// Its references.
@@ -47,9 +52,37 @@ impl Problem {
 
     fn new(name: &str, text: &str, reference: ReferenceTable) -> Result<Self, CaseError> {
         let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
-        let system = scene.system.build()?.plane().ok_or("not a system of section 4.1")?;
+        let system = Oscillator::of(scene.system.build()?).ok_or("not a system of section 4.1")?;
         let law = scene.initial.build(None)?;
         Ok(Self { scene, system, law, reference })
+    }
+
+    /// Runs the density solver on it.
+    ///
+    /// A run that ends early is a result: its rows so far, with the reason in [`DensityRun::stopped`].
+    ///
+    /// # Errors
+    /// [`Error`] where the run could not start.
+    pub fn density(&self, config: &Config<2>, asked: &Asked) -> Result<DensityRun, Error> {
+        match self.system.clone() {
+            Oscillator::Linear(system) => {
+                density::run_on(system, &self.law, config, asked, |_, _| ())
+            }
+            Oscillator::Damper(system) => {
+                density::run_on(system, &self.law, config, asked, |_, _| ())
+            }
+        }
+    }
+
+    /// Samples paths of it; [`Asked::cells`] has no meaning here.
+    ///
+    /// # Errors
+    /// Those of [`monte_carlo::run_on`].
+    pub fn sampled(&self, sampling: &Sampling, asked: &Asked) -> Result<SampledRun, PathsError> {
+        match &self.system {
+            Oscillator::Linear(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
+            Oscillator::Damper(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
+        }
     }
 }
 
@@ -57,7 +90,7 @@ impl Problem {
 fn picked<S, const D: usize>(
     name: &str,
     text: &str,
-    pick: impl FnOnce(SceneSystem) -> Option<S>,
+    pick: impl FnOnce(System) -> Option<S>,
 ) -> Result<(S, GaussianMixture<D>), CaseError> {
     let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
     let system = scene.system.build()?;
@@ -73,7 +106,7 @@ fn picked<S, const D: usize>(
 pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseError> {
     let text = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
     let (system, law) = picked("tests/scenes/fpk/bouc_wen.json", text, |system| match system {
-        SceneSystem::BoucWen(system) => Some(system),
+        System::BoucWen(system) => Some(system),
         _ => None,
     })?;
     Ok((system, law, ReferenceTable::bouc_wen()?))
@@ -86,7 +119,7 @@ pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseE
 pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
     let text = include_str!("../../../../../tests/scenes/fpk/duffing.json");
     picked("tests/scenes/fpk/duffing.json", text, |system| match system {
-        SceneSystem::Duffing(system) => Some(system),
+        System::Duffing(system) => Some(system),
         _ => None,
     })
 }
@@ -102,7 +135,7 @@ pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
 pub fn kanai_tajimi() -> Result<(ShakenOscillator, GaussianMixture<4>), CaseError> {
     let text = include_str!("../../../../../tests/scenes/fpk/kanai_tajimi.json");
     picked("tests/scenes/fpk/kanai_tajimi.json", text, |system| match system {
-        SceneSystem::KanaiTajimiLinear(system) => Some(system),
+        System::KanaiTajimiLinear(system) => Some(system),
         _ => None,
     })
 }

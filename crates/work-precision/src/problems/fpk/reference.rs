@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use figures::Reference;
 use serde::Deserialize;
 use serde_json::Value;
 
 use crate::context::CaseError;
-use figures::Reference;
 
 /// Values over time with their errors.
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! Many bonds side by side, each for itself, whose stretches are Ornstein-Uhlenbeck paths: when do they break?
 
+use figures::Measured;
 use peridyn_sde::{
     Breaking, Cause, Dynamics, Loading, Mobility, Real, Scheme, Simulation, SimulationConfig,
 };
@@ -7,7 +8,6 @@ use sde_integrators::Noise;
 
 use crate::context::CaseError;
 use crate::problems::peridyn::network::{Network, lanes_of};
-use figures::Measured;
 
 /// Bonds of a chain whose other nodes are held, each for itself.
 pub const BONDS: usize = 500;

@@ -4,13 +4,13 @@
 //! errors are differences to the reference on the same path, so that their sampling noise is small; the error of a
 //! slope is that of the jackknife over batches of paths, together with the scatter about the line.
 
+use figures::Measured;
 use rayon::prelude::*;
 use sde_integrators::{Increment, Noise, StepError};
 
 use super::methods::Method;
 use crate::context::CaseError;
 use crate::order::{self, MIN_LEVELS};
-use figures::Measured;
 
 /// Batches of the jackknife.
 const BATCHES: u64 = 32;

@@ -1,9 +1,10 @@
 //! The scenes that cases and charts look at, each with what varies between them.
 
-use crate::context::CaseError;
 use scenes::scene::SceneFile;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::{SmpmScene, TimeScene};
+
+use crate::context::CaseError;
 
 /// A scene of the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

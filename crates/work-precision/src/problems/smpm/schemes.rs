@@ -1,16 +1,16 @@
 //! Schemes of a step by name, and what two problems show of them: a plane shock in steel, an explosion.
 
 use perturbation_moments::Moments;
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::{
+    OrderScene, SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
+};
 use smpm::uncertainty::{Experiment, Study};
 use smpm::{Quantity, Simulation};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;
 use crate::stability::Work;
-use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::scene::{
-    OrderScene, SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
-};
 
 /// Shape functions with their names.
 pub const SHAPES: [(ShapeScene, &str); 4] = [

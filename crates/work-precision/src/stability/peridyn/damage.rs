@@ -1,13 +1,12 @@
 //! The step of a law that wears bonds out: the exact step of the crate against Euler's explicit one.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::BondLaw;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::peridyn::memory::{Wear, stepped};
 use crate::stability::axes::logarithmic;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-damage",

@@ -1,5 +1,6 @@
 //! How many spacings a horizon has: stiffness, anisotropy, and what a horizon that ends on nodes would do.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondConfig, Condition, Error, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
     VolumeCorrection,
@@ -10,8 +11,6 @@ use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::peridyn::lattice::{MODULUS, energy_of_middle};
 use crate::stability::axes::linear;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-horizon",

@@ -1,5 +1,6 @@
 //! The weight of bonds by their length: critical step, energy lost at a surface, energy of a lattice and of a crack.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility, Nodes,
     Scheme, Simulation, SimulationConfig, Strain, VolumeCorrection,
@@ -11,8 +12,6 @@ use crate::draw::ChartKind;
 use crate::problems::peridyn::lattice::{
     MODULUS, config, energy_of_crack, energy_of_middle, energy_of_node,
 };
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-influence",

@@ -1,5 +1,6 @@
 //! How fast a plate may be pulled, with and without the affine predictor.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondConfig, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence, LatticeBody,
     Loading, Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain,
@@ -9,8 +10,6 @@ use sde_integrators::Noise;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-load",

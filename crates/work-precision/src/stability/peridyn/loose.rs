@@ -1,5 +1,6 @@
 //! Nodes that have lost all bonds: how far they walk, and what it costs to hold them.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{Breaking, Dynamics, Mobility, Scheme, Simulation, SimulationConfig};
 use sde_integrators::Noise;
 
@@ -10,8 +11,6 @@ use crate::problems::peridyn::background::temperature;
 use crate::problems::peridyn::network::{Network, lanes};
 use crate::problems::peridyn::stationary::{TEMPERATURE, law_of};
 use crate::stability::axes::logarithmic;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-loose",

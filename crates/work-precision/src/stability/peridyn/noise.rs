@@ -1,5 +1,6 @@
 //! Strength over noise: how many bonds of a plate break that nobody loads.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::Scheme;
 
 use crate::context::{CaseError, Context, Profile};
@@ -10,8 +11,6 @@ use crate::problems::peridyn::background::{
 use crate::problems::peridyn::first_passage::rate;
 use crate::problems::peridyn::network::Network;
 use crate::stability::axes::linear;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-noise",

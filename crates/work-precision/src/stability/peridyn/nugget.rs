@@ -1,7 +1,9 @@
 //! A mobility that couples nodes: what a smooth correlation without a nugget costs.
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use nalgebra::DVector;
 use peridyn_sde::{CorrelatedMobility, Correlation, CorrelationFunction, Error, Mobility, Scheme};
+use scenes::causes::with_causes;
 use sde_integrators::Noise;
 
 use super::modes;
@@ -10,9 +12,6 @@ use crate::draw::ChartKind;
 use crate::problems::peridyn::network::Network;
 use crate::problems::peridyn::stationary::overdamped;
 use crate::stability::axes::logarithmic;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
-use scenes::causes::with_causes;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-nugget",

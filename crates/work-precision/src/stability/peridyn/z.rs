@@ -2,6 +2,7 @@
 
 mod stretched;
 
+use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{Mobility, Scheme};
 
 use super::{modes, point};
@@ -10,8 +11,6 @@ use crate::draw::ChartKind;
 use crate::problems::peridyn::network::{Network, rate};
 use crate::problems::peridyn::stationary::{TEMPERATURE, covariance_of_baoab, law_of, overdamped};
 use crate::stability::axes::logarithmic;
-use figures::Drawing;
-use figures::{Curve, CurvePoint, Curves, Scale, Threshold, Words};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-z",

@@ -1,17 +1,16 @@
 //! Where Taylor series end: the coefficient of variation, first yield, the arrival of a shock.
 
+use figures::{
+    Drawing, Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
+    TimeSeries, Words, WorkPrecision,
+};
 use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
 
 use crate::context::{CaseError, Context, Profile};
 use crate::problems::smpm::problems::{Problem, experiment};
-use figures::Drawing;
-use figures::{
-    Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale, TimeSeries,
-    Words, WorkPrecision,
-};
-use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 
 /// Above this ratio of curvature to slope the variance of a Taylor series is not to be believed.
 const TRUSTED: f64 = 0.03;

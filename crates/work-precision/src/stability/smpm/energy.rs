@@ -1,15 +1,14 @@
 //! The energy of an explosion over the Courant number.
 
+use figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use rayon::prelude::*;
+use scenes::causes::with_causes;
+use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene, TransferScene};
 
 use crate::context::CaseError;
 use crate::problems::smpm::schemes::{Explosion, FLIP, ORDERS, SHAPES, scheme};
 use crate::stability::Work;
 use crate::stability::axes::logarithmic;
-use figures::Drawing;
-use figures::{Method, Reading, Run, RunOutcome, Words, WorkPrecision};
-use scenes::causes::with_causes;
-use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene, TransferScene};
 
 /// Until when it is followed (us).
 const TIME: f64 = 40.0;

@@ -1,11 +1,10 @@
 //! Numerical fracture: a gas whose particles move apart until they no longer see each other.
 
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Config, Fill, Shape, Simulation, Transfer};
 
 use crate::context::CaseError;
-use figures::Drawing;
-use figures::{Line, Scale, TimeSeries, Words};
 
 const SHAPES: [(Shape, &str); 4] = [
     (Shape::Linear, "linear"),

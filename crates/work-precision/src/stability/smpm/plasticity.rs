@@ -1,12 +1,11 @@
 //! The plastic strain that noise of crossed cells makes, at gauge H of an explosion.
 
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use rayon::prelude::*;
+use scenes::smpm::scene::TransferScene;
 
 use crate::context::CaseError;
 use crate::problems::smpm::schemes::{Explosion, FLIP, SHAPES, scheme};
-use figures::Drawing;
-use figures::{Line, Scale, TimeSeries, Words};
-use scenes::smpm::scene::TransferScene;
 
 /// Edges of cells (cm).
 const CELLS: [f64; 2] = [0.5, 0.25];

@@ -1,12 +1,12 @@
 //! A plane shock in steel: Courant number against linear viscosity and against particles per cell.
 
+use figures::{Drawing, Scale};
+use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene};
+
 use crate::context::CaseError;
 use crate::problems::smpm::schemes::{FLIP, ORDERS, SHAPES, Shock, scheme};
 use crate::stability::axes::{linear, logarithmic, words};
 use crate::stability::{Panel, Work};
-use figures::Drawing;
-use figures::Scale;
-use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene};
 
 /// Most steps of a run: ten times what a usual one takes.
 const MOST_STEPS: u64 = 10_000;

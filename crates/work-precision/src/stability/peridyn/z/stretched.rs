@@ -1,5 +1,6 @@
 //! A body that is stretched becomes stiffer across its bonds than it was when its step was checked.
 
+use figures::{Drawing, Scale};
 use nalgebra::DMatrix;
 use peridyn_sde::{
     BondList, Breaking, Dynamics, Loading, Mobility, Program, Scheme, Simulation, SimulationConfig,
@@ -12,8 +13,6 @@ use crate::context::CaseError;
 use crate::problems::peridyn::network::Network;
 use crate::stability::axes::{linear, words};
 use crate::stability::{Panel, Work};
-use figures::Drawing;
-use figures::Scale;
 
 /// Steps in which it is stretched, and steps after that.
 const STEPS: [u64; 2] = [200, 8000];

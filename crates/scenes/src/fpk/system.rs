@@ -5,14 +5,13 @@ use fpk_sph::systems::{
     LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
 };
 
-use super::method_scene::IntegratorScene;
+use super::integrator_scene::IntegratorScene;
 use super::paths::Paths;
-use super::scene::System;
 
 /// A system that has been checked, of any dimension.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum SceneSystem {
+pub enum System {
     /// A linear oscillator.
     LinearOscillator(LinearOscillator),
     /// A viscous damper.
@@ -64,7 +63,7 @@ pub trait Visitor {
         S: Paths<D, M>;
 }
 
-impl SceneSystem {
+impl System {
     /// Hands the system to a visitor as its own type.
     pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
         match self {
@@ -177,16 +176,6 @@ impl SceneSystem {
             Self::CloughPenzienDamper(system) => rows(system.filter().stationary_covariance()),
             _ => return None,
         })
-    }
-
-    /// The system, where it is one of the two of section 4.1 of the paper.
-    #[must_use]
-    pub fn plane(&self) -> Option<System> {
-        match self {
-            Self::LinearOscillator(system) => Some(System::Linear(system.clone())),
-            Self::ViscousDamper(system) => Some(System::Damper(system.clone())),
-            _ => None,
-        }
     }
 }
 

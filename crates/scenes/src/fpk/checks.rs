@@ -1,0 +1,20 @@
+//! Checks of the numbers and lists of a scene.
+
+use crate::scene::Objection;
+
+pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
+    if count == states.len() {
+        return Ok(());
+    }
+    let message = format!("there are {count} entries; the system has {} states", states.len());
+    Err(Objection::new(path, message).with_help(format!("the states are {}", states.join(", "))))
+}
+
+/// Objects to the value at a path unless it is as it must be.
+pub(super) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
+    if holds {
+        Ok(())
+    } else {
+        Err(Objection::new(path, format!("{value} was given; it must be {limit}")))
+    }
+}

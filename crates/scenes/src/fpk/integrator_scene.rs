@@ -1,0 +1,34 @@
+//! How a scene steps sampled paths.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How a path is stepped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum IntegratorScene {
+    /// Forward Euler, the paper's.
+    EulerMaruyama,
+    /// Semi-implicit Euler.
+    SemiImplicitEuler,
+    /// Strang splitting with exact rotation and damper flow.
+    StrangOscillator,
+    /// The same for the hysteretic oscillator.
+    StrangBoucWen,
+    /// Two drifts, strong order 1.5, for any system with additive noise.
+    Shark,
+}
+
+impl IntegratorScene {
+    /// Its name for the reader.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EulerMaruyama => "forward Euler",
+            Self::SemiImplicitEuler => "semi-implicit Euler",
+            Self::StrangOscillator => "Strang",
+            Self::StrangBoucWen => "Strang with hysteresis",
+            Self::Shark => "ShARK",
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! A value of a run with its error.
+
+use serde::Serialize;
+
+/// A quantity at a time, with its error.
+#[derive(Debug, Serialize)]
+pub(super) struct Observed {
+    pub(super) t: f64,
+    pub(super) value: f64,
+    pub(super) error: Option<f64>,
+    pub(super) error_kind: ErrorOrigin,
+    /// What the value rests on, where that is not firm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) note: Option<String>,
+}
+
+impl Observed {
+    /// The value, unless its error leaves nothing of it.
+    pub(super) fn known(&self) -> Option<f64> {
+        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
+    }
+}
+
+/// Where an error comes from.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ErrorOrigin {
+    /// A second run with fewer intervals per axis, and the fitted order 2.
+    TwoResolutions,
+    StandardError,
+    Bound,
+    /// A count.
+    Exact,
+    Unknown,
+}

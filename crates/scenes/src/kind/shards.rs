@@ -1,0 +1,106 @@
+//! The part of an ensemble that a run computes, and the files of its shards.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::inputs::Inputs;
+use super::kind_run::Run;
+use super::part::{Part, Place, ShardsError};
+use super::run_error::RunError;
+use crate::checkpoint::{read_file, write_file};
+
+impl Run<'_> {
+    /// What is to be done of the ensemble.
+    #[must_use]
+    pub fn part(&self) -> &Part {
+        &self.options.part
+    }
+
+    /// Its part of `n` things.
+    #[must_use]
+    pub fn range(&self, n: u64) -> Range<u64> {
+        match &self.options.part {
+            Part::Shard(place) => place.of(n),
+            Part::Whole | Part::Merged(_) => 0..n,
+        }
+    }
+
+    /// Refuses shards, and ranks that would share them, for a method that has none.
+    ///
+    /// # Errors
+    /// [`RunError::NoShards`].
+    pub fn no_shards(&self) -> Result<(), RunError> {
+        let is_whole = self.options.part == Part::Whole && self.ranks.is_none();
+        if is_whole { Ok(()) } else { Err(RunError::NoShards) }
+    }
+
+    /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene and files it is.
+    ///
+    /// # Errors
+    /// [`RunError::Checkpoint`], [`RunError::Identity`].
+    pub fn write_shard<T: Serialize>(
+        &self,
+        inputs: &Inputs<'_, impl Serialize>,
+        place: Place,
+        content: &T,
+    ) -> Result<PathBuf, RunError> {
+        let path = self.out().join(format!("shard-{}-of-{}.bin", place.shard, place.of));
+        write_file(&path, &self.shard_head(inputs)?, &(place, content))?;
+        Ok(path)
+    }
+
+    /// Refuses a shard that holds another number of things than it must.
+    ///
+    /// # Errors
+    /// [`RunError::Shards`].
+    pub(crate) fn require(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), RunError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(ShardsError::OtherContent { what, found, expected }.into())
+    }
+
+    /// Reads the files of all shards of a scene, given in any order.
+    ///
+    /// # Errors
+    /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files; [`RunError::Shards`] for one that is missing, there
+    /// twice, or of another division.
+    pub fn read_shards<T: DeserializeOwned>(
+        &self,
+        inputs: &Inputs<'_, impl Serialize>,
+        files: &[PathBuf],
+    ) -> Result<Vec<T>, RunError> {
+        let head = self.shard_head(inputs)?;
+        let mut shards: Vec<(Place, T)> = Vec::new();
+        for file in files {
+            let (place, content): (Place, T) = read_file(file, &head)?;
+            let expected = shards.first().map_or(place.of, |(first, _)| first.of);
+            if place.of != expected {
+                return Err(
+                    ShardsError::OtherDivision { place, file: file.clone(), expected }.into()
+                );
+            }
+            if shards.iter().any(|(other, _)| *other == place) {
+                return Err(ShardsError::Doubled { place, file: file.clone() }.into());
+            }
+            shards.push((place, content));
+        }
+        let Some(&(Place { of, .. }, _)) = shards.first() else {
+            return Err(ShardsError::None.into());
+        };
+        shards.sort_by_key(|(place, _)| *place);
+        let mut all = (1..=of).map(|shard| Place { shard, of });
+        let missing = all.find(|place| shards.iter().all(|(found, _)| found != place));
+        match missing {
+            Some(place) => Err(ShardsError::Missing(place).into()),
+            None => Ok(shards.into_iter().map(|(_, content)| content).collect()),
+        }
+    }
+}

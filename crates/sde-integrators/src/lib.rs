@@ -6,6 +6,7 @@ mod blocks;
 mod bridge;
 mod chacha;
 mod cholesky;
+mod components;
 #[cfg(feature = "dense")]
 mod dense_factor;
 mod diagonal;

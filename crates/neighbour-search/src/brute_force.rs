@@ -2,9 +2,10 @@
 
 use crate::domain::Domain;
 use crate::error::Error;
+use crate::index::stored;
 use crate::list::NeighbourList;
 use crate::radii::Radii;
-use crate::search::{NeighbourSearch, check, stored};
+use crate::search::{NeighbourSearch, check};
 
 /// Tests every pair: the definition of the answer, and the oracle of the tests.
 ///

@@ -4,9 +4,9 @@ use core::ops::Range;
 
 use crate::domain::Domain;
 use crate::frame::Bounds;
+use crate::index::stored;
 use crate::parallel;
 use crate::radii::Radii;
-use crate::search::stored;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
 /// Cells allowed for each point, and a few for small clouds: what bounds the memory whatever the cloud.

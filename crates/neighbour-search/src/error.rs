@@ -1,6 +1,6 @@
 //! What can be wrong with a question.
 
-use crate::radii::{Criterion, MAX_RADIUS, MIN_RADIUS};
+use crate::criterion::{Criterion, MAX_RADIUS, MIN_RADIUS};
 
 /// Why a neighbour list could not be built or read.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

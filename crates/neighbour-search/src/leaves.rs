@@ -2,11 +2,12 @@
 
 use core::ops::Range;
 
+use crate::criterion::MIN_RADIUS;
 use crate::domain::{Domain, square};
 use crate::frame::Bounds;
+use crate::index::stored;
 use crate::parallel;
-use crate::radii::{MIN_RADIUS, Radii};
-use crate::search::stored;
+use crate::radii::Radii;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
 /// Points in a leaf: as many as are compared at a time.

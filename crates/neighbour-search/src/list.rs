@@ -4,8 +4,8 @@ use core::ops::Range;
 
 use crate::domain::{Domain, square};
 use crate::error::Error;
+use crate::index::stored;
 use crate::parallel::{self, Part};
-use crate::search::stored;
 
 /// Rows that share a stretch of memory, and that one thread writes.
 pub(crate) const CHUNK: usize = 1024;

@@ -1,31 +1,19 @@
 //! From an order of points to lists and visits.
 
+use lanes::SimdLevel;
+
 use crate::domain::square;
-use crate::error::Error;
 use crate::list::{CHUNK, NeighbourList};
 use crate::neighbourhood::{Entries, Neighbourhood, Question, Scan};
 use crate::parallel::Part;
 use crate::radii::Radii;
-use crate::simd::Level;
+use crate::row::Row;
 use crate::sorted::{Listed, Order, Sorted};
-
-/// A point and all of its neighbours, for loops over whole rows; `n` neighbours, in an order that the search determines.
-#[derive(Debug, Clone, Copy)]
-pub struct Row<'a, const D: usize> {
-    /// The point.
-    pub i: usize,
-    /// Its neighbours, `n` indices.
-    pub j: &'a [u32],
-    /// `x_i - x_j` of the nearest images, axis by axis, `n` values each, unit of length of the points.
-    pub x_ij: [&'a [f64]; D],
-    /// `|x_ij|^2`, `n` values.
-    pub squared_distances: &'a [f64],
-}
 
 /// What searches work with.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<const D: usize> {
-    level: Level,
+    level: SimdLevel,
     scratch: Vec<Neighbourhood<D>>,
     memory: Vec<u32>,
     ends: Vec<usize>,
@@ -36,7 +24,7 @@ impl<const D: usize> Default for Rows<D> {
     fn default() -> Self {
         let batch = Batch::default();
         Self {
-            level: Level::best(),
+            level: SimdLevel::best(),
             scratch: Vec::new(),
             memory: Vec::new(),
             ends: Vec::new(),
@@ -47,7 +35,7 @@ impl<const D: usize> Default for Rows<D> {
 
 impl<const D: usize> Rows<D> {
     /// With the given instructions.
-    pub(crate) fn at(level: Level) -> Self {
+    pub(crate) fn at(level: SimdLevel) -> Self {
         Self { level, ..Self::default() }
     }
 
@@ -127,7 +115,7 @@ macro_rules! lists_rows {
             /// comparison.
             #[must_use]
             pub fn with_portable_instructions(self) -> Self {
-                Self { rows: Rows::at($crate::simd::Level::Portable), ..self }
+                Self { rows: Rows::at(lanes::SimdLevel::PORTABLE), ..self }
             }
 
             #[doc = concat!("The order of the ", $groups, ": `order()[slot]` is the point in that slot at the last build.")]
@@ -228,33 +216,11 @@ impl<const D: usize> Batch<D> {
     }
 }
 
-/// The rows of a list, one by one.
-pub(crate) fn visit_list<const D: usize>(
-    list: &NeighbourList,
-    points: &[[f64; D]],
-    visit: &mut dyn FnMut(Row<'_, D>),
-) -> Result<(), Error> {
-    let (mut x_ij, mut squared_distances) = ([const { Vec::new() }; D], Vec::new());
-    for (i, j) in list.rows().enumerate() {
-        x_ij.iter_mut().for_each(Vec::clear);
-        squared_distances.clear();
-        list.for_each_pair_of(i, points, |pair| {
-            for (column, along) in x_ij.iter_mut().zip(pair.x_ij) {
-                column.push(along);
-            }
-            squared_distances.push(square(&pair.x_ij));
-        })?;
-        let x_ij = core::array::from_fn(|axis| x_ij[axis].as_slice());
-        visit(Row { i, j, x_ij, squared_distances: &squared_distances });
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cells::Cells;
-    use crate::radii::Criterion;
+    use crate::criterion::Criterion;
 
     #[test]
     fn every_level_of_this_machine_lists_the_same_rows_in_the_same_order() {
@@ -269,9 +235,9 @@ mod tests {
             let mut cells = Cells::default();
             cells.build(&points, radii, 0.3);
             let mut portable = NeighbourList::new();
-            Rows::at(Level::Portable).list(&cells, &points, radii, Listed::Full, &mut portable);
+            Rows::at(SimdLevel::PORTABLE).list(&cells, &points, radii, Listed::Full, &mut portable);
             assert!(portable.n_pairs() > 1000);
-            for level in Level::all() {
+            for level in SimdLevel::available() {
                 let mut list = NeighbourList::new();
                 Rows::at(level).list(&cells, &points, radii, Listed::Full, &mut list);
                 assert_eq!(list, portable, "{level:?}");

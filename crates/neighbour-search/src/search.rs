@@ -6,7 +6,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::list::{MAX_DIMENSION, NeighbourList};
 use crate::radii::Radii;
-use crate::rows::{Row, visit_list};
+use crate::row::{Row, visit_list};
 
 /// Finds which points lie within a radius of which.
 ///
@@ -98,11 +98,4 @@ pub(crate) fn check<const D: usize>(
         }
     }
     Ok(())
-}
-
-/// An index as it is stored.
-#[inline]
-#[expect(clippy::cast_possible_truncation, reason = "no more than u32::MAX points pass the check")]
-pub(crate) fn stored(index: usize) -> u32 {
-    index as u32
 }

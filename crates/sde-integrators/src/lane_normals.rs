@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use lanes::{Registers, SimdLevel, Work};
+
 use crate::chacha::key;
-use crate::level::SimdLevel;
 use crate::noise::{Noise, Purpose};
 use crate::normal::{BLOCK_NORMALS, normal_blocks};
 
@@ -60,12 +61,12 @@ const fn low(x: u128) -> u64 {
     x as u64
 }
 
-impl<const L: usize> pulp::NullaryFnOnce for Fill<'_, L> {
+impl<const L: usize> Work for Fill<'_, L> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers<f32>>(self, _: R) {
         let LaneNormals { key, realisations, .. } = self.lanes;
         let streams: [u64; BLOCKS] = std::array::from_fn(|at| realisations[at % L]);
         let (out, _) = self.normals.as_chunks_mut::<L>();

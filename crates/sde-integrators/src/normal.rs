@@ -10,14 +10,18 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use lanes::{minus_twice_ln, sin_cos};
+
 use crate::chacha::{BLOCK_WORDS, blocks};
-use crate::elementary::{ONE, minus_twice_ln, sin_cos};
 
 /// Normals made of one block of the cipher: four pairs, each of four words.
 pub(crate) const BLOCK_NORMALS: usize = 8;
 
 /// `2^-53`, half the spacing of the uniforms.
 const HALF_SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
+
+/// The bits of one.
+const ONE: u64 = 1.0_f64.to_bits();
 
 /// The sign of a double.
 const SIGN: u64 = 1 << 63;

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch as in_widest_registers;
 
 use crate::tiles::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 

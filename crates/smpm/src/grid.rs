@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch as in_widest_registers;
 
 use crate::blocks::{Fields, Given, fill, place, place_in_block, seen_at};
 use crate::body::Body;

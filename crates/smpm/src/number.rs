@@ -1,6 +1,7 @@
 //! The number type of a run.
 
-use perturbation_moments::{Scalar, in_registers_of_four, in_widest_registers};
+use lanes::{dispatch, dispatch_narrow};
+use perturbation_moments::Scalar;
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
 /// its history. Implemented for every [`Scalar`] that threads may share.
@@ -24,5 +25,5 @@ pub(crate) const fn is_plain<S>() -> bool {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
 pub(crate) fn in_registers_of<S, R>(work: impl FnMut() -> R) -> R {
-    if const { is_plain::<S>() } { in_registers_of_four(work) } else { in_widest_registers(work) }
+    if const { is_plain::<S>() } { dispatch_narrow(work) } else { dispatch(work) }
 }

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch as in_widest_registers;
 
 use crate::binning::Binning;
 use crate::body::Body;

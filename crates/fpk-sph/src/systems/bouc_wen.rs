@@ -1,8 +1,8 @@
 //! The hysteretic oscillator of Bouc and Wen.
 
+use lanes::power;
 use sde_integrators::{
     Additive, Increment, Integrator, LinearFlows, Sde, SecondOrder, StepError, StrangOscillator,
-    power,
 };
 
 use super::Window;
@@ -201,6 +201,7 @@ fn flow_of_loop(system: &BoucWen, v: f64, z: f64, dt: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use lanes::power;
     use sde_integrators::{EnsembleConfig, GaussianMixture, Observable, simulate};
 
     use super::*;

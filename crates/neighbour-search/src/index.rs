@@ -1,0 +1,8 @@
+//! Indices as lists store them.
+
+/// An index as it is stored.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "no more than u32::MAX points pass the check")]
+pub(crate) fn stored(index: usize) -> u32 {
+    index as u32
+}

@@ -150,7 +150,7 @@ where
             lives.bury(&mut x, 0, 0.0);
         }
         watch.start(ids.start, &x);
-        let mut noise = LaneNoise::<M>::new(self.seed, streams, signs);
+        let mut noise = LaneNoise::<M>::new(self.level, self.seed, streams, signs);
         let mut memory: [I::Memory; LANES] = std::array::from_fn(|_| I::Memory::default());
         let mut steps_before = 0;
         for (index, leg) in self.legs.iter().enumerate() {

@@ -10,9 +10,10 @@ use std::hint::black_box;
 use benches::CpuTime;
 use criterion::measurement::Measurement;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
+use lanes::dispatch;
 use num_dual::Dual2_64;
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
-use perturbation_moments::{Jet, Response, Scalar, in_widest_registers};
+use perturbation_moments::{Jet, Response, Scalar};
 
 const N_STATES: usize = 1024;
 
@@ -49,7 +50,7 @@ fn by_differences(response: &impl Response<5>, x: &[f64; 5]) -> Derivatives {
 }
 
 fn each_state<S: Copy, X, T>(states: &[S], x: &X, f: impl Fn(S, &X) -> T) {
-    in_widest_registers(
+    dispatch(
         #[inline(always)]
         || {
             let x = black_box(x);

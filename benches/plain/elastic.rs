@@ -8,7 +8,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::case::{Failure, Run, State};
 use crate::grid::{EMPTY, Grid, Weights};
@@ -230,17 +230,17 @@ impl Run for Elastic {
     /// One step of the length that the Courant number allows. It fails where a volume turns over or energy comes from nowhere.
     fn step(&mut self) -> Result<(), Failure> {
         self.grid.nodes.fill(EMPTY);
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.give(),
         );
         let (dt, least) = (self.dt, 1e-12 * self.mass);
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.grid.solve(dt, least),
         );
         let mut seen = Seen::default();
-        let faulty = in_widest_registers(
+        let faulty = dispatch(
             #[inline(always)]
             || self.take(&mut seen),
         );

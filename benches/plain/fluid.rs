@@ -7,7 +7,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::case::{Failure, Run, State};
 use crate::grid::{EMPTY, Grid};
@@ -221,23 +221,23 @@ impl Run for Gas {
     /// One step of the length that the Courant number allows. It fails where a volume turns over or energy comes from nowhere.
     fn step(&mut self) -> Result<(), Failure> {
         self.grid.nodes.fill(EMPTY);
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.give(),
         );
         let (dt, least) = (self.dt, 1e-12 * self.mass);
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.grid.solve(dt, least),
         );
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.take_motion(),
         );
         for node in &mut self.grid.nodes {
             node.motion = [0.0; 2];
         }
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || self.give_momentum(),
         );
@@ -248,7 +248,7 @@ impl Run for Gas {
             }
         }
         let mut seen = Seen::default();
-        let faulty = in_widest_registers(
+        let faulty = dispatch(
             #[inline(always)]
             || self.deform_and_move(&mut seen),
         );

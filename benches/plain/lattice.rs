@@ -8,8 +8,8 @@
 
 use std::collections::BTreeMap;
 
+use lanes::dispatch;
 use peridyn_sde::{Bonds, Nodes};
-use perturbation_moments::in_widest_registers;
 
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};
@@ -184,7 +184,7 @@ fn both_ends(vector: &Vector, [ux, uy, wx, wy]: [&[f64]; 4], fx: &mut [f64], fy:
 
 impl Run for Lattice {
     fn step(&mut self) -> Result<(), Failure> {
-        let probe = in_widest_registers(
+        let probe = dispatch(
             #[inline(always)]
             || self.verlet(),
         );

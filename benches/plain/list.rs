@@ -5,8 +5,8 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
+use lanes::dispatch;
 use peridyn_sde::{Bonds, Nodes};
-use perturbation_moments::in_widest_registers;
 
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};
@@ -113,7 +113,7 @@ impl List {
 
 impl Run for List {
     fn step(&mut self) -> Result<(), Failure> {
-        let probe = in_widest_registers(
+        let probe = dispatch(
             #[inline(always)]
             || self.verlet(),
         );

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
+#[path = "../../lanes/tests/shared/number.rs"]
+mod any_number;
+
 use std::alloc::System;
 
 use cap::Cap;
@@ -28,17 +31,9 @@ const MOST_PARTICLES: f64 = 3e3;
 /// Lattices beyond this must be refused.
 const TOO_MANY: f64 = 5e9;
 
-/// Any double: ordinary ones, those at the ends of the range, infinities and NaN.
+/// Any double.
 fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        24 => 0.1..1.0,
-        2 => -10.0..10.0,
-        1 => any::<f64>(),
-        1 => prop::sample::select(vec![
-            0.0, -0.0, 1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN_POSITIVE,
-            5e-324, 1e-300, 1e300, -1e300,
-        ]),
-    ]
+    any_number::number(0.1..1.0, 24)
 }
 
 fn count() -> impl Strategy<Value = usize> {

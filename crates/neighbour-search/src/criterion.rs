@@ -1,4 +1,4 @@
-//! Range of a radius, and which of two radii decides on a pair.
+//! Whose radius decides about a pair, and which radii are accepted.
 
 /// Smallest radius accepted, 1e-150 in the unit of the points: below it squares lose digits to underflow.
 pub const MIN_RADIUS: f64 = 1e-150;
@@ -45,8 +45,4 @@ impl Criterion {
 #[inline]
 fn mean(a: f64, b: f64) -> f64 {
     0.5 * (a + b)
-}
-
-pub(crate) fn in_range(radius: f64) -> bool {
-    (MIN_RADIUS..=MAX_RADIUS).contains(&radius)
 }

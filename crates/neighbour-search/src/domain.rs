@@ -1,7 +1,7 @@
 //! Where the points live: an unbounded space, or one that repeats itself along some axes.
 
-use crate::criterion::in_range;
 use crate::error::Error;
+use crate::radii::in_range;
 
 /// A space of `D` axes, each without end or periodic.
 ///

@@ -1,4 +1,4 @@
-//! Indices of points as lists store them.
+//! Indices as lists store them.
 
 /// An index as it is stored.
 #[inline]

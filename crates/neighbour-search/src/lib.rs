@@ -24,7 +24,6 @@ mod radii;
 mod row;
 mod rows;
 mod search;
-mod simd;
 mod skin_list;
 mod sorted;
 

@@ -28,6 +28,8 @@
 
 use core::ops::Range;
 
+use lanes::{MOST_LANES, Registers, Work};
+
 use crate::aligned::Aligned;
 use crate::candidates::{Candidates, Larger, Middle, Mine, Sight};
 use crate::criterion::Criterion;
@@ -35,7 +37,6 @@ use crate::domain::square;
 use crate::frame::{Bounds, Frame};
 use crate::index::stored;
 use crate::radii::Radii;
-use crate::simd::{Lanes, PAD, Work};
 use crate::sorted::{Listed, Order, Rule, Sorted, Stretch};
 
 /// Coordinate of what is no candidate: its square overflows to infinity, which is below nothing.
@@ -98,7 +99,7 @@ impl<const D: usize> Neighbourhood<D> {
     /// Makes room for all candidates there may be.
     fn grow(&mut self) {
         let slots: usize = self.stretches.iter().map(|stretch| stretch.slots.len()).sum();
-        let needed = slots + 2 * PAD;
+        let needed = slots + 2 * MOST_LANES;
         if self.entries.len() < needed {
             let room = needed.next_power_of_two();
             for column in self.columns.iter_mut().chain([&mut self.lower, &mut self.upper]) {
@@ -127,9 +128,9 @@ impl<const D: usize> Neighbourhood<D> {
 
     /// Gathers the candidates of the group `targets`; returns the frame they are in.
     #[inline(always)]
-    fn gather<L: Lanes, S: Sight>(
+    fn gather<R: Registers<f32>, S: Sight>(
         &mut self,
-        lanes: L,
+        registers: R,
         order: &dyn Order<D>,
         targets: &Range<usize>,
         question: &Question<'_, D>,
@@ -144,7 +145,7 @@ impl<const D: usize> Neighbourhood<D> {
         let rule = Rule::of(question.radii);
         let typical = rule.limit(bounds.radius, bounds.radius);
         let frame = if is_covered && sorted.frame.resolves(typical) {
-            self.select(lanes, sorted, &narrow, question, sight);
+            self.select(registers, sorted, &narrow, question, sight);
             sorted.frame
         } else {
             self.place_anew(sorted, &bounds, question)
@@ -152,7 +153,7 @@ impl<const D: usize> Neighbourhood<D> {
         let own = &self.stretches[..self.own_stretches];
         self.n_own = own.iter().map(|stretch| stretch.slots.len()).sum();
         for column in &mut self.columns {
-            column[self.len..self.len + PAD].fill(NOWHERE);
+            column[self.len..self.len + MOST_LANES].fill(NOWHERE);
         }
         frame
     }
@@ -160,9 +161,9 @@ impl<const D: usize> Neighbourhood<D> {
     /// Takes the group's own points and, of the others, those that come within reach of its box.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "covered by the bounds of the frame")]
-    fn select<L: Lanes, S: Sight>(
+    fn select<R: Registers<f32>, S: Sight>(
         &mut self,
-        lanes: L,
+        registers: R,
         sorted: &Sorted<D>,
         (low, high, radius): &([f32; D], [f32; D], f64),
         question: &Question<'_, D>,
@@ -173,12 +174,12 @@ impl<const D: usize> Neighbourhood<D> {
             Entries::Ids => sorted.ids.as_slice(),
             Entries::Slots => sorted.slots.as_slice(),
         };
-        let (mut lows, mut highs) = ([lanes.splat(0.0); D], [lanes.splat(0.0); D]);
+        let (mut lows, mut highs) = ([registers.splat(0.0); D], [registers.splat(0.0); D]);
         for axis in 0..D {
-            (lows[axis], highs[axis]) = (lanes.splat(low[axis]), lanes.splat(high[axis]));
+            (lows[axis], highs[axis]) = (registers.splat(low[axis]), registers.splat(high[axis]));
         }
-        let zero = lanes.splat(0.0);
-        let mine = lanes.splat(sorted.frame.reach(Rule::of(question.radii).mine(*radius)));
+        let zero = registers.splat(0.0);
+        let mine = registers.splat(sorted.frame.reach(Rule::of(question.radii).mine(*radius)));
         let is_periodic = sorted.domain.is_periodic();
         let Self { columns: placed, entries, lower: lowers, upper: uppers, from, .. } = self;
         let placed: [&mut [f32]; D] = placed.each_mut().map(|column| &mut **column);
@@ -192,38 +193,39 @@ impl<const D: usize> Neighbourhood<D> {
             while at < end {
                 let (mut x, mut apart) = (lows, zero);
                 for axis in 0..D {
-                    x[axis] = lanes.load(L::floats_at(columns[axis], at));
+                    x[axis] = registers.load(R::block_at(columns[axis], at));
                     if is_periodic {
                         let shift = (shift[axis] * sorted.frame.scale) as f32;
-                        x[axis] = lanes.add(x[axis], lanes.splat(shift));
+                        x[axis] = registers.add(x[axis], registers.splat(shift));
                     }
                     let (below, above) =
-                        (lanes.sub(lows[axis], x[axis]), lanes.sub(x[axis], highs[axis]));
-                    let gap = lanes.max(lanes.max(below, above), zero);
-                    apart = lanes.mul_add(gap, gap, apart);
+                        (registers.sub(lows[axis], x[axis]), registers.sub(x[axis], highs[axis]));
+                    let gap = registers.max(registers.max(below, above), zero);
+                    apart = registers.mul_add(gap, gap, apart);
                 }
                 let mut limit = mine;
                 if S::THEIRS {
-                    limit = sight.of(lanes, mine, lanes.load(L::floats_at(&sorted.upper, at)));
+                    limit =
+                        sight.of(registers, mine, registers.load(R::block_at(&sorted.upper, at)));
                 }
-                let within = lanes.below(apart, lanes.mul(limit, limit));
+                let within = registers.less(apart, registers.mul(limit, limit));
                 let within = if is_own { u32::MAX } else { within };
-                let in_stretch = first_bits((end - at).min(L::N));
+                let in_stretch = first_bits((end - at).min(R::N));
                 let mask = within & in_stretch;
                 for axis in 0..D {
-                    lanes.compress_vector(mask, x[axis], placed[axis], len);
+                    registers.compress(mask, x[axis], placed[axis], len);
                 }
                 if S::THEIRS {
-                    let lower = lanes.load(L::floats_at(&sorted.lower, at));
-                    lanes.compress_vector(mask, lower, lowers, len);
-                    let upper = lanes.load(L::floats_at(&sorted.upper, at));
-                    lanes.compress_vector(mask, upper, uppers, len);
+                    let lower = registers.load(R::block_at(&sorted.lower, at));
+                    registers.compress(mask, lower, lowers, len);
+                    let upper = registers.load(R::block_at(&sorted.upper, at));
+                    registers.compress(mask, upper, uppers, len);
                 }
                 if is_periodic {
-                    from[len..len + PAD].fill(stored(k));
+                    from[len..len + MOST_LANES].fill(stored(k));
                 }
-                len += lanes.compress(mask, L::ids_at(ids, at), entries, len);
-                at += L::N;
+                len += registers.compress_indices(mask, R::indices_at(ids, at), entries, len);
+                at += R::N;
             }
         }
         self.len = len;
@@ -266,14 +268,14 @@ impl<const D: usize> Neighbourhood<D> {
 
     /// All candidates, block by block.
     #[inline(always)]
-    fn candidates<L: Lanes>(&self) -> Candidates<'_, L, D> {
-        let padded = self.len.next_multiple_of(L::N);
+    fn candidates<R: Registers<f32>>(&self) -> Candidates<'_, R, D> {
+        let padded = self.len.next_multiple_of(R::N);
         Candidates {
-            columns: core::array::from_fn(|axis| L::floats(&self.columns[axis][..padded])),
-            lower: L::floats(&self.lower[..padded]),
-            upper: L::floats(&self.upper[..padded]),
-            entries: L::ids(&self.entries[..padded]),
-            n_own: self.n_own.div_ceil(L::N).min(padded / L::N),
+            columns: core::array::from_fn(|axis| R::blocks(&self.columns[axis][..padded])),
+            lower: R::blocks(&self.lower[..padded]),
+            upper: R::blocks(&self.upper[..padded]),
+            entries: R::index_blocks(&self.entries[..padded]),
+            n_own: self.n_own.div_ceil(R::N).min(padded / R::N),
         }
     }
 
@@ -297,7 +299,7 @@ impl<const D: usize> Neighbourhood<D> {
     fn others_with_images(&self, k: usize, at: usize) -> u32 {
         let target = self.stretches.first().map_or(0, |targets| targets.slots.start + k);
         let own = self.stretches[..self.own_stretches].iter();
-        let slots = own.flat_map(|stretch| stretch.slots.clone()).skip(at).take(PAD);
+        let slots = own.flat_map(|stretch| stretch.slots.clone()).skip(at).take(MOST_LANES);
         let listed = slots.enumerate().filter(|&(_, slot)| slot > target);
         let of_others = !first_bits(self.n_own.saturating_sub(at));
         listed.fold(of_others, |mask, (candidate, _)| mask | bit(candidate))
@@ -380,20 +382,22 @@ pub(crate) struct Scan<'a, const D: usize> {
 }
 
 impl<const D: usize> Work for Scan<'_, D> {
+    type Output = ();
+
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
+    fn run<R: Registers<f32>>(self, registers: R) {
         match Rule::of(self.question.radii) {
-            Rule::Uniform(_) | Rule::PerPoint(Criterion::Gather) => self.scan(lanes, Mine),
+            Rule::Uniform(_) | Rule::PerPoint(Criterion::Gather) => self.scan(registers, Mine),
             // A point whose own radius is nothing sees as far as it is seen.
-            Rule::PerPoint(Criterion::Max | Criterion::Scatter) => self.scan(lanes, Larger),
-            Rule::PerPoint(Criterion::Mean) => self.scan(lanes, Middle),
+            Rule::PerPoint(Criterion::Max | Criterion::Scatter) => self.scan(registers, Larger),
+            Rule::PerPoint(Criterion::Mean) => self.scan(registers, Middle),
         }
     }
 }
 
 impl<const D: usize> Scan<'_, D> {
     #[inline(always)]
-    fn scan<L: Lanes, S: Sight>(self, lanes: L, sight: S) {
+    fn scan<R: Registers<f32>, S: Sight>(self, registers: R, sight: S) {
         let Self { order, question, slots, neighbourhood, memory, ends } = self;
         let (rule, sorted) = (Rule::of(question.radii), order.sorted());
         let (mut filled, mut slot) = (0, slots.start);
@@ -404,11 +408,11 @@ impl<const D: usize> Scan<'_, D> {
             if targets.is_empty() {
                 continue;
             }
-            let frame = neighbourhood.gather(lanes, order, &targets, &question, sight);
+            let frame = neighbourhood.gather(registers, order, &targets, &question, sight);
             let shared = frame.bounds(rule.mine(0.0));
-            let candidates = neighbourhood.candidates::<L>();
+            let candidates = neighbourhood.candidates::<R>();
             for (k, slot) in targets.clone().enumerate() {
-                let room = filled + neighbourhood.len + 2 * PAD;
+                let room = filled + neighbourhood.len + 2 * MOST_LANES;
                 if memory.len() < room {
                     memory.resize(room, 0);
                 }
@@ -419,7 +423,7 @@ impl<const D: usize> Scan<'_, D> {
                 let close =
                     |first, mask| neighbourhood.decide(sorted, &question, first, slot, mask);
                 let out = (memory.as_mut_slice(), filled);
-                filled = candidates.row(lanes, (x_i, bounds), sight, others, close, out);
+                filled = candidates.row(registers, (x_i, bounds), sight, others, close, out);
                 ends[slot - slots.start] = filled;
             }
             slot = targets.end;

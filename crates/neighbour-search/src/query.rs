@@ -3,12 +3,11 @@
 use core::ops::ControlFlow;
 
 use crate::cell_grid::CellGrid;
-use crate::criterion::in_range;
 use crate::domain::square;
 use crate::error::Error;
 use crate::frame::Bounds;
 use crate::leaf_tree::LeafTree;
-use crate::radii::Radii;
+use crate::radii::{Radii, in_range};
 use crate::search::check;
 use crate::sorted::{Near as Order, Rule, for_each_image};
 

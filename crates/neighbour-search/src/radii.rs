@@ -1,6 +1,6 @@
-//! The search radii of all points.
+//! How far each point sees, and whose sight decides.
 
-use crate::criterion::{Criterion, in_range};
+use crate::criterion::{Criterion, MAX_RADIUS, MIN_RADIUS};
 use crate::error::Error;
 
 /// The search radius: one for all points, or one for each.
@@ -62,4 +62,8 @@ impl Radii<'_> {
             }
         }
     }
+}
+
+pub(crate) fn in_range(radius: f64) -> bool {
+    (MIN_RADIUS..=MAX_RADIUS).contains(&radius)
 }

@@ -1,4 +1,4 @@
-//! A point with all of its neighbours.
+//! A point with all of its neighbours, and the rows of a list.
 
 use crate::domain::square;
 use crate::error::Error;

@@ -1,18 +1,19 @@
 //! From an order of points to lists and visits.
 
+use lanes::SimdLevel;
+
 use crate::domain::square;
 use crate::list::{CHUNK, NeighbourList};
 use crate::neighbourhood::{Entries, Neighbourhood, Question, Scan};
 use crate::parallel::Part;
 use crate::radii::Radii;
 use crate::row::Row;
-use crate::simd::Level;
 use crate::sorted::{Listed, Order, Sorted};
 
 /// What searches work with.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<const D: usize> {
-    level: Level,
+    level: SimdLevel,
     scratch: Vec<Neighbourhood<D>>,
     memory: Vec<u32>,
     ends: Vec<usize>,
@@ -23,7 +24,7 @@ impl<const D: usize> Default for Rows<D> {
     fn default() -> Self {
         let batch = Batch::default();
         Self {
-            level: Level::best(),
+            level: SimdLevel::best(),
             scratch: Vec::new(),
             memory: Vec::new(),
             ends: Vec::new(),
@@ -34,7 +35,7 @@ impl<const D: usize> Default for Rows<D> {
 
 impl<const D: usize> Rows<D> {
     /// With the given instructions.
-    pub(crate) fn at(level: Level) -> Self {
+    pub(crate) fn at(level: SimdLevel) -> Self {
         Self { level, ..Self::default() }
     }
 
@@ -114,7 +115,7 @@ macro_rules! lists_rows {
             /// comparison.
             #[must_use]
             pub fn with_portable_instructions(self) -> Self {
-                Self { rows: Rows::at($crate::simd::Level::Portable), ..self }
+                Self { rows: Rows::at(lanes::SimdLevel::PORTABLE), ..self }
             }
 
             #[doc = concat!("The order of the ", $groups, ": `order()[slot]` is the point in that slot at the last build.")]
@@ -234,9 +235,9 @@ mod tests {
             let mut cells = Cells::default();
             cells.build(&points, radii, 0.3);
             let mut portable = NeighbourList::new();
-            Rows::at(Level::Portable).list(&cells, &points, radii, Listed::Full, &mut portable);
+            Rows::at(SimdLevel::PORTABLE).list(&cells, &points, radii, Listed::Full, &mut portable);
             assert!(portable.n_pairs() > 1000);
-            for level in Level::all() {
+            for level in SimdLevel::available() {
                 let mut list = NeighbourList::new();
                 Rows::at(level).list(&cells, &points, radii, Listed::Full, &mut list);
                 assert_eq!(list, portable, "{level:?}");

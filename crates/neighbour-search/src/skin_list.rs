@@ -1,12 +1,12 @@
 //! A list that outlives small movements.
 
 use crate::cell_grid::CellGrid;
-use crate::criterion::{Criterion, in_range};
+use crate::criterion::Criterion;
 use crate::domain::{Domain, square};
 use crate::error::Error;
 use crate::leaf_tree::LeafTree;
 use crate::list::{NeighbourList, Pair};
-use crate::radii::Radii;
+use crate::radii::{Radii, in_range};
 use crate::search::{NeighbourSearch, check};
 
 /// Relative slack on the wide radius: covers the roundings of two distances and two displacements, each below

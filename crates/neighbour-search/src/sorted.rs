@@ -2,13 +2,14 @@
 
 use core::ops::Range;
 
+use lanes::MOST_LANES;
+
 use crate::criterion::Criterion;
 use crate::domain::Domain;
 use crate::frame::{Bounds, Frame};
 use crate::index::stored;
 use crate::parallel;
 use crate::radii::Radii;
-use crate::simd::PAD;
 
 /// Points in the order of a search: slot by slot, in single precision, padded so that a full vector can be read from any slot.
 #[derive(Debug, Clone)]
@@ -66,13 +67,13 @@ impl<const D: usize> Sorted<D> {
         self.largest = radii.largest();
         let reach = if n == 0 { 1.0 } else { self.largest };
         let frame = Frame::new(bounds, reach, domain, 2.0_f64.powi(-22));
-        ids.resize(n + PAD, 0);
-        slots.resize(n + PAD, 0);
+        ids.resize(n + MOST_LANES, 0);
+        slots.resize(n + MOST_LANES, 0);
         parallel::fill(slots, stored);
         kept.resize(n, [0.0; D]);
         parallel::fill_from(kept, ids, |&id| domain.wrap_all(&points[id as usize]));
         for ((axis, column), place) in columns.iter_mut().enumerate().zip(frame.places(&[0.0; D])) {
-            column.resize(n + PAD, 0.0);
+            column.resize(n + MOST_LANES, 0.0);
             parallel::fill_from(&mut column[..n], kept, |x| place.of(x[axis]));
         }
         self.frame = frame;
@@ -82,7 +83,7 @@ impl<const D: usize> Sorted<D> {
                 own.resize(n, 0.0);
                 parallel::fill_from(own, ids, |&id| radii[id as usize]);
                 for (column, which) in [(&mut self.lower, 0), (&mut self.upper, 1)] {
-                    column.resize(n + PAD, 0.0);
+                    column.resize(n + MOST_LANES, 0.0);
                     parallel::fill_from(&mut column[..n], own, |&radius| {
                         frame.bounds(radius)[which]
                     });

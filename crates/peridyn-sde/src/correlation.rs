@@ -69,11 +69,9 @@ impl Correlation {
     pub fn at(&self, distance: f64) -> f64 {
         let q = distance / self.length;
         match self.function {
-            CorrelationFunction::Exponential => sde_integrators::exp(-q),
-            CorrelationFunction::Gaussian => {
-                sde_integrators::exp(-std::f64::consts::FRAC_PI_4 * q * q)
-            }
-            CorrelationFunction::Matern32 => (1.0 + 2.0 * q) * sde_integrators::exp(-2.0 * q),
+            CorrelationFunction::Exponential => lanes::exp(-q),
+            CorrelationFunction::Gaussian => lanes::exp(-std::f64::consts::FRAC_PI_4 * q * q),
+            CorrelationFunction::Matern32 => (1.0 + 2.0 * q) * lanes::exp(-2.0 * q),
             // The kernel ends at two smoothing lengths, the correlation at three of its own.
             CorrelationFunction::WendlandC2 => Kernel::<3>::shape(&WendlandC2, q / 1.5),
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use sde_integrators::{exp, power};
+use lanes::{exp, power};
 
 use crate::error::{Error, between, finite, positive};
 

@@ -22,8 +22,8 @@ pub const LANES: usize = 8;
 /// that mixes inputs: `q(u + v) = q(u) + q(v) + 2 u^T H v`.
 ///
 /// An operation costs one calculation on the value (`exp`, `ln`, `powf` are taken once, not once per lane) and a few
-/// lane-wise multiplications. Everything is `#[inline(always)]`: inside one `pulp` dispatch it is compiled for the widest
-/// registers of the machine. Nothing is fused, so that all machines give the same bits where the value's own functions do.
+/// lane-wise multiplications. Everything is `#[inline(always)]`: inside the closure of `lanes::dispatch` it is compiled for the
+/// widest registers of the machine. Nothing is fused, so that all machines give the same bits where the value's own functions do.
 ///
 /// Domain: that of the same operation on the value. `powf`, `ln` and `sqrt` of zero have infinite derivatives.
 ///
@@ -298,52 +298,5 @@ impl Div<f64> for Jet {
             first: lanes(|k| pair(&self.first, k) * inverse),
             second: lanes(|k| pair(&self.second, k) * inverse),
         }
-    }
-}
-
-/// Runs `work` compiled for the widest registers of this machine, chosen at run time: what is `#[inline(always)]` in it, such
-/// as every operation of a [`Jet`], is compiled anew for them: AVX-512, AVX2 or portable.
-///
-/// A whole loop belongs inside, not one evaluation: a call costs a few nanoseconds. The closures that are passed on inside
-/// should be `#[inline(always)]` too.
-///
-/// ```
-/// use perturbation_moments::{Jet, Scalar, in_widest_registers};
-///
-/// let jets = [1.0, 2.0, 3.0].map(|value| Jet::variable(value, 0));
-/// let mut squares = jets;
-/// in_widest_registers(|| {
-///     for (square, jet) in squares.iter_mut().zip(&jets) {
-///         *square = jet.squared();
-///     }
-/// });
-/// assert_eq!((squares[2].value, squares[2].first[0], squares[2].second[0]), (9.0, 6.0, 2.0));
-/// ```
-#[inline]
-pub fn in_widest_registers<R>(work: impl FnMut() -> R) -> R {
-    pulp::Arch::new().dispatch(Work(work))
-}
-
-/// The same for registers of at most four numbers. For loops over few plain numbers at a time, which the compiler would fill the
-/// registers of AVX-512 for by gathering: that takes longer than the arithmetic.
-#[inline]
-pub fn in_registers_of_four<R>(work: impl FnMut() -> R) -> R {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(four) = pulp::x86::V3::try_new() {
-        return pulp::Simd::vectorize(four, Work(work));
-    }
-    pulp::Arch::new().dispatch(Work(work))
-}
-
-/// Called by reference: calling a closure by value goes through a function of the compiler's that is not inlined when there
-/// are two callers, and would then be compiled for the narrowest registers.
-struct Work<F>(F);
-
-impl<R, F: FnMut() -> R> pulp::NullaryFnOnce for Work<F> {
-    type Output = R;
-
-    #[inline(always)]
-    fn call(mut self) -> R {
-        (self.0)()
     }
 }

@@ -27,7 +27,7 @@ pub use error::Error;
 pub use expansion::Expansion;
 pub use forward::{ForwardDifferentiation, HighestOrder, JetCurvature, JetDifferentiation};
 pub use gradient::Gradient;
-pub use jet::{Jet, LANES, in_registers_of_four, in_widest_registers};
+pub use jet::{Jet, LANES};
 pub use moments::Moments;
 pub use monte_carlo::{Judgement, MonteCarlo};
 pub use random_vector::{Marginal, RandomVector};

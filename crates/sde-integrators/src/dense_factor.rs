@@ -1,9 +1,8 @@
 //! A noise factor from a full covariance.
 
+use crate::components::{Block, entries, for_components, multiply, multiply_transposed};
 use crate::error::Error;
-use crate::noise_factor::{
-    NoiseFactor, add_scaled, block_of, for_components, load, require_finite, require_length,
-};
+use crate::noise_factor::{NoiseFactor, require_finite, require_length};
 
 /// The Cholesky factor of a full covariance: `O(n^3)` once, `O(n^2)` per step. For a few thousand unknowns.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,38 +60,17 @@ impl DenseFactor {
 
     for_components!();
 
-    fn apply_block<const C: usize>(
-        &self,
-        of: (usize, usize),
-        z: &[f64],
-        result: &mut [f64],
-    ) -> usize {
-        for (i, row) in self.rows().enumerate() {
-            let mut sum = [0.0; C];
-            for (j, &l) in row.iter().enumerate() {
-                add_scaled(&mut sum, l, &load::<C>(z, j, of));
-            }
-            block_of::<C>(result, i, of).copy_from_slice(&sum);
-        }
-        C
+    fn apply_block<const C: usize>(&self, of: Block, z: &[f64], result: &mut [f64]) -> usize {
+        multiply::<C>(self.rows().map(entries), of, z, result)
     }
 
     fn apply_transposed_block<const C: usize>(
         &self,
-        of: (usize, usize),
+        of: Block,
         x: &[f64],
         result: &mut [f64],
     ) -> usize {
-        for j in 0..self.n {
-            block_of::<C>(result, j, of).fill(0.0);
-        }
-        for (i, row) in self.rows().enumerate() {
-            let x: [f64; C] = load(x, i, of);
-            for (j, &l) in row.iter().enumerate() {
-                add_scaled(block_of::<C>(result, j, of), l, &x);
-            }
-        }
-        C
+        multiply_transposed::<C>(self.n, self.rows().map(entries), of, x, result)
     }
 }
 

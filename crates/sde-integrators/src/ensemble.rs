@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
+use lanes::SimdLevel;
+
 use crate::blocks::reduce_blocks;
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::follow::{Follow, LaneStates, Lives, Watch};
 use crate::integrator::Integrator;
-use crate::lanes::LANES;
+use crate::lane_increments::LANES;
 use crate::law::InitialLaw;
-use crate::level::SimdLevel;
 use crate::schedule::{EnsembleConfig, Leg, schedule};
 use crate::tally::{Observable, Sampling, Seen, Tally};
 

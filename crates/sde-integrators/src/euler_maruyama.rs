@@ -3,7 +3,7 @@
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
-use crate::lanes::{LANES, LaneIncrements};
+use crate::lane_increments::{LANES, LaneIncrements};
 use crate::noise::Increment;
 use crate::system::{NoiseClass, Sde};
 

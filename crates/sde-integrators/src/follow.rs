@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
+use lanes::{Registers, SimdLevel, Work};
+
 use crate::error::Error;
 use crate::integrator::{Integrator, Joints};
-use crate::lanes::{LANES, LaneIncrements, LaneNoise};
+use crate::lane_increments::{LANES, LaneIncrements, LaneNoise};
 use crate::law::InitialLaw;
-use crate::level::SimdLevel;
 use crate::noise::Noise;
 use crate::schedule::Leg;
 use crate::tally::Sampling;
@@ -149,7 +150,7 @@ where
             lives.bury(&mut x, 0, 0.0);
         }
         watch.start(ids.start, &x);
-        let mut noise = LaneNoise::<M>::new(self.seed, streams, signs);
+        let mut noise = LaneNoise::<M>::new(self.level, self.seed, streams, signs);
         let mut memory: [I::Memory; LANES] = std::array::from_fn(|_| I::Memory::default());
         let mut steps_before = 0;
         for (index, leg) in self.legs.iter().enumerate() {
@@ -182,7 +183,7 @@ struct Advance<'a, 'b, S: ?Sized, I, L: ?Sized, W, Memory, const D: usize, const
     watch: &'a mut W,
 }
 
-impl<S, I, L, W, const D: usize, const M: usize> pulp::NullaryFnOnce
+impl<S, I, L, W, const D: usize, const M: usize> Work
     for Advance<'_, '_, S, I, L, W, I::Memory, D, M>
 where
     S: Sync + ?Sized,
@@ -194,7 +195,7 @@ where
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers<f32>>(self, _: R) {
         let Self { follow, leg, steps_before, noise, x, memory, lives, watch } = self;
         let (integrator, system) = (follow.integrator, follow.system);
         let deviations = noise.deviations(leg.dt);

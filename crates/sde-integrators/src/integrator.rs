@@ -1,7 +1,7 @@
 //! The seam of the methods: one step.
 
 use crate::error::StepError;
-use crate::lanes::{LANES, LaneIncrements};
+use crate::lane_increments::{LANES, LaneIncrements};
 use crate::noise::Increment;
 
 /// Which ends of a step meet another step of the same length, with nobody looking at the state between them.
@@ -175,9 +175,9 @@ macro_rules! integrate_second_order_lanes {
                 system: &S,
                 t: f64,
                 dt: f64,
-                dw: &$crate::lanes::LaneIncrements<M>,
-                x: &mut [[f64; $crate::lanes::LANES]; $d],
-                memory: &mut [Self::Memory; $crate::lanes::LANES],
+                dw: &$crate::lane_increments::LaneIncrements<M>,
+                x: &mut [[f64; $crate::lane_increments::LANES]; $d],
+                memory: &mut [Self::Memory; $crate::lane_increments::LANES],
                 failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
                 let joints = $crate::integrator::Joints::default();
@@ -195,16 +195,16 @@ macro_rules! integrate_second_order_lanes {
                 system: &S,
                 t: f64,
                 dt: f64,
-                dw: &$crate::lanes::LaneIncrements<M>,
-                x: &mut [[f64; $crate::lanes::LANES]; $d],
-                memory: &mut [Self::Memory; $crate::lanes::LANES],
+                dw: &$crate::lane_increments::LaneIncrements<M>,
+                x: &mut [[f64; $crate::lane_increments::LANES]; $d],
+                memory: &mut [Self::Memory; $crate::lane_increments::LANES],
                 _failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
                 // All have seen the same steps: the first memory is that of every lane.
                 let prepared = Self::prepare::<S, $n, M>(system, (t, dt), joints, &mut memory[0]);
                 // A loop of its own: within the other, it would be computed and thrown away where there is a joint.
                 if !joints.before {
-                    for lane in 0..$crate::lanes::LANES {
+                    for lane in 0..$crate::lane_increments::LANES {
                         let mut q = std::array::from_fn(|k| x[k][lane]);
                         let mut v = std::array::from_fn(|k| x[$n + k][lane]);
                         Self::open::<S, $n, M>(system, (t, dt), (&mut q, &mut v));
@@ -214,7 +214,7 @@ macro_rules! integrate_second_order_lanes {
                         }
                     }
                 }
-                for lane in 0..$crate::lanes::LANES {
+                for lane in 0..$crate::lane_increments::LANES {
                     let mut q = std::array::from_fn(|k| x[k][lane]);
                     let mut v = std::array::from_fn(|k| x[$n + k][lane]);
                     let dw = dw.lane(lane);

@@ -7,13 +7,14 @@
 
 use std::fmt;
 
+use lanes::SimdLevel;
+
 use crate::blocks::reduce_blocks;
 use crate::error::Error;
 use crate::follow::{Follow, LaneStates, Lives, Watch};
 use crate::integrator::Integrator;
-use crate::lanes::LANES;
+use crate::lane_increments::LANES;
 use crate::law::InitialLaw;
-use crate::level::SimdLevel;
 use crate::noise::{Noise, Purpose, Stream};
 use crate::samples::Samples;
 use crate::schedule::{EnsembleConfig, schedule};

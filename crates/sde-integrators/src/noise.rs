@@ -1,10 +1,10 @@
 //! Noise as a pure function of its address: (seed, purpose, realisation, step).
 
+use lanes::{Registers, SimdLevel, Work};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::chacha::{BLOCK_WORDS, blocks, key};
-use crate::level::SimdLevel;
 use crate::normal::{BLOCK_NORMALS, normal_blocks, normal_pair};
 
 /// Words of 32 bits that one pair of normals takes, always.
@@ -236,12 +236,12 @@ struct FillField<'a> {
     normals: &'a mut [f64],
 }
 
-impl pulp::NullaryFnOnce for FillField<'_> {
+impl Work for FillField<'_> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers<f32>>(self, _: R) {
         let mut rows = [[0.0; FIELD_BLOCKS]; BLOCK_NORMALS];
         let mut block = self.block;
         for part in self.normals.chunks_mut(FIELD_NORMALS) {
@@ -314,12 +314,12 @@ struct DrawAhead<'a> {
     block: u64,
 }
 
-impl pulp::NullaryFnOnce for DrawAhead<'_> {
+impl Work for DrawAhead<'_> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn call(self) {
+    fn run<R: Registers<f32>>(self, _: R) {
         let Self { ahead: Ahead { key, stream, rows }, block } = self;
         let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
         normal_blocks(key, &[*stream; AHEAD_BLOCKS], &counters, rows);

@@ -1,5 +1,8 @@
 //! How the noise of a field is correlated: a factor `L` of its covariance `L L^T`.
 
+use crate::components::{
+    Block, entries, for_components, multiply, multiply_diagonal, multiply_transposed,
+};
 use crate::error::Error;
 
 /// A factor `L` of the covariance of a field's noise, with a row per unknown and a column per Brownian motion.
@@ -18,81 +21,6 @@ pub trait NoiseFactor: Sync {
     /// `L^T x` into `result`: [`n_unknowns`](Self::n_unknowns) values to [`n_motions`](Self::n_motions). With it the
     /// covariance itself can be applied, `L (L^T x)`: a drift `L L^T f` and a noise `L z` then come from one factor.
     fn apply_transposed(&self, x: &[f64], result: &mut [f64]);
-}
-
-/// What [`NoiseFactor`] does, for several fields at once whose values lie side by side: `[unknown][component]`, with
-/// motions `[motion][component]`. Each field has the same factor and motions of its own. In blocks of components that fit
-/// in registers, so that the factor is read once for eight.
-macro_rules! for_components {
-    () => {
-        /// `L z` for several fields side by side: `z` is `[motion][component]`, `result` is `[unknown][component]`. What
-        /// [`NoiseFactor::apply`] gives for each of them alone.
-        pub fn apply_to_components(&self, components: usize, z: &[f64], result: &mut [f64]) {
-            $crate::noise_factor::in_blocks!(self.apply_block(components, z, result));
-        }
-
-        /// `L^T x` for several fields side by side: `x` is `[unknown][component]`, `result` is `[motion][component]`. What
-        /// [`NoiseFactor::apply_transposed`] gives for each of them alone.
-        pub fn apply_transposed_to_components(
-            &self,
-            components: usize,
-            x: &[f64],
-            result: &mut [f64],
-        ) {
-            $crate::noise_factor::in_blocks!(self.apply_transposed_block(components, x, result));
-        }
-    };
-}
-
-macro_rules! in_blocks {
-    ($self:ident.$block:ident($components:ident, $from:ident, $to:ident)) => {{
-        let mut first = 0;
-        while first < $components {
-            first += match $components - first {
-                8.. => $self.$block::<8>((first, $components), $from, $to),
-                4.. => $self.$block::<4>((first, $components), $from, $to),
-                3 => $self.$block::<3>((first, $components), $from, $to),
-                2 => $self.$block::<2>((first, $components), $from, $to),
-                _ => $self.$block::<1>((first, $components), $from, $to),
-            };
-        }
-    }};
-}
-
-#[cfg(feature = "dense")]
-pub(crate) use for_components;
-pub(crate) use in_blocks;
-
-/// `C` components of an unknown or a motion, from the `first` of `all` on.
-#[inline]
-pub(crate) fn load<const C: usize>(
-    values: &[f64],
-    index: usize,
-    (first, all): (usize, usize),
-) -> [f64; C] {
-    let start = index * all + first;
-    let mut block = [0.0; C];
-    block.copy_from_slice(&values[start..start + C]);
-    block
-}
-
-/// Where they go.
-#[inline]
-pub(crate) fn block_of<const C: usize>(
-    values: &mut [f64],
-    index: usize,
-    (first, all): (usize, usize),
-) -> &mut [f64] {
-    let start = index * all + first;
-    &mut values[start..start + C]
-}
-
-/// `values += l x`.
-#[inline]
-pub(crate) fn add_scaled<const C: usize>(values: &mut [f64], l: f64, x: &[f64; C]) {
-    for (value, x) in values.iter_mut().zip(x) {
-        *value += l * x;
-    }
 }
 
 pub(crate) fn require_finite(quantity: &'static str, values: &[f64]) -> Result<(), Error> {
@@ -134,26 +62,17 @@ impl DiagonalFactor {
 
     for_components!();
 
-    fn apply_block<const C: usize>(
-        &self,
-        of: (usize, usize),
-        z: &[f64],
-        result: &mut [f64],
-    ) -> usize {
-        for (i, deviation) in self.deviations.iter().enumerate() {
-            let z: [f64; C] = load(z, i, of);
-            block_of::<C>(result, i, of).copy_from_slice(&z.map(|z| deviation * z));
-        }
-        C
+    fn apply_block<const C: usize>(&self, of: Block, z: &[f64], result: &mut [f64]) -> usize {
+        multiply_diagonal::<C>(&self.deviations, of, z, result)
     }
 
     fn apply_transposed_block<const C: usize>(
         &self,
-        of: (usize, usize),
+        of: Block,
         x: &[f64],
         result: &mut [f64],
     ) -> usize {
-        self.apply_block::<C>(of, x, result)
+        multiply_diagonal::<C>(&self.deviations, of, x, result)
     }
 }
 
@@ -208,38 +127,17 @@ impl LowRankFactor {
 
     for_components!();
 
-    fn apply_block<const C: usize>(
-        &self,
-        of: (usize, usize),
-        z: &[f64],
-        result: &mut [f64],
-    ) -> usize {
-        for i in 0..self.n {
-            block_of::<C>(result, i, of).fill(0.0);
-        }
-        for (j, column) in self.columns().enumerate() {
-            let z: [f64; C] = load(z, j, of);
-            for (i, &l) in column.iter().enumerate() {
-                add_scaled(block_of::<C>(result, i, of), l, &z);
-            }
-        }
-        C
+    fn apply_block<const C: usize>(&self, of: Block, z: &[f64], result: &mut [f64]) -> usize {
+        multiply_transposed::<C>(self.n, self.columns().map(entries), of, z, result)
     }
 
     fn apply_transposed_block<const C: usize>(
         &self,
-        of: (usize, usize),
+        of: Block,
         x: &[f64],
         result: &mut [f64],
     ) -> usize {
-        for (j, column) in self.columns().enumerate() {
-            let mut sum = [0.0; C];
-            for (i, &l) in column.iter().enumerate() {
-                add_scaled(&mut sum, l, &load::<C>(x, i, of));
-            }
-            block_of::<C>(result, j, of).copy_from_slice(&sum);
-        }
-        C
+        multiply::<C>(self.columns().map(entries), of, x, result)
     }
 }
 
@@ -332,40 +230,23 @@ impl SparseFactor {
         (0..self.row_starts.len() - 1).map(|i| self.row(i))
     }
 
+    fn entries(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)>> {
+        self.rows().map(|(columns, values)| columns.iter().copied().zip(values.iter().copied()))
+    }
+
     for_components!();
 
-    fn apply_block<const C: usize>(
-        &self,
-        of: (usize, usize),
-        z: &[f64],
-        result: &mut [f64],
-    ) -> usize {
-        for (i, (columns, values)) in self.rows().enumerate() {
-            let mut sum = [0.0; C];
-            for (&column, &l) in columns.iter().zip(values) {
-                add_scaled(&mut sum, l, &load::<C>(z, column, of));
-            }
-            block_of::<C>(result, i, of).copy_from_slice(&sum);
-        }
-        C
+    fn apply_block<const C: usize>(&self, of: Block, z: &[f64], result: &mut [f64]) -> usize {
+        multiply::<C>(self.entries(), of, z, result)
     }
 
     fn apply_transposed_block<const C: usize>(
         &self,
-        of: (usize, usize),
+        of: Block,
         x: &[f64],
         result: &mut [f64],
     ) -> usize {
-        for j in 0..self.n_motions {
-            block_of::<C>(result, j, of).fill(0.0);
-        }
-        for (i, (columns, values)) in self.rows().enumerate() {
-            let x: [f64; C] = load(x, i, of);
-            for (&column, &l) in columns.iter().zip(values) {
-                add_scaled(block_of::<C>(result, column, of), l, &x);
-            }
-        }
-        C
+        multiply_transposed::<C>(self.n_motions, self.entries(), of, x, result)
     }
 }
 

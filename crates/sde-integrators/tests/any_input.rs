@@ -1,6 +1,9 @@
 //! Whatever numbers come in, laws, factors, methods and first steps end in a result or a typed error: no panic, no hang, no memory
 //! beyond [`MOST_BYTES`], no NaN in what is told. `PROPTEST_CASES` says how many are tried.
 
+#[path = "../../lanes/tests/shared/number.rs"]
+mod any_number;
+
 use std::alloc::System;
 
 use cap::Cap;
@@ -30,17 +33,9 @@ const MOST_MOTIONS: usize = 100;
 /// Factors beyond this must be refused.
 const TOO_MANY_MOTIONS: usize = 5_000_000_000;
 
-/// Any double: ordinary ones, those at the ends of the range, infinities and NaN.
+/// Any double.
 fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        8 => 0.1..1.0,
-        2 => -10.0..10.0,
-        1 => any::<f64>(),
-        1 => prop::sample::select(vec![
-            0.0, -0.0, 1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN_POSITIVE,
-            5e-324, 1e-300, 1e300, -1e300,
-        ]),
-    ]
+    any_number::number(0.1..1.0, 8)
 }
 
 fn count() -> impl Strategy<Value = usize> {

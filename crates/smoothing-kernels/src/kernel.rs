@@ -2,10 +2,10 @@
 
 use core::fmt::Debug;
 
-use crate::batch;
+use crate::batch::each;
 use crate::error::Error;
 use crate::geometry::power;
-use crate::marginal::Profile;
+use crate::marginal::{self, Radial};
 
 /// Below this `q` the ratio `shape'(q) / q` is taken at this `q`: the ratio has a limit at 0, and moves from it by less
 /// than about 1e-8 of itself here.
@@ -118,7 +118,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     /// # Ok::<(), smoothing_kernels::Error>(())
     /// ```
     fn values(&self, r_squared: &[f64], h: f64, values: &mut [f64]) -> Result<(), Error> {
-        batch::each(
+        each(
             r_squared,
             values,
             #[inline(always)]
@@ -137,7 +137,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         h: f64,
         factors: &mut [f64],
     ) -> Result<(), Error> {
-        batch::each(
+        each(
             r_squared,
             factors,
             #[inline(always)]
@@ -161,7 +161,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     /// ```
     #[must_use]
     fn second_moment(&self) -> f64 {
-        profile(self).second_moment()
+        marginal::second_moment::<D, _, _>(&radial(self))
     }
 
     /// Density of one coordinate under the kernel, `W` integrated over the other `D - 1`, at `x`, per unit of length.
@@ -178,7 +178,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     /// ```
     #[must_use]
     fn marginal_density(&self, x: f64, h: f64) -> f64 {
-        profile(self).density(x / h) / h
+        marginal::density::<D, _, _>(&radial(self), x / h) / h
     }
 
     /// Probability that one coordinate under the kernel is at most `x`: the integral of
@@ -196,15 +196,14 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     /// ```
     #[must_use]
     fn marginal_distribution(&self, x: f64, h: f64) -> f64 {
-        profile(self).distribution(x / h)
+        marginal::distribution::<D, _, _>(&radial(self), x / h)
     }
 }
 
-/// The functions of a kernel that its marginals need.
-fn profile<const D: usize, K: Kernel<D> + ?Sized>(
+fn radial<const D: usize, K: Kernel<D> + ?Sized>(
     kernel: &K,
-) -> Profile<D, impl Fn(f64) -> f64, impl Fn(f64) -> f64> {
-    Profile {
+) -> Radial<impl Fn(f64) -> f64, impl Fn(f64) -> f64> {
+    Radial {
         support: kernel.support(),
         normalisation: kernel.normalisation(),
         shape: |q| kernel.shape(q),

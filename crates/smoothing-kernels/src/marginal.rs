@@ -23,75 +23,88 @@ fn gauss_legendre(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     half * RULE.iter().map(|(node, weight)| weight * f(centre + half * node)).sum::<f64>()
 }
 
-/// A kernel for `h = 1`: its shape `w(q)` with `w'(q) / q`, where it ends, and `σ_D`.
-pub(crate) struct Profile<const D: usize, W, G> {
+/// What moments and marginals ask of a kernel, by the names of `Kernel`.
+pub(crate) struct Radial<W, S> {
     pub(crate) support: f64,
     pub(crate) normalisation: f64,
     pub(crate) shape: W,
-    pub(crate) shape_derivative_over_q: G,
+    pub(crate) shape_derivative_over_q: S,
 }
 
-impl<const D: usize, W: Fn(f64) -> f64, G: Fn(f64) -> f64> Profile<D, W, G> {
-    /// `κ_D = S_D σ_D / D ∫ w(q) q^(D+1) dq`, since the squares of the `D` coordinates share `q^2` alike.
-    pub(crate) fn second_moment(&self) -> f64 {
-        let width = self.support / f64::from(N_PANELS);
-        let integral: f64 = (0..N_PANELS)
-            .map(|panel| {
-                let start = f64::from(panel) * width;
-                gauss_legendre(start, start + width, |q| (self.shape)(q) * integer_power(q, D + 1))
-            })
-            .sum();
-        unit_sphere_surface::<D>() * self.normalisation * integral / D as f64
-    }
+/// `κ_D = S_D σ_D / D ∫ w(q) q^(D+1) dq`, since the squares of the `D` coordinates share `q^2` alike.
+pub(crate) fn second_moment<const D: usize, W, S>(kernel: &Radial<W, S>) -> f64
+where
+    W: Fn(f64) -> f64,
+{
+    let width = kernel.support / f64::from(N_PANELS);
+    let integral: f64 = (0..N_PANELS)
+        .map(|panel| {
+            let start = f64::from(panel) * width;
+            gauss_legendre(start, start + width, |q| (kernel.shape)(q) * integer_power(q, D + 1))
+        })
+        .sum();
+    unit_sphere_surface::<D>() * kernel.normalisation * integral / D as f64
+}
 
-    /// Marginal density at `c`, in units of `h`. With `ρ^2 = t^2 - c^2`, and integrated by parts,
-    ///
-    /// $$ \sigma_D V_{D-1} \Bigl[ \int_c^s -w'(t)\, \rho^{D-1} dt + w(s^-)\, \rho(s)^{D-1} \Bigr] . $$
-    pub(crate) fn density(&self, c: f64) -> f64 {
-        let c = c.abs();
-        if D == 1 {
-            return self.normalisation * (self.shape)(c);
-        }
-        let layers = self.layers(c, |_, rho| integer_power(rho, D - 1));
-        self.normalisation * unit_ball_volume(D - 1) * layers
+/// Marginal density at `c`, in units of `h`. With `ρ^2 = t^2 - c^2`, and integrated by parts,
+///
+/// $$ \sigma_D V_{D-1} \Bigl[ \int_c^s -w'(t)\, \rho^{D-1} dt + w(s^-)\, \rho(s)^{D-1} \Bigr] . $$
+pub(crate) fn density<const D: usize, W, S>(kernel: &Radial<W, S>, c: f64) -> f64
+where
+    W: Fn(f64) -> f64,
+    S: Fn(f64) -> f64,
+{
+    let c = c.abs();
+    if D == 1 {
+        return kernel.normalisation * (kernel.shape)(c);
     }
+    let layers = layers(kernel, c, |_, rho| integer_power(rho, D - 1));
+    kernel.normalisation * unit_ball_volume(D - 1) * layers
+}
 
-    /// Probability that the coordinate is at most `c`, in units of `h`: the kernel is a heap of balls, and what lies
-    /// beyond `c` a heap of caps.
-    pub(crate) fn distribution(&self, c: f64) -> f64 {
-        let distance = c.abs();
-        let caps = self.layers(distance, |t, rho| cap::<D>(t, distance, rho));
-        let beyond = self.normalisation * unit_ball_volume(D - 1) * caps;
-        if c < 0.0 { beyond } else { 1.0 - beyond }
-    }
+/// Probability that the coordinate is at most `c`, in units of `h`: the kernel is a heap of balls, and what lies beyond
+/// `c` a heap of caps.
+pub(crate) fn distribution<const D: usize, W, S>(kernel: &Radial<W, S>, c: f64) -> f64
+where
+    W: Fn(f64) -> f64,
+    S: Fn(f64) -> f64,
+{
+    let distance = c.abs();
+    let caps = layers(kernel, distance, |t, rho| cap::<D>(t, distance, rho));
+    let beyond = kernel.normalisation * unit_ball_volume(D - 1) * caps;
+    if c < 0.0 { beyond } else { 1.0 - beyond }
+}
 
-    /// `∫_c^s -w'(t) f(t, ρ) dt + w(s^-) f(s, ρ(s))`, the variable of integration being `ρ = sqrt(t^2 - c^2)`, in which
-    /// the root at `t = c` is smooth: `dt = ρ dρ / t`.
-    fn layers(&self, c: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
-        let support = self.support;
-        if c >= support {
-            return 0.0;
-        }
-        let rho_of = |t: f64| ((t - c) * (t + c)).sqrt();
-        let integrand = |rho: f64| {
-            let t = c.hypot(rho);
-            -(self.shape_derivative_over_q)(t) * rho * f(t, rho)
-        };
-        let mut sum = 0.0;
-        let mut from = 0.0;
-        for panel in 1..=N_PANELS {
-            let end = support * (f64::from(panel) / f64::from(N_PANELS));
-            if end > c {
-                let to = rho_of(end);
-                sum += gauss_legendre(from, to, integrand);
-                from = to;
-            }
-        }
-        // The last value before the edge: zero to roundoff, but for a kernel that is cut off.
-        let step = (self.shape)(support * (1.0 - f64::EPSILON));
-        // A NaN is above no panel's end, but it is in `c`, and so in the last term.
-        sum + step * f(support, rho_of(support))
+/// `∫_c^s -w'(t) f(t, ρ) dt + w(s^-) f(s, ρ(s))`, the variable of integration being `ρ = sqrt(t^2 - c^2)`, in which the
+/// root at `t = c` is smooth: `dt = ρ dρ / t`.
+fn layers<W, S>(kernel: &Radial<W, S>, c: f64, f: impl Fn(f64, f64) -> f64) -> f64
+where
+    W: Fn(f64) -> f64,
+    S: Fn(f64) -> f64,
+{
+    let support = kernel.support;
+    if c >= support {
+        return 0.0;
     }
+    let rho_of = |t: f64| ((t - c) * (t + c)).sqrt();
+    let integrand = |rho: f64| {
+        let t = c.hypot(rho);
+        -(kernel.shape_derivative_over_q)(t) * rho * f(t, rho)
+    };
+    let mut sum = 0.0;
+    let mut from = 0.0;
+    for panel in 1..=N_PANELS {
+        let end = support * (f64::from(panel) / f64::from(N_PANELS));
+        if end > c {
+            let to = rho_of(end);
+            sum += gauss_legendre(from, to, integrand);
+            from = to;
+        }
+    }
+    // The last value before the edge: zero to roundoff, but for a kernel that is cut off.
+    let step = (kernel.shape)(support * (1.0 - f64::EPSILON));
+    // A NaN is above no panel's end, but it is in `c`, and so in the last term.
+    sum + step * f(support, rho_of(support))
 }
 
 /// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`, the volume of the cap of a ball of radius `t` over the volume of the unit ball in

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::tile_size::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 
@@ -93,7 +93,7 @@ impl<const D: usize> Binning<D> {
             self.starts[run.slot as usize + 1] += 1;
         }
         let Self { runs, nodes, bases, .. } = self;
-        in_widest_registers(
+        dispatch(
             #[inline(always)]
             || {
                 for run in &*runs {

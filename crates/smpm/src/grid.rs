@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::blocks::{BlockSums, Fields, fill, place, place_in_block, seen_at};
 use crate::body::Body;
@@ -172,7 +172,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         let cell = self.lattice.cell;
         let both = (&mut self.nodes[..], &mut self.masses[..]);
         for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
-            in_widest_registers(
+            dispatch(
                 #[inline(always)]
                 || {
                     for field in 0..n_fields {

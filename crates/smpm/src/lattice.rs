@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::config::Config;
 use crate::number::Number;
@@ -68,7 +68,7 @@ impl<const D: usize> Lattice<D> {
             let share = chunk * SHARE..chunk * SHARE + lowest.len();
             let positions = &positions[share.clone()];
             let half_lengths = half_lengths.get(share).unwrap_or_default();
-            in_widest_registers(
+            dispatch(
                 #[inline(always)]
                 || {
                     if shape == Shape::Gimp {

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::binning::permute;
 use crate::config::BulkViscosity;
@@ -119,7 +119,7 @@ fn update_batch<M: Material<S>, S: Number, const PLANE: bool>(
     (states, conditions): (&mut [M::State], &mut [Condition<S>]),
     numbers: &[u32],
 ) -> Option<(u32, Fault)> {
-    in_widest_registers(
+    dispatch(
         #[inline(always)]
         || {
             let mut first: Option<(u32, Fault)> = None;

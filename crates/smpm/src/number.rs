@@ -2,7 +2,8 @@
 
 use std::any::Any;
 
-use perturbation_moments::{Gradient, Scalar, in_registers_of_four, in_widest_registers};
+use lanes::{dispatch, dispatch_narrow};
+use perturbation_moments::{Gradient, Scalar};
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
 /// its history, or a [`Gradient`]. Any [`Scalar`] that threads may share becomes one by `impl Number for MyScalar {}`.
@@ -48,5 +49,5 @@ pub(crate) const fn is_plain<S>() -> bool {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
 pub(crate) fn in_registers_of<S, R>(work: impl FnMut() -> R) -> R {
-    if const { is_plain::<S>() } { in_registers_of_four(work) } else { in_widest_registers(work) }
+    if const { is_plain::<S>() } { dispatch_narrow(work) } else { dispatch(work) }
 }

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use perturbation_moments::in_widest_registers;
+use lanes::dispatch;
 
 use crate::body::Body;
 use crate::config::Config;
@@ -113,7 +113,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
         conditions: &[Condition<S>],
         summary: &mut Summary<D>,
     ) {
-        let is_everywhere = in_widest_registers(
+        let is_everywhere = dispatch(
             #[inline(always)]
             || {
                 look(chunk, conditions, self.config, summary);

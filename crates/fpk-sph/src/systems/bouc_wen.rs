@@ -1,8 +1,8 @@
 //! The hysteretic oscillator of Bouc and Wen.
 
+use lanes::power;
 use sde_integrators::{
     Additive, Increment, Integrator, LinearFlows, Sde, SecondOrder, StepError, StrangOscillator,
-    power,
 };
 
 use super::Window;

@@ -1,6 +1,7 @@
 //! The oscillator with a nonlinear viscous damper.
 
-use sde_integrators::{Additive, Sde, SecondOrder, exp, power};
+use lanes::{exp, power};
+use sde_integrators::{Additive, Sde, SecondOrder};
 
 use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};

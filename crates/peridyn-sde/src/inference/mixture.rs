@@ -1,6 +1,7 @@
 //! A likelihood that does not take the noise of its ensembles for information.
 
-use sde_integrators::{Noise, Purpose, exp, ln};
+use lanes::{exp, ln};
+use sde_integrators::{Noise, Purpose};
 
 use super::emulator::Emulator;
 use super::gaussian::Observations;

@@ -1,6 +1,7 @@
 //! What is sampled, and one step of Metropolis's algorithm on it.
 
-use sde_integrators::{Stream, exp};
+use lanes::exp;
+use sde_integrators::Stream;
 
 use super::factor::Factor;
 use super::parameter_space::ParameterSpace;

@@ -5,12 +5,14 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
+use lanes::SimdLevel;
+
 use crate::chacha::key;
 use crate::noise::{Increment, Purpose};
-use crate::normal::{BLOCK_NORMALS, normal_blocks};
+use crate::normal::{BLOCK_NORMALS, ROW, normal_rows};
 
 /// Paths that an ensemble moves together, one in each lane.
-pub const LANES: usize = 32;
+pub const LANES: usize = ROW;
 
 /// The increments of [`LANES`] paths over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,15 +52,15 @@ impl Rows {
         Self { key: key(seed, purpose as u64), normals: [[0.0; LANES]; BLOCK_NORMALS] }
     }
 
-    #[inline(always)]
-    fn draw(&mut self, streams: &[u64; LANES], block: u64) {
-        normal_blocks(&self.key, streams, &[block; LANES], &mut self.normals);
+    fn draw(&mut self, level: SimdLevel, streams: &[u64; LANES], block: u64) {
+        normal_rows(level, &self.key, streams, &[block; LANES], &mut self.normals);
     }
 }
 
 /// The noise of [`LANES`] paths, step after step.
 #[derive(Debug, Clone)]
 pub(crate) struct LaneNoise<const M: usize> {
+    level: SimdLevel,
     /// The realisation whose words a lane uses.
     streams: [u64; LANES],
     /// 1, or -1 for an antithetic path.
@@ -78,10 +80,15 @@ pub(crate) struct Deviations {
 }
 
 impl<const M: usize> LaneNoise<M> {
-    pub(crate) fn new(seed: u64, streams: [u64; LANES], signs: [f64; LANES]) -> Self {
+    pub(crate) fn new(
+        level: SimdLevel,
+        seed: u64,
+        streams: [u64; LANES],
+        signs: [f64; LANES],
+    ) -> Self {
         let brownian = Rows::new(seed, Purpose::Path);
         let area = Rows::new(seed, Purpose::PathArea);
-        Self { streams, signs, brownian, area, next: 0, block: 0 }
+        Self { level, streams, signs, brownian, area, next: 0, block: 0 }
     }
 
     pub(crate) fn deviations(&self, dt: f64) -> Deviations {
@@ -102,9 +109,9 @@ impl<const M: usize> LaneNoise<M> {
         for m in 0..M {
             let row = self.next;
             if row == 0 {
-                self.brownian.draw(&self.streams, self.block);
+                self.brownian.draw(self.level, &self.streams, self.block);
                 if USES_AREA {
-                    self.area.draw(&self.streams, self.block);
+                    self.area.draw(self.level, &self.streams, self.block);
                 }
                 self.block += 1;
             }

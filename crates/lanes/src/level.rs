@@ -1,0 +1,191 @@
+//! Levels of vector instructions, and work compiled for each of them.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use std::fmt;
+
+use crate::portable::Portable;
+use crate::registers::{Registers, Work};
+
+/// A level of vector instructions that this machine has.
+///
+/// Every level gives the same bits; they differ in speed. The default of everything that takes a level is [`best`](Self::best).
+#[derive(Clone, Copy)]
+pub struct SimdLevel(Level);
+
+#[derive(Clone, Copy)]
+enum Level {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(pulp::x86::V3),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(pulp::x86::V4),
+}
+
+impl SimdLevel {
+    /// Instructions that every machine of the target has: SSE2 on x86-64, NEON on AArch64.
+    pub const PORTABLE: Self = Self(Level::Portable);
+
+    /// The levels of this machine, the widest last.
+    pub fn available() -> impl Iterator<Item = Self> {
+        #[cfg(target_arch = "x86_64")]
+        let wider = [
+            pulp::x86::V3::try_new().map(Level::Avx2),
+            pulp::x86::V4::try_new().map(Level::Avx512),
+        ];
+        #[cfg(not(target_arch = "x86_64"))]
+        let wider = [];
+        std::iter::once(Level::Portable).chain(wider.into_iter().flatten()).map(Self)
+    }
+
+    /// The widest level of this machine.
+    #[inline]
+    #[must_use]
+    pub fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(token) = pulp::x86::V4::try_new() {
+            return Self(Level::Avx512(token));
+        }
+        Self::best_narrow()
+    }
+
+    /// The widest level of this machine whose registers hold at most four `f64`.
+    #[inline]
+    fn best_narrow() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(token) = pulp::x86::V3::try_new() {
+            return Self(Level::Avx2(token));
+        }
+        Self::PORTABLE
+    }
+
+    /// "portable", "avx2" or "avx512".
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Level::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(_) => "avx512",
+        }
+    }
+
+    /// Runs work compiled for this level.
+    ///
+    /// What the work calls is compiled for the level only where it is inlined: mark it `#[inline(always)]`.
+    #[inline]
+    pub fn run<W: Work>(self, work: W) -> W::Output {
+        match self.0 {
+            Level::Portable => work.run(Portable::new()),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(token) => token.vectorize(On { registers: token, work }),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(token) => token.vectorize(On { registers: token, work }),
+        }
+    }
+
+    /// Runs a closure compiled for this level, as [`dispatch`] does for the widest.
+    ///
+    /// A closure that consumes none of its captures is better passed to [`dispatch`], which calls it by reference.
+    #[inline]
+    pub fn call<R>(self, work: impl FnOnce() -> R) -> R {
+        self.run(Once(work))
+    }
+}
+
+/// Runs a closure compiled for the widest registers of this machine, chosen at run time.
+///
+/// What is inlined into the closure is compiled for AVX-512, AVX2 and the portable level: mark the closure and what it
+/// calls `#[inline(always)]`. A call costs a few nanoseconds, so pass a whole loop, not one evaluation.
+///
+/// ```
+/// let x = [0.25, 1.0, 4.0];
+/// let mut y = [0.0; 3];
+/// lanes::dispatch(
+///     #[inline(always)]
+///     || {
+///         for (y, x) in y.iter_mut().zip(x) {
+///             *y = lanes::power(x, 0.5);
+///         }
+///     },
+/// );
+/// assert_eq!(y, [0.5, 1.0, 2.0]);
+/// ```
+#[inline]
+pub fn dispatch<R>(work: impl FnMut() -> R) -> R {
+    SimdLevel::best().run(Repeatable(work))
+}
+
+/// As [`dispatch`], for registers of at most four `f64` (AVX2).
+///
+/// Use it for loops over a few numbers at a time: for AVX-512 the compiler would fill registers by gathering, which takes
+/// longer than the arithmetic.
+#[inline]
+pub fn dispatch_narrow<R>(work: impl FnMut() -> R) -> R {
+    SimdLevel::best_narrow().run(Repeatable(work))
+}
+
+/// Work on the registers of a level, as pulp takes it.
+#[cfg(target_arch = "x86_64")]
+struct On<R, W> {
+    registers: R,
+    work: W,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<R: Registers<f32>, W: Work> pulp::NullaryFnOnce for On<R, W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.work.run(self.registers)
+    }
+}
+
+struct Once<F>(F);
+
+impl<R, F: FnOnce() -> R> Work for Once<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run<V: Registers<f32>>(self, _: V) -> R {
+        self.0()
+    }
+}
+
+/// Called by reference: calling a closure by value goes through a shim of the compiler that is not inlined when it has two
+/// callers, and would then be compiled for the narrowest registers.
+struct Repeatable<F>(F);
+
+impl<R, F: FnMut() -> R> Work for Repeatable<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn run<V: Registers<f32>>(mut self, _: V) -> R {
+        (self.0)()
+    }
+}
+
+impl PartialEq for SimdLevel {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for SimdLevel {}
+
+impl fmt::Debug for SimdLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "SimdLevel({})", self.name())
+    }
+}
+
+impl fmt::Display for SimdLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

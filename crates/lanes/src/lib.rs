@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+
+mod elementary;
+mod level;
+mod portable;
+mod registers;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use elementary::{exp, ln, minus_twice_ln, power, sin_cos};
+pub use level::{SimdLevel, dispatch, dispatch_narrow};
+pub use registers::{MOST_LANES, Registers, Work};

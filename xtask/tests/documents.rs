@@ -226,3 +226,61 @@ fn a_link_to_nothing_is_seen() {
         targets(text).iter().map(|target| broken(&page, text, target).is_some()).collect();
     assert_eq!(wrong, [true, false, false, true]);
 }
+
+// ---- paths ----
+
+/// The folders at the root whose files pages name.
+const FOLDERS: [&str; 6] = ["crates/", "tests/", "benches/", "xtask/", "docs/", ".ci/"];
+
+/// The paths from the root that a page names in code spans: up to the first placeholder, `crates/*/tests` to `crates/`.
+fn named_paths(page: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    for line in prose(page) {
+        for span in line.split('`').skip(1).step_by(2) {
+            if FOLDERS.iter().any(|folder| span.starts_with(folder)) {
+                let end = span.find(['<', '*', '{', ' ', '#', '|']).unwrap_or(span.len());
+                let kept = &span[..end];
+                // Of a name with a placeholder the folder is left.
+                let folder = kept.rfind('/').map_or(kept, |slash| &kept[..slash]);
+                all.push(if end < span.len() { folder } else { kept }.to_owned());
+            }
+        }
+    }
+    all
+}
+
+/// Whether a path leads somewhere from the root, from the folder of the page, or from a crate: `tests/laws.rs` is that of a crate.
+fn is_there(page: &Path, path: &str) -> std::io::Result<bool> {
+    let mut starts = vec![root(), page.parent().map(Path::to_owned).unwrap_or_default()];
+    for entry in fs::read_dir(root().join("crates"))? {
+        starts.push(entry?.path());
+    }
+    Ok(starts.iter().any(|start| start.join(path).exists()))
+}
+
+/// Changelogs tell of what was.
+#[test]
+fn the_files_and_folders_that_pages_name_are_there() -> Outcome {
+    let (mut wrong, mut n_paths) = (Vec::new(), 0);
+    for page in files(&root(), ".md")? {
+        if page.ends_with("CHANGELOG.md") {
+            continue;
+        }
+        for path in named_paths(&fs::read_to_string(&page)?) {
+            n_paths += 1;
+            if !is_there(&page, &path)? {
+                wrong.push(format!("{}: {path} is not there", page.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(n_paths > 50, "only {n_paths} paths were found");
+    Ok(())
+}
+
+#[test]
+fn paths_are_read_up_to_their_placeholders() {
+    let page =
+        "`crates/smpm/src/<name>.rs`, `tests/scenes/a.json`, `not/a/path`\n```\n`tests/x`\n```\n";
+    assert_eq!(named_paths(page), ["crates/smpm/src", "tests/scenes/a.json"]);
+}

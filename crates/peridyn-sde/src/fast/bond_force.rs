@@ -31,16 +31,8 @@ pub(super) fn component<N: Copy + Add<Output = N> + Mul<Output = N>, const LINEA
 }
 
 /// A register as a number.
+#[derive(Clone, Copy)]
 struct Register<T: Real, S: Simd>(S, T::V<S>);
-
-impl<T: Real, S: Simd> Clone for Register<T, S> {
-    #[inline(always)]
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Real, S: Simd> Copy for Register<T, S> {}
 
 impl<T: Real, S: Simd> Add for Register<T, S> {
     type Output = Self;

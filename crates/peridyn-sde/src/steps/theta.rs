@@ -9,7 +9,8 @@ use crate::real::Real;
 
 #[derive(Debug)]
 pub(crate) struct Theta<T> {
-    theta: f64,
+    /// `theta`.
+    implicitness: f64,
     /// `z`.
     normals: Vec<T>,
     /// `L p` of a direction `p` of the solver.
@@ -18,9 +19,9 @@ pub(crate) struct Theta<T> {
 }
 
 impl<T: Real> Theta<T> {
-    pub(super) fn new(theta: f64) -> Self {
+    pub(super) fn new(implicitness: f64) -> Self {
         let (normals, displacements) = (Vec::new(), Vec::new());
-        Self { theta, normals, displacements, solver: ConjugateGradients::default() }
+        Self { implicitness, normals, displacements, solver: ConjugateGradients::default() }
     }
 
     /// Solves `(1 + theta h L^T K L) y = h L^T F(u) + sqrt(2 kT h) z` and moves by `L y`: the same as
@@ -32,7 +33,7 @@ impl<T: Real> Theta<T> {
     ) -> Result<(), Error> {
         motion.evaluate(body)?;
         self.right_hand_side(motion)?;
-        let Self { theta, displacements, solver, .. } = self;
+        let Self { implicitness: theta, displacements, solver, .. } = self;
         solver.solve::<L>(motion.step, |p, image| {
             implicit_image(*theta, motion, body, p, (&mut *displacements, image))
         })?;

@@ -60,8 +60,7 @@ struct Outcome {
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: FpkScene = run.parse(file)?;
-    let system = scene.system.build().map_err(RunError::solver)?;
+    let (scene, system) = run.build::<FpkScene>(file)?;
     let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
         if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
             run.progress.stage("Monte Carlo");

@@ -71,7 +71,7 @@ impl From<peridyn_sde::Error> for RunError {
 type Ended = (CrackRun, f64);
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: CrackScene = run.parse(file)?;
+    let (scene, ()) = run.build::<CrackScene>(file)?;
     let refused = |objection: Objection| file.object_to(&objection);
     let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
     let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();

@@ -79,7 +79,7 @@ struct QuantityResult {
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: SmpmScene = run.parse(file)?;
+    let (scene, ()) = run.build::<SmpmScene>(file)?;
     if !matches!(scene.method, MethodScene::MonteCarlo { .. }) {
         run.no_shards()?;
     }

@@ -1,9 +1,9 @@
 //! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
 
 use figures::number::with_uncertainty;
-use sde_integrators::{Estimate, Uncertainty};
+use sde_integrators::Estimate;
 
-use super::observed::{ErrorOrigin, Observed};
+use super::observed::Observed;
 use super::record::{Series, WorkRecord, moment_id, moment_words};
 use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
@@ -12,6 +12,7 @@ use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use crate::run_result::error_of;
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
@@ -127,10 +128,6 @@ fn words<const D: usize>(
 }
 
 fn sampled_value(t: f64, estimate: Estimate) -> Observed {
-    let (error, error_kind) = match estimate.uncertainty {
-        Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
-        Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
-        Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
-    };
+    let (error, error_kind) = error_of(&estimate);
     Observed { t, value: estimate.value, error, error_kind, note: None }
 }

@@ -6,6 +6,7 @@ use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawn, INK, Type, draw_svg};
 use super::legend::{FRAME_TOP, FRAME_X, SHEET, draw_frame, draw_grid, draw_words, frame_bottom};
 use super::plane::draw_row;
+use crate::colours::{Rgb, of_band};
 use crate::data::{Field, Scale};
 use crate::error::{ChartError, check_finite};
 
@@ -17,7 +18,7 @@ const KEY_X: f64 = 728.0;
 const KEY_HEIGHT: f64 = 16.0;
 
 /// From violet over green to yellow, of even steps in lightness (after viridis, Smith and van der Walt 2015).
-const COLOURS: [(f64, f64, f64); 5] = [
+const COLOURS: [Rgb; 5] = [
     (68.0, 1.0, 84.0),
     (59.0, 82.0, 139.0),
     (33.0, 145.0, 140.0),
@@ -122,14 +123,7 @@ fn three_digits(value: f64) -> String {
 
 /// Of a band.
 fn colour(band: usize) -> RGBColor {
-    let place = band as f64 / (BANDS - 1) as f64 * (COLOURS.len() - 1) as f64;
-    let lower = (0..COLOURS.len() - 1).rev().find(|&k| k as f64 <= place).unwrap_or(0);
-    let (from, to, part) = (COLOURS[lower], COLOURS[lower + 1], place - lower as f64);
-    let mix = |a: f64, b: f64| {
-        let value = a + part * (b - a);
-        (0..=255_u8).find(|&level| f64::from(level) + 0.5 >= value).unwrap_or(255)
-    };
-    RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
+    of_band(&COLOURS, band, BANDS)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod axis;
 mod canvas;
 mod cheapest;
+mod colours;
 mod curve;
 mod curves;
 mod data;

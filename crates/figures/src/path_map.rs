@@ -6,6 +6,7 @@ use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawn, GROUND, INK, Look, Marker, SOFT, Type, draw_svg};
 use super::legend::{FRAME_TOP, FRAME_X, SHEET, draw_frame, draw_words, frame_bottom};
 use super::plane::draw_row;
+use crate::colours::{Rgb, of_band};
 use crate::data::{PathMap, Scale};
 use crate::error::{ChartError, check_finite};
 
@@ -21,7 +22,7 @@ const MOST_HEIGHT: f64 = 560.0;
 const LEAST_HEIGHT: f64 = 390.0;
 
 /// From nearly white over orange to dark brown (after YlOrBr, Brewer 2003).
-const COLOURS: [(f64, f64, f64); 5] = [
+const COLOURS: [Rgb; 5] = [
     (255.0, 253.0, 244.0),
     (254.0, 227.0, 145.0),
     (251.0, 154.0, 41.0),
@@ -166,15 +167,9 @@ fn band(value: f64) -> usize {
     ((value.clamp(0.0, 1.0) * BANDS as f64) as usize).min(BANDS - 1)
 }
 
+/// Of a band.
 fn colour(band: usize) -> RGBColor {
-    let place = band as f64 / (BANDS - 1) as f64 * (COLOURS.len() - 1) as f64;
-    let lower = (0..COLOURS.len() - 1).rev().find(|&k| k as f64 <= place).unwrap_or(0);
-    let (from, to, part) = (COLOURS[lower], COLOURS[lower + 1], place - lower as f64);
-    let mix = |a: f64, b: f64| {
-        let value = a + part * (b - a);
-        (0..=255_u8).find(|&level| f64::from(level) + 0.5 >= value).unwrap_or(255)
-    };
-    RGBColor(mix(from.0, to.0), mix(from.1, to.1), mix(from.2, to.2))
+    of_band(&COLOURS, band, BANDS)
 }
 
 #[cfg(test)]

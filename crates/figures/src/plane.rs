@@ -5,6 +5,7 @@ use plotters::style::RGBColor;
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawn, INK, Type, draw_svg};
 use super::legend::{FRAME_TOP, FRAME_X, SHEET, draw_frame, draw_grid, draw_words, frame_bottom};
+use crate::colours::mixed;
 use crate::data::{Plane, Scale};
 use crate::error::{ChartError, check_finite};
 
@@ -90,12 +91,7 @@ fn band(value: f64, peak: f64) -> Option<usize> {
 
 /// From dark blue to nearly white.
 fn colour(band: usize) -> RGBColor {
-    let part = band as f64 / BANDS as f64;
-    let mix = |dark: f64, light: f64| {
-        let value = dark + part * (light - dark);
-        (0..=255_u8).find(|&level| f64::from(level) + 0.5 >= value).unwrap_or(255)
-    };
-    RGBColor(mix(8.0, 236.0), mix(40.0, 243.0), mix(92.0, 250.0))
+    mixed((8.0, 40.0, 92.0), (236.0, 243.0, 250.0), band as f64 / BANDS as f64)
 }
 
 #[cfg(test)]

@@ -164,6 +164,8 @@ mod tests {
     }
 
     impl Scene for Decay {
+        type Built = ();
+
         fn check(&self) -> Result<(), Objection> {
             if self.rate < 0.0 {
                 Err(Objection::new("rate", "a rate must not be negative"))
@@ -178,7 +180,7 @@ mod tests {
         schema: || schema_for!(Decay),
         check: |file| file.parse::<Decay>().map(drop),
         run: |file, run| {
-            let scene: Decay = run.parse(file)?;
+            let (scene, ()) = run.build::<Decay>(file)?;
             if scene.rate > 10.0 {
                 return Err(RunError::solver(std::io::Error::other("too stiff")));
             }

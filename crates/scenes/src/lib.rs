@@ -17,6 +17,7 @@ pub mod nearest;
 pub mod output;
 #[cfg(feature = "peridyn")]
 pub mod peridyn;
+pub mod run_result;
 pub mod scene;
 pub mod schema;
 #[cfg(feature = "smpm")]

@@ -13,6 +13,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use self::error::Origin;
 pub use self::error::SceneError;
@@ -20,11 +21,14 @@ pub use self::named_file::NamedFile;
 
 /// A type of scene.
 pub trait Scene: DeserializeOwned {
+    /// What the check builds and a run needs again.
+    type Built;
+
     /// Refuses what the types allow and the problem does not, e.g. a negative diffusion.
     ///
     /// # Errors
     /// An [`Objection`] that names the key.
-    fn check(&self) -> Result<(), Objection>;
+    fn check(&self) -> Result<Self::Built, Objection>;
 
     /// The seed of what it draws at random; `None` where it draws nothing.
     fn seed(&mut self) -> Option<&mut u64> {
@@ -62,6 +66,8 @@ impl Objection {
 #[derive(Debug, Clone)]
 pub struct SceneFile {
     origin: Origin,
+    /// What the text says; `None` where only a typed read finds the mistake.
+    value: Option<Value>,
     folder: PathBuf,
 }
 
@@ -93,9 +99,9 @@ impl SceneFile {
         if origin.text.trim().is_empty() {
             return Err(SceneError::Empty { path: origin.name });
         }
-        let tree = place::parse(&origin)?;
+        let (tree, value) = place::parse(&origin)?;
         place::check_tree(&origin, &tree)?;
-        Ok(Self { origin, folder: PathBuf::new() })
+        Ok(Self { origin, value, folder: PathBuf::new() })
     }
 
     /// Another text in place of this one, in the same folder.
@@ -118,10 +124,8 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] if the key is missing or no text.
     pub fn text_at_top(&self, key: &str) -> Result<String, SceneError> {
-        let tree = place::parse(&self.origin)?;
-        let found = tree.as_object().and_then(|object| object.get(key));
-        match found.map(|property| &property.value) {
-            Some(jsonc_parser::ast::Value::StringLit(text)) => Ok(text.value.clone().into_owned()),
+        match self.value.as_ref().and_then(|value| value.get(key)) {
+            Some(Value::String(text)) => Ok(text.clone()),
             Some(_) => Err(self.object_to(&Objection::new(key, format!("`{key}` must be a text")))),
             None => Err(self
                 .object_to(&Objection::new("", format!("the key `{key}` is missing at the top")))),
@@ -133,9 +137,17 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] for an unknown, missing or ill-typed key, and for what [`Scene::check`] refuses.
     pub fn parse<T: Scene>(&self) -> Result<T, SceneError> {
+        Ok(self.build::<T>()?.0)
+    }
+
+    /// Reads the scene as a `T`, checks what it means, and returns what the check built.
+    ///
+    /// # Errors
+    /// As [`SceneFile::parse`].
+    pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
         let scene: T = self.parse_unchecked()?;
-        scene.check().map_err(|objection| self.object_to(&objection))?;
-        Ok(scene)
+        let built = scene.check().map_err(|objection| self.object_to(&objection))?;
+        Ok((scene, built))
     }
 
     /// Reads the scene as a `T` without asking what it means.
@@ -143,6 +155,10 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] for an unknown, missing or ill-typed key.
     pub fn parse_unchecked<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
+        if let Some(Ok(scene)) = self.value.as_ref().map(T::deserialize) {
+            return Ok(scene);
+        }
+        // The text again, for the path of the mistake and its words.
         let mut reader = serde_json::Deserializer::from_str(&self.origin.text);
         serde_path_to_error::deserialize(&mut reader).map_err(|error| {
             let path = error.path().to_string();

@@ -156,7 +156,7 @@ mod tests {
         let time = Drawing::time_series("sde-moments", &samples::time_series(Scale::Log)).unwrap();
         let page = Drawing::page("fpk-all", "# All methods\n".into(), &1).unwrap();
         for drawing in [&time, &cost, &page] {
-            scenes::output::write_drawing(&drawing, &folder).unwrap();
+            scenes::output::write_drawing(drawing, &folder).unwrap();
         }
         let page = overview(&folder).unwrap();
         std::fs::remove_dir_all(&folder).unwrap();

@@ -84,6 +84,9 @@ pub fn scenes() -> Vec<Scene> {
 
 impl Scene {
     /// The scene, with one more change, as a file in a folder.
+    ///
+    /// # Errors
+    /// A change at a place that the scene does not have; those of the file system.
     pub fn write(&self, folder: &Path, more: Option<&Change>) -> Result<PathBuf, CaseError> {
         let mut scene: Value = serde_json::from_str(self.text)?;
         for (pointer, value) in self.changes.iter().chain(more) {
@@ -100,6 +103,9 @@ impl Scene {
 }
 
 /// This program, at a scene.
+///
+/// # Errors
+/// Those of the operating system.
 pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(["scenes", "run"]).arg(scene).arg("--out").arg(out);
@@ -108,11 +114,17 @@ pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseErr
 }
 
 /// Starts a command whose words on stderr are kept.
+///
+/// # Errors
+/// Those of the operating system.
 pub fn piped(mut command: Command) -> Result<Child, CaseError> {
     Ok(command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
 }
 
 /// Waits for the end of a run and gives what it has told.
+///
+/// # Errors
+/// What it has told, where it failed.
 pub fn finish(child: Child) -> Result<String, CaseError> {
     let output = child.wait_with_output()?;
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -120,6 +132,9 @@ pub fn finish(child: Child) -> Result<String, CaseError> {
 }
 
 /// All numbers and words of a result, without those of the machine and the clock, and its files of series by their bytes.
+///
+/// # Errors
+/// Those of the file system, and a result that is no JSON.
 pub fn outcome(folder: &Path) -> Result<BTreeSet<String>, CaseError> {
     let text = std::fs::read_to_string(folder.join("result.json"))?;
     let mut result: Value = serde_json::from_str(&text)?;

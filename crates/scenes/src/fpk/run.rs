@@ -24,14 +24,15 @@ use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Inputs, Run, RunError, SceneKind};
-use crate::machine::{Machine, commit};
-use crate::output::{write_drawing, write_json};
+use crate::machine::Machine;
+use crate::output::write_drawing;
+use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
 use observed::Observed;
 use pictures::{Pictures, Seen};
-use record::{RunResult, Series, WorkRecord, demand_name, moment_id, moment_words, series};
+use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
-use two_resolutions::{TwoResolutions, Unknown};
+use two_resolutions::TwoResolutions;
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
@@ -60,8 +61,7 @@ struct Outcome {
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: FpkScene = run.parse(file)?;
-    let system = scene.system.build().map_err(RunError::solver)?;
+    let (scene, system) = run.build::<FpkScene>(file)?;
     let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
         if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
             run.progress.stage("Monte Carlo");
@@ -80,20 +80,9 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
         run.progress.stage(&format!("unknown: {what}: {reason}"));
     }
     let drawings = drawings(&scene, &system, &quantities)?;
-    let result = RunResult {
-        schema: "run-result/1",
-        version: env!("CARGO_PKG_VERSION"),
-        commit: commit(),
-        machine: Machine::read(),
-        scene: &scene,
-        seed,
-        work,
-        stopped: stopped.as_ref().map(ToString::to_string),
-        unknown,
-        quantities,
-    };
-    let path = run.out().join("result.json");
-    write_json(&path, &result)?;
+    let reason = stopped.as_ref().map(ToString::to_string);
+    let content = Content { seed, work, stopped: reason, unknown, quantities };
+    let path = RunResult::new("run-result/1", &scene, content).write(run.out())?;
     let mut written = vec![path];
     written.extend(files);
     for drawing in drawings.into_iter().chain(planes) {

@@ -7,6 +7,7 @@ use super::checks::{check_length, must};
 use super::density::Demand;
 use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
+use super::system::System;
 use super::system_scene::SystemScene;
 use crate::scene::{Objection, Scene};
 
@@ -171,7 +172,9 @@ impl FpkScene {
 }
 
 impl Scene for FpkScene {
-    fn check(&self) -> Result<(), Objection> {
+    type Built = System;
+
+    fn check(&self) -> Result<System, Objection> {
         let system = self.system.build().map_err(|error| self.system.objection(&error))?;
         let states = system.states();
         self.initial.check(&system)?;
@@ -198,7 +201,7 @@ impl Scene for FpkScene {
                 "of order 1 to 8",
             )?;
         }
-        Ok(())
+        Ok(system)
     }
 
     fn seed(&mut self) -> Option<&mut u64> {

@@ -5,7 +5,7 @@ use fpk_sph::systems::{
     Bistable, BistableParameters, CloughPenzienParameters, CoxIngersollRoss,
     CoxIngersollRossParameters, Duffing, DuffingParameters, Filter, Filtered,
     GeometricBrownianMotion, KanaiTajimiParameters, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
-    VanDerPolRayleigh, VanDerPolRayleighParameters, Window,
+    VanDerPolRayleigh, VanDerPolRayleighParameters,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -277,8 +277,7 @@ impl SystemScene {
                 ref noise_window,
             } => {
                 let soil = KanaiTajimiParameters { ground_frequency, ground_damping };
-                let (filter, window) = (Filter::kanai_tajimi(soil)?, noise_window.build()?);
-                behind_kanai_tajimi(structure, filter, window)?
+                behind_kanai_tajimi(structure, soil, noise_window)?
             }
             &Self::CloughPenzien {
                 ref structure,
@@ -289,12 +288,8 @@ impl SystemScene {
                 ref noise_window,
             } => {
                 let soil = KanaiTajimiParameters { ground_frequency, ground_damping };
-                let filter = Filter::clough_penzien(CloughPenzienParameters {
-                    soil,
-                    low_cut_frequency,
-                    low_cut_damping,
-                })?;
-                behind_clough_penzien(structure, &filter, noise_window.build()?)?
+                let filter = CloughPenzienParameters { soil, low_cut_frequency, low_cut_damping };
+                behind_clough_penzien(structure, filter, noise_window)?
             }
             Self::OrnsteinUhlenbeck { rates, mean, noise } => {
                 ornstein_uhlenbeck(rates, mean, noise)?
@@ -335,9 +330,10 @@ fn path_of(tree: &serde_json::Value, key: &str) -> Option<String> {
 
 fn behind_kanai_tajimi(
     structure: &ShakenScene,
-    filter: Filter<2>,
-    window: Window,
+    soil: KanaiTajimiParameters,
+    noise_window: &WindowScene,
 ) -> Result<System, SystemError> {
+    let (filter, window) = (Filter::kanai_tajimi(soil)?, noise_window.build()?);
     Ok(match structure {
         ShakenScene::LinearOscillator(structure) => {
             System::KanaiTajimiLinear(Filtered::new(structure.build()?, filter, window)?)
@@ -356,16 +352,17 @@ fn behind_kanai_tajimi(
 
 fn behind_clough_penzien(
     structure: &ShakenScene,
-    filter: &Filter<4>,
-    window: Window,
+    filter: CloughPenzienParameters,
+    noise_window: &WindowScene,
 ) -> Result<System, SystemError> {
+    let (filter, window) = (Filter::clough_penzien(filter)?, noise_window.build()?);
     let too_many = |structure, states| Err(SystemError::TooManyStates { structure, states });
     Ok(match structure {
         ShakenScene::LinearOscillator(structure) => {
-            System::CloughPenzienLinear(Filtered::new(structure.build()?, *filter, window)?)
+            System::CloughPenzienLinear(Filtered::new(structure.build()?, filter, window)?)
         }
         ShakenScene::ViscousDamper(damper) => {
-            System::CloughPenzienDamper(Filtered::new(damper.build()?, *filter, window)?)
+            System::CloughPenzienDamper(Filtered::new(damper.build()?, filter, window)?)
         }
         ShakenScene::BoucWen(_) => return too_many("hysteretic oscillator", 7),
         ShakenScene::TwoStorey(_) => return too_many("building of two storeys", 8),

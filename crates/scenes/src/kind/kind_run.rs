@@ -29,15 +29,15 @@ impl Run<'_> {
         &self.options.out
     }
 
-    /// Reads a scene, with the seed that was asked for in place of its own.
+    /// Reads a scene, with the seed that was asked for in place of its own, and what its check built.
     ///
     /// # Errors
     /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed to a scene that has none.
-    pub fn parse<T: Scene>(&self, file: &SceneFile) -> Result<T, RunError> {
-        let mut scene: T = file.parse()?;
+    pub fn build<T: Scene>(&self, file: &SceneFile) -> Result<(T, T::Built), RunError> {
+        let (mut scene, built) = file.build::<T>()?;
         if let Some(seed) = self.options.seed {
             *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
         }
-        Ok(scene)
+        Ok((scene, built))
     }
 }

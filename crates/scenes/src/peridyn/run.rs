@@ -14,14 +14,14 @@ use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use sde_integrators::{Accumulator, Noise};
 
-use self::record::{Record, RunResult, WorkRecord};
+use self::record::{Content, Record, WorkRecord};
 use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
-use crate::machine::{Machine, commit};
-use crate::output::{write_drawing, write_json};
+use crate::output::write_drawing;
 use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
+use crate::run_result::RunResult;
 use crate::scene::{NamedFile, Objection, SceneFile};
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -71,7 +71,7 @@ impl From<peridyn_sde::Error> for RunError {
 type Ended = (CrackRun, f64);
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: CrackScene = run.parse(file)?;
+    let (scene, ()) = run.build::<CrackScene>(file)?;
     let refused = |objection: Objection| file.object_to(&objection);
     let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
     let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();
@@ -192,20 +192,14 @@ fn write(
         run.progress.stage(&format!("unknown: {}: {}", unknown.what, unknown.reason));
     }
     let drawings = pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
-    let result = RunResult {
-        schema: "crack-ensemble/1",
-        version: env!("CARGO_PKG_VERSION"),
-        commit: commit(),
-        machine: Machine::read(),
-        scene,
+    let content = Content {
         files: &problem.files,
         resolved: &problem.resolved,
         seed: scene.ensemble.seed,
         work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
         record: &record,
     };
-    let path = run.out().join("result.json");
-    write_json(&path, &result)?;
+    let path = RunResult::new("crack-ensemble/1", scene, content).write(run.out())?;
     let mut written = vec![path];
     for drawing in drawings {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);

@@ -178,6 +178,8 @@ impl Default for OutputScene {
 }
 
 impl Scene for CrackScene {
+    type Built = ();
+
     fn check(&self) -> Result<(), Objection> {
         self.body.check()?;
         positive("material.young_modulus", "Young's modulus", self.material.young_modulus)?;

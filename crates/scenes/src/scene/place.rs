@@ -11,8 +11,8 @@ use super::Objection;
 use super::error::{Origin, SceneError};
 use crate::nearest::nearest;
 
-/// The syntax tree of plain JSON: no comment, no trailing comma.
-pub(super) fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
+/// The syntax tree of plain JSON (no comment, no trailing comma) and its value, where no string or number of it is out of range.
+pub(super) fn parse(origin: &Origin) -> Result<(Value<'_>, Option<serde_json::Value>), SceneError> {
     let strict = ParseOptions {
         allow_comments: false,
         allow_loose_object_property_names: false,
@@ -26,14 +26,19 @@ pub(super) fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
         allow_extended_string_escapes: false,
     };
     // serde_json words syntax errors better and is the stricter of the two; the tree gives the places.
-    if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&origin.text) {
-        let error = best_worded(&origin.text, error);
+    let value = serde_json::from_str(&origin.text);
+    if let Err(error) = &value
+        && let Err(syntax) = serde_json::from_str::<serde::de::IgnoredAny>(&origin.text)
+    {
+        // Reading into a value words some errors better, but stops at numbers out of range, which come later and by name.
+        let is_range = error.to_string().starts_with("number out of range");
+        let error = if is_range { &syntax } else { error };
         let end = offset_of(&origin.text, error.line(), error.column());
         return Err(SceneError::at(
             origin,
             "",
             end..end + 1,
-            without_position(&error),
+            without_position(error),
             "here",
             None,
         ));
@@ -43,16 +48,8 @@ pub(super) fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
         let range = error.range();
         SceneError::at(origin, "", range.start..range.end, error.kind().to_string(), "here", None)
     })?;
-    tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })
-}
-
-/// Reading into a value words some errors better, but stops at numbers out of range, which come later and by name.
-fn best_worded(text: &str, error: serde_json::Error) -> serde_json::Error {
-    let value = serde_json::from_str::<serde_json::Value>(text);
-    value
-        .err()
-        .filter(|error| !error.to_string().starts_with("number out of range"))
-        .unwrap_or(error)
+    let tree = tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })?;
+    Ok((tree, value.ok()))
 }
 
 /// Refuses keys given twice and numbers beyond the range of a double.
@@ -117,7 +114,7 @@ fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), Sc
 pub(super) fn locate(origin: &Origin, path: &str, error: &serde_json::Error) -> SceneError {
     let path = path.trim_start_matches('.');
     let message = in_plain_words(&without_position(error));
-    let Ok(tree) = parse(origin) else {
+    let Ok((tree, _)) = parse(origin) else {
         let end = offset_of(&origin.text, error.line(), error.column());
         return SceneError::at(origin, path, end..end + 1, message, "here", None);
     };
@@ -148,7 +145,7 @@ pub(super) fn locate(origin: &Origin, path: &str, error: &serde_json::Error) -> 
 /// Shows an objection at the value it names, or at the nearest one around it.
 pub(super) fn object_to(origin: &Origin, objection: &Objection) -> SceneError {
     let Objection { path, message, help } = objection;
-    let range = parse(origin).map_or(0..0, |tree| {
+    let range = parse(origin).map_or(0..0, |(tree, _)| {
         let place = find(&tree, path);
         let range = range_of(place.value);
         // An object is named by its key or its opening brace: underlining all of it says less.

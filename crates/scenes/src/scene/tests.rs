@@ -21,6 +21,8 @@ enum System {
 }
 
 impl Scene for Sample {
+    type Built = ();
+
     fn check(&self) -> Result<(), Objection> {
         if self.n_particles == 0 {
             return Err(Objection::new("n_particles", "there must be at least one particle"));

@@ -274,6 +274,8 @@ fn unknown<'a>(
 }
 
 impl Scene for SmpmScene {
+    type Built = ();
+
     fn check(&self) -> Result<(), Objection> {
         if self.gauges.is_empty() || self.quantities.is_empty() || self.times.is_empty() {
             let message = "gauges, quantities and times need one entry each at least";

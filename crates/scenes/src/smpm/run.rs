@@ -15,8 +15,9 @@ use smpm::{Plan, Quantity};
 use self::fields::Fields;
 use self::solve::{Answer, Response, SolveError, Solved};
 use crate::kind::{Run, RunError, SceneKind};
-use crate::machine::{Machine, commit};
-use crate::output::{write_drawing, write_json};
+use crate::machine::Machine;
+use crate::output::write_drawing;
+use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
@@ -31,15 +32,9 @@ pub(crate) const KIND: SceneKind = SceneKind {
     ingredients: ingredients::ingredients,
 };
 
-/// Everything that came of a run: the schema `response-moments/1`.
+/// What the schema `response-moments/1` adds to every result.
 #[derive(Debug, Serialize)]
-struct RunResult<'a> {
-    schema: &'static str,
-    version: &'static str,
-    commit: Option<String>,
-    machine: Machine,
-    /// The scene as it was understood.
-    scene: &'a SmpmScene,
+struct Content {
     work: WorkRecord,
     /// Samples that could not be run, and why.
     failures: Vec<Failure>,
@@ -79,7 +74,7 @@ struct QuantityResult {
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let scene: SmpmScene = run.parse(file)?;
+    let (scene, ()) = run.build::<SmpmScene>(file)?;
     if !matches!(scene.method, MethodScene::MonteCarlo { .. }) {
         run.no_shards()?;
     }
@@ -119,12 +114,7 @@ fn run_in<const D: usize>(
     }
     let failure =
         |(sample, reason): &(u64, String)| Failure { sample: *sample, reason: reason.clone() };
-    let result = RunResult {
-        schema: "response-moments/1",
-        version: env!("CARGO_PKG_VERSION"),
-        commit: commit(),
-        machine: Machine::read(),
-        scene,
+    let content = Content {
         work: WorkRecord {
             particles: experiment.n_particles(),
             steps: answer.n_steps,
@@ -134,9 +124,7 @@ fn run_in<const D: usize>(
         failures: answer.failures.iter().map(failure).collect(),
         gauges,
     };
-    let path = run.out().join("result.json");
-    write_json(&path, &result)?;
-    written.insert(0, path);
+    written.insert(0, RunResult::new("response-moments/1", scene, content).write(run.out())?);
     Ok(written)
 }
 

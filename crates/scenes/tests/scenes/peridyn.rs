@@ -188,69 +188,67 @@ fn mistake_beside(
     (mistake.path.clone(), mistake.message.clone(), mistake.line, under)
 }
 
+const IDENTITY: &str = "\"identity\": { \"value\": 1 }";
+const SMOOTH: &str = "\"dense\": { \"value\": 1, \"correlation\": { \"function\": \"gaussian\", \"length\": 0.008 }, \"nugget\": 0 }";
+const LOGNORMAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
+
+/// What is written in place of what, the key, words of the message, and what is underlined.
+const MISTAKES: [[&str; 5]; 14] = [
+    [
+        "{ \"shells\": 2 }",
+        "{ \"length\": 0.0009 }",
+        "bonds.horizon.length",
+        "the horizon is 0.0009; it must be greater than the spacing 0.001 of the nodes",
+        "0.0009",
+    ],
+    [
+        "\"mouth\": [0, 0.008], \"tip\": [0.006, 0.008]",
+        "\"mouth\": [0, 0.02], \"tip\": [0.006, 0.02]",
+        "notch",
+        "the notch cuts no bond: it lies outside the body",
+        "\"notch\"",
+    ],
+    ["[0.006, 0.008]", "[0.02, 0.008]", "notch.tip", "lies outside the body", "\"tip\""],
+    ["[0.006, 0.008]", "[0.015, 0.008]", "notch.tip", "no room for a crack", "\"tip\""],
+    [IDENTITY, SMOOTH, "dynamics.overdamped.mobility.dense.nugget", "not positive definite", "0 }"],
+    [
+        "\"realisations\": 12",
+        "\"realisations\": 0",
+        "ensemble.realisations",
+        "0 realisations",
+        "0,",
+    ],
+    [
+        LOGNORMAL,
+        "\"normal\": { \"coefficient_of_variation\": 0.2 }",
+        "strength.field.marginal.normal.coefficient_of_variation",
+        "lies below 0 with the probability",
+        "0.2",
+    ],
+    [
+        "{ \"shells\": 2 }",
+        "{ \"length\": 0.002 }",
+        "bonds.horizon.length",
+        "sqrt(4) spacings",
+        "0.002",
+    ],
+    ["\"z\": 0.9", "\"z\": 2", "time.step.z", "2 in units of the stiffest mode", "2 }"],
+    [
+        "\"steps\": 400",
+        "\"steps\": 400, \"breaking\": \"bridge\"",
+        "time.breaking",
+        "Leimkuhler",
+        "\"bridge\"",
+    ],
+    ["[0, 11]", "[0, 12]", "output.vtu[1]", "there is no realisation 12", "12]"],
+    ["[0.016, 0.016]", "[0.016, 0.0165]", "body.size[1]", "16.5 spacings", "0.0165"],
+    ["\"ratio\": 20", "\"ratio\": -1", "dynamics.overdamped.temperature.ratio", "-1", "-1"],
+    ["\"windows\": 10", "\"windows\": 500", "output.windows", "500 windows", "500"],
+];
+
 #[test]
 fn mistakes_are_shown_where_they_stand() {
-    let identity = "\"identity\": { \"value\": 1 }";
-    let smooth = "\"dense\": { \"value\": 1, \"correlation\": { \"function\": \"gaussian\", \"length\": 0.008 }, \"nugget\": 0 }";
-    let lognormal = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
-    for (right, wrong, path, words, under) in [
-        (
-            "{ \"shells\": 2 }",
-            "{ \"length\": 0.0009 }",
-            "bonds.horizon.length",
-            "the horizon is 0.0009; it must be greater than the spacing 0.001 of the nodes",
-            "0.0009",
-        ),
-        (
-            "\"mouth\": [0, 0.008], \"tip\": [0.006, 0.008]",
-            "\"mouth\": [0, 0.02], \"tip\": [0.006, 0.02]",
-            "notch",
-            "the notch cuts no bond: it lies outside the body",
-            "\"notch\"",
-        ),
-        ("[0.006, 0.008]", "[0.02, 0.008]", "notch.tip", "lies outside the body", "\"tip\""),
-        ("[0.006, 0.008]", "[0.015, 0.008]", "notch.tip", "no room for a crack", "\"tip\""),
-        (
-            identity,
-            smooth,
-            "dynamics.overdamped.mobility.dense.nugget",
-            "not positive definite",
-            "0 }",
-        ),
-        (
-            "\"realisations\": 12",
-            "\"realisations\": 0",
-            "ensemble.realisations",
-            "0 realisations",
-            "0,",
-        ),
-        (
-            lognormal,
-            "\"normal\": { \"coefficient_of_variation\": 0.2 }",
-            "strength.field.marginal.normal.coefficient_of_variation",
-            "lies below 0 with the probability",
-            "0.2",
-        ),
-        (
-            "{ \"shells\": 2 }",
-            "{ \"length\": 0.002 }",
-            "bonds.horizon.length",
-            "sqrt(4) spacings",
-            "0.002",
-        ),
-        ("\"z\": 0.9", "\"z\": 2", "time.step.z", "2 in units of the stiffest mode", "2 }"),
-        (
-            "\"steps\": 400",
-            "\"steps\": 400, \"breaking\": \"bridge\"",
-            "time.breaking",
-            "Leimkuhler",
-            "\"bridge\"",
-        ),
-        ("[0, 11]", "[0, 12]", "output.vtu[1]", "there is no realisation 12", "12]"),
-        ("[0.016, 0.016]", "[0.016, 0.0165]", "body.size[1]", "16.5 spacings", "0.0165"),
-        ("\"ratio\": 20", "\"ratio\": -1", "dynamics.overdamped.temperature.ratio", "-1", "-1"),
-        ("\"windows\": 10", "\"windows\": 500", "output.windows", "500 windows", "500"),
-    ] {
+    for [right, wrong, path, words, under] in MISTAKES {
         let name = format!("mistake-{}", path.replace(['.', '['], "-"));
         let found = mistake(&name, &with(&[(right, wrong)]));
         assert_eq!(found.0, path, "{}", found.1);

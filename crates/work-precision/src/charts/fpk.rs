@@ -70,6 +70,9 @@ struct Ladder {
 }
 
 /// Error against CPU time: of `E[q^2]`, and of `P(|q| > 1)`.
+///
+/// # Errors
+/// Those of the runs and of the drawings, and a reference that is missing.
 pub fn work_precision(
     context: &Context<'_>,
     problem: &Problem,
@@ -185,6 +188,21 @@ fn ladders(
             Some((label, Config { method, lattice, ..paper }))
         })?);
     }
+    ladders.extend(papers_ladders(context, problem, name, quick)?);
+    ladders.extend(sampled_ladders(context, problem, name, quick)?);
+    Ok(ladders)
+}
+
+/// The method of the paper by its lattices, and by its Courant number.
+fn papers_ladders(
+    context: &Context<'_>,
+    problem: &Problem,
+    name: &str,
+    quick: bool,
+) -> Result<Vec<Ladder>, CaseError> {
+    let first = |n: usize, all: usize| if quick { n } else { all };
+    let paper = papers_config(problem.system.period());
+    let mut ladders = Vec::new();
     let grids = [[25_usize, 17], [36, 24], [50, 33], [71, 47]];
     let particles = "Canor & Denoël 2013, C = 0.8 (particles)";
     ladders.push(density(
@@ -216,6 +234,17 @@ fn ladders(
             ))
         },
     )?);
+    Ok(ladders)
+}
+
+fn sampled_ladders(
+    context: &Context<'_>,
+    problem: &Problem,
+    name: &str,
+    quick: bool,
+) -> Result<Vec<Ladder>, CaseError> {
+    let first = |n: usize, all: usize| if quick { n } else { all };
+    let mut ladders = Vec::new();
     for (integrator, steps, most, name_of) in [
         (
             IntegratorScene::StrangOscillator,
@@ -340,6 +369,9 @@ pub(super) fn timed<T>(
 }
 
 /// The exceedance of every threshold over time, with the references as points.
+///
+/// # Errors
+/// Those of the run and of the drawing, and a scene without a density method.
 pub fn exceedance(
     context: &Context<'_>,
     problem: &Problem,
@@ -351,10 +383,9 @@ pub fn exceedance(
         .method
         .density_config(problem.system.period(), 1.0)
         .ok_or("no density method")?;
-    let times = problem.scene.times.list();
-    let thresholds = problem.scene.thresholds.clone();
+    let thresholds = &problem.scene.thresholds;
     let asked = Asked {
-        times,
+        times: problem.scene.times.list(),
         powers: vec![],
         demand: Demand::displacement(),
         thresholds: thresholds.clone(),

@@ -261,17 +261,6 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         line("Heun, 16 lanes f32", Scheme::Heun, &explicit[..3], &in_f32)?,
         line("theta 1/2, 16 lanes f32", Scheme::Theta(0.5), &[3.6, 0.9], &in_f32)?,
     ];
-    let caption = vec![
-        format!(
-            "{realisations} paths each, plate of 32 rows, white noise with s0/sigma = 10. Bars: one standard error, a quarter of the bootstrap interval."
-        ),
-        format!(
-            "Reference: Leimkuhler-Matthews, z = 0.45, {} other paths: {:.4} ± {:.4} widths. Errors below the bars tell nothing.",
-            4 * realisations,
-            exact.value,
-            exact.standard_error.unwrap_or(f64::NAN)
-        ),
-    ];
     let subtitle =
         "cracks from an edge notch: standard deviation of their height at x = 0.65".into();
     drawing(
@@ -281,7 +270,21 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
             subtitle,
             "relative error of the standard deviation",
         ),
-        caption,
+        paths_caption(realisations, exact),
         (all, exact.standard_error.unwrap_or(0.0) / exact.value),
     )
+}
+
+fn paths_caption(realisations: u64, exact: Measured) -> Vec<String> {
+    vec![
+        format!(
+            "{realisations} paths each, plate of 32 rows, white noise with s0/sigma = 10. Bars: one standard error, a quarter of the bootstrap interval."
+        ),
+        format!(
+            "Reference: Leimkuhler-Matthews, z = 0.45, {} other paths: {:.4} ± {:.4} widths. Errors below the bars tell nothing.",
+            4 * realisations,
+            exact.value,
+            exact.standard_error.unwrap_or(f64::NAN)
+        ),
+    ]
 }

@@ -241,6 +241,7 @@ where
         if let Some(name) = recorded {
             series.extend(diffrax_series(&diffrax, name));
         }
+        let caption = caption(study, problem.rival.is_some(), recorded.map(|_| &diffrax));
         let words = Words {
             title: if kind == "strong" {
                 "Strong error against cost".into()
@@ -250,19 +251,7 @@ where
             subtitle: problem.equation.into(),
             x_label: "CPU time per path, noise included (µs)".into(),
             y_label: y_label.into(),
-            caption: [
-                Some(format!(
-                    "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
-                    study.n_paths
-                )),
-                Some("Labels: steps. The methods draw w and H. A cross: some paths ended in an error, which the JSON file names.".into()),
-                problem.rival.map(|_| "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.".into()),
-                recorded.map(|_| diffrax_caption(&diffrax)),
-                Some(Machine::read().caption()),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
+            caption,
         };
         let name = format!("{}-{kind}", problem.name);
         let reading = Reading::Cost {
@@ -279,6 +268,23 @@ where
         picture("strong", "root mean square error", &problem.strong, &strong.methods)?,
         picture("weak", &y_label, &problem.weak, &weak.methods)?,
     ])
+}
+
+fn caption(study: &Study, has_rival: bool, diffrax: Option<&Diffrax>) -> Vec<String> {
+    let rival = "The rival takes one StandardNormal of ChaCha8 per step; its error is that of Euler-Maruyama.";
+    [
+        Some(format!(
+            "{} paths, the same for all. Bars: one standard error (jackknife) of the error; half the range of five timings.",
+            study.n_paths
+        )),
+        Some("Labels: steps. The methods draw w and H. A cross: some paths ended in an error, which the JSON file names.".into()),
+        has_rival.then(|| rival.into()),
+        diffrax.map(diffrax_caption),
+        Some(Machine::read().caption()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The methods of diffrax on a problem, as recorded.

@@ -221,26 +221,36 @@ fn densities(judge: &Judge<'_>, exactness: &[Exactness]) -> Result<Vec<Claim>, C
             "twice the relative error of a second moment",
         ));
     }
-    let last = judge.row(10.0)?;
-    claims.push(claim(
-        "total-mass/t10".into(),
-        "sum of the masses",
-        ErrorKind::Absolute,
-        last.total_mass,
-        1.0,
-        1e-11,
-        "a box of 7 sigma leaves out 5e-12; masses never change",
-    ));
-    claims.push(claim(
-        "cell-mass/t10".into(),
-        "mass over the cells",
-        ErrorKind::Absolute,
-        last.cell_mass.unwrap_or(f64::NAN),
-        1.0,
-        1e-4,
-        "midpoint rule over parts of cells",
-    ));
+    claims.extend(masses(judge)?);
     Ok(claims)
+}
+
+/// The sum of the masses and the mass over the cells at the last time.
+fn masses(judge: &Judge<'_>) -> Result<[Claim; 2], CaseError> {
+    let last = judge.row(10.0)?;
+    let claim = |name: &str, quantity, measured, tolerance, reason| {
+        let context = judge.context;
+        let subject = context.subject(&format!("{}/{name}", judge.id), quantity, "", &judge.method);
+        let criterion = Criterion::Within { tolerance, reason };
+        let (measured, reference) = (Measured::exact(measured), Reference::exact(1.0));
+        Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion)
+    };
+    Ok([
+        claim(
+            "total-mass/t10",
+            "sum of the masses",
+            last.total_mass,
+            1e-11,
+            "a box of 7 sigma leaves out 5e-12; masses never change",
+        ),
+        claim(
+            "cell-mass/t10",
+            "mass over the cells",
+            last.cell_mass.unwrap_or(f64::NAN),
+            1e-4,
+            "midpoint rule over parts of cells",
+        ),
+    ])
 }
 
 fn exceedances(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {

@@ -25,8 +25,7 @@ const SEED: u64 = 20_260_101;
 
 /// The methods that solve a scene, its own first.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
-    let scene: FpkScene = file.parse()?;
-    let system = scene.system.build().map_err(RunError::solver)?;
+    let (scene, system) = file.build::<FpkScene>()?;
     let states = system.states().len();
     let mut methods = Vec::new();
     let own = own_lattice(&scene.method);

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::run_result::ErrorOrigin;
+
 /// A quantity at a time, with its error.
 #[derive(Debug, Serialize)]
 pub(super) struct Observed {
@@ -19,17 +21,4 @@ impl Observed {
     pub(super) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
     }
-}
-
-/// Where an error comes from.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum ErrorOrigin {
-    /// A second run with fewer intervals per axis, and the fitted order 2.
-    TwoResolutions,
-    StandardError,
-    Bound,
-    /// A count.
-    Exact,
-    Unknown,
 }

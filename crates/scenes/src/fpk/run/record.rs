@@ -2,22 +2,16 @@
 
 use serde::Serialize;
 
-use super::observed::{ErrorOrigin, Observed};
-use super::two_resolutions::{TwoResolutions, Unknown};
+use super::observed::Observed;
+use super::two_resolutions::TwoResolutions;
 use crate::fpk::density::{Exceedances, Row};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
-use crate::machine::Machine;
+use crate::run_result::{ErrorOrigin, Unknown};
 
-/// Everything that came of a run: the schema `run-result/1`.
+/// What the schema `run-result/1` adds to every result.
 #[derive(Debug, Serialize)]
-pub(super) struct RunResult<'a> {
-    pub(super) schema: &'static str,
-    pub(super) version: &'static str,
-    pub(super) commit: Option<String>,
-    pub(super) machine: Machine,
-    /// The scene as it was understood.
-    pub(super) scene: &'a FpkScene,
+pub(super) struct Content {
     pub(super) seed: Option<u64>,
     pub(super) work: WorkRecord,
     /// Why the run ended before its last time.

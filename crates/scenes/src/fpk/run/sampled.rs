@@ -1,9 +1,10 @@
 //! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
 
 use figures::number::with_uncertainty;
-use sde_integrators::{Estimate, Uncertainty};
+use mpi_ensembles::Ranks;
+use sde_integrators::{Estimate, GaussianMixture};
 
-use super::observed::{ErrorOrigin, Observed};
+use super::observed::Observed;
 use super::record::{Series, WorkRecord, moment_id, moment_words};
 use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
@@ -12,6 +13,7 @@ use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use crate::run_result::error_of;
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
@@ -32,73 +34,100 @@ impl Visitor for Sampled<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let Self { scene, system: named, sampling, run } = self;
+        let Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
         let so_far = match (run.part(), run.ranks()) {
             (Part::Merged(files), _) => SampledSoFar::of(run.read_shards(inputs, files)?),
-            (_, Some(ranks)) => {
-                let blocks = Cut { n: sampling.paths, unit: PATHS_OF_BLOCK };
-                let n = blocks.n_blocks();
-                let compute = |block: u64| {
-                    let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
-                    let look = |_: &SampledSoFar| Ok::<(), RunError>(());
-                    monte_carlo::sample(system, &law, &sampling, &asked, shards, none, look)
-                };
-                let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
-                    words(scene, named, &asked, &SampledSoFar::of(parts.cloned()))
-                };
-                match run.on_ranks(ranks, inputs, n, compute, tell)? {
-                    Some(parts) => SampledSoFar::of(parts),
-                    None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
-                }
-            }
-            (Part::Whole | Part::Shard(_), None) => {
-                let checkpoint = run.checkpoint(inputs, &["/title"])?;
-                let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
-                // Shards that are run apart are whole numbers of those that are run one after the other.
-                let parts = match run.part() {
-                    Part::Shard(place) => place.n_shards(),
-                    Part::Whole | Part::Merged(_) => 1,
-                };
-                let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
-                let (range, n_shards) = (run.range(each * parts), each * parts);
-                let n = range.end - range.start;
-                let shards = (range, n_shards);
-                monte_carlo::sample(system, &law, &sampling, &asked, shards, past, |so_far| {
-                    run.progress.at((so_far.n_shards(), n), || words(scene, named, &asked, so_far));
-                    if so_far.n_shards() == n || checkpoint.is_due() {
-                        checkpoint.keep(SHARDS, so_far)?;
-                    }
-                    Ok::<(), RunError>(())
-                })?
-            }
+            (_, Some(ranks)) => match self.on_ranks(system, (&law, &asked), ranks, inputs)? {
+                Some(parts) => SampledSoFar::of(parts),
+                None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
+            },
+            (Part::Whole | Part::Shard(_), None) => self.here(system, (&law, &asked), inputs)?,
         };
         if let Part::Shard(place) = run.part() {
             let files = vec![run.write_shard(inputs, *place, &so_far)?];
             return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
         }
-        let run = so_far.run(&asked)?;
+        let ensemble = so_far.run(&asked)?;
+        let work = WorkRecord {
+            path_steps: u64::try_from(ensemble.path_steps).ok(),
+            cpu_seconds: ensemble.cpu_seconds,
+            ..WorkRecord::default()
+        };
+        let quantities = self.series(&ensemble.rows, &asked.demand.name);
+        Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
+    }
+}
+
+impl Sampled<'_> {
+    /// The blocks that the ranks of the job have sampled; `None` on the ranks that do not have the result.
+    fn on_ranks<S: Paths<D, M>, const D: usize, const M: usize>(
+        &self,
+        system: &S,
+        (law, asked): (&GaussianMixture<D>, &Asked<D>),
+        ranks: &dyn Ranks,
+        inputs: &Inputs<'_, FpkScene>,
+    ) -> Result<Option<Vec<SampledSoFar>>, RunError> {
+        let Self { scene, system: named, sampling, run } = self;
+        let blocks = Cut { n: sampling.paths, unit: PATHS_OF_BLOCK };
+        let n = blocks.n_blocks();
+        let compute = |block: u64| {
+            let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
+            let look = |_: &SampledSoFar| Ok::<(), RunError>(());
+            monte_carlo::sample(system, law, sampling, asked, shards, none, look)
+        };
+        let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
+            words(scene, named, asked, &SampledSoFar::of(parts.cloned()))
+        };
+        run.on_ranks(ranks, inputs, n, compute, tell)
+    }
+
+    /// The shards of this process, one after the other, those of a checkpoint among them.
+    fn here<S: Paths<D, M>, const D: usize, const M: usize>(
+        &self,
+        system: &S,
+        (law, asked): (&GaussianMixture<D>, &Asked<D>),
+        inputs: &Inputs<'_, FpkScene>,
+    ) -> Result<SampledSoFar, RunError> {
+        let Self { scene, system: named, sampling, run } = self;
+        let checkpoint = run.checkpoint(inputs, &["/title"])?;
+        let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
+        // Shards that are run apart are whole numbers of those that are run one after the other.
+        let parts = match run.part() {
+            Part::Shard(place) => place.n_shards(),
+            Part::Whole | Part::Merged(_) => 1,
+        };
+        let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
+        let (range, n_shards) = (run.range(each * parts), each * parts);
+        let n = range.end - range.start;
+        let shards = (range, n_shards);
+        monte_carlo::sample(system, law, sampling, asked, shards, past, |so_far| {
+            run.progress.at((so_far.n_shards(), n), || words(scene, named, asked, so_far));
+            if so_far.n_shards() == n || checkpoint.is_due() {
+                checkpoint.keep(SHARDS, so_far)?;
+            }
+            Ok::<(), RunError>(())
+        })
+    }
+
+    /// All quantities of the scene; `demand` is the name of what exceeds the thresholds.
+    fn series(&self, rows: &[SampledRow], demand: &str) -> Vec<Series> {
         let values = |pick: &dyn Fn(&SampledRow) -> Estimate| -> Vec<Observed> {
-            run.rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
+            rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
         };
         let series = |id, quantity, values| Series { id, quantity, unit: "", values };
         let mut quantities = Vec::new();
-        for (k, powers) in scene.moments.iter().enumerate() {
-            let (id, quantity) = (moment_id(powers), moment_words(powers, named.states()));
+        for (k, powers) in self.scene.moments.iter().enumerate() {
+            let (id, quantity) = (moment_id(powers), moment_words(powers, self.system.states()));
             quantities.push(series(id, quantity, values(&|row| row.moments[k])));
         }
-        for (k, threshold) in scene.thresholds.iter().enumerate() {
-            let quantity = format!("P(|{}| > {threshold})", asked.demand.name);
+        for (k, threshold) in self.scene.thresholds.iter().enumerate() {
+            let quantity = format!("P(|{demand}| > {threshold})");
             let id = format!("exceedance/{threshold}");
             quantities.push(series(id, quantity, values(&|row| row.exceedances[k])));
         }
-        let work = WorkRecord {
-            path_steps: u64::try_from(run.path_steps).ok(),
-            cpu_seconds: run.cpu_seconds,
-            ..WorkRecord::default()
-        };
-        Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
+        quantities
     }
 }
 
@@ -127,10 +156,6 @@ fn words<const D: usize>(
 }
 
 fn sampled_value(t: f64, estimate: Estimate) -> Observed {
-    let (error, error_kind) = match estimate.uncertainty {
-        Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
-        Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
-        Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
-    };
+    let (error, error_kind) = error_of(&estimate);
     Observed { t, value: estimate.value, error, error_kind, note: None }
 }

@@ -1,19 +1,10 @@
 //! The error of a density run from coarser runs, and what stays unknown.
 
 use fpk_sph::{Config, Error, InitialLattice};
-use serde::Serialize;
 
-use super::observed::{ErrorOrigin, Observed};
+use super::observed::Observed;
 use crate::fpk::density::{DensityRun, Row};
-
-/// What a run does not know, and why.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Unknown {
-    /// The quantities, and from when on.
-    pub(super) what: String,
-    /// Why.
-    pub(super) reason: String,
-}
+use crate::run_result::{ErrorOrigin, Unknown};
 
 /// The coarser runs have these times the particles along a length. The first shows the order best. The others are for
 /// systems of many states, where a lattice that much coarser no longer carries the density.

@@ -4,27 +4,21 @@ use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{
     Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
 };
-use sde_integrators::{Accumulator, Estimate, Uncertainty};
+use sde_integrators::{Accumulator, Estimate};
 use serde::Serialize;
 
 use crate::kind::RunError;
-use crate::machine::Machine;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::{CrackProblem, Resolved};
+use crate::run_result::{ErrorOrigin, Unknown, error_of};
 use crate::scene::NamedFile;
 
 /// Every so many spacings the path is looked at, where the scene does not say.
 const ABSCISSAE_EVERY: usize = 4;
 
-/// Everything that came of a run: the schema `crack-ensemble/1`.
+/// What the schema `crack-ensemble/1` adds to every result.
 #[derive(Debug, Serialize)]
-pub(super) struct RunResult<'a> {
-    pub(super) schema: &'static str,
-    pub(super) version: &'static str,
-    pub(super) commit: Option<String>,
-    pub(super) machine: Machine,
-    /// The scene as it was understood.
-    pub(super) scene: &'a CrackScene,
+pub(super) struct Content<'a> {
     /// The files that the scene names.
     pub(super) files: &'a [NamedFile],
     pub(super) resolved: &'a Resolved,
@@ -92,13 +86,6 @@ struct Realisation {
     broken_bonds: u64,
 }
 
-/// What is not known, and why.
-#[derive(Debug, Serialize)]
-pub(super) struct Unknown {
-    pub(super) what: String,
-    pub(super) reason: String,
-}
-
 /// A realisation that was lost.
 #[derive(Debug, Serialize)]
 pub(super) struct Failure {
@@ -121,23 +108,10 @@ pub(super) struct Number {
     error_kind: ErrorOrigin,
 }
 
-/// Where an error comes from.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-enum ErrorOrigin {
-    StandardError,
-    Bound,
-    Unknown,
-}
-
 impl From<Estimate> for Number {
-    fn from(Estimate { value, uncertainty }: Estimate) -> Self {
-        let (error, error_kind) = match uncertainty {
-            Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
-            Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
-            Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
-        };
-        Self { value, error, error_kind }
+    fn from(estimate: Estimate) -> Self {
+        let (error, error_kind) = error_of(&estimate);
+        Self { value: estimate.value, error, error_kind }
     }
 }
 

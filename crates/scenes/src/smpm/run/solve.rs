@@ -139,88 +139,88 @@ fn solve_kept<const D: usize, const N: usize>(
     let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
-    let responses = match scene.method {
-        MethodScene::Deterministic => {
-            fields.of_numbers(&study)?;
-            table.each(|_, response| Ok(response))?
-        }
-        MethodScene::Frozen { as_printed } => {
-            run.progress.stage("local formulas");
-            n_runs += 1;
-            let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
-            let moments = study.frozen(form)?;
-            table.each(|i, response| match &moments[i] {
-                Some(moments) => table.taylor(i, response, moments, None),
-                None => Ok(response),
-            })?
-        }
-        MethodScene::Propagated => {
-            run.progress.stage("run with derivatives");
-            n_runs += 1;
-            let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
-                fields.of_jets(time, run, scene.random.len());
-            })?;
-            fields.are_shown();
-            table.each(|i, response| {
-                let switch = Some(&propagated.switches[i]);
-                table.taylor(i, response, &propagated.moments[i], switch)
-            })?
-        }
-        MethodScene::FiniteDifference { step } => {
-            run.progress.stage("differences of whole runs");
-            n_runs += 2 * N as u64;
-            let moments = study.finite_difference(step)?;
-            table.each(|i, response| table.taylor(i, response, &moments[i], None))?
-        }
-        MethodScene::SigmaPoints => {
-            run.progress.stage("sigma points");
-            n_runs += 2 * N as u64;
-            let points = study.sigma_points()?;
-            table.each(|i, response| {
-                Ok(response.with_moments(points[i].mean(), points[i].variance()))
-            })?
-        }
-        MethodScene::MonteCarlo { samples, seed, control } => {
-            n_runs += samples + u64::from(control);
-            run.progress.stage("samples");
-            let judge = MonteCarlo { seed, n_samples: samples };
-            let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
-                Samples::All(sampled, elsewhere) => {
-                    seconds_elsewhere = elsewhere;
-                    sampled
-                }
-                Samples::Shard(file) => return Ok(Solved::Shard(file)),
-                Samples::Elsewhere => return Ok(Solved::Elsewhere),
-            };
-            let surrogate = if control {
-                run.progress.stage("run with derivatives, for the control variate");
-                Some(study.propagated()?)
-            } else {
-                None
-            };
-            failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
-            table.each(|i, response| {
-                let found = match &surrogate {
-                    Some(surrogate) => sampled.controlled(i, &surrogate.moments[i])?,
-                    None => sampled.raw(i)?,
-                };
-                let mut response = response.with_moments(found.mean.value, found.variance.value);
-                response.mean_standard_error = error_of(&found.mean);
-                response.variance_standard_error = error_of(&found.variance);
-                for &level in table.levels(i) {
-                    let chance = sampled.exceedance(i, level)?;
-                    let standard_error = error_of(&chance);
-                    let probability = chance.value;
-                    let by = "count";
-                    response.exceedance.push(Chance { level, probability, standard_error, by });
-                }
-                Ok(response)
-            })?
-        }
+    let responses = if let MethodScene::MonteCarlo { samples, seed, control } = scene.method {
+        n_runs += samples + u64::from(control);
+        run.progress.stage("samples");
+        let judge = MonteCarlo { seed, n_samples: samples };
+        let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
+            Samples::All(sampled, elsewhere) => {
+                seconds_elsewhere = elsewhere;
+                sampled
+            }
+            Samples::Shard(file) => return Ok(Solved::Shard(file)),
+            Samples::Elsewhere => return Ok(Solved::Elsewhere),
+        };
+        let surrogate = if control {
+            run.progress.stage("run with derivatives, for the control variate");
+            Some(study.propagated()?.moments)
+        } else {
+            None
+        };
+        failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
+        table.each(|i, response| {
+            let surrogate = surrogate.as_ref().map(|moments| &moments[i]);
+            table.sampled(i, response, &sampled, surrogate)
+        })?
+    } else {
+        let (responses, more_runs) = expanded(&study, &table, fields, run)?;
+        n_runs += more_runs;
+        responses
     };
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+}
+
+/// The responses by a method that samples nothing, and how many runs it took beside the mean run.
+fn expanded<const D: usize, const N: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, N>,
+    table: &Table<'_, D>,
+    fields: &mut Fields,
+    run: &Run<'_>,
+) -> Result<(Vec<Response>, u64), Error> {
+    Ok(match table.scene.method {
+        MethodScene::Deterministic | MethodScene::MonteCarlo { .. } => {
+            fields.of_numbers(study)?;
+            (table.each(|_, response| Ok(response))?, 0)
+        }
+        MethodScene::Frozen { as_printed } => {
+            run.progress.stage("local formulas");
+            let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
+            let moments = study.frozen(form)?;
+            let of = |i: usize, response| match &moments[i] {
+                Some(moments) => table.taylor(i, response, moments, None),
+                None => Ok(response),
+            };
+            (table.each(of)?, 1)
+        }
+        MethodScene::Propagated => {
+            run.progress.stage("run with derivatives");
+            let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
+                fields.of_jets(time, run, table.scene.random.len());
+            })?;
+            fields.are_shown();
+            let of = |i: usize, response| {
+                let switch = Some(&propagated.switches[i]);
+                table.taylor(i, response, &propagated.moments[i], switch)
+            };
+            (table.each(of)?, 1)
+        }
+        MethodScene::FiniteDifference { step } => {
+            run.progress.stage("differences of whole runs");
+            let moments = study.finite_difference(step)?;
+            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
+            (table.each(of)?, 2 * N as u64)
+        }
+        MethodScene::SigmaPoints => {
+            run.progress.stage("sigma points");
+            let points = study.sigma_points()?;
+            let of = |i: usize, response: Response| {
+                Ok(response.with_moments(points[i].mean(), points[i].variance()))
+            };
+            (table.each(of)?, 2 * N as u64)
+        }
+    })
 }
 
 /// Why a scene has no answer.
@@ -420,6 +420,28 @@ impl<const D: usize> Table<'_, D> {
         let (_, quantity, _) = self.plan.parts(response);
         let name = self.plan.quantities[quantity].to_string();
         self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    fn sampled<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        sampled: &Sampled<N>,
+        surrogate: Option<&Moments<N>>,
+    ) -> Result<Response, Error> {
+        let found = match surrogate {
+            Some(moments) => sampled.controlled(i, moments)?,
+            None => sampled.raw(i)?,
+        };
+        let mut response = response.with_moments(found.mean.value, found.variance.value);
+        response.mean_standard_error = error_of(&found.mean);
+        response.variance_standard_error = error_of(&found.variance);
+        for &level in self.levels(i) {
+            let chance = sampled.exceedance(i, level)?;
+            let (probability, standard_error) = (chance.value, error_of(&chance));
+            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
+        }
+        Ok(response)
     }
 
     fn taylor<const N: usize>(

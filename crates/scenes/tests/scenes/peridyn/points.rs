@@ -114,16 +114,15 @@ fn holes_are_taken_out_of_the_lattice() {
     assert_eq!(mistake("both", &with(&[(BODY, &both)])).0, "body.holes");
 }
 
-#[test]
-fn mistakes_in_a_file_of_points_name_it_with_row_and_column() {
-    let right = csv(",volume", &places(0.0), |_| ",1e-9".to_owned());
-    let first = "0.0005,0.0005,1e-9\n";
-    assert!(right.starts_with(&format!("x,y,volume\n{first}")));
-    let instead = |line: &str| right.replacen(first, &format!("{line}\n"), 1);
+const FIRST_POINT: &str = "0.0005,0.0005,1e-9\n";
+
+/// Names and contents of files, and words of the message; `right` is a file that is read.
+fn wrong_files(right: &str) -> [(&'static str, Vec<u8>, &'static str); 17] {
+    let instead = |line: &str| right.replacen(FIRST_POINT, &format!("{line}\n"), 1);
     let bytes = |text: String| text.into_bytes();
-    for (file, contents, words) in [
-        ("points.txt", bytes(right.clone()), "points.txt is neither a .csv nor a .vtu file"),
-        ("points", bytes(right.clone()), "points is neither a .csv nor a .vtu file"),
+    [
+        ("points.txt", bytes(right.to_owned()), "points.txt is neither a .csv nor a .vtu file"),
+        ("points", bytes(right.to_owned()), "points is neither a .csv nor a .vtu file"),
         ("a.csv", Vec::new(), "a.csv is empty"),
         ("a.vtu", Vec::new(), "a.vtu: it is empty"),
         ("a.csv", bytes("x,y\n".into()), "a.csv has a head and no points"),
@@ -171,7 +170,14 @@ fn mistakes_in_a_file_of_points_name_it_with_row_and_column() {
             bytes("x,y\n0.001,0.001\n0.001,0.015\n".into()),
             "a.csv line 2: no other point lies within the horizon",
         ),
-    ] {
+    ]
+}
+
+#[test]
+fn mistakes_in_a_file_of_points_name_it_with_row_and_column() {
+    let right = csv(",volume", &places(0.0), |_| ",1e-9".to_owned());
+    assert!(right.starts_with(&format!("x,y,volume\n{FIRST_POINT}")));
+    for (file, contents, words) in wrong_files(&right) {
         let text = with(&[(BODY, &named(file))]);
         let found = mistake_beside("points", &text, &[(file, &contents)]);
         assert_eq!(found.0, "body.points", "{}", found.1);

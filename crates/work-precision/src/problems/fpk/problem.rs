@@ -51,8 +51,8 @@ impl Problem {
     }
 
     fn new(name: &str, text: &str, reference: ReferenceTable) -> Result<Self, CaseError> {
-        let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
-        let system = Oscillator::of(scene.system.build()?).ok_or("not a system of section 4.1")?;
+        let (scene, system) = SceneFile::from_text(name, text.to_owned())?.build::<FpkScene>()?;
+        let system = Oscillator::of(system).ok_or("not a system of section 4.1")?;
         let law = scene.initial.build(None)?;
         Ok(Self { scene, system, law, reference })
     }
@@ -92,8 +92,7 @@ fn picked<S, const D: usize>(
     text: &str,
     pick: impl FnOnce(System) -> Option<S>,
 ) -> Result<(S, GaussianMixture<D>), CaseError> {
-    let scene: FpkScene = SceneFile::from_text(name, text.to_owned())?.parse()?;
-    let system = scene.system.build()?;
+    let (scene, system) = SceneFile::from_text(name, text.to_owned())?.build::<FpkScene>()?;
     let law = scene.initial.build(system.filter_covariance().as_deref())?;
     let system = pick(system).ok_or_else(|| format!("{name} holds another system"))?;
     Ok((system, law))

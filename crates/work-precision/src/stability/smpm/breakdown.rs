@@ -119,6 +119,23 @@ struct Judged {
 }
 
 impl Judged {
+    /// The errors of a response as a line of the table below the picture.
+    fn row(&self, response: usize) -> String {
+        let of = |errors: &Result<Vec<f64>, String>| match errors {
+            Ok(errors) => format!("{:+9.2} %", 100.0 * errors[response]),
+            Err(_) => "    ended  ".to_owned(),
+        };
+        let errors: Vec<String> = self.errors.iter().map(of).collect();
+        format!(
+            "  cv {:4}  {}  (judge +- {:.2} %)  r {:.3}  {}",
+            self.coefficient_of_variation,
+            errors.join(" "),
+            100.0 * self.standard_error[response],
+            self.indicators[response].0,
+            self.warning(response).map_or("", |_| "warned")
+        )
+    }
+
     /// Solves under one coefficient of variation for all parameters.
     fn of<const D: usize, const N: usize>(
         scene: &SmpmScene,
@@ -291,23 +308,8 @@ fn over_variation(
             ),
         ],
     };
-    let row = |one: &Judged| {
-        let of = |errors: &Result<Vec<f64>, String>| match errors {
-            Ok(errors) => format!("{:+9.2} %", 100.0 * errors[response]),
-            Err(_) => "    ended  ".to_owned(),
-        };
-        let errors: Vec<String> = one.errors.iter().map(of).collect();
-        format!(
-            "  cv {:4}  {}  (judge +- {:.2} %)  r {:.3}  {}",
-            one.coefficient_of_variation,
-            errors.join(" "),
-            100.0 * one.standard_error[response],
-            one.indicators[response].0,
-            one.warning(response).map_or("", |_| "warned")
-        )
-    };
     let mut rows = vec![format!("  {what}: {}", METHODS.join(" | "))];
-    rows.extend(judged.iter().map(row));
+    rows.extend(judged.iter().map(|one| one.row(response)));
     let name = format!("smpm-breakdown-{name}");
     // Every method is asked at the same coefficients.
     let chart = WorkPrecision { words, reading: Reading::Parameter, series };

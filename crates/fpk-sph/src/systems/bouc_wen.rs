@@ -201,7 +201,6 @@ fn flow_of_loop(system: &BoucWen, v: f64, z: f64, dt: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use lanes::power;
     use sde_integrators::{EnsembleConfig, GaussianMixture, Observable, simulate};
 
     use super::*;

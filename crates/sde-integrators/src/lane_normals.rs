@@ -2,11 +2,14 @@
 
 use std::ops::Range;
 
-use lanes::SimdLevel;
+use lanes::{Registers, SimdLevel, Work};
 
 use crate::chacha::key;
 use crate::noise::{Noise, Purpose};
-use crate::normal::{BLOCK_NORMALS, ROW, normal_rows};
+use crate::normal::{BLOCK_NORMALS, normal_blocks};
+
+/// Blocks of the cipher made together, over all lanes.
+const BLOCKS: usize = 32;
 
 /// The normals that drive `L` realisations of a field, one in each lane: those of [`FieldPath`](crate::FieldPath), normal
 /// `k M + m` of the realisation's stream for step `k` and motion `m` of `M`.
@@ -32,7 +35,7 @@ impl<const L: usize> LaneNormals<L> {
     /// Those of realisations, for a purpose. `L` is 1, 2, 4, 8, 16 or 32; another number does not compile.
     #[must_use]
     pub fn new(noise: &Noise, purpose: Purpose, realisations: [u64; L]) -> Self {
-        const { assert!(ROW.is_multiple_of(L), "lanes divide the blocks made together") };
+        const { assert!(BLOCKS.is_multiple_of(L), "lanes divide the blocks made together") };
         let key = key(noise.seed(), purpose as u64);
         Self { key, realisations, level: SimdLevel::best() }
     }
@@ -42,17 +45,40 @@ impl<const L: usize> LaneNormals<L> {
     pub fn fill(&self, step: u64, n_motions: usize, range: Range<usize>, normals: &mut [f64]) {
         let first = u128::from(step) * n_motions as u128 + range.start as u128;
         let wanted = range.len().min(normals.len() / L);
-        let (out, _) = normals[..wanted * L].as_chunks_mut::<L>();
-        let streams: [u64; ROW] = std::array::from_fn(|at| self.realisations[at % L]);
-        let mut rows = [[0.0; ROW]; BLOCK_NORMALS];
-        let mut block = low(first / BLOCK_NORMALS as u128);
+        self.level.run(Fill { lanes: self, first, normals: &mut normals[..wanted * L] });
+    }
+}
+
+struct Fill<'a, const L: usize> {
+    lanes: &'a LaneNormals<L>,
+    /// The number of the first normal.
+    first: u128,
+    normals: &'a mut [f64],
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a counter of blocks wraps at 2^64")]
+const fn low(x: u128) -> u64 {
+    x as u64
+}
+
+impl<const L: usize> Work for Fill<'_, L> {
+    type Output = ();
+
+    #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
+    #[inline(always)]
+    fn run<R: Registers<f32>>(self, _: R) {
+        let LaneNormals { key, realisations, .. } = self.lanes;
+        let streams: [u64; BLOCKS] = std::array::from_fn(|at| realisations[at % L]);
+        let (out, _) = self.normals.as_chunks_mut::<L>();
+        let mut rows = [[0.0; BLOCKS]; BLOCK_NORMALS];
+        let mut block = low(self.first / BLOCK_NORMALS as u128);
         // How many normals of the first block come before those asked for.
-        let mut skip = (first % BLOCK_NORMALS as u128) as usize;
+        let mut skip = (self.first % BLOCK_NORMALS as u128) as usize;
         let mut done = 0;
         while done < out.len() {
             let counters = std::array::from_fn(|at| block.wrapping_add((at / L) as u64));
-            normal_rows(self.level, &self.key, &streams, &counters, &mut rows);
-            for column in 0..ROW / L {
+            normal_blocks(key, &streams, &counters, &mut rows);
+            for column in 0..BLOCKS / L {
                 for row in &rows[skip..] {
                     let Some(normals) = out.get_mut(done) else { return };
                     normals.copy_from_slice(&row[column * L..(column + 1) * L]);
@@ -60,14 +86,9 @@ impl<const L: usize> LaneNormals<L> {
                 }
                 skip = 0;
             }
-            block = block.wrapping_add((ROW / L) as u64);
+            block = block.wrapping_add((BLOCKS / L) as u64);
         }
     }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "a counter of blocks wraps at 2^64")]
-const fn low(x: u128) -> u64 {
-    x as u64
 }
 
 #[cfg(test)]

@@ -25,6 +25,7 @@ use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
+use crate::models::edit;
 use crate::output::write_drawing;
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
@@ -41,7 +42,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
-    ingredients: ingredients::ingredients,
+    ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
 /// What a method made of a scene.

@@ -1,40 +1,38 @@
 //! Pieces from which kinds of scenes make their ingredients.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::ingredient::Ingredient;
+use crate::ladder::keys;
 
-/// The scene with another value at a JSON pointer; none where there is nothing yet.
+/// The ingredients of a scene, listed from its type; none where it is no such scene.
 #[must_use]
-pub fn with(scene: &Map<String, Value>, pointer: &str, value: Value) -> Option<Map<String, Value>> {
-    let mut whole = Value::Object(scene.clone());
-    *whole.pointer_mut(pointer)? = value;
-    match whole {
-        Value::Object(scene) => Some(scene),
-        _ => None,
-    }
+pub fn of<T: DeserializeOwned>(
+    scene: &Map<String, Value>,
+    list: impl FnOnce(&T) -> Vec<Ingredient>,
+) -> Vec<Ingredient> {
+    let scene = serde_json::from_value(Value::Object(scene.clone()));
+    scene.as_ref().map_or_else(|_| Vec::new(), list)
 }
 
-/// The scene without a key of the object at a JSON pointer; none where it is not there.
+/// The scene after a change; `None` where `change` finds nothing to change.
 #[must_use]
-pub fn without(scene: &Map<String, Value>, pointer: &str, key: &str) -> Option<Map<String, Value>> {
-    let mut whole = Value::Object(scene.clone());
-    let object = match pointer {
-        "" => whole.as_object_mut()?,
-        pointer => whole.pointer_mut(pointer)?.as_object_mut()?,
-    };
-    object.remove(key)?;
-    match whole {
-        Value::Object(scene) => Some(scene),
-        _ => None,
-    }
+pub fn changed<T: Clone>(scene: &T, change: impl FnOnce(&mut T) -> bool) -> Option<T> {
+    let mut scene = scene.clone();
+    change(&mut scene).then_some(scene)
+}
+
+/// Replaces a value; `false` where it is this one already.
+pub fn replace<T: PartialEq>(place: &mut T, value: T) -> bool {
+    let is_other = *place != value;
+    *place = value;
+    is_other
 }
 
 /// An ingredient that loses no state, where the scene has it.
 #[must_use]
-pub fn ingredient(
-    name: impl Into<String>,
-    scene: Option<Map<String, Value>>,
-) -> Option<Ingredient> {
-    Some(Ingredient { name: name.into(), scene: scene?, states_lost: 0 })
+pub fn ingredient(name: impl Into<String>, scene: Option<impl Serialize>) -> Option<Ingredient> {
+    Some(Ingredient { name: name.into(), scene: keys(&scene?).ok()?, states_lost: 0 })
 }

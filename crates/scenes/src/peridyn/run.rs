@@ -17,6 +17,7 @@ use sde_integrators::{Accumulator, Noise};
 use self::record::{Content, Record, WorkRecord};
 use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
+use crate::models::edit;
 use crate::output::write_drawing;
 use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
@@ -31,7 +32,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
-    ingredients: ingredients::ingredients,
+    ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
 /// What a checkpoint calls the realisations that have ended.

@@ -16,6 +16,7 @@ use self::fields::Fields;
 use self::solve::{Answer, Response, SolveError, Solved};
 use crate::kind::{Run, RunError, SceneKind};
 use crate::machine::Machine;
+use crate::models::edit;
 use crate::output::write_drawing;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
@@ -29,7 +30,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
-    ingredients: ingredients::ingredients,
+    ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
 /// What the schema `response-moments/1` adds to every result.

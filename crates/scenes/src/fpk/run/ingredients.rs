@@ -1,11 +1,13 @@
 //! What can be left out of a density scene.
 
-use serde_json::{Map, Value, json};
-
+use crate::fpk::lattice_scene::{DegreeScene, LatticeScene};
+use crate::fpk::law_scene::LawScene;
+use crate::fpk::method_scene::MethodScene;
+use crate::fpk::scene::{DemandScene, FpkScene};
+use crate::fpk::structure_scene::{BoucWenScene, StructureScene, WindowScene};
+use crate::fpk::system_scene::{ShakenScene, SystemScene};
 use crate::models::Ingredient;
-use crate::models::edit::{ingredient, with, without};
-
-type Scene = Map<String, Value>;
+use crate::models::edit::{changed, ingredient, replace};
 
 /// Intervals along a length, at the least, of a lattice that has lost states: 21 particles across resolve a density in two and three.
 const INTERVALS: f64 = 20.0;
@@ -14,157 +16,161 @@ const INTERVALS: f64 = 20.0;
 const QUADRATIC_FROM: usize = 5;
 
 /// Dampers, hysteresis, cubic springs, filters of the noise, its window, fresh lattices, the highest terms of the fit.
-pub(super) fn ingredients(scene: &Scene) -> Vec<Ingredient> {
+pub(super) fn ingredients(scene: &FpkScene) -> Vec<Ingredient> {
+    let without =
+        |name: &str, change: fn(&mut FpkScene) -> bool| ingredient(name, changed(scene, change));
     let all = [
-        ingredient("the filter of the ground", unfiltered(scene))
-            .map(|ingredient| Ingredient { states_lost: filter_states(scene), ..ingredient }),
+        unfiltered(scene),
         linear(scene),
-        ingredient("the dampers", undamped_storeys(scene)),
-        ingredient("the window of the noise", stationary(scene)),
-        ingredient("fresh lattices", without_fresh_lattices(scene)),
-        ingredient("the cubic terms of the fit", of_lower_degree(scene)),
+        without("the dampers", undamp_storeys),
+        without("the window of the noise", |scene| {
+            window(&mut scene.system).is_some_and(|window| replace(window, WindowScene::Stationary))
+        }),
+        without("fresh lattices", |scene| {
+            lattice(&mut scene.method)
+                .is_some_and(|lattice| lattice.fresh_lattices.take().is_some())
+        }),
+        without("the cubic terms of the fit", lower_degree),
     ];
     all.into_iter().flatten().collect()
 }
 
-/// The name of the system, and what stands under it.
-fn system(scene: &Scene) -> Option<(&str, &Value)> {
-    let (name, value) = scene.get("system")?.as_object()?.iter().next()?;
-    Some((name, value))
-}
-
-fn filter_states(scene: &Scene) -> usize {
-    match system(scene) {
-        Some(("kanai_tajimi", _)) => 2,
-        Some(("clough_penzien", _)) => 4,
-        _ => 0,
-    }
-}
-
 /// The structure alone, in white noise.
-fn unfiltered(scene: &Scene) -> Option<Scene> {
-    let lost = filter_states(scene);
-    if lost == 0 {
-        return None;
+fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
+    let (structure, states_lost) = match &scene.system {
+        SystemScene::KanaiTajimi { structure, .. } => (structure, 2),
+        SystemScene::CloughPenzien { structure, .. } => (structure, 4),
+        _ => return None,
+    };
+    let mut scene = without_last_states(scene, states_lost);
+    scene.system = match structure.clone() {
+        ShakenScene::LinearOscillator(structure) => SystemScene::LinearOscillator(structure),
+        ShakenScene::ViscousDamper(damper) => SystemScene::ViscousDamper(damper),
+        ShakenScene::BoucWen(hysteretic) => SystemScene::BoucWen(hysteretic),
+        ShakenScene::TwoStorey(frame) => SystemScene::TwoStorey(frame),
+    };
+    if let LawScene::StationaryFilter { mean, standard_deviation } = scene.initial {
+        scene.initial = LawScene::Gaussian { mean, standard_deviation };
     }
-    let structure = system(scene)?.1.get("structure")?.clone();
-    let mut scene = without_last_states(scene, lost)?;
-    scene.insert("system".to_owned(), structure);
-    if let Some(initial) = scene["initial"].get("stationary_filter").cloned() {
-        scene.insert("initial".to_owned(), json!({ "gaussian": initial }));
-    }
-    Some(scene)
+    let ingredient = ingredient("the filter of the ground", Some(scene))?;
+    Some(Ingredient { states_lost, ..ingredient })
 }
 
 /// The oscillator whose spring and damper are linear.
-fn linear(scene: &Scene) -> Option<Ingredient> {
-    let (name, system) = system(scene)?;
-    let (words, structure, states_lost) = match name {
-        "viscous_damper" => ("the damper", system.get("structure")?.clone(), 0),
-        "duffing" => ("the cubic spring", system.get("structure")?.clone(), 0),
-        "bouc_wen" => {
-            let keys = ["natural_frequency", "damping_ratio", "noise_intensity", "window"];
-            let kept: Option<Scene> =
-                keys.iter().map(|&key| Some((key.to_owned(), system.get(key)?.clone()))).collect();
-            ("the hysteresis", Value::Object(kept?), 1)
+fn linear(scene: &FpkScene) -> Option<Ingredient> {
+    let (name, structure, states_lost) = match scene.system.clone() {
+        SystemScene::ViscousDamper(damper) => ("the damper", damper.structure, 0),
+        SystemScene::Duffing { structure, .. } => ("the cubic spring", structure, 0),
+        SystemScene::BoucWen(hysteretic) => {
+            let BoucWenScene { natural_frequency, damping_ratio, noise_intensity, window, .. } =
+                hysteretic;
+            let structure =
+                StructureScene { natural_frequency, damping_ratio, noise_intensity, window };
+            ("the hysteresis", structure, 1)
         }
         _ => return None,
     };
-    let mut scene = without_last_states(scene, states_lost)?;
-    scene.insert("system".to_owned(), json!({ "linear_oscillator": structure }));
-    Some(Ingredient { name: words.to_owned(), scene, states_lost })
+    let scene = without_last_states(scene, states_lost);
+    let scene = FpkScene { system: SystemScene::LinearOscillator(structure), ..scene };
+    Some(Ingredient { states_lost, ..ingredient(name, Some(scene))? })
 }
 
 /// Lists by state are shorter; moments of lost states are not asked for, nor are pictures of them.
-fn without_last_states(scene: &Scene, lost: usize) -> Option<Scene> {
-    if lost == 0 {
-        return Some(scene.clone());
-    }
+fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
     let mut scene = scene.clone();
-    scene.remove("planes");
-    let moments = scene.get_mut("moments")?.as_array_mut()?;
-    let of_kept = |powers: &Value| {
-        let powers = powers.as_array()?;
-        let kept = powers.len().checked_sub(lost)?;
-        powers[kept..].iter().all(|power| *power == 0).then(|| json!(powers[..kept]))
-    };
-    *moments = moments.iter().filter_map(of_kept).collect();
-    let shorten = |list: &mut Value| {
-        if let Some(list) = list.as_array_mut() {
-            list.truncate(list.len().saturating_sub(lost));
-        }
-    };
-    if let Some(gaussian) = scene.get_mut("initial")?.get_mut("gaussian") {
-        gaussian.as_object_mut()?.values_mut().for_each(shorten);
+    if lost == 0 {
+        return scene;
     }
-    for method in scene.get_mut("method")?.as_object_mut()?.values_mut() {
-        for key in ["count", "half_width"] {
-            if let Some(list) = method.get_mut(key) {
-                shorten(list);
-            }
+    scene.planes = None;
+    let of_kept = |powers: &Vec<u32>| {
+        let (kept, lost) = powers.split_at(powers.len().checked_sub(lost)?);
+        lost.iter().all(|&power| power == 0).then(|| kept.to_vec())
+    };
+    scene.moments = scene.moments.iter().filter_map(of_kept).collect();
+    if let LawScene::Gaussian { mean, standard_deviation } = &mut scene.initial {
+        shorten(mean, lost);
+        shorten(standard_deviation, lost);
+    }
+    if let MethodScene::CanorDenoel2013 { count, half_width, .. } = &mut scene.method {
+        shorten(count, lost);
+        shorten(half_width, lost);
+    }
+    if let Some(lattice) = lattice(&mut scene.method) {
+        if let Some(count) = &mut lattice.count {
+            shorten(count, lost);
         }
-        // A lattice that is fine enough for many states has too few neighbours in fewer.
-        let reach = method.get("reach").and_then(Value::as_f64);
-        if let (Some(reach), Some(spacing)) = (reach, method.get_mut("spacing")) {
-            let finest = 2.0 * reach / INTERVALS;
-            if spacing.as_f64().is_some_and(|spacing| spacing > finest) {
-                *spacing = json!(finest);
-            }
+        if let Some(spacing) = &mut lattice.spacing {
+            // A lattice that is fine enough for many states has too few neighbours in fewer.
+            *spacing = spacing.min(2.0 * lattice.reach / INTERVALS);
         }
     }
-    if let Some(weights) =
-        scene.get_mut("demand").and_then(|demand| demand.pointer_mut("/combination/weights"))
-    {
-        shorten(weights);
+    if let Some(DemandScene::Combination { weights, .. }) = &mut scene.demand {
+        shorten(weights, lost);
     }
-    Some(scene)
+    scene
 }
 
-fn undamped_storeys(scene: &Scene) -> Option<Scene> {
-    with(scene, "/system/two_storey/damper_coefficient", json!([0, 0]))
+fn shorten<T>(list: &mut Vec<T>, lost: usize) {
+    list.truncate(list.len().saturating_sub(lost));
 }
 
-/// In noise that neither rises nor falls.
-fn stationary(scene: &Scene) -> Option<Scene> {
-    let (name, system) = system(scene)?;
-    let inside = match (name, system.get("structure").and_then(Value::as_object)) {
-        ("kanai_tajimi" | "clough_penzien", Some(structure)) => {
-            let (kind, structure) = structure.iter().next()?;
-            let below = if structure.get("structure").is_some() { "/structure" } else { "" };
-            format!("/structure/{kind}{below}")
+fn undamp_storeys(scene: &mut FpkScene) -> bool {
+    let SystemScene::TwoStorey(frame) = &mut scene.system else { return false };
+    replace(&mut frame.damper_coefficient, [0.0; 2])
+}
+
+/// The window of the noise, or of the ground motion, where the system has one.
+fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
+    Some(match system {
+        SystemScene::LinearOscillator(structure) | SystemScene::Duffing { structure, .. } => {
+            &mut structure.window
         }
-        (_, Some(_)) => "/structure".to_owned(),
-        (_, None) => String::new(),
-    };
-    let pointer = format!("/system/{name}{inside}/window");
-    let window = Value::Object(scene.clone()).pointer(&pointer)?.clone();
-    (window != "stationary").then(|| with(scene, &pointer, json!("stationary")))?
+        SystemScene::ViscousDamper(damper) => &mut damper.structure.window,
+        SystemScene::BoucWen(hysteretic) => &mut hysteretic.window,
+        SystemScene::VanDerPol { window, .. } => window,
+        SystemScene::TwoStorey(frame) => &mut frame.window,
+        SystemScene::KanaiTajimi { structure, .. }
+        | SystemScene::CloughPenzien { structure, .. } => match structure {
+            ShakenScene::LinearOscillator(structure) => &mut structure.window,
+            ShakenScene::ViscousDamper(damper) => &mut damper.structure.window,
+            ShakenScene::BoucWen(hysteretic) => &mut hysteretic.window,
+            ShakenScene::TwoStorey(frame) => &mut frame.window,
+        },
+        SystemScene::OrnsteinUhlenbeck { .. }
+        | SystemScene::Bistable { .. }
+        | SystemScene::CoxIngersollRoss { .. }
+        | SystemScene::GeometricBrownianMotion { .. } => return None,
+    })
 }
 
-fn without_fresh_lattices(scene: &Scene) -> Option<Scene> {
-    let method = scene.get("method")?.as_object()?.keys().next()?;
-    without(scene, &format!("/method/{method}"), "fresh_lattices")
+fn lattice(method: &mut MethodScene) -> Option<&mut LatticeScene> {
+    match method {
+        MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
+        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => None,
+    }
 }
 
 /// The flow map fitted by quadratic polynomials, where it is by cubic ones; the log-density fit has no lower degree.
-fn of_lower_degree(scene: &Scene) -> Option<Scene> {
-    let n_states = scene.get("moments")?.as_array()?.first()?.as_array()?.len();
-    let mut fit = scene.get("method")?.get("flow_map_fit")?.as_object()?.clone();
-    if fit.contains_key("degree") || n_states >= QUADRATIC_FROM {
-        return None;
+fn lower_degree(scene: &mut FpkScene) -> bool {
+    let is_cubic = scene.moments.first().is_some_and(|powers| powers.len() < QUADRATIC_FROM);
+    match &mut scene.method {
+        MethodScene::FlowMapFit(lattice) if lattice.degree.is_none() && is_cubic => {
+            lattice.degree = Some(DegreeScene::Quadratic);
+            true
+        }
+        _ => false,
     }
-    fit.insert("degree".to_owned(), json!("quadratic"));
-    with(scene, "/method/flow_map_fit", Value::Object(fit))
 }
 
 #[cfg(test)]
 mod tests {
+    use serde_json::Value;
+
     use super::*;
-    use crate::fpk::scene::FpkScene;
     use crate::scene::SceneFile;
 
     fn names(text: &str) -> Vec<(String, usize)> {
-        let scene: Scene = serde_json::from_str(text).unwrap();
+        let scene: FpkScene = serde_json::from_str(text).unwrap();
         let all = ingredients(&scene);
         for Ingredient { name, scene, .. } in &all {
             // What is left is a scene.

@@ -1,52 +1,41 @@
 //! What can be left out of a scene of cracks.
 
-use serde_json::{Map, Value, json};
-
 use crate::models::Ingredient;
-use crate::models::edit::{ingredient, with, without};
-
-type Scene = Map<String, Value>;
+use crate::models::edit::{changed, ingredient, replace};
+use crate::peridyn::scene::{CrackScene, PrecisionScene};
+use crate::peridyn::scene_body::{SurfaceScene, VolumeScene};
+use crate::peridyn::scene_dynamics::{DynamicsScene, TemperatureScene};
+use crate::peridyn::scene_field::VariationScene;
 
 /// Random fields, holes, corrections of volume and surface, noise, double precision.
-pub(super) fn ingredients(scene: &Scene) -> Vec<Ingredient> {
-    let uniform = |key: &str| {
-        let is_varied = scene.get(key).is_some_and(|variation| *variation != "uniform");
-        is_varied.then(|| with(scene, &format!("/{key}"), json!("uniform")))?
-    };
-    let correction = |key: &str| {
-        let is_there = scene.get("bonds")?.get(key).is_some_and(|found| *found != "none");
-        is_there.then(|| with(scene, &format!("/bonds/{key}"), json!("none")))?
-    };
+pub(super) fn ingredients(scene: &CrackScene) -> Vec<Ingredient> {
+    let without =
+        |name: &str, change: fn(&mut CrackScene) -> bool| ingredient(name, changed(scene, change));
     let all = [
-        ingredient("the random strength", uniform("strength")),
-        ingredient("the random stiffness", uniform("stiffness")),
-        ingredient("the holes", without(scene, "/body", "holes")),
-        ingredient("the correction of volume", correction("volume_correction")),
-        ingredient("the correction of the surface", correction("surface_correction")),
-        ingredient("the noise", cold(scene)),
-        ingredient("double precision", single(scene)),
+        without("the random strength", |s| replace(&mut s.strength, VariationScene::Uniform)),
+        without("the random stiffness", |s| replace(&mut s.stiffness, VariationScene::Uniform)),
+        without("the holes", |s| replace(&mut s.body.holes, Vec::new())),
+        without("the correction of volume", |s| {
+            replace(&mut s.bonds.volume_correction, VolumeScene::None)
+        }),
+        without("the correction of the surface", |s| {
+            replace(&mut s.bonds.surface_correction, SurfaceScene::None)
+        }),
+        without("the noise", |s| {
+            let (DynamicsScene::Overdamped { temperature, .. }
+            | DynamicsScene::Inertial { temperature, .. }) = &mut s.dynamics;
+            replace(temperature, TemperatureScene::Zero)
+        }),
+        without("double precision", |s| replace(&mut s.ensemble.precision, PrecisionScene::F32)),
     ];
     all.into_iter().flatten().collect()
 }
 
-/// The scene at rest but for its load.
-fn cold(scene: &Scene) -> Option<Scene> {
-    let kind = scene.get("dynamics")?.as_object()?.keys().next()?;
-    let pointer = format!("/dynamics/{kind}/temperature");
-    let is_warm = scene.get("dynamics")?.get(kind)?.get("temperature")? != "zero";
-    is_warm.then(|| with(scene, &pointer, json!("zero")))?
-}
-
-fn single(scene: &Scene) -> Option<Scene> {
-    let is_double = scene.get("ensemble")?.get("precision")? == "f64";
-    is_double.then(|| with(scene, "/ensemble/precision", json!("f32")))?
-}
-
 #[cfg(test)]
 mod tests {
+    use serde_json::Value;
+
     use super::*;
-    use crate::ladder::keys;
-    use crate::peridyn::scene::CrackScene;
     use crate::scene::SceneFile;
 
     #[test]
@@ -63,7 +52,7 @@ mod tests {
         ];
         for (text, expected) in expected {
             let file = SceneFile::from_text("a", text.to_owned()).unwrap();
-            let all = ingredients(&keys(&file.parse::<CrackScene>().unwrap()).unwrap());
+            let all = ingredients(&file.parse().unwrap());
             let names: Vec<&str> = all.iter().map(|ingredient| ingredient.name.as_str()).collect();
             assert_eq!(names, expected);
             for Ingredient { name, scene, .. } in &all {

@@ -32,6 +32,7 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
 struct Verify {
     /// Part of a case id, or the id of a claim; none runs all
     #[arg(value_name = "FILTER")]

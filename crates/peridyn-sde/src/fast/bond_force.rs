@@ -120,7 +120,7 @@ impl<T: Real, S: Simd> SquaredElongation<T, S> {
 
     /// [`pull`](Self::pull) of any bonds.
     #[inline(always)]
-    pub(super) fn far_pull<const LINEAR: bool>(
+    fn far_pull<const LINEAR: bool>(
         &mut self,
         simd: S,
         limit: T::V<S>,

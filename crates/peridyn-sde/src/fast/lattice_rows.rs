@@ -181,7 +181,8 @@ impl<T: Real, const LINEAR: bool> WithSimd for Far<'_, T, LINEAR> {
     fn with_simd<S: Simd>(self, simd: S) {
         let (site, number) = self.first;
         let mut elongation = SquaredElongation::<T, S>(T::load::<S>(self.values, 0));
-        let pull = elongation.far_pull::<LINEAR>(simd, T::splat(simd, self.limit), |reached| {
+        // Its check is a repetition, by which the compiler takes what follows for rare: constants stay in registers outside.
+        let pull = elongation.pull::<LINEAR>(simd, T::splat(simd, self.limit), |reached| {
             for lane in (0..T::lanes::<S>()).filter(|lane| reached & 1 << lane != 0) {
                 self.reached.push((site + lane, number));
             }

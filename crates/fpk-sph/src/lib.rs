@@ -2,6 +2,7 @@
 
 mod cloud;
 mod coefficients;
+mod compiled;
 mod config;
 mod discretisation;
 mod error;

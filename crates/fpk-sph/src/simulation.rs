@@ -5,8 +5,10 @@ use std::io::{Read, Write};
 use sde_integrators::{GaussianMixture, Sde};
 
 use crate::coefficients::OfSystem;
+use crate::compiled::passes;
 use crate::config::Config;
 use crate::error::Error;
+use crate::observables::{CellIntegral, DensityField};
 use crate::remap::{Remapped, Remapping};
 use crate::report::{StepReport, Work};
 use crate::score::ScoreEstimator;
@@ -30,8 +32,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Any parameter outside its range, by name; [`Error::TooFewParticles`]; [`Error::SupportTooSmall`] where the
     /// estimator is known to fail at the resolution asked for.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
-        let estimator = config.method.combination_in(D).estimator.build();
-        Self::with_estimator(system, law, config, estimator)
+        Ok(Self { system, solver: (passes().start)(law, config, None)? })
     }
 
     /// As [`Self::new`], with an estimator of the caller's in place of the method's.
@@ -44,7 +45,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
-        Ok(Self { system, solver: Solver::new(law, config, estimator)? })
+        Ok(Self { system, solver: (passes().start)(law, config, Some(estimator))? })
     }
 
     /// Time of the state.
@@ -99,7 +100,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// As [`Self::step`]; [`Error::TimeInThePast`] unless `end` lies ahead.
     pub fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
-        self.solver.step_towards(&OfSystem(&self.system), end)
+        (passes().step_towards)(&mut self.solver, &OfSystem(&self.system), end)
     }
 
     /// Steps to the given time, landing on it exactly.
@@ -107,7 +108,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of [`Self::step`]; [`Error::TimeInThePast`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
-        self.solver.advance_to(&OfSystem(&self.system), time)
+        (passes().advance_to)(&mut self.solver, &OfSystem(&self.system), time)
     }
 
     /// Runs through the given times, which must not decrease, and calls `observe` at each.
@@ -140,7 +141,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// [`Error::FreshLatticeTooLarge`], [`Error::FreshLatticeChanges`], [`Error::TooFewParticles`], those of the metric and of
     /// the estimator. The simulation is then as it was.
     pub fn remap(&mut self, remapping: &Remapping) -> Result<Remapped, Error> {
-        self.solver.remap(remapping)
+        (passes().remap)(&mut self.solver, remapping)
     }
 
     /// Writes the state with the lattice that it stands on, bit for bit.
@@ -148,7 +149,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// [`Error::Store`] where the writer fails.
     pub fn snapshot(&self, mut writer: impl Write) -> Result<(), Error> {
-        self.solver.snapshot(&mut writer)
+        (passes().snapshot)(&self.solver, &mut writer)
     }
 
     /// Takes state and lattice from a snapshot of a simulation with the same configuration; the run goes on bit for bit.
@@ -158,6 +159,23 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::SnapshotNumber`], [`Error::Store`]; the state is
     /// then as it was.
     pub fn restore(&mut self, mut reader: impl Read) -> Result<(), Error> {
-        self.solver.restore(&mut reader)
+        (passes().restore)(&mut self.solver, &mut reader)
+    }
+
+    /// The density as a function, from local fits at the present positions.
+    ///
+    /// # Errors
+    /// Those of the local fits: too few neighbours, a singular covariance.
+    pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
+        (passes().cell_integral)(&self.solver)
+    }
+
+    /// The density as a function of the state, by the method's own estimator at the present positions.
+    ///
+    /// # Errors
+    /// Those of the metric and of the estimator; [`Error::NoLatticeCell`]; [`Error::LeftStableRange`] for a
+    /// particle whose lattice cell has no volume.
+    pub fn density_field(&self) -> Result<DensityField<D>, Error> {
+        (passes().density_field)(&self.solver)
     }
 }

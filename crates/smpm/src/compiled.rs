@@ -38,7 +38,7 @@ macro_rules! compiled {
 #[cfg(not(test))]
 compiled!(f64: 1 in_one, 2 in_two, 3 in_three);
 #[cfg(not(test))]
-compiled!(Jet: 1 in_one, 2 in_two);
+compiled!(Jet: 1 in_one, 2 in_two, 3 in_three);
 
 // The unit tests run no step.
 #[cfg(test)]

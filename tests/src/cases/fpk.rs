@@ -20,7 +20,6 @@ pub(crate) mod viscous_damper;
 use figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
 use scenes::fpk::scene::FpkScene;
-use scenes::scene::SceneFile;
 use work_precision::problems::fpk::problem::Problem;
 
 use crate::case::{CaseError, Context};
@@ -32,7 +31,7 @@ const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];
 
 /// A scene by its file.
 fn scene(name: &str, text: &str) -> Result<FpkScene, CaseError> {
-    Ok(SceneFile::from_text(name, text.to_owned())?.parse()?)
+    Ok(FpkScene::read(name, text)?.0)
 }
 
 /// The row of a time, or why there is none.

@@ -2,14 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use sde_integrators::Sde;
-
 use super::cell::{Cell, fraction_above, subdivisions, variation};
 use crate::error::{Error, finite};
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
 use crate::score::LocalMap;
-use crate::simulation::Simulation;
 use crate::solver::Solver;
 
 /// The density as a function: around each particle `psi_i exp(g.u + u.H u / 2)` over the lattice cell as the flow has
@@ -46,16 +43,6 @@ pub const TAIL_SPACINGS: i32 = 3;
 /// A cell's mass by the fit over its particle's mass, above which (or below its inverse) the fit is not trusted. A
 /// Gaussian at 6 standard deviations and a spacing of 0.45 gives 1.34.
 const MOST_MASS_RATIO: f64 = 2.0;
-
-impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
-    /// The density as a function, from local fits at the present positions.
-    ///
-    /// # Errors
-    /// Those of the local fits: too few neighbours, a singular covariance.
-    pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
-        CellIntegral::new(&self.solver)
-    }
-}
 
 /// Places on the lattice within [`TAIL_SPACINGS`] steps of the cloud but not in it, each as a step from the particle
 /// nearest to it, the lowest where several are. The cells of the cloud and these tile the lattice without overlap.
@@ -109,7 +96,7 @@ fn steps_beyond<const D: usize>() -> Vec<[i32; D]> {
 }
 
 impl<const D: usize> CellIntegral<D> {
-    fn new(solver: &Solver<D>) -> Result<Self, Error> {
+    pub(crate) fn new(solver: &Solver<D>) -> Result<Self, Error> {
         let beyond = beyond_the_cloud(&solver.discretisation.lattice.places);
         let masses = &solver.state.masses;
         if let Some((cloud, maps)) = solver.local_maps()? {

@@ -1,12 +1,10 @@
 //! The density at any point.
 
-use sde_integrators::Sde;
 use smoothing_kernels::{Kernel, Lucy};
 
 use crate::error::Error;
 use crate::metric::{Metric, Whitening};
 use crate::score::{inverse, lattice_jacobian, solve_transposed};
-use crate::simulation::Simulation;
 use crate::solver::Solver;
 
 /// The density as a function of the state, from density and score at the particles. What is carried from the particles to
@@ -49,19 +47,8 @@ pub const FIELD_REACH: f64 = 2.2;
 /// and falls outward; on a line of particles it has this value half a spacing beyond the last.
 const LEAST_CENTRED: f64 = 0.2;
 
-impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
-    /// The density as a function of the state, by the method's own estimator at the present positions.
-    ///
-    /// # Errors
-    /// Those of the metric and of the estimator; [`Error::NoLatticeCell`]; [`Error::LeftStableRange`] for a
-    /// particle whose lattice cell has no volume.
-    pub fn density_field(&self) -> Result<DensityField<D>, Error> {
-        DensityField::new(&self.solver)
-    }
-}
-
 impl<const D: usize> DensityField<D> {
-    fn new(solver: &Solver<D>) -> Result<Self, Error> {
+    pub(crate) fn new(solver: &Solver<D>) -> Result<Self, Error> {
         let evaluation = solver.evaluated()?;
         let (cloud, estimates) = (&evaluation.cloud, &evaluation.estimates);
         let (positions, masses) = (&solver.state.positions, &solver.state.masses);

@@ -9,7 +9,7 @@ use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
 use super::system::System;
 use super::system_scene::SystemScene;
-use crate::scene::{Objection, Scene};
+use crate::scene::{Objection, Scene, SceneError, SceneFile};
 
 /// The density of a system under noise over time: what is modelled, what is asked, and with which method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -168,6 +168,16 @@ impl FpkScene {
             Ok([state(across, states, &path(0))?, state(up, states, &path(1))?])
         };
         planes.states.iter().enumerate().map(place).collect()
+    }
+}
+
+impl FpkScene {
+    /// Reads a text under a name for messages; returns the scene and its checked system.
+    ///
+    /// # Errors
+    /// As [`SceneFile::build`].
+    pub fn read(name: &str, text: &str) -> Result<(Self, System), SceneError> {
+        SceneFile::from_text(name, text.to_owned())?.build()
     }
 }
 

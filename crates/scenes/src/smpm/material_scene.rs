@@ -1,7 +1,9 @@
 //! Materials as they stand in a scene: parameters from a library, some set anew, some random.
 
+use std::any::Any;
 use std::collections::BTreeMap;
 
+use perturbation_moments::Jet;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::material::{
@@ -223,6 +225,38 @@ impl ParameterScene {
     }
 }
 
+/// Makes a body: every pair of an equation of state and a strength, for one type of number and dimension.
+type BodyOf<S, const D: usize> = fn(
+    &MaterialScene,
+    &dyn Fn(Part, &'static str) -> S,
+    &Fill<D>,
+    [f64; D],
+) -> Result<Body<S, D>, Error>;
+
+/// The bodies that are compiled with this crate, once for all programs that run scenes.
+#[inline(never)]
+fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
+    static OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
+        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
+    static OF_JETS: (BodyOf<Jet, 1>, BodyOf<Jet, 2>, BodyOf<Jet, 3>) =
+        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
+    static ALL: [&(dyn Any + Send + Sync); 6] =
+        [&OF_NUMBERS.0, &OF_NUMBERS.1, &OF_NUMBERS.2, &OF_JETS.0, &OF_JETS.1, &OF_JETS.2];
+    &ALL
+}
+
+/// Whether bodies of such numbers are compiled with this crate: those whose step is compiled with smpm.
+const fn is_compiled<S: Number>(dimension: usize) -> bool {
+    let mut k = 0;
+    while k < S::COMPILED.len() {
+        if S::COMPILED[k] == dimension {
+            return true;
+        }
+        k += 1;
+    }
+    false
+}
+
 impl MaterialScene {
     /// All its numbers.
     ///
@@ -311,7 +345,24 @@ impl MaterialScene {
     /// What the model refuses.
     pub fn body<S: Number, const D: usize>(
         &self,
-        of: &impl Fn(Part, &'static str) -> S,
+        of: &dyn Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error> {
+        if const { is_compiled::<S>(D) } {
+            let made = compiled().iter().find_map(|body| body.downcast_ref::<BodyOf<S, D>>());
+            match made {
+                Some(body) => body(self, of, fill, velocity),
+                None => unreachable!("bodies of these numbers are compiled"),
+            }
+        } else {
+            self.make_body(of, fill, velocity)
+        }
+    }
+
+    fn make_body<S: Number, const D: usize>(
+        &self,
+        of: &dyn Fn(Part, &'static str) -> S,
         fill: &Fill<D>,
         velocity: [f64; D],
     ) -> Result<Body<S, D>, Error> {
@@ -362,7 +413,7 @@ impl MaterialScene {
     fn with_strength<S: Number, E: EquationOfState<S> + 'static, const D: usize>(
         &self,
         equation: E,
-        of: &impl Fn(Part, &'static str) -> S,
+        of: &dyn Fn(Part, &'static str) -> S,
         fill: &Fill<D>,
         velocity: [f64; D],
     ) -> Result<Body<S, D>, Error>

@@ -16,7 +16,7 @@ use super::scene::{
     ShapeScene, SideScene, SmpmScene, TransferScene,
 };
 use crate::nearest::nearest;
-use crate::scene::{Objection, Scene};
+use crate::scene::{Objection, Scene, SceneError, SceneFile};
 
 /// A random parameter, found.
 #[derive(Debug, Clone, PartialEq)]
@@ -271,6 +271,16 @@ fn unknown<'a>(
         None => format!("there are: {}", known.join(", ")),
     };
     Objection::new(path, format!("there is no {what} `{name}`")).with_help(hint)
+}
+
+impl SmpmScene {
+    /// Reads a text under a name for messages.
+    ///
+    /// # Errors
+    /// As [`SceneFile::parse`].
+    pub fn read(name: &str, text: &str) -> Result<Self, SceneError> {
+        SceneFile::from_text(name, text.to_owned())?.parse()
+    }
 }
 
 impl Scene for SmpmScene {

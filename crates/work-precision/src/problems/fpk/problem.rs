@@ -7,7 +7,6 @@ use scenes::fpk::monte_carlo::{self, SampledRun, Sampling};
 use scenes::fpk::paths::PathsError;
 use scenes::fpk::scene::FpkScene;
 use scenes::fpk::system::System;
-use scenes::scene::SceneFile;
 use sde_integrators::GaussianMixture;
 
 use super::oscillator::Oscillator;
@@ -51,7 +50,7 @@ impl Problem {
     }
 
     fn new(name: &str, text: &str, reference: ReferenceTable) -> Result<Self, CaseError> {
-        let (scene, system) = SceneFile::from_text(name, text.to_owned())?.build::<FpkScene>()?;
+        let (scene, system) = FpkScene::read(name, text)?;
         let system = Oscillator::of(system).ok_or("not a system of section 4.1")?;
         let law = scene.initial.build(None)?;
         Ok(Self { scene, system, law, reference })
@@ -92,7 +91,7 @@ fn picked<S, const D: usize>(
     text: &str,
     pick: impl FnOnce(System) -> Option<S>,
 ) -> Result<(S, GaussianMixture<D>), CaseError> {
-    let (scene, system) = SceneFile::from_text(name, text.to_owned())?.build::<FpkScene>()?;
+    let (scene, system) = FpkScene::read(name, text)?;
     let law = scene.initial.build(system.filter_covariance().as_deref())?;
     let system = pick(system).ok_or_else(|| format!("{name} holds another system"))?;
     Ok((system, law))

@@ -1,6 +1,5 @@
 //! The scenes that cases and charts look at, each with what varies between them.
 
-use scenes::scene::SceneFile;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::{SmpmScene, TimeScene};
 
@@ -53,7 +52,7 @@ impl Problem {
     /// Those of a scene.
     pub fn scene(self) -> Result<SmpmScene, CaseError> {
         let (name, text) = self.text();
-        Ok(SceneFile::from_text(name, text.to_owned())?.parse()?)
+        Ok(SmpmScene::read(name, text)?)
     }
 
     /// The scene with one coefficient of variation for all its parameters, looked at at given times.

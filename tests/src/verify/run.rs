@@ -57,7 +57,9 @@ pub fn run_cases(
     let (sender, ended) = mpsc::channel();
     let mut printed = Printed::new(cases.len());
     std::thread::scope(|scope| {
-        scope.spawn(|| proof.run(&sender));
+        let proof = &proof;
+        // The sender goes with the thread: at its end nothing more is waited for.
+        scope.spawn(move || proof.run(&sender));
         let taken =
             ended.iter().try_for_each(|case| printed.take(case, &proof.progress, style, output));
         // Nothing more is run for an output that cannot be written.

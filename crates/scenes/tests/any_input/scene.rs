@@ -15,7 +15,10 @@ use scenes::{ALL, RunError, check};
 /// The texts of all built-in scenes, which are found from this package and from that of the targets of cargo-fuzz.
 pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
-    let root = above.map(|folder| folder.join("tests/scenes")).find(|root| root.is_dir()).unwrap();
+    let root = above
+        .map(|folder| folder.join("tests/scenes"))
+        .find(|root| root.join("fpk").is_dir())
+        .unwrap();
     let folders = std::fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> = folders
         .flat_map(|folder| std::fs::read_dir(folder).unwrap())

@@ -10,7 +10,7 @@ const SCENE: &str = r#"{
     "damper_coefficient": 0.25, "damper_exponent": 0.35 } },
   "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.15, 0.1] } },
   "method": { "flow_map_fit": { "count": [25, 25], "reach": 5 } },
-  "times": [2], "moments": [[2, 0]], "thresholds": [0.5]
+  "times": { "until": 2, "every": 1 }, "moments": [[2, 0]], "thresholds": [0.5]
 }"#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,6 +1,6 @@
 //! The kinds of scene that can be run.
 //!
-//! A kind is one file here, with its scene types, and one line in [`ALL`].
+//! A kind is a folder of its solver with its scene types and a `const KIND`, and one line in [`ALL`](crate::ALL).
 //! A scene names its kind by the key `solver` at the top, which its type declares too.
 
 mod blocks;

@@ -14,7 +14,7 @@ pub struct Words {
     pub x_label: String,
     /// Quantity (unit) of the vertical axis.
     pub y_label: String,
-    /// The foot: how it was measured; [`scenes::machine::Machine::caption`] names the machine. One line each.
+    /// The foot: how it was measured; the machine, its load and the commit. One line each.
     pub caption: Vec<String>,
 }
 

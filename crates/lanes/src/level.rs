@@ -49,12 +49,6 @@ impl SimdLevel {
         if let Some(token) = pulp::x86::V4::try_new() {
             return Self(Level::Avx512(token));
         }
-        Self::best_narrow()
-    }
-
-    /// The widest level of this machine whose registers hold at most four `f64`.
-    #[inline]
-    fn best_narrow() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(token) = pulp::x86::V3::try_new() {
             return Self(Level::Avx2(token));
@@ -126,7 +120,12 @@ pub fn dispatch<R>(work: impl FnMut() -> R) -> R {
 /// longer than the arithmetic.
 #[inline]
 pub fn dispatch_narrow<R>(work: impl FnMut() -> R) -> R {
-    SimdLevel::best_narrow().run(Repeatable(work))
+    // Not by a level: what runs at any level is compiled for all of them.
+    #[cfg(target_arch = "x86_64")]
+    if let Some(registers) = pulp::x86::V3::try_new() {
+        return registers.vectorize(On { registers, work: Repeatable(work) });
+    }
+    Repeatable(work).run(Portable::new())
 }
 
 /// Work on the registers of a level, as pulp takes it.

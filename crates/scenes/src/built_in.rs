@@ -2,8 +2,8 @@
 
 use crate::kind::SceneKind;
 
-/// Every kind of scene, by the features of the build.
-pub const ALL: &[SceneKind] = &[
+/// Every kind of scene, by the features of the build. A static: what a constant names is compiled again with each program.
+pub static ALL: &[SceneKind] = &[
     #[cfg(feature = "fpk")]
     crate::fpk::run::KIND,
     #[cfg(feature = "smpm")]

@@ -153,7 +153,7 @@ mod tests {
     use serde::Deserialize;
 
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Scene, WrongKey, read_keys};
 
     #[derive(Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
@@ -165,6 +165,10 @@ mod tests {
 
     impl Scene for Decay {
         type Built = ();
+
+        fn from_keys(keys: &serde_json::Value) -> Result<Self, WrongKey> {
+            read_keys(keys)
+        }
 
         fn check(&self) -> Result<(), Objection> {
             if self.rate < 0.0 {

@@ -20,9 +20,16 @@ pub use self::error::SceneError;
 pub use self::named_file::NamedFile;
 
 /// A type of scene.
-pub trait Scene: DeserializeOwned {
+pub trait Scene: Sized {
     /// What the check builds and a run needs again.
     type Built;
+
+    /// Reads the keys, by [`read_keys`]: written by each type, so that its reading is compiled where the type is and
+    /// not with each program that reads one.
+    ///
+    /// # Errors
+    /// [`WrongKey`] for an unknown, missing or ill-typed key.
+    fn from_keys(keys: &Value) -> Result<Self, WrongKey>;
 
     /// Refuses what the types allow and the problem does not, e.g. a negative diffusion.
     ///
@@ -34,6 +41,17 @@ pub trait Scene: DeserializeOwned {
     fn seed(&mut self) -> Option<&mut u64> {
         None
     }
+}
+
+/// A key that is unknown, missing or of another type, by its path.
+pub type WrongKey = serde_path_to_error::Error<serde_json::Error>;
+
+/// Reads keys as a type that serde knows.
+///
+/// # Errors
+/// [`WrongKey`].
+pub fn read_keys<T: DeserializeOwned>(keys: &Value) -> Result<T, WrongKey> {
+    serde_path_to_error::deserialize(keys)
 }
 
 /// What is wrong with a value, and where it stands.
@@ -66,8 +84,7 @@ impl Objection {
 #[derive(Debug, Clone)]
 pub struct SceneFile {
     origin: Origin,
-    /// What the text says; `None` where only a typed read finds the mistake.
-    value: Option<Value>,
+    keys: Value,
     folder: PathBuf,
 }
 
@@ -99,18 +116,21 @@ impl SceneFile {
         if origin.text.trim().is_empty() {
             return Err(SceneError::Empty { path: origin.name });
         }
-        let (tree, value) = place::parse(&origin)?;
-        place::check_tree(&origin, &tree)?;
-        Ok(Self { origin, value, folder: PathBuf::new() })
+        let keys = place::keys(&origin)?;
+        Ok(Self { origin, keys, folder: PathBuf::new() })
     }
 
-    /// Another text in place of this one, in the same folder.
-    ///
-    /// # Errors
-    /// Those of [`SceneFile::from_text`].
-    pub fn with_text(&self, text: String) -> Result<Self, SceneError> {
-        let folder = self.folder.clone();
-        Ok(Self { folder, ..Self::from_text(&self.origin.name, text)? })
+    /// Other keys in place of these, under the same name and in the same folder.
+    #[must_use]
+    pub fn with_keys(&self, keys: Value) -> Self {
+        let origin = Origin { name: self.origin.name.clone(), text: keys.to_string() };
+        Self { origin, keys, folder: self.folder.clone() }
+    }
+
+    /// All that the text says.
+    #[must_use]
+    pub fn keys(&self) -> &Value {
+        &self.keys
     }
 
     /// The folder of the file, from which paths in it are taken; that of the process for a text.
@@ -124,7 +144,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] if the key is missing or no text.
     pub fn text_at_top(&self, key: &str) -> Result<String, SceneError> {
-        match self.value.as_ref().and_then(|value| value.get(key)) {
+        match self.keys.get(key) {
             Some(Value::String(text)) => Ok(text.clone()),
             Some(_) => Err(self.object_to(&Objection::new(key, format!("`{key}` must be a text")))),
             None => Err(self
@@ -145,25 +165,10 @@ impl SceneFile {
     /// # Errors
     /// As [`SceneFile::parse`].
     pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
-        let scene: T = self.parse_unchecked()?;
+        let read = T::from_keys(&self.keys);
+        let scene = read.map_err(|wrong| place::locate(&self.origin, &wrong))?;
         let built = scene.check().map_err(|objection| self.object_to(&objection))?;
         Ok((scene, built))
-    }
-
-    /// Reads the scene as a `T` without asking what it means.
-    ///
-    /// # Errors
-    /// [`SceneError`] for an unknown, missing or ill-typed key.
-    pub fn parse_unchecked<T: DeserializeOwned>(&self) -> Result<T, SceneError> {
-        if let Some(Ok(scene)) = self.value.as_ref().map(T::deserialize) {
-            return Ok(scene);
-        }
-        // The text again, for the path of the mistake and its words.
-        let mut reader = serde_json::Deserializer::from_str(&self.origin.text);
-        serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-            let path = error.path().to_string();
-            place::locate(&self.origin, &path, error.inner())
-        })
     }
 
     /// Shows an objection at the line and column of the value it names, or of the nearest one around it.

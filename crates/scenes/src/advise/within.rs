@@ -4,7 +4,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use figures::number::short;
-use serde_json::{Map, Value};
 
 use super::{Advice, AdviseError, Options, Tried, Unreached, advise_on};
 use crate::kind::{self, Progress, SceneKind, kind_of};
@@ -58,9 +57,11 @@ pub fn run_within(
     let Some((label, changes)) = advice.changes(best) else { return Err(not_reached(&advice)) };
     let label = advice.ladder.methods[best.method].at(&label);
     progress.stage(&label);
-    let mut keys: Map<String, Value> = file.parse_unchecked()?;
-    keys.extend(changes);
-    let refined = file.with_text(Value::Object(keys).to_string())?;
+    let mut keys = file.keys().clone();
+    if let Some(keys) = keys.as_object_mut() {
+        keys.extend(changes);
+    }
+    let refined = file.with_keys(keys);
     let files = kind.run_file(&refined, options, progress)?;
     let judged: Vec<&str> = (0..advice.judgements.len())
         .filter(|&q| advice.is_known(q))

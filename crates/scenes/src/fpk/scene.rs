@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::checks::{check_length, must};
 use super::density::Demand;
@@ -9,7 +10,7 @@ use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
 use super::system::System;
 use super::system_scene::SystemScene;
-use crate::scene::{Objection, Scene, SceneError, SceneFile};
+use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
 /// The density of a system under noise over time: what is modelled, what is asked, and with which method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -183,6 +184,10 @@ impl FpkScene {
 
 impl Scene for FpkScene {
     type Built = System;
+
+    fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
+        read_keys(keys)
+    }
 
     fn check(&self) -> Result<System, Objection> {
         let system = self.system.build().map_err(|error| self.system.objection(&error))?;

@@ -161,11 +161,9 @@ pub fn try_scene(
     scene: &Map<String, Value>,
 ) -> Result<Outcome, LadderError> {
     let folder = tempfile::tempdir().map_err(LadderError::Folder)?;
-    let scene = file.with_text(Value::Object(scene.clone()).to_string());
-    let ran = scene
-        .map_err(Into::into)
-        .and_then(|scene| kind.run_file(&scene, &Options::new(folder.path()), &Progress::silent()));
-    Ok(match ran {
+    let scene = file.with_keys(Value::Object(scene.clone()));
+    let options = Options::new(folder.path());
+    Ok(match kind.run_file(&scene, &options, &Progress::silent()) {
         Ok(_) => Outcome::Answered(read_answer(kind, folder.path())?),
         Err(error) => Outcome::Failed { reason: with_causes(&error) },
     })

@@ -1,19 +1,19 @@
 //! Pieces from which kinds of scenes make their ingredients.
 
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::ingredient::Ingredient;
 use crate::ladder::keys;
+use crate::scene::Scene;
 
 /// The ingredients of a scene, listed from its type; none where it is no such scene.
 #[must_use]
-pub fn of<T: DeserializeOwned>(
+pub fn of<T: Scene>(
     scene: &Map<String, Value>,
     list: impl FnOnce(&T) -> Vec<Ingredient>,
 ) -> Vec<Ingredient> {
-    let scene = serde_json::from_value(Value::Object(scene.clone()));
+    let scene = T::from_keys(&Value::Object(scene.clone()));
     scene.as_ref().map_or_else(|_| Vec::new(), list)
 }
 

@@ -3,12 +3,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::positive::positive;
 use super::scene_body::{BodyScene, BondsScene, MaterialScene};
 use super::scene_dynamics::{DynamicsScene, TimeScene};
 use super::scene_field::VariationScene;
-use crate::scene::{Objection, Scene};
+use crate::scene::{Objection, Scene, WrongKey, read_keys};
 
 /// A notched plate that is pulled apart, again and again: its bonds, what pulls it, how it moves, what is random, what is told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -179,6 +180,10 @@ impl Default for OutputScene {
 
 impl Scene for CrackScene {
     type Built = ();
+
+    fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
+        read_keys(keys)
+    }
 
     fn check(&self) -> Result<(), Objection> {
         self.body.check()?;

@@ -6,13 +6,37 @@ use std::ops::Range;
 use jsonc_parser::ast::{Object, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+use serde::de::IgnoredAny;
 
-use super::Objection;
 use super::error::{Origin, SceneError};
+use super::{Objection, WrongKey};
 use crate::nearest::nearest;
 
-/// The syntax tree of plain JSON (no comment, no trailing comma) and its value, where no string or number of it is out of range.
-pub(super) fn parse(origin: &Origin) -> Result<(Value<'_>, Option<serde_json::Value>), SceneError> {
+/// The keys of a scene: plain JSON (no comment, no trailing comma), no key twice, no number beyond the range of a double.
+pub(super) fn keys(origin: &Origin) -> Result<serde_json::Value, SceneError> {
+    let keys = serde_json::from_str(&origin.text);
+    // serde_json words syntax errors better and is the stricter of the two; numbers out of range are told by name, with the tree.
+    if let Err(error) = &keys
+        && let Err(syntax) = serde_json::from_str::<IgnoredAny>(&origin.text)
+    {
+        return Err(here(origin, if is_range(error) { &syntax } else { error }));
+    }
+    check_tree(origin, &parse(origin)?)?;
+    keys.map_err(|error| here(origin, &error))
+}
+
+fn is_range(error: &serde_json::Error) -> bool {
+    error.to_string().starts_with("number out of range")
+}
+
+/// An error of serde where it stopped reading.
+fn here(origin: &Origin, error: &serde_json::Error) -> SceneError {
+    let end = offset_of(&origin.text, error.line(), error.column());
+    SceneError::at(origin, "", end..end + 1, without_position(error), "here", None)
+}
+
+/// The syntax tree of plain JSON, which knows the places.
+fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
     let strict = ParseOptions {
         allow_comments: false,
         allow_loose_object_property_names: false,
@@ -25,35 +49,16 @@ pub(super) fn parse(origin: &Origin) -> Result<(Value<'_>, Option<serde_json::Va
         allow_non_finite_numbers: false,
         allow_extended_string_escapes: false,
     };
-    // serde_json words syntax errors better and is the stricter of the two; the tree gives the places.
-    let value = serde_json::from_str(&origin.text);
-    if let Err(error) = &value
-        && let Err(syntax) = serde_json::from_str::<serde::de::IgnoredAny>(&origin.text)
-    {
-        // Reading into a value words some errors better, but stops at numbers out of range, which come later and by name.
-        let is_range = error.to_string().starts_with("number out of range");
-        let error = if is_range { &syntax } else { error };
-        let end = offset_of(&origin.text, error.line(), error.column());
-        return Err(SceneError::at(
-            origin,
-            "",
-            end..end + 1,
-            without_position(error),
-            "here",
-            None,
-        ));
-    }
     let tree = parse_to_ast(&origin.text, &CollectOptions::default(), &strict);
     let tree = tree.map_err(|error| {
         let range = error.range();
         SceneError::at(origin, "", range.start..range.end, error.kind().to_string(), "here", None)
     })?;
-    let tree = tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })?;
-    Ok((tree, value.ok()))
+    tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })
 }
 
 /// Refuses keys given twice and numbers beyond the range of a double.
-pub(super) fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
+fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
     let mut open = vec![(String::new(), tree)];
     while let Some((path, value)) = open.pop() {
         match value {
@@ -111,12 +116,13 @@ fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), Sc
 }
 
 /// Gives an error of serde its place.
-pub(super) fn locate(origin: &Origin, path: &str, error: &serde_json::Error) -> SceneError {
+pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
+    let path = wrong.path().to_string();
     let path = path.trim_start_matches('.');
-    let message = in_plain_words(&without_position(error));
-    let Ok((tree, _)) = parse(origin) else {
-        let end = offset_of(&origin.text, error.line(), error.column());
-        return SceneError::at(origin, path, end..end + 1, message, "here", None);
+    let message = in_plain_words(&wrong.inner().to_string());
+    let tree = match parse(origin) {
+        Ok(tree) => tree,
+        Err(error) => return error,
     };
     let words: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let unknown_key = message.starts_with("unknown key");
@@ -145,7 +151,7 @@ pub(super) fn locate(origin: &Origin, path: &str, error: &serde_json::Error) -> 
 /// Shows an objection at the value it names, or at the nearest one around it.
 pub(super) fn object_to(origin: &Origin, objection: &Objection) -> SceneError {
     let Objection { path, message, help } = objection;
-    let range = parse(origin).map_or(0..0, |(tree, _)| {
+    let range = parse(origin).map_or(0..0, |tree| {
         let place = find(&tree, path);
         let range = range_of(place.value);
         // An object is named by its key or its opening brace: underlining all of it says less.

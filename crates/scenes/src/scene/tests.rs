@@ -1,8 +1,9 @@
 //! Every way in which a scene can be wrong, with the text, line and column that are shown.
 
 use serde::Deserialize;
+use serde_json::Value;
 
-use super::{Objection, Scene, SceneError, SceneFile};
+use super::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +23,10 @@ enum System {
 
 impl Scene for Sample {
     type Built = ();
+
+    fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
+        read_keys(keys)
+    }
 
     fn check(&self) -> Result<(), Objection> {
         if self.n_particles == 0 {

@@ -36,7 +36,7 @@ pub(super) fn built_in(folder: &Path) -> Result<Vec<BuiltIn>, SchemaError> {
         for path in sorted(&group)?.into_iter().filter(is_scene) {
             let part =
                 |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let value = SceneFile::read(&path)?.parse_unchecked()?;
+            let value = SceneFile::read(&path)?.keys().clone();
             scenes.push(BuiltIn { name: format!("{}/{}", part(&group), part(&path)), value });
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Marginal, RandomVector};
+use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
     Quantity, Shape, Side, Transfer, UpdateOrder,
@@ -16,7 +17,7 @@ use super::scene::{
     ShapeScene, SideScene, SmpmScene, TransferScene,
 };
 use crate::nearest::nearest;
-use crate::scene::{Objection, Scene, SceneError, SceneFile};
+use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
 /// A random parameter, found.
 #[derive(Debug, Clone, PartialEq)]
@@ -285,6 +286,10 @@ impl SmpmScene {
 
 impl Scene for SmpmScene {
     type Built = ();
+
+    fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
+        read_keys(keys)
+    }
 
     fn check(&self) -> Result<(), Objection> {
         if self.gauges.is_empty() || self.quantities.is_empty() || self.times.is_empty() {

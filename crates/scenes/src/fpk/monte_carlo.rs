@@ -67,9 +67,14 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     asked: &Asked<D>,
 ) -> Result<SampledRun, PathsError> {
     let so_far = SampledSoFar::default();
-    sample(system, law, sampling, asked, (0..1, 1), so_far, |_| Ok::<(), PathsError>(()))?
+    let shard: Shard<'_, D> = &|paths, place| system.shard(sampling.integrator, paths, place);
+    sample(shard, law, sampling, asked, (0..1, 1), so_far, &mut |_| Ok::<(), PathsError>(()))?
         .run(asked)
 }
+
+/// Runs part `place.0` of `place.1` of an ensemble of paths of a system: so that all else is compiled once for a number of states.
+pub type Shard<'a, const D: usize> =
+    &'a (dyn Fn(&PathEnsemble<'_, D>, (u64, u64)) -> Result<ShardRecord, PathsError> + Sync);
 
 /// Shards of an ensemble that are done.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -141,14 +146,14 @@ impl SampledSoFar {
 ///
 /// # Errors
 /// As [`run_on`], and those of `look`.
-pub fn sample<S: Paths<D, M>, E: From<PathsError>, const D: usize, const M: usize>(
-    system: &S,
+pub fn sample<E: From<PathsError>, const D: usize>(
+    shard_of: Shard<'_, D>,
     law: &GaussianMixture<D>,
     sampling: &Sampling,
     asked: &Asked<D>,
     (range, n_shards): (Range<u64>, u64),
     mut so_far: SampledSoFar,
-    mut look: impl FnMut(&SampledSoFar) -> Result<(), E>,
+    look: &mut dyn FnMut(&SampledSoFar) -> Result<(), E>,
 ) -> Result<SampledSoFar, E> {
     let Asked { times, powers, demand, thresholds, .. } = asked;
     let monomials: Vec<_> =
@@ -169,7 +174,7 @@ pub fn sample<S: Paths<D, M>, E: From<PathsError>, const D: usize, const M: usiz
     let paths = PathEnsemble { law, config: &config, observables: &observables };
     for shard in range.start + so_far.n_shards()..range.end {
         let start = CpuClock::start();
-        so_far.shards.push(system.shard(sampling.integrator, &paths, (shard, n_shards))?);
+        so_far.shards.push(shard_of(&paths, (shard, n_shards))?);
         so_far.cpu_seconds += start.seconds();
         look(&so_far)?;
     }

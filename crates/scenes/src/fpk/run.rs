@@ -13,7 +13,7 @@ mod two_resolutions;
 use std::path::PathBuf;
 
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
-use sde_integrators::{GaussianMixture, Sde};
+use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
@@ -224,6 +224,16 @@ impl Visitor for Solved<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
+        self.solved(system)
+    }
+}
+
+impl Solved<'_> {
+    /// The density at two resolutions, compiled once for each dimension and class of noise.
+    fn solved<N: NoiseClass, const D: usize, const M: usize>(
+        self,
+        system: &dyn Sde<D, M, Noise = N>,
+    ) -> Result<Outcome, RunError> {
         let Self { scene, system: named, run, .. } = self;
         let law = law::<D>(scene, named)?;
         let no_cells = no_cells(&scene.method, D);

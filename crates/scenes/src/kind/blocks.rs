@@ -217,8 +217,8 @@ impl Run<'_> {
         ranks: &dyn Ranks,
         inputs: &Inputs<'_, impl Serialize>,
         n_blocks: u64,
-        compute: impl Fn(u64) -> Result<T, RunError> + Sync,
-        words: impl Fn(&mut dyn Iterator<Item = &T>) -> String,
+        compute: &(dyn Fn(u64) -> Result<T, RunError> + Sync),
+        words: &dyn Fn(&mut dyn Iterator<Item = &T>) -> String,
     ) -> Result<Option<Vec<T>>, RunError> {
         let head = self.block_head(inputs)?;
         let job = Job { n_blocks, identity: head.fields() };

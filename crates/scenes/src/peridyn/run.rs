@@ -129,7 +129,7 @@ fn on_ranks(
         Ok((ended?, clock.seconds()))
     };
     let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
-    run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)
+    run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)
 }
 
 /// All realisations that are to be run, those of a checkpoint among them.

@@ -8,7 +8,7 @@ use super::observed::Observed;
 use super::record::{Series, WorkRecord, moment_id, moment_words};
 use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
-use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling};
+use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
@@ -34,16 +34,24 @@ impl Visitor for Sampled<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
+        let integrator = self.sampling.integrator;
+        self.sampled::<D>(&|paths, place| system.shard(integrator, paths, place))
+    }
+}
+
+impl Sampled<'_> {
+    /// The ensemble of which `shard` runs a part.
+    fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Outcome, RunError> {
         let Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
         let so_far = match (run.part(), run.ranks()) {
             (Part::Merged(files), _) => SampledSoFar::of(run.read_shards(inputs, files)?),
-            (_, Some(ranks)) => match self.on_ranks(system, (&law, &asked), ranks, inputs)? {
+            (_, Some(ranks)) => match self.on_ranks(shard, (&law, &asked), ranks, inputs)? {
                 Some(parts) => SampledSoFar::of(parts),
                 None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
             },
-            (Part::Whole | Part::Shard(_), None) => self.here(system, (&law, &asked), inputs)?,
+            (Part::Whole | Part::Shard(_), None) => self.here(shard, (&law, &asked), inputs)?,
         };
         if let Part::Shard(place) = run.part() {
             let files = vec![run.write_shard(inputs, *place, &so_far)?];
@@ -58,13 +66,11 @@ impl Visitor for Sampled<'_> {
         let quantities = self.series(&ensemble.rows, &asked.demand.name);
         Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
     }
-}
 
-impl Sampled<'_> {
     /// The blocks that the ranks of the job have sampled; `None` on the ranks that do not have the result.
-    fn on_ranks<S: Paths<D, M>, const D: usize, const M: usize>(
+    fn on_ranks<const D: usize>(
         &self,
-        system: &S,
+        shard: Shard<'_, D>,
         (law, asked): (&GaussianMixture<D>, &Asked<D>),
         ranks: &dyn Ranks,
         inputs: &Inputs<'_, FpkScene>,
@@ -74,19 +80,18 @@ impl Sampled<'_> {
         let n = blocks.n_blocks();
         let compute = |block: u64| {
             let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
-            let look = |_: &SampledSoFar| Ok::<(), RunError>(());
-            monte_carlo::sample(system, law, sampling, asked, shards, none, look)
+            monte_carlo::sample(shard, law, sampling, asked, shards, none, &mut |_| Ok(()))
         };
         let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
             words(scene, named, asked, &SampledSoFar::of(parts.cloned()))
         };
-        run.on_ranks(ranks, inputs, n, compute, tell)
+        run.on_ranks(ranks, inputs, n, &compute, &tell)
     }
 
     /// The shards of this process, one after the other, those of a checkpoint among them.
-    fn here<S: Paths<D, M>, const D: usize, const M: usize>(
+    fn here<const D: usize>(
         &self,
-        system: &S,
+        shard: Shard<'_, D>,
         (law, asked): (&GaussianMixture<D>, &Asked<D>),
         inputs: &Inputs<'_, FpkScene>,
     ) -> Result<SampledSoFar, RunError> {
@@ -102,12 +107,12 @@ impl Sampled<'_> {
         let (range, n_shards) = (run.range(each * parts), each * parts);
         let n = range.end - range.start;
         let shards = (range, n_shards);
-        monte_carlo::sample(system, law, sampling, asked, shards, past, |so_far| {
+        monte_carlo::sample(shard, law, sampling, asked, shards, past, &mut |so_far| {
             run.progress.at((so_far.n_shards(), n), || words(scene, named, asked, so_far));
             if so_far.n_shards() == n || checkpoint.is_due() {
                 checkpoint.keep(SHARDS, so_far)?;
             }
-            Ok::<(), RunError>(())
+            Ok(())
         })
     }
 

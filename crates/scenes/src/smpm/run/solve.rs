@@ -318,7 +318,7 @@ fn sampled<const D: usize, const N: usize>(
         let words = |parts: &mut dyn Iterator<Item = &(Responses, f64)>| {
             words(study, parts.flat_map(|(responses, _)| responses.values()))
         };
-        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), compute, words)? else {
+        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)? else {
             return Ok(Samples::Elsewhere);
         };
         let seconds = parts.iter().map(|(_, seconds)| seconds).sum();

@@ -23,7 +23,8 @@ mod material_points;
 use std::io::Write;
 use std::process::ExitCode;
 
-use benches::ratios::{Listed, Ratios, Work};
+use benches::ratios::{Ratios, Work};
+use benches::record::Listed;
 use rayon::ThreadPoolBuilder;
 
 use case::{Case, Failure, Who, require_agreement};

@@ -12,10 +12,9 @@ use comfy_table::presets::ASCII_MARKDOWN;
 use comfy_table::{CellAlignment, Table};
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
-use serde::{Deserialize, Serialize};
 
 use crate::CpuTime;
-use crate::record::{self, Tables};
+use crate::record::{self, Listed, Tables};
 
 /// Rounds of a work: as many as the time allows, between these.
 const ROUNDS: std::ops::RangeInclusive<usize> = 7..=25;
@@ -98,27 +97,6 @@ pub struct Ratios {
     rows: Vec<Vec<String>>,
     further: Vec<Listed>,
     notes: Vec<String>,
-}
-
-/// A table with its title: what a target prints, and what is recorded of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Listed {
-    /// What is listed.
-    pub title: String,
-    /// Heads of the columns.
-    pub head: Vec<String>,
-    /// As many cells each.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl Listed {
-    fn table(&self) -> Table {
-        let mut table = Table::new();
-        table.load_style(ASCII_MARKDOWN).set_header(&self.head);
-        table.add_rows(&self.rows);
-        table
-    }
 }
 
 impl Ratios {
@@ -260,7 +238,7 @@ impl Ratios {
         }
         let Self { title, rows, further, load_at_start, notes, .. } = self;
         let ratios = Listed { title: RATIOS.into(), head: HEADER.map(String::from).to_vec(), rows };
-        let mut table = ratios.table();
+        let mut table = markdown(&ratios);
         for column in table.column_iter_mut().filter(|column| ![0, 3, 8].contains(&column.index)) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -278,7 +256,7 @@ impl Ratios {
             text.push('\n');
         }
         for listed in &further {
-            text.extend(["\n", &listed.title, "\n\n", &listed.table().to_string(), "\n"]);
+            text.extend(["\n", &listed.title, "\n\n", &markdown(listed).to_string(), "\n"]);
         }
         let tables = [vec![ratios], further].concat();
         if let Err(error) = record::leave(&Tables { tables, notes }) {
@@ -325,6 +303,13 @@ fn seconds(contender: &mut Contender<'_>, repetitions: u32) -> f64 {
         (contender.run)();
     }
     start.elapsed().as_secs_f64() / f64::from(repetitions)
+}
+
+fn markdown(listed: &Listed) -> Table {
+    let mut table = Table::new();
+    table.load_style(ASCII_MARKDOWN).set_header(&listed.head);
+    table.add_rows(&listed.rows);
+    table
 }
 
 struct Quartiles {

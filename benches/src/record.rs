@@ -6,8 +6,6 @@ use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
-use crate::ratios::Listed;
-
 /// Names the file that a target leaves its tables in.
 pub const TABLES: &str = "BENCHES_TABLES";
 
@@ -56,6 +54,18 @@ pub enum RecordError {
         /// Where and why.
         source: serde_json::Error,
     },
+}
+
+/// A table with its title: what a target prints, and what is recorded of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Listed {
+    /// What is listed.
+    pub title: String,
+    /// Heads of the columns.
+    pub head: Vec<String>,
+    /// As many cells each.
+    pub rows: Vec<Vec<String>>,
 }
 
 /// The tables that a target prints.

@@ -9,7 +9,6 @@ mod file;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -19,7 +18,7 @@ use serde::de::DeserializeOwned;
 
 pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
-use self::file::{Content, Stage, Survives};
+use self::file::{Content, Parts, Stage, Survives};
 
 /// Between two checkpoints lie at least so many times the time that writing one takes.
 const LEAST_SHARE: u32 = 50;
@@ -34,9 +33,6 @@ pub enum Start {
     /// From the last checkpoint in its folder; from nothing where there is none.
     GoOn,
 }
-
-/// Parts by their names, as bytes.
-type Parts = BTreeMap<String, Vec<u8>>;
 
 /// The checkpoint of a run.
 #[derive(Debug)]

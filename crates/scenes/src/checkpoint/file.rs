@@ -1,6 +1,7 @@
 //! One file of a checkpoint: `SPCHECK3`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
 //! before.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -8,7 +9,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
-use super::Parts;
 use super::error::{CheckpointError, Reason};
 use crate::scene::NamedFile;
 
@@ -118,6 +118,9 @@ pub(super) enum Stage {
     /// Its results are written.
     Ended,
 }
+
+/// Parts by their names, as bytes.
+pub(super) type Parts = BTreeMap<String, Vec<u8>>;
 
 /// What a file holds.
 #[derive(Debug, Serialize, Deserialize)]

@@ -5,19 +5,22 @@
 //! Keys are checked while reading, meanings afterwards by [`Scene::check`].
 
 mod error;
+mod keys;
 mod named_file;
+mod objection;
 mod place;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use self::error::Origin;
 pub use self::error::SceneError;
+pub use self::keys::{WrongKey, read_keys};
 pub use self::named_file::NamedFile;
+pub use self::objection::Objection;
 
 /// A type of scene.
 pub trait Scene: Sized {
@@ -40,43 +43,6 @@ pub trait Scene: Sized {
     /// The seed of what it draws at random; `None` where it draws nothing.
     fn seed(&mut self) -> Option<&mut u64> {
         None
-    }
-}
-
-/// A key that is unknown, missing or of another type, by its path.
-pub type WrongKey = serde_path_to_error::Error<serde_json::Error>;
-
-/// Reads keys as a type that serde knows.
-///
-/// # Errors
-/// [`WrongKey`].
-pub fn read_keys<T: DeserializeOwned>(keys: &Value) -> Result<T, WrongKey> {
-    serde_path_to_error::deserialize(keys)
-}
-
-/// What is wrong with a value, and where it stands.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{message} (at `{path}`)")]
-pub struct Objection {
-    /// The key, e.g. `system.viscous_damper.intensity` or `times[3]`.
-    pub path: String,
-    /// What is wrong, e.g. `the intensity is -0.2 m^2/s^3 and must not be negative`.
-    pub message: String,
-    /// What to do about it, if that is known.
-    pub help: Option<String>,
-}
-
-impl Objection {
-    /// An objection to the value at `path`.
-    #[must_use]
-    pub fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { path: path.into(), message: message.into(), help: None }
-    }
-
-    /// The same with a hint, e.g. `did you mean ...?`.
-    #[must_use]
-    pub fn with_help(self, help: impl Into<String>) -> Self {
-        Self { help: Some(help.into()), ..self }
     }
 }
 

@@ -22,6 +22,7 @@ use serde_json::{Value, json};
 
 pub use self::error::SchemaError;
 use self::example::{BuiltIn, Examples};
+use self::page::{Described, schema_path};
 use self::rows::rows;
 use self::tree::Tree;
 use crate::kind::{KIND_KEY, SceneKind};
@@ -34,14 +35,6 @@ pub struct Document {
     pub path: PathBuf,
     /// What it says.
     pub text: String,
-}
-
-/// What the page tells of a solver.
-struct Described {
-    solver: &'static str,
-    tree: Tree,
-    scenes: Vec<BuiltIn>,
-    examples: Examples,
 }
 
 /// The schema of every solver and the page of all keys, with examples from the scenes in a folder.
@@ -87,10 +80,6 @@ pub(crate) fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Val
     let properties = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
     let given = properties.filter_map(|(key, property)| Some((key, property.get("default")?)));
     given.map(|(key, default)| (key.clone(), default.clone())).collect()
-}
-
-fn schema_path(solver: &str) -> PathBuf {
-    Path::new("schema").join(format!("{solver}.schema.json"))
 }
 
 /// The schema of a kind of scene; the key `solver` has one value.

@@ -1,8 +1,10 @@
 //! Runs a density scene: two resolutions for the error, or Monte Carlo with its standard error.
 
+mod asked;
 mod ingredients;
 mod ladder;
 mod observed;
+mod outcome;
 mod pictures;
 mod record;
 mod sampled;
@@ -29,7 +31,9 @@ use crate::models::edit;
 use crate::output::write_drawing;
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
+use asked::{OtherDimension, asked, law};
 use observed::Observed;
+use outcome::Outcome;
 use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
@@ -44,22 +48,6 @@ pub(crate) const KIND: SceneKind = SceneKind {
     quantities: ladder::quantities,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
-
-/// What a method made of a scene.
-#[derive(Debug, Default)]
-struct Outcome {
-    work: WorkRecord,
-    stopped: Option<fpk_sph::Error>,
-    unknown: Vec<Unknown>,
-    quantities: Vec<Series>,
-    seed: Option<u64>,
-    /// Pictures of the density itself.
-    drawings: Vec<Drawing>,
-    /// Files already written.
-    files: Vec<PathBuf>,
-    /// The result is that of a shard, or on another rank.
-    is_elsewhere: bool,
-}
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let (scene, system) = run.build::<FpkScene>(file)?;
@@ -91,39 +79,6 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     }
     // What was reached is written; that it was not all is the run's outcome.
     stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
-}
-
-/// What the scene asks, in the dimension of its system. The scene has been checked: its lists have as many entries as
-/// the system has states.
-fn asked<const D: usize>(
-    scene: &FpkScene,
-    system: &System,
-    cells: bool,
-) -> Result<Asked<D>, RunError> {
-    let powers = |powers: &Vec<u32>| {
-        powers.as_slice().try_into().map_err(|_| RunError::solver(OtherDimension { states: D }))
-    };
-    Ok(Asked {
-        times: scene.times.list(),
-        powers: scene.moments.iter().map(powers).collect::<Result<_, _>>()?,
-        demand: scene
-            .demand(system.states())
-            .map_err(|_| RunError::solver(OtherDimension { states: D }))?,
-        thresholds: scene.thresholds.clone(),
-        cells,
-    })
-}
-
-/// A scene that was not checked.
-#[derive(Debug, thiserror::Error)]
-#[error("the scene is of another dimension than its system, which has {states} states")]
-struct OtherDimension {
-    states: usize,
-}
-
-/// The law of the scene in the dimension of its system.
-fn law<const D: usize>(scene: &FpkScene, system: &System) -> Result<GaussianMixture<D>, RunError> {
-    scene.initial.build(system.filter_covariance().as_deref()).map_err(RunError::solver)
 }
 
 /// Most states for which exceedances are integrated over cells: beyond, each cell has thousands of parts.

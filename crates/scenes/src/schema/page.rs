@@ -1,12 +1,14 @@
 //! The page of all keys of all scenes, as Markdown.
 
+use std::path::{Path, PathBuf};
+
 use figures::markdown::table;
 
-use super::example::{BuiltIn, Example};
+use super::example::{BuiltIn, Example, Examples};
 use super::rows::{Row, is_list_of_words, label, rows};
 use super::tree::{Holds, Key, Named, Presence, Tree};
+use super::unit;
 use super::value::compact;
-use super::{Described, schema_path, unit};
 
 const HEAD: &str = "\
 # Scenes
@@ -46,6 +48,18 @@ const MOST_PLACES: usize = 4;
 
 /// Most choices that a line names besides the link to them.
 const MOST_CHOICES: usize = 5;
+
+/// What the page tells of a solver.
+pub(super) struct Described {
+    pub(super) solver: &'static str,
+    pub(super) tree: Tree,
+    pub(super) scenes: Vec<BuiltIn>,
+    pub(super) examples: Examples,
+}
+
+pub(super) fn schema_path(solver: &str) -> PathBuf {
+    Path::new("schema").join(format!("{solver}.schema.json"))
+}
 
 pub(super) fn page(described: &[Described]) -> String {
     let overview = described.iter().map(|of| {

@@ -4,9 +4,10 @@ use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
 use sde_integrators::{Estimate, GaussianMixture};
 
+use super::asked::{asked, law};
 use super::observed::Observed;
+use super::outcome::Outcome;
 use super::record::{Series, WorkRecord, moment_id, moment_words};
-use super::{Outcome, asked, law};
 use crate::fpk::density::Asked;
 use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
 use crate::fpk::paths::Paths;

@@ -1,0 +1,44 @@
+//! What a density scene asks and starts from, in the dimension of its system.
+
+use sde_integrators::GaussianMixture;
+
+use crate::fpk::density::Asked;
+use crate::fpk::scene::FpkScene;
+use crate::fpk::system::System;
+use crate::kind::RunError;
+
+/// What the scene asks, in the dimension of its system. The scene has been checked: its lists have as many entries as
+/// the system has states.
+pub(super) fn asked<const D: usize>(
+    scene: &FpkScene,
+    system: &System,
+    cells: bool,
+) -> Result<Asked<D>, RunError> {
+    let powers = |powers: &Vec<u32>| {
+        powers.as_slice().try_into().map_err(|_| RunError::solver(OtherDimension { states: D }))
+    };
+    Ok(Asked {
+        times: scene.times.list(),
+        powers: scene.moments.iter().map(powers).collect::<Result<_, _>>()?,
+        demand: scene
+            .demand(system.states())
+            .map_err(|_| RunError::solver(OtherDimension { states: D }))?,
+        thresholds: scene.thresholds.clone(),
+        cells,
+    })
+}
+
+/// A scene that was not checked.
+#[derive(Debug, thiserror::Error)]
+#[error("the scene is of another dimension than its system, which has {states} states")]
+pub(super) struct OtherDimension {
+    pub(super) states: usize,
+}
+
+/// The law of the scene in the dimension of its system.
+pub(super) fn law<const D: usize>(
+    scene: &FpkScene,
+    system: &System,
+) -> Result<GaussianMixture<D>, RunError> {
+    scene.initial.build(system.filter_covariance().as_deref()).map_err(RunError::solver)
+}

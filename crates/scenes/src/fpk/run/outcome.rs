@@ -1,0 +1,24 @@
+//! What a method made of a density scene, before it is written.
+
+use std::path::PathBuf;
+
+use figures::Drawing;
+
+use super::record::{Series, WorkRecord};
+use crate::run_result::Unknown;
+
+/// What a method made of a scene.
+#[derive(Debug, Default)]
+pub(super) struct Outcome {
+    pub(super) work: WorkRecord,
+    pub(super) stopped: Option<fpk_sph::Error>,
+    pub(super) unknown: Vec<Unknown>,
+    pub(super) quantities: Vec<Series>,
+    pub(super) seed: Option<u64>,
+    /// Pictures of the density itself.
+    pub(super) drawings: Vec<Drawing>,
+    /// Files already written.
+    pub(super) files: Vec<PathBuf>,
+    /// The result is that of a shard, or on another rank.
+    pub(super) is_elsewhere: bool,
+}

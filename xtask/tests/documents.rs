@@ -3,33 +3,20 @@
 //! A page shows a piece of a source so: a line `<!-- source: PATH#NAME -->`, with the path from the root, and the code block that
 //! follows. In the source the piece stands between `// docs: NAME` and `// docs: end`.
 
+#[path = "shared/folder.rs"]
+mod folder;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use folder::files;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 /// The root of the workspace.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-/// The files below a folder whose names end so; what is built is left out.
-fn files(folder: &Path, ending: &str) -> std::io::Result<Vec<PathBuf>> {
-    let (mut folders, mut found) = (vec![folder.to_owned()], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder)? {
-            let path = entry?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if path.is_dir() && name != "target" && !name.starts_with('.') {
-                folders.push(path);
-            } else if path.is_file() && name.ends_with(ending) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
 }
 
 // ---- pieces of sources ----

@@ -1,9 +1,13 @@
 //! The edges between packages of the workspace are those that `docs/ARCHITECTURE.md` states.
 
+#[path = "shared/packages.rs"]
+mod packages;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use packages::{packages, word};
 use serde_json::Value;
 
 /// What a package depends on: always, and for its tests alone.
@@ -13,15 +17,9 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The packages of the workspace and their edges, as cargo reads the manifests.
+/// The packages of the workspace and their edges.
 fn edges() -> Edges {
-    let metadata = ["metadata", "--no-deps", "--locked", "--format-version", "1"];
-    let run = Command::new(env!("CARGO")).args(metadata).current_dir(workspace()).output();
-    let run = run.expect("cargo metadata");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let metadata: Value = serde_json::from_slice(&run.stdout).expect("the JSON of cargo metadata");
-    let packages = metadata["packages"].as_array().expect("packages");
-    packages.iter().map(|package| (word(&package["name"]), of_package(package))).collect()
+    packages().iter().map(|package| (word(&package["name"]), of_package(package))).collect()
 }
 
 fn of_package(package: &Value) -> [BTreeSet<String>; 2] {
@@ -34,10 +32,6 @@ fn of_package(package: &Value) -> [BTreeSet<String>; 2] {
     let always = of_kind(false);
     let for_tests = of_kind(true).difference(&always).cloned().collect();
     [always, for_tests]
-}
-
-fn word(value: &Value) -> String {
-    value.as_str().expect("a string").to_owned()
 }
 
 /// The rows of the table, one for each package that depends on another.

@@ -1,11 +1,11 @@
 //! Neighbours from a grid of cells.
 
 use crate::cells::Cells;
+use crate::compiled::searches;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::radii::Radii;
 use crate::rows::{Rows, lists_rows};
-use crate::search::check;
 
 /// Points in the cells of a regular grid: the search for one radius.
 ///
@@ -37,17 +37,6 @@ impl<const D: usize> CellGrid<D> {
     #[must_use]
     pub fn in_domain(domain: Domain<D>) -> Self {
         Self { cells: Cells::new(domain), rows: Rows::default() }
-    }
-
-    /// Checks the input, sorts the points into cells as wide as what is typical of the radii, and these with them.
-    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
-        check(points, radii, self.cells.domain())?;
-        let typical = match radii {
-            Radii::Uniform(radius) => radius,
-            Radii::PerPoint { radii, .. } => self.cells.median(radii),
-        };
-        self.cells.build(points, radii, typical);
-        Ok(())
     }
 }
 

@@ -2,11 +2,14 @@
 
 use core::ops::Range;
 
+use crate::criterion::MIN_RADIUS;
 use crate::domain::Domain;
+use crate::error::Error;
 use crate::frame::Bounds;
 use crate::index::stored;
 use crate::parallel;
 use crate::radii::Radii;
+use crate::search::check;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
 /// Cells allowed for each point, and a few for small clouds: what bounds the memory whatever the cloud.
@@ -75,7 +78,7 @@ impl<const D: usize> Cells<D> {
     }
 
     /// Median of the radii: half of the points see farther than a cell.
-    pub(crate) fn median(&mut self, values: &[f64]) -> f64 {
+    fn median(&mut self, values: &[f64]) -> f64 {
         self.sample.clear();
         self.sample.extend_from_slice(values);
         if self.sample.is_empty() {
@@ -86,7 +89,7 @@ impl<const D: usize> Cells<D> {
     }
 
     /// Lays a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
-    pub(crate) fn build(&mut self, points: &[[f64; D]], radii: Radii<'_>, edge: f64) {
+    pub(crate) fn lay_and_place(&mut self, points: &[[f64; D]], radii: Radii<'_>, edge: f64) {
         self.edge = edge;
         self.lay(points, edge);
         let mut cell_of = core::mem::take(&mut self.cell_of);
@@ -271,6 +274,23 @@ impl<const D: usize> Order<D> for Cells<D> {
 }
 
 impl<const D: usize> Near<D> for Cells<D> {
+    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
+        check(points, radii, self.domain())?;
+        let typical = match radii {
+            Radii::Uniform(radius) => radius,
+            Radii::PerPoint { radii, .. } => self.median(radii),
+        };
+        self.lay_and_place(points, radii, typical);
+        Ok(())
+    }
+
+    fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error> {
+        // Any edge will do in a periodic space: only radii are held against the periods.
+        check(points, Radii::Uniform(MIN_RADIUS), self.domain())?;
+        self.lay_and_place(points, Radii::Uniform(edge), edge);
+        Ok(())
+    }
+
     #[inline(always)]
     fn for_each_stretch(
         &self,
@@ -336,7 +356,7 @@ mod tests {
             }
             points.push([far; 3]);
             let mut cells = Cells::default();
-            cells.build(&points, Radii::Uniform(1.0), 1.0);
+            cells.lay_and_place(&points, Radii::Uniform(1.0), 1.0);
             let n_cells: usize = cells.count.iter().product();
             assert!(n_cells <= 1001 * CELLS_PER_POINT + SPARE_CELLS, "{n_cells} cells");
             // The cloud itself stays divided: 18 cells across at most, 9 of them on the cloud.
@@ -348,7 +368,7 @@ mod tests {
     fn sorting_is_stable_and_keeps_every_point() {
         let points = [[2.5], [0.5], [2.6], [0.4], [1.5]];
         let mut cells = Cells::default();
-        cells.build(&points, Radii::Uniform(0.7), 0.7);
+        cells.lay_and_place(&points, Radii::Uniform(0.7), 0.7);
         assert_eq!(cells.ids(), [1, 3, 4, 0, 2]);
         // From the middle, in units of 0.7.
         let expected: [f64; 5] = [-1.0, -1.1, 0.0, 1.0, 1.1].map(|x| x / 0.7);
@@ -364,7 +384,7 @@ mod tests {
         let points: Vec<[f64; 2]> =
             (0..100).map(|k| [f64::from(k % 10), f64::from(k / 10)]).collect();
         let mut cells = Cells::default();
-        cells.build(&points, Radii::Uniform(1.0), 1.0);
+        cells.lay_and_place(&points, Radii::Uniform(1.0), 1.0);
         let mut found = 0;
         cells.for_each_row(&[2.0, 3.0], &[6.0, 7.0], |slots| {
             let inside = |&slot: &usize| {

@@ -1,11 +1,11 @@
 //! Neighbours from a tree of leaves.
 
+use crate::compiled::searches;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::leaves::Leaves;
 use crate::radii::Radii;
 use crate::rows::{Rows, lists_rows};
-use crate::search::check;
 
 /// Points in the leaves of a balanced tree: the search for a radius per point.
 ///
@@ -32,12 +32,6 @@ impl<const D: usize> LeafTree<D> {
     #[must_use]
     pub fn in_domain(domain: Domain<D>) -> Self {
         Self { leaves: Leaves::new(domain), rows: Rows::default() }
-    }
-
-    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
-        check(points, radii, self.leaves.domain())?;
-        self.leaves.build(points, radii);
-        Ok(())
     }
 }
 

@@ -4,10 +4,12 @@ use core::ops::Range;
 
 use crate::criterion::MIN_RADIUS;
 use crate::domain::{Domain, square};
+use crate::error::Error;
 use crate::frame::Bounds;
 use crate::index::stored;
 use crate::parallel;
 use crate::radii::Radii;
+use crate::search::check;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
 /// Points in a leaf: as many as are compared at a time.
@@ -53,7 +55,7 @@ impl<const D: usize> Leaves<D> {
     }
 
     /// Builds the tree. O(n log n) in time, O(n) in memory.
-    pub(crate) fn build(&mut self, points: &[[f64; D]], radii: Radii<'_>) {
+    fn halve(&mut self, points: &[[f64; D]], radii: Radii<'_>) {
         let Self { sorted, nodes, items } = self;
         let nowhere = Item { x: [0.0; D], id: 0 };
         items.resize(points.len(), nowhere);
@@ -147,6 +149,18 @@ impl<const D: usize> Order<D> for Leaves<D> {
 }
 
 impl<const D: usize> Near<D> for Leaves<D> {
+    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error> {
+        check(points, radii, self.domain())?;
+        self.halve(points, radii);
+        Ok(())
+    }
+
+    fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error> {
+        check(points, Radii::Uniform(MIN_RADIUS), self.domain())?;
+        self.halve(points, Radii::Uniform(edge));
+        Ok(())
+    }
+
     #[inline(always)]
     fn for_each_stretch(
         &self,

@@ -107,7 +107,7 @@ impl<const D: usize> Rows<D> {
     }
 }
 
-/// What every search does that sorts its points into an order: `sort` checks and sorts, the rest is rows.
+/// What every search does that sorts its points into an order.
 macro_rules! lists_rows {
     ($search:ident, $order:ident, $groups:literal) => {
         impl<const D: usize> $search<D> {
@@ -135,9 +135,8 @@ macro_rules! lists_rows {
                 radii: Radii<'_>,
                 list: &mut $crate::NeighbourList,
             ) -> Result<(), Error> {
-                self.sort(points, radii)?;
-                self.rows.list(&self.$order, points, radii, $crate::sorted::Listed::Full, list);
-                Ok(())
+                let search = (&mut self.$order, &mut self.rows);
+                (searches().$order.list)(search, points, radii, $crate::sorted::Listed::Full, list)
             }
 
             /// Written directly: half of the full list's memory and candidates.
@@ -148,9 +147,8 @@ macro_rules! lists_rows {
                 list: &mut $crate::NeighbourList,
             ) -> Result<(), Error> {
                 radii.check_symmetric()?;
-                self.sort(points, radii)?;
-                self.rows.list(&self.$order, points, radii, $crate::sorted::Listed::Half, list);
-                Ok(())
+                let search = (&mut self.$order, &mut self.rows);
+                (searches().$order.list)(search, points, radii, $crate::sorted::Listed::Half, list)
             }
 
             #[doc = concat!("Without a list, in the order of the ", $groups, ".")]
@@ -160,9 +158,8 @@ macro_rules! lists_rows {
                 radii: Radii<'_>,
                 visit: &mut dyn FnMut($crate::Row<'_, D>),
             ) -> Result<(), Error> {
-                self.sort(points, radii)?;
-                self.rows.visit(&self.$order, points, radii, visit);
-                Ok(())
+                let search = (&mut self.$order, &mut self.rows);
+                (searches().$order.visit)(search, points, radii, visit)
             }
         }
     };
@@ -233,7 +230,7 @@ mod tests {
         let per_point = Criterion::ALL.map(|criterion| Radii::PerPoint { radii: &own, criterion });
         for radii in [Radii::Uniform(0.3)].into_iter().chain(per_point) {
             let mut cells = Cells::default();
-            cells.build(&points, radii, 0.3);
+            cells.lay_and_place(&points, radii, 0.3);
             let mut portable = NeighbourList::new();
             Rows::at(SimdLevel::PORTABLE).list(&cells, &points, radii, Listed::Full, &mut portable);
             assert!(portable.n_pairs() > 1000);

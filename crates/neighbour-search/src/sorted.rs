@@ -6,6 +6,7 @@ use lanes::MOST_LANES;
 
 use crate::criterion::Criterion;
 use crate::domain::Domain;
+use crate::error::Error;
 use crate::frame::{Bounds, Frame};
 use crate::index::stored;
 use crate::parallel;
@@ -199,8 +200,14 @@ pub(crate) trait Order<const D: usize>: Sync {
     ) -> usize;
 }
 
-/// How an order finds what is near a box.
+/// How an order is made, and how it finds what is near a box.
 pub(crate) trait Near<const D: usize>: Order<D> {
+    /// Checks the input and sorts the points by what is typical of the radii, and these with them.
+    fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error>;
+
+    /// Checks the points and sorts them for questions within about `edge` of a place.
+    fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error>;
+
     /// Hands `visit` stretches of slots, ascending and each slot once at most, that hold every point to be listed under a
     /// point of the box by `rule`, when all points are displaced by `shift`.
     fn for_each_stretch(

@@ -4,6 +4,7 @@ mod body;
 mod bond_config;
 mod bonds;
 mod broken_bond;
+mod compiled;
 mod config;
 mod contact;
 mod correlation;

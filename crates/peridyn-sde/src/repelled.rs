@@ -1,6 +1,7 @@
 //! Simulations whose nodes repel each other.
 
 use crate::body::Body;
+use crate::compiled::motions;
 use crate::error::Error;
 use crate::real::Real;
 use crate::repulsion::Repulsion;
@@ -28,7 +29,8 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// stable range of a pair; [`Error::Coincident`] for two nodes that are at one place, here and in [`step`](Self::step): none
     /// of them has a direction to push the other in.
     pub fn with_repulsion(mut self, repulsion: Repulsion) -> Result<Self, Error> {
-        self.relative_step_of_repulsion = self.motion.repel(&mut self.body, repulsion)?;
+        self.relative_step_of_repulsion =
+            (motions().repel)(&mut self.motion, &mut self.body, repulsion)?;
         Ok(self)
     }
 

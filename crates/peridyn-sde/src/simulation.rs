@@ -1,6 +1,7 @@
 //! A body in time: `L` realisations of it, step by step.
 
 use crate::body::Body;
+use crate::compiled::motions;
 use crate::config::SimulationConfig;
 use crate::error::Error;
 use crate::loading::Loading;
@@ -34,12 +35,8 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
         config: SimulationConfig,
         realisations: [u64; L],
     ) -> Result<Self, Error> {
-        config.check()?;
-        let mut motion = Motion::new(&mut body, loading, config, realisations)?;
-        let relative_step = motion.stable_step(&mut body)?;
-        motion.impose_displacements();
-        motion.evaluate_intact(&mut body)?;
-        let stepper = Stepper::new(&motion.config.dynamics, motion.u.len());
+        let (motion, stepper, relative_step) =
+            (motions().start)(&mut body, loading, config, realisations)?;
         Ok(Self { body, motion, stepper, relative_step, relative_step_of_repulsion: 0.0 })
     }
 
@@ -116,7 +113,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// [`Error::Length`], [`Error::Node`] for one that is not finite.
     pub fn set_displacements(&mut self, lane: usize, u: &[[f64; D]]) -> Result<(), Error> {
         self.motion.set_lane(Column::Displacements, lane, u)?;
-        self.motion.evaluate_intact(&mut self.body)
+        (motions().evaluate)(&mut self.motion, &mut self.body)
     }
 
     /// Sets the velocities of a lane (length over time), in inertial dynamics, except those of prescribed displacements.
@@ -132,7 +129,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Length`] for a number that no bond has.
     pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
-        self.motion.cut(&mut self.body, bonds)
+        (motions().cut)(&mut self.motion, &mut self.body, bonds)
     }
 
     /// One step of the length `dt`. After an error the state is not to be used.
@@ -140,9 +137,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Lost`] where a displacement is no longer finite, with step, time, node and realisation; those of the body.
     pub fn step(&mut self) -> Result<StepReport, Error> {
-        self.motion.begin_step(&self.body);
-        self.stepper.step(&mut self.motion, &mut self.body)?;
-        self.motion.end_step(&mut self.body)
+        (motions().step)(&mut self.motion, &mut self.stepper, &mut self.body)
     }
 }
 

@@ -24,25 +24,21 @@ use crate::strain::Strain;
 /// of threads.
 #[derive(Debug, Clone)]
 pub struct LatticeBody<T, const D: usize> {
-    nodes: Nodes<D>,
-    bonds: Bonds,
-    strain: Strain,
-    strength: f64,
+    pub(super) nodes: Nodes<D>,
+    pub(super) bonds: Bonds,
+    pub(super) strain: Strain,
+    pub(super) strength: f64,
     stencil: Stencil<T, D>,
     sites: Sites<D>,
     /// Displacements by component, over all sites.
     padded: Components<T, D>,
-    bands: Vec<Band<T, D>>,
+    pub(super) bands: Vec<Band<T, D>>,
     level: SimdLevel,
 }
 
 impl<T: Real, const D: usize> LatticeBody<T, D> {
-    /// An undamaged body whose bonds break at one strength (a stretch).
-    ///
-    /// # Errors
-    /// [`Error::Length`] where nodes and bonds are not of one body; [`Error::NotPositive`] for the strength;
-    /// [`Error::NotLattice`] for a node off the lattice, or bonds of one vector and different stiffness.
-    pub fn new(
+    /// Finds the sites of the nodes and cuts their rows into bands.
+    pub(crate) fn undamaged(
         nodes: Nodes<D>,
         bonds: Bonds,
         strain: Strain,
@@ -72,7 +68,16 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         Self { level, ..self }
     }
 
-    fn evaluate(&mut self, strain: Strain, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
+    /// Forces under displacements, with strains measured in one way.
+    pub(crate) fn pull(
+        &mut self,
+        strain: Strain,
+        u: &[T],
+        forces: &mut [T],
+        at: AtStrength<'_>,
+    ) -> Result<(), Error> {
+        same_length("displacements", u.len(), self.bonds.n_nodes() * D)?;
+        same_length("forces", forces.len(), u.len())?;
         let mut none = Vec::new();
         let (limit, reached) = Limit::of(at, &mut none);
         let limit = match limit {
@@ -98,6 +103,7 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         }
         self.collect(forces);
         self.collect_reached(reached);
+        Ok(())
     }
 
     /// Displacements of nodes to their sites.
@@ -146,55 +152,12 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
     }
 
     /// Where the bit of a bond is: band, word and bit.
-    fn bit(&self, pair: (usize, usize)) -> (usize, usize, Mask) {
+    pub(super) fn bit(&self, pair: (usize, usize)) -> (usize, usize, Mask) {
         let ends = self.sites.in_order(pair);
         let vector = self.stencil.vector(&self.sites, ends);
         let (row, word, bit) = self.sites.bit(ends.0, vector, self.stencil.len());
         let band = row / self.sites.rows_of_band();
         let of_row = self.sites.groups() * self.stencil.len();
         (band, (row - self.bands[band].rows.start) * of_row + word, bit)
-    }
-}
-
-impl<T: Real, const D: usize> Body<T, D, 1> for LatticeBody<T, D> {
-    fn nodes(&self) -> &Nodes<D> {
-        &self.nodes
-    }
-
-    fn bonds(&self) -> &Bonds {
-        &self.bonds
-    }
-
-    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error> {
-        same_length("displacements", u.len(), self.bonds.n_nodes() * D)?;
-        same_length("forces", forces.len(), u.len())?;
-        self.evaluate(self.strain, u, forces, at);
-        Ok(())
-    }
-
-    fn intact(&self, bond: usize) -> u16 {
-        let (band, word, bit) = self.bit(self.bonds.ends(bond));
-        u16::from(self.bands[band].intact[word] & bit != 0)
-    }
-
-    fn set_intact(&mut self, bond: usize, lanes: u16) {
-        let (band, word, bit) = self.bit(self.bonds.ends(bond));
-        let word = &mut self.bands[band].intact[word];
-        *word = if lanes & 1 != 0 { *word | bit } else { *word & !bit };
-    }
-
-    fn strain(&self) -> Strain {
-        self.strain
-    }
-
-    fn strength(&self, _bond: usize, _lane: usize) -> f64 {
-        self.strength
-    }
-
-    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        same_length("displacements", v.len(), self.bonds.n_nodes() * D)?;
-        same_length("forces", forces.len(), v.len())?;
-        self.evaluate(Strain::Linear, v, forces, AtStrength::Hold);
-        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use sde_integrators::SimdLevel;
 
 use super::limit::Limit;
-use super::list_columns::{Columns, inverse_square, limits};
+use super::list_columns::{Columns, limits};
 use super::list_crossing::{CrossingLimits, MayCross};
 use super::list_lanes::InLanes;
 use super::list_rows::{InRows, Padded};
@@ -33,12 +33,12 @@ use crate::strain::Strain;
 /// their own. Besides, [`Bonds`] keeps 16 bytes of a bond that an evaluation does not touch.
 #[derive(Debug, Clone)]
 pub struct BondList<T, const D: usize, const L: usize> {
-    nodes: Nodes<D>,
-    bonds: Bonds,
-    strain: Strain,
-    columns: Columns<T>,
+    pub(super) nodes: Nodes<D>,
+    pub(super) bonds: Bonds,
+    pub(super) strain: Strain,
+    pub(super) columns: Columns<T>,
     /// In which lanes a bond is intact.
-    intact: Vec<Mask>,
+    pub(super) intact: Vec<Mask>,
     /// Computed when first needed.
     crossing_limits: Option<CrossingLimits<T>>,
     /// Bonds that may have crossed their strength, with their ends.
@@ -122,6 +122,23 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
     #[must_use]
     pub fn at_level(self, level: SimdLevel) -> Self {
         Self { level, ..self }
+    }
+
+    /// Forces under displacements, with strains measured in one way.
+    pub(crate) fn pull(
+        &mut self,
+        strain: Strain,
+        u: &[T],
+        forces: &mut [T],
+        at: AtStrength<'_>,
+    ) -> Result<(), Error> {
+        self.check(u)?;
+        same_length("forces", forces.len(), u.len())?;
+        match strain {
+            Strain::Finite => self.evaluate::<false>(u, forces, at),
+            Strain::Linear => self.evaluate::<true>(u, forces, at),
+        }
+        Ok(())
     }
 
     fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
@@ -217,72 +234,12 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
     fn check(&self, u: &[T]) -> Result<(), Error> {
         same_length("displacements", u.len(), self.bonds.n_nodes() * D * L)
     }
-}
 
-impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for BondList<T, D, L> {
-    fn nodes(&self) -> &Nodes<D> {
-        &self.nodes
-    }
-
-    fn bonds(&self) -> &Bonds {
-        &self.bonds
-    }
-
-    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error> {
-        self.check(u)?;
-        same_length("forces", forces.len(), u.len())?;
-        match self.strain {
-            Strain::Finite => self.evaluate::<false>(u, forces, at),
-            Strain::Linear => self.evaluate::<true>(u, forces, at),
-        }
-        Ok(())
-    }
-
-    fn intact(&self, bond: usize) -> u16 {
-        self.intact[bond]
-    }
-
-    fn set_intact(&mut self, bond: usize, lanes: u16) {
-        self.intact[bond] = lanes;
-        if L == 1 {
-            self.columns.inverse_squares[bond] =
-                if lanes & 1 != 0 { inverse_square(&self.bonds.all()[bond]) } else { T::ZERO };
-        }
-    }
-
-    fn strain(&self) -> Strain {
-        self.strain
-    }
-
-    fn strength(&self, bond: usize, lane: usize) -> f64 {
-        self.strain.stretch(self.columns.limits[self.columns.at::<L>(bond, lane)].to_f64())
-    }
-
-    fn energy(&self, u: &[T], lane: usize) -> f64 {
-        let mut energy = 0.0;
-        for (bond, ends) in self.bonds.pairs().enumerate() {
-            if self.intact[bond] & 1 << lane != 0 {
-                let stretch = self.stretch(bond, ends, u, lane);
-                let stiffness = self.columns.stiffness[self.columns.at::<L>(bond, lane)].to_f64();
-                let length = self.bonds.all()[bond].length;
-                energy += 0.5 * stiffness * length * length * stretch * stretch;
-            }
-        }
-        energy
-    }
-
-    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        self.check(v)?;
-        same_length("forces", forces.len(), v.len())?;
-        self.evaluate::<true>(v, forces, AtStrength::Hold);
-        Ok(())
-    }
-
-    fn advance(
+    /// Finds bonds that crossed their strength over a step.
+    pub(crate) fn cross(
         &mut self,
         from: &[T],
         to: &[T],
-        _dt: f64,
         crossing: Option<&mut Crossing<L>>,
         broken: &mut Vec<BrokenBond>,
     ) -> Result<(), Error> {

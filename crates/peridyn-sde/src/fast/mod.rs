@@ -2,9 +2,11 @@
 
 mod bond_force;
 mod lattice;
+mod lattice_body;
 mod lattice_rows;
 mod limit;
 mod list;
+mod list_body;
 mod list_columns;
 mod list_crossing;
 mod list_lanes;

@@ -229,12 +229,14 @@ pub(super) fn variation<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[
 /// By how much the demand grows across a part along each axis.
 fn across_part<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> [f64; D] {
     let half = 0.5 / subdivisions(D) as f64;
-    std::array::from_fn(|axis| {
+    let mut across = [0.0; D];
+    for (axis, across) in across.iter_mut().enumerate() {
         let (mut below, mut above) = (*u, *u);
         below[axis] -= half;
         above[axis] += half;
-        demand(&above) - demand(&below)
-    })
+        *across = demand(&above) - demand(&below);
+    }
+    across
 }
 
 /// `sinh(x)/x`.

@@ -102,13 +102,26 @@ impl Scene {
     }
 }
 
+/// By this word a program that links the command of scenes becomes it.
+pub const AS_SCENES: &str = "scenes";
+
+/// This program as the command of scenes.
+///
+/// # Errors
+/// Those of the operating system.
+pub fn command_of_scenes() -> Result<Command, CaseError> {
+    let mut command = Command::new(std::env::current_exe()?);
+    command.arg(AS_SCENES);
+    Ok(command)
+}
+
 /// This program, at a scene.
 ///
 /// # Errors
 /// Those of the operating system.
 pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
-    let mut command = Command::new(std::env::current_exe()?);
-    command.args(["scenes", "run"]).arg(scene).arg("--out").arg(out);
+    let mut command = command_of_scenes()?;
+    command.arg("run").arg(scene).arg("--out").arg(out);
     command.args(["--checkpoint-every", "0"]).args(more);
     piped(command)
 }

@@ -11,7 +11,7 @@ use mpi_ensembles::ThreadRank;
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
 use serde_json::Value;
-use work_precision::processes::{Scene, finish, outcome, piped, scenes, started};
+use work_precision::processes::{AS_SCENES, Scene, finish, outcome, piped, scenes, started};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::{Criterion, Subject};
@@ -243,7 +243,7 @@ impl Ensemble<'_> {
         // A case runs where it runs: as root in a container, and with more ranks than cores.
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
         command.args(["--oversubscribe", "-n", &n_ranks.to_string()]).arg(std::env::current_exe()?);
-        command.arg("run").arg(&self.file).arg("--out").arg(out).args(more);
+        command.args([AS_SCENES, "run"]).arg(&self.file).arg("--out").arg(out).args(more);
         Ok(command)
     }
 

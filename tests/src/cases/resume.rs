@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
-use work_precision::processes::{Change, Scene, finish, outcome, piped, scenes, started};
+use work_precision::processes::{
+    Change, Scene, command_of_scenes, finish, outcome, piped, scenes, started,
+};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::{Criterion, Subject};
@@ -148,7 +149,7 @@ impl Undisturbed<'_> {
         for shard in ["1/2", "2/2"] {
             finish(started(&self.file, &shards, &["--shard", shard])?)?;
         }
-        let mut merge = Command::new(std::env::current_exe()?);
+        let mut merge = command_of_scenes()?;
         merge.arg("merge").arg(&self.file).arg(shards.join("shard-2-of-2.bin"));
         merge.arg(shards.join("shard-1-of-2.bin")).arg("--out").arg(&out);
         finish(piped(merge)?)?;

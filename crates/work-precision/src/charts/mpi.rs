@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::process::Command;
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use scenes::kind::{BlockRecord, JobRecord};
@@ -12,7 +11,7 @@ use serde_json::json;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::processes::{finish, piped, scenes};
+use crate::processes::{command_of_scenes, finish, piped, scenes};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "mpi",
@@ -116,12 +115,8 @@ fn measure(context: &Context<'_>) -> Result<Vec<Measured>, CaseError> {
         let more = ("/ensemble/realisations", json!(192));
         let more = (scene.name == "cracks").then_some(&more);
         let (file, out) = (scene.write(folder.path(), more)?, folder.path().join(scene.name));
-        let mut command = Command::new(std::env::current_exe()?);
-        command.args(["scenes", "run"]).arg(file).arg("--out").arg(&out).args([
-            "--threads",
-            "1",
-            "--blocks",
-        ]);
+        let mut command = command_of_scenes()?;
+        command.arg("run").arg(file).arg("--out").arg(&out).args(["--threads", "1", "--blocks"]);
         finish(piped(command)?)?;
         let job: JobRecord = serde_json::from_str(&std::fs::read_to_string(out.join("job.json"))?)?;
         let n = job.blocks.len() as f64;

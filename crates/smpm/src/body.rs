@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::binning::Binning;
+use crate::compiled::update_of;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
 use crate::material::{LocalResponse, LocalState, Material, Observed};
@@ -67,9 +68,9 @@ impl<S: Number, const D: usize> Body<S, D> {
         let density = material.density();
         positive("density", density.value())?;
         let points: Box<dyn MaterialPoints<S>> = if const { D < 3 && is_plain::<S>() } {
-            Box::new(Points::<M, S, true>::at_start(material, &places))
+            Box::new(Points::<M, S, true>::at_start(material, update_of(), &places))
         } else {
-            Box::new(Points::<M, S, false>::at_start(material, &places))
+            Box::new(Points::<M, S, false>::at_start(material, update_of(), &places))
         };
         Ok(Self {
             particles: Particles::of(fill, velocity, density),

@@ -80,11 +80,22 @@ pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
 }
 
+/// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
+/// dimension: this is most of the code of a material, and there is one of it for each kind of number; of plain numbers another
+/// for motion that is known to stay in the plane of the first two axes (`PLANE`).
+pub(crate) struct UpdateBatch<M: Material<S>, S: Number, const PLANE: bool>(Update<M, S>);
+
+type Update<M, S> =
+    fn((&M, S), Strain, &[[[S; 3]; 3]], Kept<'_, M, S>, &[u32]) -> Option<(u32, Fault)>;
+
+/// What is kept of a batch: states and conditions.
+type Kept<'a, M, S> = (&'a mut [<M as Material<S>>::State], &'a mut [Condition<S>]);
+
 /// A material with what it keeps of all particles of a body. `PLANE` says that the motion is known to stay in the plane of the first
 /// two axes; only to plain numbers does it matter.
-#[derive(Debug)]
 pub(crate) struct Points<M: Material<S>, S: Number, const PLANE: bool> {
     material: M,
+    update: UpdateBatch<M, S, PLANE>,
     density: S,
     states: Vec<M::State>,
     conditions: Vec<Condition<S>>,
@@ -93,7 +104,11 @@ pub(crate) struct Points<M: Material<S>, S: Number, const PLANE: bool> {
 impl<M: Material<S>, S: Number, const PLANE: bool> Points<M, S, PLANE> {
     /// All particles as they start, at their places.
     #[inline(never)]
-    pub(crate) fn at_start(material: M, places: &[[f64; 3]]) -> Self {
+    pub(crate) fn at_start(
+        material: M,
+        update: UpdateBatch<M, S, PLANE>,
+        places: &[[f64; 3]],
+    ) -> Self {
         let states: Vec<_> = places.iter().map(|&place| material.start(place)).collect();
         let one = S::constant(1.0);
         let condition = |state: &M::State| Condition {
@@ -104,19 +119,20 @@ impl<M: Material<S>, S: Number, const PLANE: bool> Points<M, S, PLANE> {
             rate: 0.0,
         };
         let conditions = states.iter().map(condition).collect();
-        Self { density: material.density(), material, states, conditions }
+        Self { density: material.density(), material, update, states, conditions }
     }
 }
 
-/// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
-/// dimension: this is most of the code of a material, and there is one of it for each kind of number; of plain numbers another
-/// for motion that is known to stay in the plane of the first two axes.
+impl<M: Material<S>, S: Number, const PLANE: bool> UpdateBatch<M, S, PLANE> {
+    pub(crate) const HERE: Self = Self(update_batch::<M, S, PLANE>);
+}
+
 #[inline(never)]
 fn update_batch<M: Material<S>, S: Number, const PLANE: bool>(
     of: (&M, S),
     strain: Strain,
     velocity_gradients: &[[[S; 3]; 3]],
-    (states, conditions): (&mut [M::State], &mut [Condition<S>]),
+    (states, conditions): Kept<'_, M, S>,
     numbers: &[u32],
 ) -> Option<(u32, Fault)> {
     dispatch(
@@ -192,6 +208,7 @@ fn next<M: Material<S>, S: Number>(
 /// A material with what it keeps of a run of particles.
 struct Portion<'a, M: Material<S>, S: Number, const PLANE: bool> {
     material: &'a M,
+    update: UpdateBatch<M, S, PLANE>,
     density: S,
     states: &'a mut [M::State],
     conditions: &'a mut [Condition<S>],
@@ -199,16 +216,12 @@ struct Portion<'a, M: Material<S>, S: Number, const PLANE: bool> {
 
 impl<M: Material<S>, S: Number, const PLANE: bool> MaterialUpdate<S> for Portion<'_, M, S, PLANE> {
     fn split(&mut self, middle: usize, work: &mut Halves<'_, S>) {
-        let (material, density) = (self.material, self.density);
+        let (material, update, density) = (self.material, self.update, self.density);
         let (states, further_states) = self.states.split_at_mut(middle);
         let (conditions, further) = self.conditions.split_at_mut(middle);
-        let mut low = Portion::<'_, M, S, PLANE> { material, density, states, conditions };
-        let mut high = Portion::<'_, M, S, PLANE> {
-            material,
-            density,
-            states: further_states,
-            conditions: further,
-        };
+        let mut low = Portion { material, update, density, states, conditions };
+        let mut high =
+            Portion { material, update, density, states: further_states, conditions: further };
         work(&mut low, &mut high);
     }
 
@@ -221,7 +234,7 @@ impl<M: Material<S>, S: Number, const PLANE: bool> MaterialUpdate<S> for Portion
     ) -> Option<(u32, Fault)> {
         let of = (self.material, self.density);
         let kept = (&mut self.states[range.clone()], &mut self.conditions[range]);
-        update_batch::<M, S, PLANE>(of, strain, velocity_gradients, kept, numbers)
+        (self.update.0)(of, strain, velocity_gradients, kept, numbers)
     }
 
     fn conditions(&self) -> &[Condition<S>] {
@@ -241,8 +254,9 @@ where
     M::State: 'static,
 {
     fn pass(&mut self, work: &mut dyn FnMut(&mut dyn MaterialUpdate<S>)) {
-        let Self { material, density, states, conditions } = self;
-        work(&mut Portion::<'_, M, S, PLANE> { material, density: *density, states, conditions });
+        let Self { material, update, density, states, conditions } = self;
+        let (update, density) = (*update, *density);
+        work(&mut Portion { material, update, density, states, conditions });
     }
 
     fn conditions(&self) -> &[Condition<S>] {
@@ -271,6 +285,23 @@ where
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
         self.conditions[place].visit_numbers(visit);
         self.material.visit_numbers(&mut self.states[place], visit)
+    }
+}
+
+impl<M: Material<S>, S: Number, const PLANE: bool> Clone for UpdateBatch<M, S, PLANE> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: Material<S>, S: Number, const PLANE: bool> Copy for UpdateBatch<M, S, PLANE> {}
+
+impl<M: Material<S>, S: Number, const PLANE: bool> std::fmt::Debug for Points<M, S, PLANE> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { material, density, states, conditions, .. } = self;
+        let mut fields = formatter.debug_struct("Points");
+        fields.field("material", material).field("density", density);
+        fields.field("states", states).field("conditions", conditions).finish()
     }
 }
 

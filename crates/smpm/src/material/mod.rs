@@ -66,7 +66,7 @@ pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
 pub use strength::{
     ElasticShear, ElasticShearParameters, Fluid, JohnsonCook, JohnsonCookDamage,
     JohnsonCookDamageParameters, JohnsonCookDamageState, JohnsonCookParameters, JohnsonCookState,
-    Strength, VonMises, VonMisesParameters, VonMisesState,
+    Strength, StrengthKind, VonMises, VonMisesParameters, VonMisesState,
 };
 pub use units::Units;
 
@@ -99,6 +99,10 @@ pub struct Now<S> {
 pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
+
+    /// Whether its update over `f64` and jets is compiled with this crate.
+    #[doc(hidden)]
+    const IS_COMPILED: bool = false;
 
     /// `rho_0 > 0`, the density of the reference state (mass per volume).
     fn density(&self) -> S;

@@ -68,6 +68,8 @@ fn left_cauchy_green<S: Scalar>(f: &[[S; 3]; 3]) -> Symmetric<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
     type State = NeoHookeanState<S>;
 
+    const IS_COMPILED: bool = true;
+
     fn density(&self) -> S {
         self.parameters.density
     }

@@ -48,6 +48,8 @@ where
 {
     type State = SolidState<S, E::State, Y::State>;
 
+    const IS_COMPILED: bool = Y::KIND.is_in(E::COMPILED_WITH);
+
     fn density(&self) -> S {
         self.equation.density()
     }

@@ -4,6 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, positive};
+use crate::material::StrengthKind;
 
 parameters! {
     /// What an [`ElasticBulk`] is made of.
@@ -41,6 +42,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBu
     type State = ();
 
     const KNOWS_ENERGY: bool = false;
+
+    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Elastic, StrengthKind::VonMises];
 
     #[inline(always)]
     fn density(&self) -> S {

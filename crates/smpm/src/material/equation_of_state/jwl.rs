@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};
-use crate::material::Now;
+use crate::material::{Now, StrengthKind};
 
 parameters! {
     /// What a [`Jwl`] is made of.
@@ -90,6 +90,8 @@ impl<S: Scalar> Jwl<S> {
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
     /// `d`, the distance from the point of detonation (length).
     type State = f64;
+
+    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
     fn density(&self) -> S {

@@ -4,6 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, finite, not_negative, positive};
+use crate::material::StrengthKind;
 
 parameters! {
     /// What a [`MieGruneisen`] is made of.
@@ -93,6 +94,16 @@ impl<S: Scalar> MieGruneisen<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGruneisen<S> {
     type State = ();
+
+    const COMPILED_WITH: &'static [StrengthKind] = &[
+        StrengthKind::Fluid,
+        StrengthKind::Elastic,
+        StrengthKind::VonMises,
+        StrengthKind::JohnsonCook,
+        StrengthKind::JohnsonCookDamage,
+    ];
+
+    const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
     fn density(&self) -> S {

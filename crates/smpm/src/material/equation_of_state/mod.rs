@@ -9,7 +9,7 @@ mod tension_cut_off;
 use perturbation_moments::Scalar;
 
 use crate::error::Fault;
-use crate::material::Now;
+use crate::material::{Now, StrengthKind};
 
 pub use elastic_bulk::{ElasticBulk, ElasticBulkParameters};
 pub use jwl::{Detonation, Jwl, JwlParameters};
@@ -49,6 +49,14 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
 
     /// Whether the pressure depends on the energy at all; false says that `b` is zero at every volume, and is not looked at.
     const KNOWS_ENERGY: bool = true;
+
+    /// The strengths with which a [`Solid`](crate::material::Solid) of it is compiled with this crate.
+    #[doc(hidden)]
+    const COMPILED_WITH: &'static [StrengthKind] = &[];
+
+    /// The same under a [`TensionCutOff`].
+    #[doc(hidden)]
+    const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[];
 
     /// `rho_0 > 0` (mass per volume).
     fn density(&self) -> S;

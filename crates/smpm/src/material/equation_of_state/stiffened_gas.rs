@@ -4,6 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, not_negative, positive};
+use crate::material::StrengthKind;
 
 parameters! {
     /// What a [`StiffenedGas`] is made of.
@@ -54,6 +55,8 @@ impl<S: Scalar> StiffenedGas<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for StiffenedGas<S> {
     type State = ();
+
+    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
     fn density(&self) -> S {

@@ -4,7 +4,7 @@ use perturbation_moments::Scalar;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, not_negative};
-use crate::material::Now;
+use crate::material::{Now, StrengthKind};
 
 /// An equation of state whose pressure does not fall below `-limit`: a liquid that cavitates.
 ///
@@ -32,6 +32,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
     type State = E::State;
 
     const KNOWS_ENERGY: bool = E::KNOWS_ENERGY;
+
+    const COMPILED_WITH: &'static [StrengthKind] = E::COMPILED_WITH_CUT_OFF;
 
     #[inline(always)]
     fn density(&self) -> S {

@@ -2,7 +2,7 @@
 
 use perturbation_moments::Scalar;
 
-use super::{Strength, Trial};
+use super::{Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, positive};
 use crate::material::{Now, Observed};
 use crate::tensor::Symmetric;
@@ -39,6 +39,8 @@ impl<S: Scalar> ElasticShear<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> {
     type State = Symmetric<S>;
+
+    const KIND: StrengthKind = StrengthKind::Elastic;
 
     fn start(&self) -> Symmetric<S> {
         Symmetric::zero()

@@ -2,7 +2,7 @@
 
 use perturbation_moments::Scalar;
 
-use super::Strength;
+use super::{Strength, StrengthKind};
 use crate::error::Fault;
 use crate::material::{Now, Observed};
 use crate::tensor::Symmetric;
@@ -13,6 +13,8 @@ pub struct Fluid;
 
 impl<S: Scalar> Strength<S> for Fluid {
     type State = ();
+
+    const KIND: StrengthKind = StrengthKind::Fluid;
 
     fn start(&self) {}
 

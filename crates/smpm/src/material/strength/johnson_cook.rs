@@ -3,7 +3,7 @@
 use perturbation_moments::Scalar;
 
 use super::johnson_cook_return::{LEAST_STRAIN, Return};
-use super::{LEAST_OVERSHOOT, Strength, Trial};
+use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -203,6 +203,8 @@ impl<S: Scalar> JohnsonCook<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
     type State = JohnsonCookState<S>;
+
+    const KIND: StrengthKind = StrengthKind::JohnsonCook;
 
     fn start(&self) -> JohnsonCookState<S> {
         let zero = S::constant(0.0);

@@ -2,7 +2,7 @@
 
 use perturbation_moments::Scalar;
 
-use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength};
+use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
 use crate::error::{Error, Fault, finite, not_negative, positive};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -92,6 +92,8 @@ impl<S: Scalar> JohnsonCookDamage<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamage<S> {
     type State = JohnsonCookDamageState<S>;
+
+    const KIND: StrengthKind = StrengthKind::JohnsonCookDamage;
 
     fn start(&self) -> JohnsonCookDamageState<S> {
         let zero = S::constant(0.0);

@@ -2,7 +2,7 @@
 
 use perturbation_moments::Scalar;
 
-use super::{LEAST_OVERSHOOT, Strength, Trial};
+use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -65,6 +65,8 @@ impl<S: Scalar> VonMises<S> {
 
 impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
     type State = VonMisesState<S>;
+
+    const KIND: StrengthKind = StrengthKind::VonMises;
 
     fn start(&self) -> VonMisesState<S> {
         let zero = S::constant(0.0);

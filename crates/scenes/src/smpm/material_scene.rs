@@ -233,22 +233,25 @@ type BodyOf<S, const D: usize> = fn(
     [f64; D],
 ) -> Result<Body<S, D>, Error>;
 
-/// The bodies that are compiled with this crate, once for all programs that run scenes.
+/// The bodies that are compiled with this crate, once for all programs that run scenes; none in unit tests.
 #[inline(never)]
 fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
-    static OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
+    const OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
         (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
-    static OF_JETS: (BodyOf<Jet, 1>, BodyOf<Jet, 2>, BodyOf<Jet, 3>) =
+    const OF_JETS: (BodyOf<Jet, 1>, BodyOf<Jet, 2>, BodyOf<Jet, 3>) =
         (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
-    static ALL: [&(dyn Any + Send + Sync); 6] =
-        [&OF_NUMBERS.0, &OF_NUMBERS.1, &OF_NUMBERS.2, &OF_JETS.0, &OF_JETS.1, &OF_JETS.2];
-    &ALL
+    static ALL: &[&(dyn Any + Send + Sync)] = if cfg!(test) {
+        &[]
+    } else {
+        &[&OF_NUMBERS.0, &OF_NUMBERS.1, &OF_NUMBERS.2, &OF_JETS.0, &OF_JETS.1, &OF_JETS.2]
+    };
+    ALL
 }
 
 /// Whether bodies of such numbers are compiled with this crate: those whose step is compiled with smpm.
 const fn is_compiled<S: Number>(dimension: usize) -> bool {
     let mut k = 0;
-    while k < S::COMPILED.len() {
+    while !cfg!(test) && k < S::COMPILED.len() {
         if S::COMPILED[k] == dimension {
             return true;
         }

@@ -3,11 +3,10 @@
 use std::sync::OnceLock;
 
 use crate::binning::Binning;
-use crate::compiled::update_of;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
 use crate::material::{LocalResponse, LocalState, Material, Observed};
-use crate::material_points::{MaterialPoints, Points};
+use crate::material_points::{MaterialPoints, Points, UpdateBatch};
 use crate::number::{Number, is_plain};
 use crate::particles::{Chunk, Particles, Row};
 use crate::tensor::Symmetric;
@@ -26,6 +25,27 @@ pub struct Body<S, const D: usize> {
     /// Where each particle is in memory; empty while all are at their numbers.
     places: Vec<u32>,
     views: Views<S, D>,
+}
+
+/// The update of a material: from this crate where it is compiled here, else compiled for the caller.
+fn update_of<M, S, const PLANE: bool>() -> UpdateBatch<M, S, PLANE>
+where
+    M: Material<S> + 'static,
+    S: Number,
+    M::State: 'static,
+{
+    // The unit tests run no step.
+    #[cfg(not(test))]
+    if const { M::IS_COMPILED && !S::COMPILED.is_empty() } {
+        let of_this_material = |update: &&(dyn std::any::Any + Send + Sync)| {
+            update.downcast_ref::<UpdateBatch<M, S, PLANE>>().copied()
+        };
+        return match crate::compiled_updates::updates().iter().find_map(of_this_material) {
+            Some(update) => update,
+            None => unreachable!("the update of this material is compiled"),
+        };
+    }
+    UpdateBatch::HERE
 }
 
 /// Columns by the numbers of particles, made when asked for.

@@ -4,7 +4,9 @@ mod binning;
 mod blocks;
 mod body;
 mod boundary;
-mod compiled;
+mod compiled_step;
+#[cfg(not(test))]
+mod compiled_updates;
 mod config;
 mod contact;
 mod error;

@@ -1,4 +1,5 @@
-//! The updates of materials that are compiled with this crate: over `f64` in the plane and beyond it, and over jets.
+//! Material updates compiled once, in this crate: every material that a scene may name, over `f64` in the plane and in space, and over
+//! jets. A material from outside compiles its own.
 
 use std::any::Any;
 
@@ -33,9 +34,9 @@ macro_rules! of {
     };
 }
 
-/// All of them.
+/// All compiled updates.
 #[inline(never)]
-pub(super) fn updates() -> &'static [&'static (dyn Any + Send + Sync)] {
+pub(crate) fn updates() -> &'static [&'static (dyn Any + Send + Sync)] {
     static ALL: [[&(dyn Any + Send + Sync); 3]; 11] = of![
         Liquid,
         CavitatingLiquid,

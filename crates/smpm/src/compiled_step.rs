@@ -1,13 +1,7 @@
-//! What is compiled with this crate, once for all that run it: the step, which is most of the code of a simulation, and the update of
-//! the materials that a scene may name. Materials from outside compile their own update.
-
-#[cfg(not(test))]
-mod materials;
+//! The step, which is most of the code of a simulation, is compiled with this crate, once for all that run it.
 
 use perturbation_moments::Jet;
 
-use crate::material::Material;
-use crate::material_points::UpdateBatch;
 use crate::number::Number;
 
 #[cfg(not(test))]
@@ -50,23 +44,3 @@ compiled!(Jet: 1 in_one, 2 in_two, 3 in_three);
 impl Number for f64 {}
 #[cfg(test)]
 impl Number for Jet {}
-
-/// The update of a material: the one that is compiled with this crate, or one that is compiled for the caller.
-pub(crate) fn update_of<M, S, const PLANE: bool>() -> UpdateBatch<M, S, PLANE>
-where
-    M: Material<S> + 'static,
-    S: Number,
-    M::State: 'static,
-{
-    #[cfg(not(test))]
-    if const { M::IS_COMPILED && !S::COMPILED.is_empty() } {
-        let of_this_material = |update: &&(dyn std::any::Any + Send + Sync)| {
-            update.downcast_ref::<UpdateBatch<M, S, PLANE>>().copied()
-        };
-        return match materials::updates().iter().find_map(of_this_material) {
-            Some(update) => update,
-            None => unreachable!("the update of this material is compiled"),
-        };
-    }
-    UpdateBatch::HERE
-}

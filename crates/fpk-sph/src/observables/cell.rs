@@ -126,11 +126,18 @@ impl<const D: usize> Cell<D> {
     /// The mean of the mass per unit of `u` over a part, over its value at the centre: of `exp(slope s + bend s^2 / 2)` for
     /// `s` from -1/2 to 1/2 along each axis.
     pub(super) fn mean_over_part(&self, u: &[f64; D]) -> f64 {
+        self.mean_by_bend(u, &self.means_of_bend())
+    }
+
+    /// The factor of the curvature in [`mean_over_part`](Self::mean_over_part) along each axis, the same for all parts.
+    fn means_of_bend(&self) -> [f64; D] {
         let parts = subdivisions(D) as f64;
+        std::array::from_fn(|k| (self.map.bend[k][k] / (24.0 * parts * parts)).exp())
+    }
+
+    fn mean_by_bend(&self, u: &[f64; D], means_of_bend: &[f64; D]) -> f64 {
         let slope = self.slope_across_part(u);
-        let along =
-            |k: usize| sinhc(0.5 * slope[k]) * (self.map.bend[k][k] / (24.0 * parts * parts)).exp();
-        (0..D).map(along).product()
+        (0..D).map(|k| sinhc(0.5 * slope[k]) * means_of_bend[k]).product()
     }
 
     pub(super) fn integral(&self) -> f64 {
@@ -143,13 +150,14 @@ impl<const D: usize> Cell<D> {
     pub(super) fn for_each_part(&self, mut visit: impl FnMut(&[f64; D], f64)) {
         let parts = subdivisions(D);
         let part_weight = self.weight / (parts as f64).powi(i32::try_from(D).unwrap_or(0));
+        let means_of_bend = self.means_of_bend();
         for place in std::iter::once(&[0; D]).chain(&self.beyond) {
             let mut index = [0; D];
             'parts: loop {
                 let u: [f64; D] = std::array::from_fn(|k| {
                     f64::from(place[k]) + (index[k] as f64 + 0.5) / parts as f64 - 0.5
                 });
-                visit(&u, part_weight * self.shape(&u) * self.mean_over_part(&u));
+                visit(&u, part_weight * self.shape(&u) * self.mean_by_bend(&u, &means_of_bend));
                 // The next index, first axis fastest.
                 for axis in 0..D {
                     index[axis] += 1;
@@ -161,6 +169,20 @@ impl<const D: usize> Cell<D> {
                 break;
             }
         }
+    }
+
+    /// Fills `parts` with all parts of the cell and of what lies beyond.
+    pub(super) fn parts(&self, demand: impl Fn(&[f64; D]) -> f64, parts: &mut Vec<Part<D>>) {
+        parts.clear();
+        self.for_each_part(|u, mass| {
+            parts.push(Part {
+                mass,
+                beyond: u.iter().any(|u_k| u_k.abs() > 0.5),
+                slope: self.slope_across_part(u),
+                centre: demand(u),
+                faces: faces_of_part(&demand, u),
+            });
+        });
     }
 
     /// Whether the demand is further from the threshold, at the centre of the cell and of each of those beyond, than twice
@@ -175,12 +197,13 @@ impl<const D: usize> Cell<D> {
         })
     }
 
-    /// Whether the demand stays below the threshold at the centre and at all corners of the cell and of what lies beyond.
-    pub(super) fn lies_below(&self, demand_above_threshold: impl Fn(&[f64; D]) -> f64) -> bool {
-        demand_above_threshold(&[0.0; D]) <= 0.0
-            && std::iter::once(&[0; D]).chain(&self.beyond).all(|place| {
-                (0..1 << D).all(|bits| demand_above_threshold(&corner(place, bits)) <= 0.0)
-            })
+    /// The greatest demand at the centre and at all corners of the cell and of what lies beyond; NaN if one of them is.
+    pub(super) fn greatest(&self, demand: impl Fn(&[f64; D]) -> f64) -> f64 {
+        std::iter::once(&[0; D])
+            .chain(&self.beyond)
+            .flat_map(|place| (0..1 << D).map(|bits| corner(place, bits)))
+            .map(|corner| demand(&corner))
+            .fold(demand(&[0.0; D]), |a, b| if a.is_nan() || a >= b { a } else { b })
     }
 }
 
@@ -189,24 +212,33 @@ fn corner<const D: usize>(place: &[i32; D], bits: usize) -> [f64; D] {
     std::array::from_fn(|k| f64::from(place[k]) + if bits >> k & 1 == 0 { -0.5 } else { 0.5 })
 }
 
-/// The part of a part's mass where the demand exceeds the threshold: over the part the demand is taken as uniform with the
-/// standard deviation that it has, `w/sqrt(12)`, and the logarithm of the density as linear in it, by `slope` across the
-/// part along each axis.
-pub(super) fn fraction_above<const D: usize>(
-    demand_above_threshold: impl Fn(&[f64; D]) -> f64,
-    u: &[f64; D],
-    slope: &[f64; D],
-) -> f64 {
-    let centre = demand_above_threshold(u);
-    let across = across_part(demand_above_threshold, u);
-    let width = across.iter().map(|a| a * a).sum::<f64>().sqrt();
-    if centre.abs() >= 0.5 * width {
-        return f64::from(u8::from(centre > 0.0));
+/// A part of a cell with the demand over it, for any number of thresholds.
+pub(super) struct Part<const D: usize> {
+    pub(super) mass: f64,
+    /// Whether it lies outside the cell itself.
+    pub(super) beyond: bool,
+    /// Growth of the logarithm of the density across the part, along each axis.
+    slope: [f64; D],
+    /// The demand at the centre, and in the middle of both faces across each axis.
+    centre: f64,
+    faces: [[f64; 2]; D],
+}
+
+impl<const D: usize> Part<D> {
+    /// The share of the part's mass where the demand exceeds the threshold: over the part the demand is uniform with its
+    /// standard deviation there, `w/sqrt(12)`, and the logarithm of the density is linear in it.
+    pub(super) fn fraction_above(&self, threshold: f64) -> f64 {
+        let centre = self.centre - threshold;
+        let across = self.faces.map(|[below, above]| (above - threshold) - (below - threshold));
+        let width = across.iter().map(|a| a * a).sum::<f64>().sqrt();
+        if centre.abs() >= 0.5 * width {
+            return f64::from(u8::from(centre > 0.0));
+        }
+        // The density is exp(tilt s) for s from -1/2 to 1/2, and the demand exceeds where s > -centre/width.
+        let tilt = (0..D).map(|k| self.slope[k] * across[k]).sum::<f64>() / width;
+        let above = 0.5 + centre / width;
+        exponential_share(tilt, above)
     }
-    // The density is exp(tilt s) for s from -1/2 to 1/2, and the demand exceeds where s > -centre/width.
-    let tilt = (0..D).map(|k| slope[k] * across[k]).sum::<f64>() / width;
-    let above = 0.5 + centre / width;
-    exponential_share(tilt, above)
 }
 
 /// The share of the mass of `exp(tilt s)`, `s` from 0 to 1, that lies in the last part of length `above`.
@@ -228,15 +260,19 @@ pub(super) fn variation<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[
 
 /// By how much the demand grows across a part along each axis.
 fn across_part<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> [f64; D] {
+    faces_of_part(demand, u).map(|[below, above]| above - below)
+}
+
+/// The demand in the middle of both faces of a part across each axis.
+fn faces_of_part<const D: usize>(demand: impl Fn(&[f64; D]) -> f64, u: &[f64; D]) -> [[f64; 2]; D] {
     let half = 0.5 / subdivisions(D) as f64;
-    let mut across = [0.0; D];
-    for (axis, across) in across.iter_mut().enumerate() {
-        let (mut below, mut above) = (*u, *u);
-        below[axis] -= half;
-        above[axis] += half;
-        *across = demand(&above) - demand(&below);
-    }
-    across
+    std::array::from_fn(|axis| {
+        [-half, half].map(|offset| {
+            let mut face = *u;
+            face[axis] += offset;
+            demand(&face)
+        })
+    })
 }
 
 /// `sinh(x)/x`.

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::cell::{Cell, fraction_above, subdivisions, variation};
+use super::cell::{Cell, Part, subdivisions, variation};
 use crate::error::{Error, finite};
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
@@ -34,6 +34,30 @@ pub struct Exceedance {
     pub unresolved: f64,
     /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
     pub distrusted: f64,
+}
+
+impl Exceedance {
+    const NONE: Self =
+        Self { probability: 0.0, beyond_the_cloud: 0.0, unresolved: 0.0, distrusted: 0.0 };
+
+    /// Adds what lies above the threshold of a cell with all its parts.
+    fn add<const D: usize>(&mut self, cell: &Cell<D>, parts: &[Part<D>], threshold: f64) {
+        let before = self.probability;
+        for part in parts {
+            let above = part.mass * part.fraction_above(threshold);
+            self.probability += above;
+            if part.beyond {
+                self.beyond_the_cloud += above;
+            }
+        }
+        let of_cell = self.probability - before;
+        if !cell.map.resolved {
+            self.unresolved += of_cell;
+        }
+        if !cell.trusted {
+            self.distrusted += of_cell;
+        }
+    }
 }
 
 /// Spacings by which a cell at the rim goes on outward. At 6 standard deviations and a spacing of 0.3, three of them
@@ -182,36 +206,52 @@ impl<const D: usize> CellIntegral<D> {
         demand: impl Fn(&[f64; D]) -> f64,
         threshold: f64,
     ) -> Result<Exceedance, Error> {
-        finite("threshold", threshold)?;
-        let mut exceedance = Exceedance {
-            probability: 0.0,
-            beyond_the_cloud: 0.0,
-            unresolved: 0.0,
-            distrusted: 0.0,
-        };
+        let mut exceedance = [Exceedance::NONE];
+        self.add_exceedances(&demand, &[threshold], &mut exceedance)?;
+        Ok(exceedance[0])
+    }
+
+    /// `P(y(x) > T)` for each threshold, as by [`exceedance`](Self::exceedance), in one pass over the cells: the masses of
+    /// their parts, which are most of the work, are computed once.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for a threshold.
+    pub fn exceedances(
+        &self,
+        demand: impl Fn(&[f64; D]) -> f64,
+        thresholds: &[f64],
+    ) -> Result<Vec<Exceedance>, Error> {
+        let mut exceedances = vec![Exceedance::NONE; thresholds.len()];
+        self.add_exceedances(&demand, thresholds, &mut exceedances)?;
+        Ok(exceedances)
+    }
+
+    fn add_exceedances(
+        &self,
+        demand: &dyn Fn(&[f64; D]) -> f64,
+        thresholds: &[f64],
+        exceedances: &mut [Exceedance],
+    ) -> Result<(), Error> {
+        for &threshold in thresholds {
+            finite("threshold", threshold)?;
+        }
+        let mut parts = Vec::new();
         for cell in &self.cells {
-            let before = exceedance.probability;
-            let demand_at =
-                |u: &[f64; D]| demand(&self.whitening.unwhiten(&cell.point(u))) - threshold;
-            if cell.lies_below(demand_at) {
-                continue;
-            }
-            cell.for_each_part(|u, mass| {
-                let fraction = fraction_above(demand_at, u, &cell.slope_across_part(u));
-                exceedance.probability += mass * fraction;
-                if u.iter().any(|u_k| u_k.abs() > 0.5) {
-                    exceedance.beyond_the_cloud += mass * fraction;
+            let demand = |u: &[f64; D]| demand(&self.whitening.unwhiten(&cell.point(u)));
+            let greatest = cell.greatest(demand);
+            parts.clear();
+            for (exceedance, &threshold) in exceedances.iter_mut().zip(thresholds) {
+                // A demand that is no number makes the probability none.
+                if greatest <= threshold {
+                    continue;
                 }
-            });
-            let of_cell = exceedance.probability - before;
-            if !cell.map.resolved {
-                exceedance.unresolved += of_cell;
-            }
-            if !cell.trusted {
-                exceedance.distrusted += of_cell;
+                if parts.is_empty() {
+                    cell.parts(demand, &mut parts);
+                }
+                exceedance.add(cell, &parts, threshold);
             }
         }
-        Ok(exceedance)
+        Ok(())
     }
 
     /// The mean rate at which the demand crosses the threshold from below (per unit of time; Rice 1944),

@@ -268,11 +268,7 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
     cpu_seconds: f64,
 ) -> Result<Row, Error> {
     let cells = asked.cells.then(|| simulation.cell_integral()).transpose()?;
-    let exceedances = asked
-        .thresholds
-        .iter()
-        .map(|&threshold| exceedances(simulation, cells.as_ref(), &asked.demand, threshold))
-        .collect::<Result<_, _>>()?;
+    let exceedances = exceedances(simulation, cells.as_ref(), asked)?;
     Ok(Row {
         t: simulation.time(),
         moments: asked.powers.iter().map(|&powers| simulation.raw_moment(powers)).collect(),
@@ -288,18 +284,22 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
 fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,
     cells: Option<&CellIntegral<D>>,
-    demand: &Demand,
-    threshold: f64,
-) -> Result<Exceedances, Error> {
-    let magnitude = |x: &[f64; D]| demand.magnitude(x);
-    let over_cells = cells.map(|cells| cells.exceedance(magnitude, threshold)).transpose()?;
-    Ok(Exceedances {
-        indicator: simulation.exceedance_indicator(magnitude, threshold)?,
-        log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
-        cell_integrated: over_cells.map(|over| over.probability),
-        unresolved: over_cells.map(|over| over.unresolved),
-        beyond_the_cloud: over_cells.map(|over| over.beyond_the_cloud),
-    })
+    asked: &Asked<D>,
+) -> Result<Vec<Exceedances>, Error> {
+    let magnitude = |x: &[f64; D]| asked.demand.magnitude(x);
+    let over_cells = cells.map(|cells| cells.exceedances(magnitude, &asked.thresholds));
+    let over_cells = over_cells.transpose()?.unwrap_or_default();
+    let at = |(k, &threshold): (usize, &f64)| {
+        let over_cells = over_cells.get(k);
+        Ok(Exceedances {
+            indicator: simulation.exceedance_indicator(magnitude, threshold)?,
+            log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
+            cell_integrated: over_cells.map(|over| over.probability),
+            unresolved: over_cells.map(|over| over.unresolved),
+            beyond_the_cloud: over_cells.map(|over| over.beyond_the_cloud),
+        })
+    };
+    asked.thresholds.iter().enumerate().map(at).collect()
 }
 
 /// A system behind a reference, so that the solver is compiled once for each dimension and class of noise, and not for

@@ -103,8 +103,14 @@ impl<'a> Context<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// A case that claims nothing.
+    pub(crate) const fn case(id: &'static str, cost: Profile) -> Case {
+        let schedule = Schedule::Together;
+        Case { id, title: "t", source: "s", cost, schedule, run: |_| Ok(Vec::new()) }
+    }
 
     #[test]
     fn the_id_of_a_claim_begins_with_its_case() {

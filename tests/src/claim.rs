@@ -98,6 +98,19 @@ impl Claim {
         }
     }
 
+    /// A value and a reference that are both exact: passes if |error| is within the tolerance.
+    #[must_use]
+    pub fn within(
+        subject: Subject,
+        kind: ErrorKind,
+        (measured, reference): (f64, f64),
+        tolerance: f64,
+        reason: &str,
+    ) -> Self {
+        let (measured, reference) = (Measured::exact(measured), Reference::exact(reference));
+        Self::judge(subject, kind, measured, reference, Criterion::Within { tolerance, reason })
+    }
+
     /// A value without a reference, held to the range in which it was seen: a regression claim.
     #[must_use]
     pub fn as_measured(
@@ -136,13 +149,8 @@ impl Claim {
         n_compared: usize,
         reason: &str,
     ) -> Self {
-        let mut claim = Self::judge(
-            subject,
-            ErrorKind::Absolute,
-            Measured::exact(n_different as f64),
-            Reference::exact(0.0),
-            Criterion::Within { tolerance: 0.0, reason },
-        );
+        let error = (n_different as f64, 0.0);
+        let mut claim = Self::within(subject, ErrorKind::Absolute, error, 0.0, reason);
         claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
         if n_compared == 0 {
             claim.passed = false;

@@ -116,19 +116,17 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use figures::{Measured, Reference};
-
     use super::*;
-    use crate::claim::{Criterion, Subject};
+    use crate::claim::Subject;
 
     fn sample() -> Report {
         let subject = Subject::new("self-check/pi/value", "pi", "rad", "22/7");
-        let claim = Claim::judge(
+        let claim = Claim::within(
             subject,
             ErrorKind::Relative,
-            Measured::exact(22.0 / 7.0),
-            Reference::exact(std::f64::consts::PI),
-            Criterion::Within { tolerance: 1e-3, reason: "the error of 22/7 is 4.0e-4" },
+            (22.0 / 7.0, std::f64::consts::PI),
+            1e-3,
+            "the error of 22/7 is 4.0e-4",
         );
         let case = CaseRecord {
             id: "self-check/pi".into(),

@@ -4,7 +4,6 @@ mod adapt;
 mod bytes;
 mod column;
 mod error;
-mod hash;
 mod kind;
 mod lattice;
 mod morton;

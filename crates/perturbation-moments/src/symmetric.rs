@@ -69,31 +69,3 @@ pub(crate) fn factor<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
 pub(crate) const fn roundoff(n: usize) -> f64 {
     16.0 * f64::EPSILON * n as f64
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn eigenvalues_are_those_of_the_characteristic_polynomial() {
-        // Equal correlation r in three dimensions: 1 - r twice, 1 + 2r.
-        let r = -0.45;
-        let [a, b, c] = eigenvalues(&[[1.0, r, r], [r, 1.0, r], [r, r, 1.0]]);
-        assert!((a - 0.1).abs() < 1e-15 && (b - 1.45).abs() < 1e-15 && (c - 1.45).abs() < 1e-15);
-        let [a, b] = eigenvalues(&[[3.0, 0.0], [0.0, -1.0]]);
-        assert!(a.to_bits() == (-1.0_f64).to_bits() && b.to_bits() == 3.0_f64.to_bits());
-    }
-
-    #[test]
-    fn a_singular_correlation_has_a_factor() {
-        let s = [[1.0, 1.0, 0.6], [1.0, 1.0, 0.6], [0.6, 0.6, 1.0]];
-        let l = factor(&s);
-        assert_eq!(l[1][1].to_bits(), 0.0_f64.to_bits());
-        for i in 0..3 {
-            for j in 0..3 {
-                let product: f64 = (0..3).map(|k| l[i][k] * l[j][k]).sum();
-                assert!((product - s[i][j]).abs() < 1e-15);
-            }
-        }
-    }
-}

@@ -5,8 +5,8 @@
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
     CentralDifferences, ControlledSamples, Derivatives, Error, Expansion, ForwardDifferentiation,
-    HighestOrder, Jet, JetCurvature, JetDifferentiation, Known, Moments, MonteCarlo, RandomVector,
-    Response, Scalar, SigmaPoints, Verdict,
+    Gradient, HighestOrder, Jet, JetCurvature, JetDifferentiation, Known, Moments, MonteCarlo,
+    RandomVector, Response, Scalar, SigmaPoints, Verdict,
 };
 use proptest::prelude::*;
 
@@ -327,4 +327,39 @@ fn split_control_is_unbiased_and_its_errors_are_right() {
         seed: 1,
     };
     assert!(matches!(too_few.estimate(), Err(Error::TooFew { value: 7, limit: 8, .. })));
+}
+
+/// Every operation once.
+fn operations<S: Scalar>(x: S, y: S) -> [S; 18] {
+    [
+        -x,
+        x + y,
+        x - y,
+        x * y,
+        x / y,
+        x + 2.0,
+        x - 2.0,
+        x * 2.5,
+        x / 2.5,
+        x.squared(),
+        x.recip(),
+        x.sqrt() * y.exp(),
+        x.ln() + y.exp_scaled(0.3),
+        x.sin() * y.cos(),
+        x.powi(3) * y.powi(-2),
+        x.powi(0) + y.powi(1),
+        x.powf(0.3),
+        (x * y + 1.0).ln() / (x - y * 0.1).sqrt(),
+    ]
+}
+
+#[test]
+fn every_operation_has_the_bits_of_the_jet() {
+    let gradients = operations(Gradient::variable(1.7, 0), Gradient::variable(0.6, 7));
+    let jets = operations(Jet::variable(1.7, 0), Jet::variable(0.6, 7));
+    for (number, (gradient, jet)) in gradients.iter().zip(&jets).enumerate() {
+        assert_eq!(gradient.value.to_bits(), jet.value.to_bits(), "{number}");
+        let bits = |first: &[f64; 8]| first.map(f64::to_bits);
+        assert_eq!(bits(&gradient.first), bits(&jet.first), "{number}");
+    }
 }

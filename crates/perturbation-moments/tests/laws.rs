@@ -322,3 +322,18 @@ fn samples_have_the_mean_deviation_and_correlation_that_were_asked_for() {
         }
     }
 }
+
+/// The points of unit normals, of unit deviations about zero, are the columns of a factor of the correlation.
+#[test]
+fn a_singular_correlation_has_a_factor() {
+    let s = [[1.0, 1.0, 0.6], [1.0, 1.0, 0.6], [0.6, 0.6, 1.0]];
+    let inputs = RandomVector::new([0.0; 3], [1.0; 3], s).unwrap();
+    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|t| inputs.point(&t));
+    assert_eq!(columns[1][1].to_bits(), 0.0_f64.to_bits());
+    for i in 0..3 {
+        for j in 0..3 {
+            let product: f64 = columns.iter().map(|column| column[i] * column[j]).sum();
+            assert!((product - s[i][j]).abs() < 1e-15);
+        }
+    }
+}

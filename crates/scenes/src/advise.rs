@@ -11,14 +11,12 @@ mod words;
 use std::path::Path;
 use std::sync::Arc;
 
-use serde_json::{Map, Value};
-
 pub use self::curve::{Curve, Needed, Point, Unreached};
 pub use self::judgement::{Judgement, judge};
 pub use self::within::{Within, print_within, run_within};
 pub use self::words::print;
 use crate::kind::{Progress, RunError, SceneKind, kind_of};
-use crate::ladder::{self, Ladder, LadderError, Outcome, Trial};
+use crate::ladder::{self, Ladder, LadderError, Outcome, Rung, Trial};
 use crate::scene::SceneFile;
 
 /// Sizes are told for so much of the tolerance: an error that is carried on is itself not certain.
@@ -156,11 +154,10 @@ impl Advice {
         by_cost((0..self.ladder.methods.len()).filter_map(of).collect())
     }
 
-    /// The keys to write into the scene for a candidate, with its size in words.
+    /// The scene solved by a candidate.
     #[must_use]
-    pub fn changes(&self, candidate: &Candidate) -> Option<(String, Map<String, Value>)> {
-        let rung = (self.ladder.methods[candidate.method].rung)(candidate.needed.size)?;
-        Some((rung.label, rung.changes))
+    pub fn rung(&self, candidate: &Candidate) -> Option<Rung> {
+        (self.ladder.methods[candidate.method].rung)(candidate.needed.size)
     }
 }
 

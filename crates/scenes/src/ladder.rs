@@ -16,8 +16,6 @@ pub use self::trial::{
 
 /// A scene and the methods that solve it.
 pub struct Ladder {
-    /// The scene without what only looks at the result; a rung replaces keys of it.
-    pub scene: Map<String, Value>,
     /// The scene's own method comes first.
     pub methods: Vec<Method>,
     /// What no figure of the trials has in it, one sentence.
@@ -45,8 +43,12 @@ pub struct Rung {
     pub size: f64,
     /// The size in words, e.g. `29 x 29`; empty where there is one size.
     pub label: String,
-    /// Keys of the scene, with what stands there instead.
-    pub changes: Map<String, Value>,
+    /// The whole scene, solved by the method at this size.
+    pub scene: Map<String, Value>,
+    /// The scene that trials run: without what only looks at the result.
+    pub trial: Map<String, Value>,
+    /// The keys of the scene that set the method and its size.
+    pub choice: Map<String, Value>,
 }
 
 /// How error and cost of a method go with its size, before anything was measured.
@@ -165,18 +167,15 @@ impl Method {
 }
 
 impl Rung {
-    /// A rung that replaces one key at the top of the scene.
-    ///
-    /// # Errors
-    /// Those of the value's `Serialize`.
-    pub fn replacing(
+    /// A rung from the scene at this size, the scene that trials run, and the part that sets the method; `None` where one is not JSON.
+    pub fn new(
         (size, label): (f64, String),
-        key: &str,
-        value: &impl Serialize,
-    ) -> Result<Self, serde_json::Error> {
-        let mut changes = Map::new();
-        changes.insert(key.to_owned(), serde_json::to_value(value)?);
-        Ok(Self { size, label, changes })
+        scene: &impl Serialize,
+        trial: &impl Serialize,
+        choice: &impl Serialize,
+    ) -> Option<Self> {
+        let (scene, trial) = (keys(scene).ok()?, keys(trial).ok()?);
+        Some(Self { size, label, scene, trial, choice: keys(choice).ok()? })
     }
 }
 
@@ -185,16 +184,6 @@ impl Answer {
     #[must_use]
     pub fn get(&self, id: &str) -> Option<&Quantity> {
         self.quantities.iter().find(|quantity| quantity.id == id)
-    }
-}
-
-impl Ladder {
-    /// The scene with the changes of a rung.
-    #[must_use]
-    pub fn scene_of(&self, rung: &Rung) -> Map<String, Value> {
-        let mut scene = self.scene.clone();
-        scene.extend(rung.changes.clone());
-        scene
     }
 }
 

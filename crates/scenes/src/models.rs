@@ -64,9 +64,8 @@ pub fn study(
     })?;
     let base = trials.iter().rev().find_map(|trial| Some((trial, trial.answer()?)));
     let Some((Trial { rung, .. }, answer)) = base else { return Ok(None) };
-    let whole = scene.ladder.scene_of(rung);
     let mut effects = Vec::new();
-    for ingredient in (scene.kind.ingredients)(&whole) {
+    for ingredient in (scene.kind.ingredients)(&rung.trial) {
         tell(&format!("without {}", ingredient.name));
         let outcome = try_scene(scene.kind, &scene.file, &ingredient.scene)?;
         effects.push((ingredient.name.clone(), effect(answer, &outcome, &ingredient, tolerance)));

@@ -100,7 +100,6 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
 }
 
 /// Make a method that advances `(q, v)` an integrator of the state `(q_1.., v_1..)`, for 1, 2 and 3 degrees of freedom.
-#[allow(unused_macros, reason = "for methods whose paths share nothing")]
 macro_rules! integrate_second_order {
     ($method:ty { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
         impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method
@@ -129,7 +128,6 @@ macro_rules! integrate_second_order {
         }
     )+ };
 }
-#[allow(unused_imports, reason = "for methods whose paths share nothing")]
 pub(crate) use integrate_second_order;
 
 /// The same for a method that does part of a step once for all paths of an ensemble: `prepare(system, t, dt, joints,

@@ -54,36 +54,3 @@ impl<const D: usize> Kernel<D> for CubicSpline {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use core::f64::consts::PI;
-
-    use super::*;
-
-    #[test]
-    fn normalisation_is_the_published_one() {
-        // Monaghan & Lattanzio 1985.
-        let ours = [
-            Kernel::<1>::normalisation(&CubicSpline),
-            Kernel::<2>::normalisation(&CubicSpline),
-            Kernel::<3>::normalisation(&CubicSpline),
-        ];
-        let published = [2.0 / 3.0, 10.0 / (7.0 * PI), 1.0 / PI];
-        for (ours, published) in ours.into_iter().zip(published) {
-            assert!((ours / published - 1.0).abs() < 1e-14, "{ours} {published}");
-        }
-    }
-
-    #[test]
-    fn pieces_meet_at_one_with_value_and_both_derivatives() {
-        // From either side: w = 1/4, w' = -3/4, w'' = 3/2 at q = 1.
-        let (below, above) = (1.0 - 1e-6, 1.0 + 1e-6);
-        let derivative = |q| Kernel::<3>::shape_derivative(&CubicSpline, q);
-        for q in [below, 1.0, above] {
-            assert!((Kernel::<3>::shape(&CubicSpline, q) - 0.25).abs() < 1e-6);
-            assert!((derivative(q) + 0.75).abs() < 2e-6);
-        }
-        assert!(((derivative(above) - derivative(below)) / (above - below) - 1.5).abs() < 1e-5);
-    }
-}

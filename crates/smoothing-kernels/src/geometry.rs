@@ -74,39 +74,3 @@ pub(crate) const fn beta(a: usize, b: usize) -> f64 {
     }
     value
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn surface_of_the_unit_sphere_is_the_textbook_value() {
-        // 2 pi^(D/2) / Gamma(D/2), Gamma(1/2) = sqrt(pi), Gamma(3/2) = sqrt(pi)/2, Gamma(5/2) = 3 sqrt(pi)/4.
-        let surfaces = [
-            unit_sphere_surface::<1>(),
-            unit_sphere_surface::<2>(),
-            unit_sphere_surface::<3>(),
-            unit_sphere_surface::<4>(),
-            unit_sphere_surface::<5>(),
-            unit_sphere_surface::<6>(),
-        ];
-        let textbook = [2.0, 2.0 * PI, 4.0 * PI, 2.0 * PI * PI, 8.0 * PI * PI / 3.0, PI * PI * PI];
-        for (surface, expected) in surfaces.into_iter().zip(textbook) {
-            // At most six roundings.
-            assert!((surface / expected - 1.0).abs() < 6.0 * f64::EPSILON, "{surface} {expected}");
-        }
-    }
-
-    #[test]
-    fn beta_of_integers_is_a_ratio_of_factorials() {
-        assert!((beta(1, 1) - 1.0).abs() < f64::EPSILON);
-        assert!((beta(3, 4) - 2.0 * 6.0 / 720.0).abs() < f64::EPSILON);
-        assert!((beta(4, 3) - beta(3, 4)).abs() < f64::EPSILON);
-    }
-
-    #[test]
-    fn power_is_repeated_multiplication() {
-        assert_eq!(power::<1>(3.0).to_bits(), 3.0_f64.to_bits());
-        assert_eq!(power::<6>(2.0).to_bits(), 64.0_f64.to_bits());
-    }
-}

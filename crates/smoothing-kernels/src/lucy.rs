@@ -47,31 +47,3 @@ impl<const D: usize> Kernel<D> for Lucy {
         const { 1.0 / (unit_sphere_surface::<D>() * (beta(D, 4) + 3.0 * beta(D + 1, 4))) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use core::f64::consts::PI;
-
-    use super::*;
-
-    #[test]
-    fn normalisation_is_the_published_one() {
-        // Canor & Denoel 2013, eq 9: alpha_2, alpha_3, alpha_4; alpha_1 = 1/(2 * 2/5).
-        let ours = [
-            Kernel::<1>::normalisation(&Lucy),
-            Kernel::<2>::normalisation(&Lucy),
-            Kernel::<3>::normalisation(&Lucy),
-            Kernel::<4>::normalisation(&Lucy),
-        ];
-        let published = [5.0 / 4.0, 5.0 / PI, 105.0 / (16.0 * PI), 28.0 / (PI * PI)];
-        for (ours, published) in ours.into_iter().zip(published) {
-            assert!((ours / published - 1.0).abs() < 1e-14, "{ours} {published}");
-        }
-    }
-
-    #[test]
-    fn shape_is_the_expanded_quartic() {
-        // (1 + 3q)(1 - q)^3 = 1 - 6 q^2 + 8 q^3 - 3 q^4 = 5/16 at q = 1/2.
-        assert!((Kernel::<2>::shape(&Lucy, 0.5) - 5.0 / 16.0).abs() < f64::EPSILON);
-    }
-}

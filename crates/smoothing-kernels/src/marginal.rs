@@ -132,27 +132,3 @@ fn unit_ball_volume(dimension: usize) -> f64 {
     }
     volume
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn volume_of_the_unit_ball_is_its_surface_over_the_dimension() {
-        assert!((unit_ball_volume(0) - 1.0).abs() < 1e-15);
-        assert!((unit_ball_volume(1) - unit_sphere_surface::<1>()).abs() < 1e-15);
-        assert!((unit_ball_volume(4) - unit_sphere_surface::<4>() / 4.0).abs() < 1e-14);
-        assert!((unit_ball_volume(5) - unit_sphere_surface::<5>() / 5.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn cap_of_half_a_ball_is_half_the_ball() {
-        // V_(D-1) J = V_D / 2 at c = 0; and the cap of height 1/2 of the unit ball is 5π/24.
-        let half_disc = unit_ball_volume(1) * cap::<2>(1.0, 0.0, 1.0);
-        assert!((half_disc - 0.5 * PI).abs() < 1e-15);
-        let half_ball = unit_ball_volume(5) * cap::<6>(1.0, 0.0, 1.0);
-        assert!((half_ball - 0.5 * unit_ball_volume(6)).abs() < 1e-14);
-        let cap_of_ball = unit_ball_volume(2) * cap::<3>(1.0, 0.5, 0.75_f64.sqrt());
-        assert!((cap_of_ball - 5.0 * PI / 24.0).abs() < 1e-15);
-    }
-}

@@ -76,36 +76,3 @@ impl<const D: usize> Kernel<D> for TruncatedGaussian {
         const { 1.0 / (unit_sphere_surface::<D>() * gaussian_moment::<D>(Self::TRUNCATION)) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use core::f64::consts::PI;
-
-    use super::*;
-
-    #[test]
-    fn normalisation_in_even_dimensions_is_elementary() {
-        // P(1, x) = 1 - e^-x; P(2, x) = 1 - e^-x (1 + x); P(3, x) = 1 - e^-x (1 + x + x^2/2), DLMF 8.4.9.
-        let tail = (-9.0_f64).exp();
-        let ours = [
-            Kernel::<2>::normalisation(&TruncatedGaussian),
-            Kernel::<4>::normalisation(&TruncatedGaussian),
-            Kernel::<6>::normalisation(&TruncatedGaussian),
-        ];
-        let elementary = [
-            1.0 / (PI * (1.0 - tail)),
-            1.0 / (PI.powi(2) * (1.0 - tail * 10.0)),
-            1.0 / (PI.powi(3) * (1.0 - tail * 50.5)),
-        ];
-        for (ours, elementary) in ours.into_iter().zip(elementary) {
-            assert!((ours / elementary - 1.0).abs() < 1e-14, "{ours} {elementary}");
-        }
-    }
-
-    #[test]
-    fn normalisation_in_one_dimension_is_that_of_the_error_function() {
-        // erf(3) = 0.99997790950300141455862722387 (Abramowitz & Stegun, table 7.1).
-        let expected = 1.0 / (PI.sqrt() * 0.999_977_909_503_001_4);
-        assert!((Kernel::<1>::normalisation(&TruncatedGaussian) / expected - 1.0).abs() < 1e-14);
-    }
-}

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use smoothing_kernels::{
-    Error, Kernel, all, corrected_gradient, renormalisation_matrix, shepard_factor,
+    Error, Kernel, SMALLEST_RECIPROCAL_CONDITION, SMALLEST_SHEPARD_SUM, all, corrected_gradient,
+    renormalisation_matrix, shepard_factor,
 };
 
 /// A lattice of unit spacing over one orthant, shaken by up to a fifth: the first point is its corner.
@@ -133,4 +134,46 @@ proptest! {
             Err(error) => prop_assert!(sum < 1e-10, "{error}"),
         }
     }
+}
+
+#[test]
+fn matrix_needs_its_pivots() {
+    // A permutation has zeros on the diagonal; its inverse is its transpose.
+    let cycle = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    assert_eq!(renormalisation_matrix(&cycle), Ok(cycle));
+}
+
+#[test]
+fn singular_moments_are_refused_with_value_and_limit() {
+    let limit = SMALLEST_RECIPROCAL_CONDITION;
+    // Neighbours on a line, none at all, one that is not a number, and two directions a hair apart.
+    for moment in [
+        [[1.0, 1.0], [1.0, 1.0]],
+        [[0.0, 0.0], [0.0, 0.0]],
+        [[f64::NAN, 0.0], [0.0, 1.0]],
+        [[1.0, 0.0], [0.0, 0.99e-8]],
+    ] {
+        match renormalisation_matrix(&moment) {
+            Err(Error::SingularMoment { value, limit: stated }) => {
+                assert!(value.is_nan() || value < limit, "{value}");
+                assert!((stated - limit).abs() < f64::EPSILON);
+            }
+            other => assert!(other.is_err(), "{moment:?} was taken: {other:?}"),
+        }
+    }
+    assert!(renormalisation_matrix(&[[1.0, 0.0], [0.0, 1.01e-8]]).is_ok());
+    assert_eq!(
+        renormalisation_matrix(&[[1.0, 0.0], [0.0, 0.0]]),
+        Err(Error::SingularMoment { value: 0.0, limit })
+    );
+}
+
+#[test]
+fn empty_neighbourhoods_have_no_shepard_factor() {
+    for value in [0.0, -1.0, 0.9e-10, f64::INFINITY] {
+        let refused = Err(Error::ShepardSum { value, limit: SMALLEST_SHEPARD_SUM });
+        assert_eq!(shepard_factor(value), refused);
+    }
+    assert!(shepard_factor(f64::NAN).is_err());
+    assert_eq!(shepard_factor(0.25), Ok(4.0));
 }

@@ -5,7 +5,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use serde_json::{Value, json};
+use scenes::fpk::method_scene::MethodScene as FpkMethod;
+use scenes::fpk::scene::{CloudScene, FpkScene, PlanesScene, Times};
+use scenes::peridyn::scene::CrackScene;
+use scenes::smpm::scene::{MethodScene, SmpmScene, TimeScene};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 use crate::context::CaseError;
 
@@ -14,91 +20,112 @@ use crate::context::CaseError;
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
-    text: &'static str,
-    /// JSON pointers and what stands there instead.
-    changes: Vec<Change>,
-    /// What makes it shorter, where a longer run goes on from a shorter one.
-    pub shorter: Option<Change>,
+    content: Value,
+    /// The same scene with an earlier end, where a longer run can continue a shorter one.
+    shorter: Option<Value>,
     /// Whether it can be divided.
     pub shards: bool,
 }
 
-/// A JSON pointer and the value that takes its place.
-pub type Change = (&'static str, Value);
+/// For each solver a density or a single run, where it has one, and an ensemble.
+///
+/// # Errors
+/// A built-in scene that is not of its type.
+pub fn scenes() -> Result<Vec<Scene>, CaseError> {
+    Ok(vec![density()?, paths()?, derivatives_of_a_plate()?, samples_of_a_plate()?, cracks(32)?])
+}
 
-/// Of each solver a density or a single run, where it has one, and an ensemble.
-pub fn scenes() -> Vec<Scene> {
-    let damper = include_str!("../../../tests/scenes/fpk/viscous_damper.json");
-    let plate = include_str!("../../../tests/scenes/smpm/plate_impact.json");
-    let judge = json!({ "samples": 400, "seed": 7, "control": true });
-    vec![
-        Scene {
-            name: "density",
-            text: damper,
-            changes: vec![
-                ("/times", json!({ "until": 5, "every": 0.1 })),
-                ("/planes", json!({ "states": [["q", "v"]], "times": [1, 2] })),
-                ("/cloud", json!({ "every_observations": 10 })),
-            ],
-            shorter: Some(("/times/until", json!(3))),
-            shards: false,
-        },
-        Scene {
-            name: "paths",
-            text: include_str!("../../../tests/ensembles/damper.json"),
-            changes: vec![("/method/monte_carlo/paths", json!(300_000))],
-            shorter: None,
-            shards: true,
-        },
-        Scene {
-            name: "derivatives-of-a-plate",
-            text: plate,
-            changes: vec![
-                ("/grid/cell", json!(0.02)),
-                ("/times", json!([0.5, [0.5, 1], 1, [1, 2], 2])),
-                ("/fields", json!(true)),
-            ],
-            shorter: Some(("/times", json!([0.5, [0.5, 1], 1]))),
-            shards: false,
-        },
-        Scene {
-            name: "samples-of-a-plate",
-            text: plate,
-            changes: vec![("/method", json!({ "monte_carlo": judge }))],
-            shorter: Some(("/method/monte_carlo/samples", json!(150))),
-            shards: true,
-        },
-        Scene {
-            name: "cracks",
-            text: include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json"),
-            changes: vec![
-                ("/ensemble/realisations", json!(32)),
-                ("/time/steps", json!(600)),
-                ("/output/vtu", json!([0, 12])),
-            ],
-            shorter: Some(("/ensemble/realisations", json!(20))),
-            shards: true,
-        },
-    ]
+fn density() -> Result<Scene, CaseError> {
+    let mut scene: FpkScene =
+        built_in(include_str!("../../../tests/scenes/fpk/viscous_damper.json"))?;
+    scene.times = Times { until: 5.0, every: 0.1 };
+    let states = vec![["q", "v"].map(str::to_owned)];
+    scene.planes = Some(PlanesScene { states, times: vec![1.0, 2.0] });
+    scene.cloud = Some(CloudScene { every_observations: 10 });
+    let named = Scene::new("density", &scene, false)?;
+    scene.times.until = 3.0;
+    named.shortened(&scene)
+}
+
+fn paths() -> Result<Scene, CaseError> {
+    let mut scene: FpkScene = built_in(include_str!("../../../tests/ensembles/damper.json"))?;
+    if let FpkMethod::MonteCarlo { paths, .. } = &mut scene.method {
+        *paths = 300_000;
+    }
+    Scene::new("paths", &scene, true)
+}
+
+fn plate() -> Result<SmpmScene, CaseError> {
+    built_in(include_str!("../../../tests/scenes/smpm/plate_impact.json"))
+}
+
+fn derivatives_of_a_plate() -> Result<Scene, CaseError> {
+    use TimeScene::{At, Mean};
+    let mut scene = plate()?;
+    scene.grid.cell = 0.02;
+    scene.times = vec![At(0.5), Mean([0.5, 1.0]), At(1.0), Mean([1.0, 2.0]), At(2.0)];
+    scene.fields = true;
+    let named = Scene::new("derivatives-of-a-plate", &scene, false)?;
+    scene.times.truncate(3);
+    named.shortened(&scene)
+}
+
+fn samples_of_a_plate() -> Result<Scene, CaseError> {
+    let mut scene = plate()?;
+    let sampled = |samples| MethodScene::MonteCarlo { samples, seed: 7, control: true };
+    scene.method = sampled(400);
+    let named = Scene::new("samples-of-a-plate", &scene, true)?;
+    scene.method = sampled(150);
+    named.shortened(&scene)
+}
+
+/// Cracks in so many realisations.
+///
+/// # Errors
+/// As [`scenes`](fn@scenes).
+pub fn cracks(realisations: u64) -> Result<Scene, CaseError> {
+    let text = include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json");
+    let mut scene: CrackScene = built_in(text)?;
+    scene.ensemble.realisations = realisations;
+    scene.time.steps = 600;
+    scene.output.vtu = vec![0, 12];
+    let named = Scene::new("cracks", &scene, true)?;
+    scene.ensemble.realisations = 20;
+    named.shortened(&scene)
+}
+
+fn built_in<T: DeserializeOwned>(text: &str) -> Result<T, CaseError> {
+    Ok(serde_json::from_str(text)?)
 }
 
 impl Scene {
-    /// The scene, with one more change, as a file in a folder.
+    fn new(name: &'static str, scene: &impl Serialize, shards: bool) -> Result<Self, CaseError> {
+        Ok(Self { name, content: serde_json::to_value(scene)?, shorter: None, shards })
+    }
+
+    fn shortened(self, shorter: &impl Serialize) -> Result<Self, CaseError> {
+        Ok(Self { shorter: Some(serde_json::to_value(shorter)?), ..self })
+    }
+
+    /// Writes the scene as a file into a folder.
     ///
     /// # Errors
-    /// A change at a place that the scene does not have; those of the file system.
-    pub fn write(&self, folder: &Path, more: Option<&Change>) -> Result<PathBuf, CaseError> {
-        let mut scene: Value = serde_json::from_str(self.text)?;
-        for (pointer, value) in self.changes.iter().chain(more) {
-            let (parent, key) = pointer.rsplit_once('/').ok_or("a pointer without a key")?;
-            let object = scene.pointer_mut(parent).and_then(Value::as_object_mut);
-            let object = object.ok_or_else(|| format!("no object at {parent}"))?;
-            object.insert(key.into(), value.clone());
-        }
-        let end = if more.is_some() { "-shorter" } else { "" };
-        let path = folder.join(format!("{}{end}.json", self.name));
-        scenes::output::write_json(&path, &scene)?;
+    /// Those of the file system.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, CaseError> {
+        let path = folder.join(format!("{}.json", self.name));
+        scenes::output::write_json(&path, &self.content)?;
         Ok(path)
+    }
+
+    /// Writes the shorter scene, where there is one.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write_shorter(&self, folder: &Path) -> Result<Option<PathBuf>, CaseError> {
+        let Some(shorter) = &self.shorter else { return Ok(None) };
+        let path = folder.join(format!("{}-shorter.json", self.name));
+        scenes::output::write_json(&path, shorter)?;
+        Ok(Some(path))
     }
 }
 

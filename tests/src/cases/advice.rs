@@ -118,7 +118,7 @@ fn judge_one(
     }
     let ladder = &scene.ladder;
     let Some(rung) = (ladder.methods[given.method].rung)(given.needed.size) else { return Ok(()) };
-    let ran = try_rung(scene.kind, &scene.file, ladder, given.method, rung)?;
+    let ran = try_rung(scene.kind, &scene.file, given.method, rung)?;
     let found = ran.answer().and_then(|answer| Some((answer.cpu_seconds, answer.get(&known.id)?)));
     let error = found.map(|(_, found)| (found.value - known.value).abs() / known.scale);
     // What was sampled may be off by two standard errors and no more was promised.

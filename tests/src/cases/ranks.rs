@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use figures::{ErrorKind, Measured, Reference};
+use figures::ErrorKind;
 use mpi_ensembles::ThreadRank;
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
@@ -14,7 +14,7 @@ use serde_json::Value;
 use work_precision::processes::{AS_SCENES, Scene, finish, outcome, piped, scenes, started};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::{Criterion, Subject};
+use crate::claim::Subject;
 use crate::report::Claim;
 
 pub(super) const CASE: Case = Case {
@@ -50,10 +50,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
     };
     let folder = std::env::temp_dir().join(format!("ranks-{}", std::process::id()));
-    let ensembles = scenes().into_iter().filter(|scene| scene.shards);
+    let ensembles = scenes()?.into_iter().filter(|scene| scene.shards);
     let claims: Result<Vec<_>, CaseError> = ensembles
         .map(|scene| {
-            let file = scene.write(&folder, None)?;
+            let file = scene.write(&folder)?;
             let alone = folder.join(format!("{}-alone", scene.name));
             finish(started(&file, &alone, &[])?)?;
             let entries = outcome(&alone)?;
@@ -115,12 +115,12 @@ impl Ensemble<'_> {
         expected: usize,
         reason: &'static str,
     ) -> Claim {
-        Claim::judge(
+        Claim::within(
             self.subject(name, quantity, method),
             ErrorKind::Absolute,
-            Measured::exact(found as f64),
-            Reference::exact(expected as f64),
-            Criterion::Within { tolerance: 0.0, reason },
+            (found as f64, expected as f64),
+            0.0,
+            reason,
         )
     }
 

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use figures::{ErrorKind, Measured, Reference};
+use figures::ErrorKind;
 use sde_integrators::{Noise, Purpose};
 use work_precision::processes::{
-    Change, Scene, command_of_scenes, finish, outcome, piped, scenes, started,
+    Scene, command_of_scenes, finish, outcome, piped, scenes, started,
 };
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::{Criterion, Subject};
+use crate::claim::Subject;
 use crate::report::Claim;
 
 pub(super) const CASE: Case = Case {
@@ -33,7 +33,7 @@ const fn n_kills(profile: Profile) -> u32 {
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let folder = std::env::temp_dir().join(format!("resume-{}", std::process::id()));
-    let claims = scenes()
+    let claims = scenes()?
         .iter()
         .enumerate()
         .map(|(number, scene)| of_scene(context, scene, (number as u64, &folder)))
@@ -48,7 +48,7 @@ fn of_scene(
     scene: &Scene,
     (number, folder): (u64, &Path),
 ) -> Result<Vec<Claim>, CaseError> {
-    let file = scene.write(folder, None)?;
+    let file = scene.write(folder)?;
     let undisturbed = folder.join(format!("{}-undisturbed", scene.name));
     let start = Instant::now();
     finish(started(&file, &undisturbed, &[])?)?;
@@ -61,8 +61,8 @@ fn of_scene(
         entries: outcome(&undisturbed)?,
     };
     let mut claims = of.killed(number)?;
-    if let Some(shorter) = &scene.shorter {
-        claims.push(of.longer(shorter)?);
+    if let Some(shorter) = scene.write_shorter(folder)? {
+        claims.push(of.longer(&shorter)?);
     }
     if scene.shards {
         claims.push(of.divided()?);
@@ -116,12 +116,12 @@ impl Undisturbed<'_> {
         let (method, reason) =
             ("SIGKILL, --resume", "a checkpoint holds all that the numbers of a run depend on");
         let every = |name: &str, quantity: &str, method: &str, found: u32, reason: &'static str| {
-            Claim::judge(
+            Claim::within(
                 self.subject(name, quantity, method),
                 ErrorKind::Absolute,
-                Measured::exact(f64::from(found)),
-                Reference::exact(f64::from(n)),
-                Criterion::Within { tolerance: 0.0, reason },
+                (f64::from(found), f64::from(n)),
+                0.0,
+                reason,
             )
         };
         let (resumed, refused) = ("runs that went on from a checkpoint", "runs that were refused");
@@ -135,9 +135,9 @@ impl Undisturbed<'_> {
     }
 
     /// A shorter run, and the rest of it.
-    fn longer(&self, shorter: &Change) -> Result<Claim, CaseError> {
-        let (file, out) = (self.scene.write(self.folder, Some(shorter))?, self.out("longer"));
-        finish(started(&file, &out, &[])?)?;
+    fn longer(&self, shorter: &Path) -> Result<Claim, CaseError> {
+        let out = self.out("longer");
+        finish(started(shorter, &out, &[])?)?;
         finish(started(&self.file, &out, &["--resume"])?)?;
         let reason = "the end of a scene changes nothing before it";
         Ok(self.same("longer", "a shorter run, --resume", self.n_different(&out)?, 1, reason))

@@ -171,17 +171,7 @@ fn hash(text: &[u8]) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-
-    const fn case(id: &'static str, cost: Profile) -> Case {
-        Case {
-            id,
-            title: "t",
-            source: "s",
-            cost,
-            schedule: crate::case::Schedule::Together,
-            run: |_| Ok(Vec::new()),
-        }
-    }
+    use crate::case::tests::case;
 
     const CASES: [Case; 3] = [
         case("self-check/a", Profile::Quick),

@@ -201,20 +201,19 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use figures::{ErrorKind, Measured, Reference};
+    use figures::ErrorKind;
 
     use super::super::table::Rows;
     use super::*;
     use crate::case::CaseError;
-    use crate::claim::Criterion;
 
     fn claim(context: &Context<'_>, name: &str, value: f64) -> Claim {
-        Claim::judge(
+        Claim::within(
             context.subject(name, "x", "", "by hand"),
             ErrorKind::Absolute,
-            Measured::exact(value),
-            Reference::exact(1.0),
-            Criterion::Within { tolerance: 0.5, reason: "a self-check" },
+            (value, 1.0),
+            0.5,
+            "a self-check",
         )
     }
 

@@ -98,17 +98,7 @@ fn no_match(cases: &[Case], filter: &str) -> VerifyError {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const fn case(id: &'static str, cost: Profile) -> Case {
-        Case {
-            id,
-            title: "t",
-            source: "s",
-            cost,
-            schedule: crate::case::Schedule::Together,
-            run: |_| Ok(Vec::new()),
-        }
-    }
+    use crate::case::tests::case;
 
     const CASES: [Case; 3] = [
         case("fpk-sph/linear-oscillator", Profile::Quick),

@@ -158,11 +158,12 @@ mod tests {
     fn ladder() -> Ladder {
         let lattice = || method(Growth::Lattice { dimensions: 2 });
         let methods = vec![lattice(), lattice(), method(Growth::Samples)];
-        Ladder { scene: Map::new(), methods, left_out: "" }
+        Ladder { methods, left_out: "" }
     }
 
     fn trial(method: usize, size: f64, value: f64, error: Option<f64>) -> Trial {
-        let rung = Rung { size, label: String::new(), changes: Map::new() };
+        let none = Map::new();
+        let rung = Rung::new((size, String::new()), &none, &none, &none).unwrap();
         let quantity =
             Quantity { id: "a".into(), words: "a".into(), value, error, scale: value.abs() };
         let answer = Answer { cpu_seconds: size, quantities: vec![quantity] };

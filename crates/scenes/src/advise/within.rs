@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use figures::number::short;
+use serde_json::Value;
 
 use super::{Advice, AdviseError, Options, Tried, Unreached, advise_on};
 use crate::kind::{self, Progress, SceneKind, kind_of};
@@ -54,14 +55,10 @@ pub fn run_within(
     let advice = advise_on(kind, &file, wanted, Tried::Own, progress)?;
     let candidates = advice.candidates_for_all();
     let best = candidates.first().ok_or_else(|| not_reached(&advice))?;
-    let Some((label, changes)) = advice.changes(best) else { return Err(not_reached(&advice)) };
-    let label = advice.ladder.methods[best.method].at(&label);
+    let rung = advice.rung(best).ok_or_else(|| not_reached(&advice))?;
+    let label = advice.ladder.methods[best.method].at(&rung.label);
     progress.stage(&label);
-    let mut keys = file.keys().clone();
-    if let Some(keys) = keys.as_object_mut() {
-        keys.extend(changes);
-    }
-    let refined = file.with_keys(keys);
+    let refined = file.with_keys(Value::Object(rung.scene));
     let files = kind.run_file(&refined, options, progress)?;
     let judged: Vec<&str> = (0..advice.judgements.len())
         .filter(|&q| advice.is_known(q))

@@ -113,9 +113,8 @@ fn cheapest(advice: &Advice) -> String {
 
 fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
     let method = &advice.ladder.methods[candidate.method];
-    let name = advice
-        .changes(candidate)
-        .map_or_else(|| method.name.clone(), |(label, _)| method.at(&label));
+    let rung = advice.rung(candidate);
+    let name = rung.map_or_else(|| method.name.clone(), |rung| method.at(&rung.label));
     let mark = if candidate.needed.beyond > 1.0 + 1e-9 { "~" } else { "" };
     [markdown::text(&name), format!("{mark}{}", short(Some(candidate.needed.cost)))]
 }
@@ -147,8 +146,8 @@ fn verdict(advice: &Advice) -> String {
             "No method is seen to bring all of them within {within}. A larger --budget sees further; --quantity asks for less."
         );
     };
-    let Some((label, changes)) = advice.changes(best) else { return String::new() };
-    let name = advice.ladder.methods[best.method].at(&label);
+    let Some(rung) = advice.rung(best) else { return String::new() };
+    let name = advice.ladder.methods[best.method].at(&rung.label);
     let cost = short(Some(best.needed.cost));
     let seen = if best.needed.beyond > 1.0 + 1e-9 {
         format!("expected, {:.1} times the largest size that was tried", best.needed.beyond)
@@ -156,7 +155,7 @@ fn verdict(advice: &Advice) -> String {
         "as tried".to_owned()
     };
     let keys: Vec<String> =
-        changes.iter().map(|(key, value)| format!("  \"{key}\": {}", compact(value))).collect();
+        rung.choice.iter().map(|(key, value)| format!("  \"{key}\": {}", compact(value))).collect();
     format!(
         "For all of them within {within}: {name}, {cost} s of CPU ({seen}).\nWrite into the scene:\n{}\n",
         keys.join(",\n")

@@ -56,11 +56,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`RunError::Shards`].
-    pub(crate) fn require(
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    ) -> Result<(), RunError> {
+    pub fn require(what: &'static str, found: usize, expected: usize) -> Result<(), RunError> {
         if found == expected {
             return Ok(());
         }

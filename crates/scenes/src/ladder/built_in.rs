@@ -95,7 +95,7 @@ impl BuiltIn {
     /// # Errors
     /// [`LadderError`].
     pub fn costs(&self, trial: &Trial, again: usize) -> Result<Vec<f64>, LadderError> {
-        repeated_costs(self.kind, &self.file, &self.ladder, trial, again)
+        repeated_costs(self.kind, &self.file, trial, again)
     }
 }
 

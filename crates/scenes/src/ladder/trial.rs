@@ -91,7 +91,7 @@ pub fn climb(
             continue;
         }
         tell(climbed, &rung);
-        let trial = try_rung(kind, file, ladder, method, rung)?;
+        let trial = try_rung(kind, file, method, rung)?;
         let cost = trial.answer().map(|answer| answer.cpu_seconds);
         trials.push(trial);
         match cost {
@@ -120,11 +120,10 @@ const MOST_FAILURES: u32 = 2;
 pub fn try_rung(
     kind: &SceneKind,
     file: &SceneFile,
-    ladder: &Ladder,
     method: usize,
     rung: Rung,
 ) -> Result<Trial, LadderError> {
-    let outcome = try_scene(kind, file, &ladder.scene_of(&rung))?;
+    let outcome = try_scene(kind, file, &rung.trial)?;
     Ok(Trial { method, rung, outcome })
 }
 
@@ -135,14 +134,13 @@ pub fn try_rung(
 pub fn repeated_costs(
     kind: &SceneKind,
     file: &SceneFile,
-    ladder: &Ladder,
     trial: &Trial,
     again: usize,
 ) -> Result<Vec<f64>, LadderError> {
     let Some(answer) = trial.answer() else { return Ok(Vec::new()) };
     let mut costs = vec![answer.cpu_seconds];
     for _ in 0..again {
-        let outcome = try_scene(kind, file, &ladder.scene_of(&trial.rung))?;
+        let outcome = try_scene(kind, file, &trial.rung.trial)?;
         if let Outcome::Answered(answer) = outcome {
             costs.push(answer.cpu_seconds);
         }

@@ -111,7 +111,7 @@ fn drawings_of(
     trials: Vec<Trial>,
     scatters: &[Option<f64>],
 ) -> Result<Vec<Drawing>, CaseError> {
-    let title = scene.ladder.scene["title"].as_str().unwrap_or_default().to_owned();
+    let title = scene.file.text_at_top("title").unwrap_or_default();
     let (folder, name) = scene.name.split_once('/').unwrap_or(("", &scene.name));
     let stem = format!("{folder}-scene-{}", name.replace('_', "-"));
     // The tolerance plays no part in what trials know.

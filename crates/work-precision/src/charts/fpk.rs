@@ -378,11 +378,7 @@ pub fn exceedance(
     name: &str,
 ) -> Result<Drawing, CaseError> {
     context.progress(&format!("{name}: exceedance over time"));
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("no density method")?;
+    let config = problem.density_config(1.0)?;
     let thresholds = &problem.scene.thresholds;
     let asked = Asked {
         times: problem.scene.times.list(),

@@ -7,11 +7,10 @@ use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use scenes::kind::{BlockRecord, JobRecord};
 use scenes::machine::Machine;
 use sde_integrators::{Noise, Purpose, Stream};
-use serde_json::json;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::processes::{command_of_scenes, finish, piped, scenes};
+use crate::processes::{command_of_scenes, cracks, finish, piped, scenes};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "mpi",
@@ -109,12 +108,12 @@ fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
 fn measure(context: &Context<'_>) -> Result<Vec<Measured>, CaseError> {
     let folder = tempfile::tempdir()?;
     let mut measured = Vec::new();
-    for scene in scenes().into_iter().filter(|scene| scene.shards) {
+    // Enough blocks for a spread.
+    let cracks = cracks(192)?;
+    for scene in scenes()?.into_iter().filter(|scene| scene.shards) {
+        let scene = if scene.name == cracks.name { &cracks } else { &scene };
         context.progress(scene.name);
-        // Enough blocks for a spread.
-        let more = ("/ensemble/realisations", json!(192));
-        let more = (scene.name == "cracks").then_some(&more);
-        let (file, out) = (scene.write(folder.path(), more)?, folder.path().join(scene.name));
+        let (file, out) = (scene.write(folder.path())?, folder.path().join(scene.name));
         let mut command = command_of_scenes()?;
         command.arg("run").arg(file).arg("--out").arg(&out).args(["--threads", "1", "--blocks"]);
         finish(piped(command)?)?;

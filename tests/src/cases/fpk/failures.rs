@@ -34,11 +34,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
          up to roundoff: seen at 1.75, 3.28 and 3.57 with the same formulas summed in another order or another last bit of the \
          damper's power; the prototype stalled at 3.2",
     )?];
-    let fit = problem
-        .scene
-        .method
-        .density_config(period, 1.0)
-        .ok_or("the scene has no density method")?;
+    let fit = problem.density_config(1.0)?;
     let long =
         Combination { step: StepRule::Fixed { dt: 0.25 }, ..Method::LogDensityFit.combination() };
     claims.push(ended(

@@ -168,11 +168,7 @@ const DAMPER_THRESHOLDS: [f64; 3] = [0.5, 0.75, 1.0];
 const INTERVAL: f64 = 0.1;
 
 fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> {
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), refinement)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(refinement)?;
     Ok(Config { method: Method::FlowMapFit, ..config })
 }
 

@@ -27,11 +27,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (Problem::viscous_damper()?, "viscous-damper"),
         (Problem::linear_oscillator()?, "linear-oscillator"),
     ] {
-        let config = problem
-            .scene
-            .method
-            .density_config(problem.system.period(), 1.0)
-            .ok_or("the scene has no density method")?;
+        let config = problem.density_config(1.0)?;
         match problem.system.clone() {
             Oscillator::Linear(system) => {
                 claims.extend(density(context, &problem, scene, &system, &config)?);

@@ -45,11 +45,7 @@ struct Exactness {
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::linear_oscillator()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(1.0)?;
     let (run, exactness) = density_run(context, &problem, &config)?;
     let method = run.words("log-density fit, box of 7 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
@@ -62,11 +58,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::linear_oscillator()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(1.0)?;
     let config = Config { method: Method::FlowMapFit, ..config };
     let (run, exactness) = density_run(context, &problem, &config)?;
     let method = run.words("flow-map fit, box of 7 sigma");

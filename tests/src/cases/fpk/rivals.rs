@@ -100,12 +100,12 @@ fn grid<S: Sde<2, 1, Noise = sde_integrators::Additive>>(
         }
     }
     let roundoff = "each mass goes into one cell whole or in two parts: 480 roundings of 1e-16 in each of 16,384 cells";
-    claims.push(Claim::judge(
+    claims.push(Claim::within(
         context.subject(&format!("{scene}/grid/mass"), "largest |mass - 1|", "", &method),
         ErrorKind::Absolute,
-        Measured::exact(loss),
-        Reference::exact(0.0),
-        Criterion::Within { tolerance: 1e-12, reason: roundoff },
+        (loss, 0.0),
+        1e-12,
+        roundoff,
     ));
     let limited =
         "a remapped mass lies between nothing and that of its cell, and the noise only averages";
@@ -170,12 +170,12 @@ fn duffing_on_a_grid(
     let claim = |name: &str, quantity: &str, kind, value: f64, reference: f64, tolerance: f64| {
         let reason = "what is left of the start, exp(-2 xi w t) = 3e-4, and the second order of the step: \
                       (omega dt)^2/12 = 9e-4, times z^2/2 in a tail";
-        Claim::judge(
+        Claim::within(
             context.subject(&format!("duffing/grid/{name}"), quantity, "", &method),
             kind,
-            Measured::exact(value),
-            Reference::exact(reference),
-            Criterion::Within { tolerance, reason },
+            (value, reference),
+            tolerance,
+            reason,
         )
     };
     let tail = *exact.exceedance.get("2").ok_or("no reference beyond 2")?;

@@ -57,11 +57,7 @@ const AFTER: [f64; 3] = [7.0, 8.0, 10.0];
 
 fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(1.0)?;
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
     let run = problem.density(&config, &asked(&times, &problem, true))?;
     let method = run.words("log-density fit, box of 6 sigma");
@@ -81,11 +77,7 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 fn refined(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 2.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(2.0)?;
     let run = problem.density(&config, &asked(&SHAKING, &problem, false))?;
     let method = run.words("log-density fit, box of 6 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
@@ -148,11 +140,7 @@ const FLOW_MAP_FLOOR: f64 = 1e-7;
 
 fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(1.0)?;
     let config = Config { method: Method::FlowMapFit, ..config };
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
     let run = problem.density(&config, &asked(&times, &problem, true))?;
@@ -180,11 +168,7 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// What fresh lattices buy: nothing in the moments, the far tail while there is noise.
 fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
-    let config = problem
-        .scene
-        .method
-        .density_config(problem.system.period(), 1.0)
-        .ok_or("the scene has no density method")?;
+    let config = problem.density_config(1.0)?;
     let remapping = Remapping { most_uneven: 1.0, ..Remapping::MEASURED };
     let times = [6.0, 7.0, 8.0, 10.0];
     let mut claims = Vec::new();

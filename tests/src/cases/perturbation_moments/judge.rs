@@ -174,13 +174,7 @@ fn way(
         "",
         "against dual numbers",
     );
-    Claim::judge(
-        subject,
-        ErrorKind::Absolute,
-        Measured::exact(error),
-        Reference::exact(0.0),
-        Criterion::Within { tolerance, reason },
-    )
+    Claim::within(subject, ErrorKind::Absolute, (error, 0.0), tolerance, reason)
 }
 
 /// The same bits on 1, 2 and 8 threads.

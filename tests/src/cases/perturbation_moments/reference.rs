@@ -60,13 +60,7 @@ fn errors(context: &Context<'_>, case: &ReferenceCase, assessed: &Assessed) -> V
     rows.into_iter()
         .map(|(name, quantity, method, error, tolerance, reason)| {
             let subject = context.subject(&format!("{}/{name}", case.id()), quantity, "", method);
-            Claim::judge(
-                subject,
-                ErrorKind::Absolute,
-                Measured::exact(error),
-                Reference::exact(0.0),
-                Criterion::Within { tolerance, reason },
-            )
+            Claim::within(subject, ErrorKind::Absolute, (error, 0.0), tolerance, reason)
         })
         .collect()
 }
@@ -138,12 +132,6 @@ fn closed_means(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "tensor Gauss-Hermite",
     );
     let reason = "two derivations of the reference agree to what is claimed of it";
-    let quadrature = Claim::judge(
-        subject,
-        ErrorKind::Absolute,
-        Measured::exact(agreement),
-        Reference::exact(0.0),
-        Criterion::Within { tolerance: 1e-11, reason },
-    );
+    let quadrature = Claim::within(subject, ErrorKind::Absolute, (agreement, 0.0), 1e-11, reason);
     Ok(vec![mean, quadrature])
 }

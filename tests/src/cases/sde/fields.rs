@@ -72,7 +72,7 @@ fn implicit_claims(
     let exact: f64 = eigenvalues(UNKNOWNS).map(|l| 0.5 / l).sum();
     let by_step: f64 =
         eigenvalues(UNKNOWNS).map(|l| stationary_variance(factors(0.5)(-l * dt), dt)).sum();
-    let same_law = Claim::judge(
+    let same_law = Claim::within(
         context.subject(
             "rod/linear-theta-law",
             "E sum x_i^2 of the method over that of the equation",
@@ -80,9 +80,9 @@ fn implicit_claims(
             "theta = 1/2, h = 1, formula of a step",
         ),
         ErrorKind::Relative,
-        Measured::exact(by_step),
-        Reference::exact(exact),
-        Criterion::Within { tolerance: 1e-12, reason: "roundoff of eight terms" },
+        (by_step, exact),
+        1e-12,
+        "roundoff of eight terms",
     );
     Ok(vec![
         same_law,

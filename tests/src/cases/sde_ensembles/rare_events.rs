@@ -1,6 +1,6 @@
 //! Rare events and smaller errors: importance sampling, subset simulation, control variates, antithetic paths.
 
-use figures::{ErrorKind, Measured, Reference};
+use figures::{ErrorKind, Measured};
 use sde_integrators::{
     Additive, DrivenPath, Ensemble, EnsembleConfig, Error, EulerMaruyama, Noise, Observable,
     Sampling, Sde, SimdLevel, StrangOscillator, Study, SubsetConfig, design_point,
@@ -9,7 +9,6 @@ use sde_integrators::{
 
 use super::{Oscillator, against_exact, upper_tail};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -54,7 +53,7 @@ fn oscillator(context: &Context<'_>, system: Oscillator) -> Result<Vec<Claim>, C
     let config = SubsetConfig { n_samples: 1_000, correlation: 0.8, n_runs };
     let subset = subset_simulation(&response, n_normals, threshold, &Noise::new(4), &config)?;
     Ok(vec![
-        Claim::judge(
+        Claim::within(
             context.subject(
                 "design-point",
                 "reliability index of q(6)",
@@ -62,12 +61,9 @@ fn oscillator(context: &Context<'_>, system: Oscillator) -> Result<Vec<Claim>, C
                 "FORM, 120 Strang steps",
             ),
             ErrorKind::Relative,
-            Measured::exact(point.reliability_index),
-            Reference::exact(4.5),
-            Criterion::Within {
-                tolerance: 2e-3,
-                reason: "the variance of 120 Strang steps errs by (omega h)^2 of order 1e-3",
-            },
+            (point.reliability_index, 4.5),
+            2e-3,
+            "the variance of 120 Strang steps errs by (omega h)^2 of order 1e-3",
         ),
         against_exact(
             context,

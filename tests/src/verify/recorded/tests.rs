@@ -3,7 +3,7 @@ use scenes::machine::Machine;
 
 use super::rows::MOST_ROWS;
 use super::*;
-use crate::case::{Case, Schedule};
+use crate::case::tests::case;
 use crate::claim::{Criterion, Subject};
 use crate::report::Claim;
 use crate::verify::fingerprint::tests::workspace;
@@ -47,14 +47,7 @@ fn report(claims: Vec<Claim>) -> Report {
 
 fn page(name: &str, claims: Vec<Claim>) -> String {
     let root = workspace(name);
-    let case = Case {
-        id: "self-check/page",
-        title: "",
-        source: "",
-        cost: Profile::Quick,
-        schedule: Schedule::Together,
-        run: |_| Ok(Vec::new()),
-    };
+    let case = case("self-check/page", Profile::Quick);
     let fingerprint = Fingerprint::read(&root, &[case], Profile::Default).unwrap();
     std::fs::remove_dir_all(&root).unwrap();
     let page = render_record(&report(claims), &fingerprint);

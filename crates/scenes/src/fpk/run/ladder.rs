@@ -1,7 +1,10 @@
 //! A density scene by every method that solves it.
 
+use std::sync::Arc;
+
 use fpk_sph::Method as FpkMethod;
-use serde_json::{Map, Value};
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::fpk::integrator_scene::IntegratorScene;
 use crate::fpk::lattice_scene::LatticeScene;
@@ -9,7 +12,7 @@ use crate::fpk::law_scene::LawScene;
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::scene::{FpkScene, Times};
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
 
 /// Steps of a sampled path in a period: where a splitting or a method of order 1.5 is used, and for forward Euler.
@@ -26,19 +29,21 @@ const SEED: u64 = 20_260_101;
 /// The methods that solve a scene, its own first.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let (scene, system) = file.build::<FpkScene>()?;
+    let scene = Arc::new(scene);
     let states = system.states().len();
     let mut methods = Vec::new();
     let own = own_lattice(&scene.method);
     let lattice = own.cloned().unwrap_or_else(|| default_lattice(states));
     for (name, fit) in FITS {
-        methods.push((fit(lattice.clone()), by_lattice(name, lattice.clone(), fit, states)));
+        methods
+            .push((fit(lattice.clone()), by_lattice(&scene, name, lattice.clone(), fit, states)));
     }
     if let Some(method) = papers(&scene, states) {
         methods.push(method);
     }
     let period = system.reference_period();
     for &integrator in system.integrators() {
-        let (own, mut method) = sampled(integrator, period, &scene.method);
+        let (own, mut method) = sampled(&scene, integrator, period);
         if system.integrators().len() == 1 {
             method.standing = Standing::Judge;
         }
@@ -51,17 +56,16 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     };
     methods.sort_by_key(|(method, _)| !is_own(method));
     let methods = methods.into_iter().map(|(_, method)| method).collect();
-    Ok(Ladder { scene: bare(&scene)?, methods, left_out: LEFT_OUT })
+    Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
 const LEFT_OUT: &str = "Sampled paths judge others where they are stepped by a splitting or to order 1.5, not by forward Euler; the bias of their step is in no standard error.";
 
 /// The scene observed at its last time alone, without pictures.
-fn bare(scene: &FpkScene) -> Result<Map<String, Value>, RunError> {
+fn bare(scene: &FpkScene) -> FpkScene {
     let until = scene.times.until;
     let times = Times { until, every: until };
-    let bare = FpkScene { times, planes: None, cloud: None, ..scene.clone() };
-    keys(&bare).map_err(RunError::solver)
+    FpkScene { times, planes: None, cloud: None, ..scene.clone() }
 }
 
 type Fit = fn(LatticeScene) -> MethodScene;
@@ -112,10 +116,17 @@ fn first_intervals(states: usize) -> f64 {
     }
 }
 
-fn by_lattice(name: &str, lattice: LatticeScene, fit: Fit, states: usize) -> Method {
+fn by_lattice(
+    scene: &Arc<FpkScene>,
+    name: &str,
+    lattice: LatticeScene,
+    fit: Fit,
+    states: usize,
+) -> Method {
+    let scene = scene.clone();
     let rung = move |intervals: f64| {
         let (lattice, size, label) = with_intervals(&lattice, intervals);
-        of_method(size, label, &fit(lattice))
+        of_method(&scene, size, label, fit(lattice))
     };
     Method {
         name: name.to_owned(),
@@ -148,8 +159,15 @@ fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64,
     }
 }
 
-fn of_method(size: f64, label: String, method: &MethodScene) -> Option<Rung> {
-    Rung::replacing((size, label), "method", method).ok()
+/// The key that sets a method.
+#[derive(Serialize)]
+struct Choice<'a> {
+    method: &'a MethodScene,
+}
+
+fn of_method(scene: &FpkScene, size: f64, label: String, method: MethodScene) -> Option<Rung> {
+    let scene = FpkScene { method, ..scene.clone() };
+    Rung::new((size, label), &scene, &bare(&scene), &Choice { method: &scene.method })
 }
 
 /// A number of particles along an axis.
@@ -158,7 +176,7 @@ fn count(size: f64) -> usize {
 }
 
 /// The method of the paper as printed, where it is told how to start: two states, a Gaussian.
-fn papers(scene: &FpkScene, states: usize) -> Option<(MethodScene, Method)> {
+fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)> {
     let LawScene::Gaussian { standard_deviation, .. } = &scene.initial else { return None };
     if states != 2 {
         return None;
@@ -173,10 +191,10 @@ fn papers(scene: &FpkScene, states: usize) -> Option<(MethodScene, Method)> {
         support_over_spacing: paper.support_over_spacing,
         scheme: None,
     };
-    let own = of(2);
+    let (own, scene) = (of(2), scene.clone());
     let rung = move |intervals: f64| {
         let n = 1 + count(intervals);
-        of_method(n as f64 - 1.0, format!("{n} x {n}"), &of(n))
+        of_method(&scene, n as f64 - 1.0, format!("{n} x {n}"), of(n))
     };
     let method = Method {
         name: "Canor & Denoël 2013 as printed".to_owned(),
@@ -189,7 +207,11 @@ fn papers(scene: &FpkScene, states: usize) -> Option<(MethodScene, Method)> {
 }
 
 /// Monte Carlo; the step is the scene's where it samples by this integrator.
-fn sampled(integrator: IntegratorScene, period: f64, own: &MethodScene) -> (MethodScene, Method) {
+fn sampled(
+    scene: &Arc<FpkScene>,
+    integrator: IntegratorScene,
+    period: f64,
+) -> (MethodScene, Method) {
     // Steps of first order leave a bias that is larger than the scatter of many paths.
     let standing = match integrator {
         IntegratorScene::EulerMaruyama | IntegratorScene::SemiImplicitEuler => Standing::Judged,
@@ -197,7 +219,7 @@ fn sampled(integrator: IntegratorScene, period: f64, own: &MethodScene) -> (Meth
         | IntegratorScene::StrangBoucWen
         | IntegratorScene::Shark => Standing::Judge,
     };
-    let (step, seed) = match own {
+    let (step, seed) = match &scene.method {
         MethodScene::MonteCarlo { step, seed, integrator: theirs, .. } if *theirs == integrator => {
             (*step, *seed)
         }
@@ -208,9 +230,10 @@ fn sampled(integrator: IntegratorScene, period: f64, own: &MethodScene) -> (Meth
         }
     };
     let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, integrator, seed };
+    let scene = scene.clone();
     let rung = move |paths: f64| {
         let paths = whole(two_digits(paths));
-        of_method(paths as f64, format!("{paths} paths"), &of(paths))
+        of_method(&scene, paths as f64, format!("{paths} paths"), of(paths))
     };
     let method = Method {
         name: format!("Monte Carlo, {}, step {step} s", integrator.name()),

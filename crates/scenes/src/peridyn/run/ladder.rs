@@ -1,9 +1,10 @@
 //! A scene of cracks by every scheme and precision that runs it.
 
-use serde_json::{Map, Value};
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, whole};
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, whole};
 use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
 use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
 use crate::scene::SceneFile;
@@ -16,8 +17,7 @@ const LEFT_OUT: &str = "All trials have the spacing, the horizon and the step of
 /// The ways to run a scene, its own first: other precisions, and in overdamped dynamics other explicit schemes at the same step. An
 /// implicit one is for larger steps, so that at the same it could only lose.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
-    let mut scene: CrackScene = file.parse()?;
-    scene.output.vtu.clear();
+    let scene: CrackScene = file.parse()?;
     let own = scheme(&scene.dynamics);
     let mut schemes = vec![own];
     if own.is_some() {
@@ -35,7 +35,14 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     };
     let ways = schemes.iter().flat_map(|&scheme| precisions.map(|precision| (scheme, precision)));
     let methods = ways.map(|way| method(&scene, way)).collect();
-    Ok(Ladder { scene: keys(&scene).map_err(RunError::solver)?, methods, left_out: LEFT_OUT })
+    Ok(Ladder { methods, left_out: LEFT_OUT })
+}
+
+/// The keys that set a method and its size.
+#[derive(Serialize)]
+struct Choice<'a> {
+    dynamics: &'a DynamicsScene,
+    ensemble: &'a EnsembleScene,
 }
 
 fn scheme_words(scheme: SchemeScene) -> String {
@@ -70,15 +77,17 @@ fn method(
         PrecisionScene::F32 => "f32",
     };
     let name = scheme.map_or_else(|| "BAOAB".to_owned(), scheme_words);
-    let seed = scene.ensemble.seed;
+    let ensemble = EnsembleScene { precision, ..scene.ensemble.clone() };
+    let scene = CrackScene { dynamics, ensemble, ..scene.clone() };
     let rung = move |size: f64| {
+        let mut scene = scene.clone();
         let realisations = whole(size);
-        let ensemble = EnsembleScene { realisations, seed, precision };
-        let mut changes = Map::new();
-        changes.insert("dynamics".to_owned(), serde_json::to_value(&dynamics).ok()?);
-        changes.insert("ensemble".to_owned(), serde_json::to_value(&ensemble).ok()?);
+        scene.ensemble.realisations = realisations;
+        let mut trial = scene.clone();
+        trial.output.vtu.clear();
+        let choice = Choice { dynamics: &scene.dynamics, ensemble: &scene.ensemble };
         let label = format!("{realisations} realisations");
-        Some(Rung { size: realisations as f64, label, changes })
+        Rung::new((realisations as f64, label), &scene, &trial, &choice)
     };
     Method {
         name: format!("{name}, {lanes}"),

@@ -1,9 +1,10 @@
 //! A scene of bodies by every method that finds mean and variance.
 
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, keys, two_digits, whole};
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
@@ -39,10 +40,22 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
         own.1 = scene.method;
     }
     methods.sort_by_key(|(_, method)| *method != scene.method);
+    let methods = methods.into_iter().map(|(name, method)| sized(&scene, name, method)).collect();
+    Ok(Ladder { methods, left_out: LEFT_OUT })
+}
+
+/// The keys that set a method.
+#[derive(Serialize)]
+struct Choice {
+    method: MethodScene,
+}
+
+/// The scene by a method at one size. Trials look at the last time alone, and write no fields.
+fn rung(scene: &SmpmScene, method: MethodScene, size: (f64, String)) -> Option<Rung> {
+    let scene = SmpmScene { method, ..scene.clone() };
     let last = scene.times.last().copied();
-    let bare = SmpmScene { fields: false, times: last.into_iter().collect(), ..scene };
-    let methods = methods.into_iter().map(|(name, method)| sized(name, method)).collect();
-    Ok(Ladder { scene: keys(&bare).map_err(RunError::solver)?, methods, left_out: LEFT_OUT })
+    let trial = SmpmScene { fields: false, times: last.into_iter().collect(), ..scene.clone() };
+    Rung::new(size, &scene, &trial, &Choice { method })
 }
 
 const fn sampled(control: bool) -> MethodScene {
@@ -60,19 +73,20 @@ fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
     }
 }
 
-fn sized(name: &str, method: MethodScene) -> Method {
+fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
     let (growth, standing, first) = match method {
         MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_SAMPLES),
         _ => (Growth::Fixed, Standing::Judged, 1.0),
     };
+    let scene = scene.clone();
     let rung = move |size: f64| {
         if let MethodScene::MonteCarlo { seed, control, .. } = method {
             let samples = whole(two_digits(size));
             let method = MethodScene::MonteCarlo { samples, seed, control };
             let size = (samples as f64, format!("{samples} samples"));
-            return Rung::replacing(size, "method", &method).ok();
+            return rung(&scene, method, size);
         }
-        (size <= 1.0).then(|| Rung::replacing((1.0, String::new()), "method", &method).ok())?
+        (size <= 1.0).then(|| rung(&scene, method, (1.0, String::new())))?
     };
     Method { name: name.to_owned(), growth, standing, first, rung: Box::new(rung) }
 }

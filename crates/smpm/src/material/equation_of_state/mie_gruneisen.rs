@@ -172,8 +172,6 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
 
 #[cfg(test)]
 mod tests {
-    use perturbation_moments::Jet;
-
     use super::super::laws::{pressure, slopes_and_bulk_modulus};
     use super::*;
 
@@ -243,32 +241,6 @@ mod tests {
         assert!(equation.admit(pole + 1e-6).is_ok());
         let fault = equation.admit(pole - 1e-6).unwrap_err();
         assert!(fault.value < 0.0 && fault.to_string().contains("greater than 0"), "{fault}");
-    }
-
-    #[test]
-    fn a_jet_carries_the_derivative_by_every_parameter() {
-        for volume in [0.8, 1.1] {
-            let mut lane = 0;
-            let seeded = WHOLE.map(|_, value| {
-                lane += 1;
-                Jet::variable(value, lane - 1)
-            });
-            let energy = Jet::constant(0.05);
-            let of = |p: MieGruneisenParameters<f64>| {
-                let equation = MieGruneisen::new(p).unwrap();
-                (pressure(&equation, volume, 0.05), equation.bulk_modulus(volume, 0.05))
-            };
-            let equation = MieGruneisen::new(seeded).unwrap();
-            let jet = pressure(&equation, Jet::constant(volume), energy);
-            let modulus = equation.bulk_modulus(Jet::constant(volume), energy);
-            for (k, name) in MieGruneisenParameters::<f64>::NAMES.iter().enumerate() {
-                let moved = |h: f64| of(WHOLE.map(|n, v| if n == *name { v + h } else { v }));
-                let (above, below) = (moved(1e-5), moved(-1e-5));
-                let close = |a: f64, b: f64| (a - b).abs() < 1e-8 * (1.0 + b.abs());
-                assert!(close(jet.first[k], (above.0 - below.0) / 2e-5), "{name}");
-                assert!(close(modulus.first[k], (above.1 - below.1) / 2e-5), "{name}");
-            }
-        }
     }
 
     #[test]

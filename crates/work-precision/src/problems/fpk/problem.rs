@@ -56,6 +56,15 @@ impl Problem {
         Ok(Self { scene, system, law, reference })
     }
 
+    /// The configuration of the scene's density method, with so many times its intervals along each axis.
+    ///
+    /// # Errors
+    /// A scene with another method.
+    pub fn density_config(&self, refinement: f64) -> Result<Config<2>, CaseError> {
+        let config = self.scene.method.density_config(self.system.period(), refinement);
+        config.ok_or_else(|| "the scene has no density method".into())
+    }
+
     /// Runs the density solver on it.
     ///
     /// A run that ends early is a result: its rows so far, with the reason in [`DensityRun::stopped`].

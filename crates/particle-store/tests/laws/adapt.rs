@@ -1,7 +1,5 @@
 //! Particles added, split and merged: what is conserved, whose ids last, and what is refused.
 
-#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
-
 use particle_store::{Child, Error, Handle, ParticleStore, Rule, Rules, SymmetricTensor};
 use proptest::prelude::*;
 

@@ -1,7 +1,5 @@
 //! Morton order is an order, keeps near what is near, and does not care where the cloud is or how large.
 
-#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
-
 use particle_store::{Error, Lattice, ParticleStore, morton_order};
 use proptest::prelude::*;
 

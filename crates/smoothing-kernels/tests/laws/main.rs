@@ -1,7 +1,15 @@
 //! What every kernel obeys in every dimension, looped over the table.
 
+// Private to the crate: its error is measured at the arguments themselves, which no distance gives exactly.
+#[path = "../../src/exponential.rs"]
+mod exponential;
+mod published;
+#[path = "../../../lanes/tests/shared/reference.rs"]
+#[allow(dead_code, reason = "only the exponential is asked for")]
+mod reference;
+
 use proptest::prelude::*;
-use smoothing_kernels::{Kernel, TruncatedGaussian, all, power};
+use smoothing_kernels::{Kernel, TruncatedGaussian, all, power, unit_sphere_surface};
 use std::f64::consts::PI;
 
 /// Runs a law in one to six dimensions.
@@ -45,6 +53,18 @@ fn quadrature(f: impl Fn(f64) -> f64, a: f64, b: f64, panels: usize) -> f64 {
 /// Height of the step at the edge of the support, as a part of the peak: zero but for the cut Gaussian.
 fn step_at_the_edge(name: &str) -> f64 {
     if name == "TruncatedGaussian" { (-TruncatedGaussian::TRUNCATION.powi(2)).exp() } else { 0.0 }
+}
+
+fn surface_and_power_are_those_of_the_textbook<const D: usize>() {
+    // At most six roundings.
+    let relative = unit_sphere_surface::<D>() / surface(D) - 1.0;
+    assert!(relative.abs() < 6.0 * f64::EPSILON, "{D} dimensions: {relative}");
+    assert_eq!(power::<D>(2.0).to_bits(), f64::from(1_u32 << D).to_bits());
+}
+
+#[test]
+fn surface_of_the_unit_sphere_and_powers_are_those_of_the_textbook() {
+    in_every_dimension!(surface_and_power_are_those_of_the_textbook());
 }
 
 fn integral_is_one<const D: usize>(h: f64) {

@@ -3,8 +3,6 @@
 //! `checks/read_with_vtk.py` reads the golden files back with VTK and compares every value; VTK 9.7.2 passed it.
 //! After a wanted change run the tests with `PARTICLE_STORE_BLESS=1`, and then that script.
 
-#![expect(clippy::unwrap_used, reason = "a writer that cannot be put to the test has failed")]
-
 use std::path::Path;
 
 use particle_store::{Attribute, Error, Handle, ParticleStore, SymmetricTensor, write_pvd};

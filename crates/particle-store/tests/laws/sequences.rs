@@ -1,7 +1,5 @@
 //! Whatever is done to a store in whatever order, it is what a list of structs would be; what is refused changes nothing.
 
-#![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
-
 use particle_store::{Attribute, Child, Error, ParticleStore, Rule, Rules, SymmetricTensor};
 use proptest::prelude::*;
 

@@ -1,17 +1,22 @@
 //! The force of bonds: the one text from which the paths over lattices, lists and lanes are made.
 //!
-//! A path reads `xi` and `eta` of a bond, has the direction and the relative squared elongation from [`component`], the pull from
+//! A path reads `xi` and `eta` of bonds, has direction and relative squared elongation from [`component`], the pull from
 //! [`SquaredElongation`], and adds `stiffness/length pull direction` to one end and its opposite to the other. Only reading and
-//! adding are written three times: neighbouring bonds are at consecutive places of a lattice, at scattered nodes of a list, and at
-//! the same nodes of all lanes. A common function for that would have to take the places as an argument, and a register
-//! that is filled from places known only at run time costs more than the force itself.
+//! adding are written three times, for places in memory that have nothing in common:
+//!
+//! - a lattice reads `N` registers of neighbouring sites, whose constants and sums stay in registers over all vectors;
+//! - realisations read the lanes of two nodes, one bond after the other;
+//! - a list of one realisation has a bond to scattered nodes in each lane. It computes components of a node side by side, before
+//!   the registers of bonds: filling these from places known only at run time costs more than the force itself.
+//!
+//! A common function would take these places as arguments; the compiler then keeps addresses where the sums would be.
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Lanes, MOST_LANES, Mask, Registers};
+use lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
 
 use super::LaneBits;
 use crate::real::Real;
@@ -75,39 +80,34 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
     ///
     /// The pull of a bond depends on no other lane, so that the bits do not depend on how many there are.
     #[inline(always)]
-    pub(super) fn pull<const LINEAR: bool>(self, limit: V, found: impl FnOnce(LaneBits)) -> V {
-        if self.is_beyond(Self::near::<LINEAR>(limit)) {
-            return self.far_pull::<LINEAR>(limit, found);
+    pub(super) fn pull<R: Registers<V::Number, Vector = V>, const LINEAR: bool>(
+        self,
+        registers: R,
+        limit: V,
+        found: impl FnOnce(LaneBits),
+    ) -> V {
+        let pull = self.near_pull::<LINEAR>();
+        if !self.is_beyond(Self::near::<LINEAR>(limit)) {
+            return pull;
         }
-        self.near_pull::<LINEAR>()
+        let (mut values, mut limits) =
+            ([V::Number::ZERO; MOST_LANES], [V::Number::ZERO; MOST_LANES]);
+        registers.store_at(self.0, &mut values, 0);
+        registers.store_at(limit, &mut limits, 0);
+        registers.apart(Far::<_, _, LINEAR> { values: &mut values, limits: &limits, found });
+        registers.load_at(&values, 0)
     }
 
     /// Below which `|w|` no bond is at its limit and [`near_pull`](Self::near_pull) is its pull.
     #[inline(always)]
-    pub(super) fn near<const LINEAR: bool>(limit: V) -> V {
+    fn near<const LINEAR: bool>(limit: V) -> V {
         if LINEAR { limit } else { limit.min(limit.splat(V::Number::SERIES_RANGE)) }
     }
 
     /// Whether in any lane `|w| >= limit`.
     #[inline(always)]
-    pub(super) fn is_beyond(&self, limit: V) -> bool {
+    fn is_beyond(&self, limit: V) -> bool {
         self.0.abs().at_least(limit).any()
-    }
-
-    /// [`pull`](Self::pull) of any bonds. The rule of bond failure in a force evaluation: a bond whose elongation is at its
-    /// limit.
-    #[inline(always)]
-    fn far_pull<const LINEAR: bool>(mut self, limit: V, found: impl FnOnce(LaneBits)) -> V {
-        let reached = self.0.at_least(limit);
-        if reached.any() {
-            found(lanes_of(reached));
-            self.0 = V::select(reached, limit.splat(V::Number::ZERO), self.0);
-        }
-        if LINEAR {
-            return self.near_pull::<true>();
-        }
-        let is_far = self.0.abs().at_least(limit.splat(V::Number::SERIES_RANGE));
-        V::select(is_far, self.closed_pull(), self.near_pull::<false>())
     }
 
     /// `1 - 1/sqrt(1 + w)` as `w/(sqrt(1 + w) (1 + sqrt(1 + w)))`, which loses no digits.
@@ -120,7 +120,7 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
 
     /// [`pull`](Self::pull) of bonds in the range of the series, below their limit.
     #[inline(always)]
-    pub(super) fn near_pull<const LINEAR: bool>(&self) -> V {
+    fn near_pull<const LINEAR: bool>(&self) -> V {
         let w = self.0;
         if LINEAR {
             return w * w.splat(V::Number::of(0.5));
@@ -133,6 +133,36 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
             sum = pair(of) + sum * square;
         }
         sum * w
+    }
+}
+
+/// The pull of a register in which not all bonds are near: a function of its own, so that the common path keeps its registers.
+struct Far<'a, T, F, const LINEAR: bool> {
+    /// The relative squared elongations of bonds, then their pulls.
+    values: &'a mut [T; MOST_LANES],
+    limits: &'a [T; MOST_LANES],
+    /// Gets the lanes of bonds at their limit.
+    found: F,
+}
+
+impl<T: Real, F: FnOnce(LaneBits), const LINEAR: bool> Work<T> for Far<'_, T, F, LINEAR> {
+    type Output = ();
+
+    /// The rule of bond failure in a force evaluation: a bond whose elongation is at its limit.
+    #[inline(always)]
+    fn run<R: Registers<T>>(self, registers: R) {
+        let mut elongation = SquaredElongation(registers.load_at(self.values, 0));
+        let reached = elongation.0.at_least(registers.load_at(self.limits, 0));
+        if reached.any() {
+            (self.found)(lanes_of(reached));
+            elongation.0 = R::Vector::select(reached, registers.splat(T::ZERO), elongation.0);
+        }
+        let mut pull = elongation.near_pull::<LINEAR>();
+        if !LINEAR {
+            let is_far = elongation.0.abs().at_least(registers.splat(T::SERIES_RANGE));
+            pull = R::Vector::select(is_far, elongation.closed_pull(), pull);
+        }
+        registers.store_at(pull, self.values, 0);
     }
 }
 

@@ -7,10 +7,10 @@
 
 use std::ops::Range;
 
-use lanes::{MOST_LANES, Registers, Work};
+use lanes::{Registers, Work};
 
 use super::LaneBits;
-use super::bond_force::{Separation, SquaredElongation};
+use super::bond_force::Separation;
 use super::stencil::{GROUP, Sites, Stencil, Vector};
 use crate::real::Real;
 
@@ -115,7 +115,7 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
         (group, words): (usize, &[LaneBits]),
     ) {
         let lanes = R::N;
-        let near = SquaredElongation::near::<LINEAR>(registers.splat(self.limit));
+        let limit = registers.splat(self.limit);
         let mut sums = [[registers.splat(T::ZERO); D]; N];
         let here = self.u.map(|u| &u[group..group + N * lanes]);
         for (number, (vector, &word)) in self.vectors.iter().zip(words).enumerate() {
@@ -138,16 +138,10 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
                     &eta,
                     word >> at,
                 );
-                let elongation = separation.elongation;
-                let mut pull = elongation.near_pull::<LINEAR>();
-                if elongation.is_beyond(near) {
-                    let mut values = [T::ZERO; MOST_LANES];
-                    registers.store_at(elongation.0, &mut values, 0);
-                    let (limit, reached) = (self.limit, &mut *self.reached);
-                    let (of_lanes, first) = (&mut values, (group + at, number));
-                    registers.apart(Far::<T, LINEAR> { values: of_lanes, limit, reached, first });
-                    pull = registers.load_at(&values, 0);
-                }
+                let pull = separation.elongation.pull::<R, LINEAR>(registers, limit, |reached| {
+                    let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
+                    self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
+                });
                 let tension = stiffness * pull;
                 for k in 0..D {
                     let force = tension * separation.direction[k];
@@ -164,34 +158,6 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
                 registers.store_at(here + sum[k], self.forces[k], at);
             }
         }
-    }
-}
-
-/// The pull of a register whose bonds are not all near, as a function of its own, so that the common path keeps all registers.
-/// Lists need no such function: their kernels hold fewer values at a time.
-struct Far<'a, T, const LINEAR: bool> {
-    /// The relative squared elongations of bonds, then their pulls.
-    values: &'a mut [T; MOST_LANES],
-    limit: T,
-    reached: &'a mut Vec<(usize, usize)>,
-    /// Site of the first lane, and number of the vector.
-    first: (usize, usize),
-}
-
-impl<T: Real, const LINEAR: bool> Work<T> for Far<'_, T, LINEAR> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<R: Registers<T>>(self, registers: R) {
-        let (site, number) = self.first;
-        let elongation = SquaredElongation(registers.load_at(self.values, 0));
-        // Its check is a repetition, by which the compiler takes what follows for rare: constants stay in registers outside.
-        let pull = elongation.pull::<LINEAR>(registers.splat(self.limit), |reached| {
-            for lane in (0..R::N).filter(|lane| reached & 1 << lane != 0) {
-                self.reached.push((site + lane, number));
-            }
-        });
-        registers.store_at(pull, self.values, 0);
     }
 }
 

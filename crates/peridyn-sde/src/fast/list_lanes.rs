@@ -62,7 +62,7 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
             let moved = (self.u, &u_i);
             let separation = all.separation::<R, LINEAR>(registers, (bond, [i, j]), moved, first);
             let limit = self.limit(registers, bond, first);
-            let pull = separation.elongation.pull::<LINEAR>(limit, |reached| {
+            let pull = separation.elongation.pull::<R, LINEAR>(registers, limit, |reached| {
                 let lanes = reached << first;
                 self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
             });

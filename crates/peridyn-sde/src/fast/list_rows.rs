@@ -172,7 +172,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
             let elongation = load(&square) * load(inverse_squares);
             let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
             let limit = load(limits).max(registers.splat(least));
-            let pull = elongation.pull::<LINEAR>(limit, |reached| {
+            let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
                 for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
                     let bond = first + lane;
                     self.reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });

@@ -7,8 +7,11 @@
 
 use std::fmt;
 
+use crate::numbers::Lanes;
 use crate::portable::Portable;
 use crate::registers::{Registers, Work};
+#[cfg(target_arch = "x86_64")]
+use crate::x86::On;
 
 /// A level of vector instructions that this machine has.
 ///
@@ -72,14 +75,15 @@ impl SimdLevel {
     ///
     /// What the work calls is compiled for the level only where it is inlined: mark it `#[inline(always)]`.
     #[inline]
-    pub fn run<W: Work>(self, work: W) -> W::Output {
-        match self.0 {
-            Level::Portable => work.run(Portable::new()),
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx2(token) => token.vectorize(On { registers: token, work }),
-            #[cfg(target_arch = "x86_64")]
-            Level::Avx512(token) => token.vectorize(On { registers: token, work }),
-        }
+    pub fn run<T: Float, W: Work<T>>(self, work: W) -> W::Output {
+        T::run_at(self, work)
+    }
+
+    /// As [`run`](Self::run), AVX2 at most: for work that moves numbers between lanes, which gains nothing from wider
+    /// registers. It is compiled for no others.
+    #[inline]
+    pub fn run_narrow<T: Float, W: Work<T>>(self, work: W) -> W::Output {
+        T::run_narrow_at(self, work)
     }
 
     /// Runs a closure compiled for this level, as [`dispatch`] does for the widest.
@@ -120,38 +124,66 @@ pub fn dispatch<R>(work: impl FnMut() -> R) -> R {
 /// longer than the arithmetic.
 #[inline]
 pub fn dispatch_narrow<R>(work: impl FnMut() -> R) -> R {
-    // Not by a level: what runs at any level is compiled for all of them.
+    // Not by a level, of which each compiles the closure.
     #[cfg(target_arch = "x86_64")]
-    if let Some(registers) = pulp::x86::V3::try_new() {
-        return registers.vectorize(On { registers, work: Repeatable(work) });
+    if let Some(token) = pulp::x86::V3::try_new() {
+        return token.vectorize(On::new(token, Repeatable(work)));
     }
     Repeatable(work).run(Portable::new())
 }
 
-/// Work on the registers of a level, as pulp takes it.
-#[cfg(target_arch = "x86_64")]
-struct On<R, W> {
-    registers: R,
-    work: W,
+/// A number that registers hold: `f64` or `f32`.
+pub trait Float:
+    Lanes<Number = Self, Mask = bool> + PartialOrd + Default + fmt::Debug + Send + Sync + 'static
+{
+    /// Runs work at a level; the caller writes [`SimdLevel::run`].
+    #[doc(hidden)]
+    fn run_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output;
+    /// Runs work at a level, AVX2 at most; the caller writes [`SimdLevel::run_narrow`].
+    #[doc(hidden)]
+    fn run_narrow_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output;
 }
 
-#[cfg(target_arch = "x86_64")]
-impl<R: Registers<f32>, W: Work> pulp::NullaryFnOnce for On<R, W> {
-    type Output = W::Output;
+macro_rules! float {
+    ($real:ty) => {
+        impl Float for $real {
+            #[inline]
+            fn run_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output {
+                match level.0 {
+                    Level::Portable => work.run(Portable::new()),
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx2(token) => token.vectorize(On::new(token, work)),
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx512(token) => token.vectorize(On::new(token, work)),
+                }
+            }
 
-    #[inline(always)]
-    fn call(self) -> W::Output {
-        self.work.run(self.registers)
-    }
+            #[inline]
+            fn run_narrow_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output {
+                match level.0 {
+                    Level::Portable => work.run(Portable::new()),
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx2(token) => token.vectorize(On::new(token, work)),
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx512(token) => {
+                        let narrow: pulp::x86::V3 = *token;
+                        narrow.vectorize(On::new(narrow, work))
+                    }
+                }
+            }
+        }
+    };
 }
+float!(f64);
+float!(f32);
 
 struct Once<F>(F);
 
-impl<R, F: FnOnce() -> R> Work for Once<F> {
+impl<R, F: FnOnce() -> R> Work<f64> for Once<F> {
     type Output = R;
 
     #[inline(always)]
-    fn run<V: Registers<f32>>(self, _: V) -> R {
+    fn run<V: Registers<f64>>(self, _: V) -> R {
         self.0()
     }
 }
@@ -160,11 +192,11 @@ impl<R, F: FnOnce() -> R> Work for Once<F> {
 /// callers, and would then be compiled for the narrowest registers.
 struct Repeatable<F>(F);
 
-impl<R, F: FnMut() -> R> Work for Repeatable<F> {
+impl<R, F: FnMut() -> R> Work<f64> for Repeatable<F> {
     type Output = R;
 
     #[inline(always)]
-    fn run<V: Registers<f32>>(mut self, _: V) -> R {
+    fn run<V: Registers<f64>>(mut self, _: V) -> R {
         (self.0)()
     }
 }

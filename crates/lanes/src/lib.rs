@@ -2,11 +2,14 @@
 
 mod elementary;
 mod level;
+mod numbers;
 mod portable;
 mod registers;
+mod sealed;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub use elementary::{exp, ln, minus_twice_ln, power, sin_cos};
-pub use level::{SimdLevel, dispatch, dispatch_narrow};
+pub use level::{Float, SimdLevel, dispatch, dispatch_narrow};
+pub use numbers::{Lanes, Mask};
 pub use registers::{MOST_LANES, Registers, Work};

@@ -1,18 +1,25 @@
-//! Registers where the compiler chooses them: loops over arrays of eight.
+//! Registers where the compiler chooses them: loops over arrays of 32 bytes.
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use crate::registers::{Registers, blocks, chunk_mut, private};
+use std::array::from_fn;
+use std::ops::{Add, Div, Mul, Sub};
+
+use crate::numbers::{Lanes, Mask};
+use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
+use crate::sealed::Sealed;
 
 /// Instructions that every machine has.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Portable {
-    /// Every x86-64 has it, and it makes a mask of four comparisons at once.
+pub struct Portable {
+    /// Every x86-64 has them, and they make a mask of several comparisons at once.
     #[cfg(target_arch = "x86_64")]
     sse: pulp::core_arch::x86::Sse,
+    #[cfg(target_arch = "x86_64")]
+    sse2: pulp::core_arch::x86::Sse2,
 }
 
 impl Portable {
@@ -21,82 +28,160 @@ impl Portable {
         Self {
             #[cfg(target_arch = "x86_64")]
             sse: pulp::core_arch::x86::Sse::try_new().expect("every x86-64 has SSE"),
+            #[cfg(target_arch = "x86_64")]
+            sse2: pulp::core_arch::x86::Sse2::try_new().expect("every x86-64 has SSE2"),
         }
     }
 }
 
-/// Lanes.
-const N: usize = 8;
+impl Sealed for Portable {}
 
-#[inline(always)]
-fn each(value: impl Fn(usize) -> f32) -> [f32; N] {
-    core::array::from_fn(value)
+/// The operators on arrays of numbers.
+macro_rules! operator {
+    ($trait:ident, $function:ident, $operator:tt) => {
+        impl<T: Lanes, const N: usize> $trait for Packed<Portable, [T; N]> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                self.each(|k| self.1[k] $operator other.1[k])
+            }
+        }
+    };
+}
+operator!(Add, add, +);
+operator!(Sub, sub, -);
+operator!(Mul, mul, *);
+operator!(Div, div, /);
+
+impl<V, const N: usize> Packed<Portable, [V; N]> {
+    #[inline(always)]
+    fn each<W>(self, value: impl Fn(usize) -> W) -> Packed<Portable, [W; N]> {
+        Packed(self.0, from_fn(value))
+    }
 }
 
-/// Every value is written, and the next writes over it unless it was in the mask: no branch to mispredict.
-#[inline(always)]
-fn to_front<T: Copy>(mask: u32, values: &[T; N], out: &mut [T; N]) -> usize {
-    let mut end = 0;
-    for k in 0..N {
-        out[end & (N - 1)] = values[k];
-        end += (mask >> k & 1) as usize;
-    }
-    end
+/// Numbers of one type: `$n` of them, with masks of words of the same size, all bits of a word set or none.
+macro_rules! portable {
+    ($real:ty, $n:literal, $word:ty, $bits:item) => {
+        impl Lanes for Packed<Portable, [$real; $n]> {
+            type Number = $real;
+            type Mask = Packed<Portable, [$word; $n]>;
+
+            #[inline(always)]
+            fn splat(self, value: $real) -> Self {
+                Self(self.0, [value; $n])
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.each(|k| self.1[k].sqrt())
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.each(|k| self.1[k].abs())
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                self.each(|k| Lanes::min(self.1[k], other.1[k]))
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                self.each(|k| Lanes::max(self.1[k], other.1[k]))
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> Self::Mask {
+                self.each(|k| if self.1[k] < other.1[k] { <$word>::MAX } else { 0 })
+            }
+            #[inline(always)]
+            fn at_least(self, other: Self) -> Self::Mask {
+                self.each(|k| if self.1[k] >= other.1[k] { <$word>::MAX } else { 0 })
+            }
+            #[inline(always)]
+            fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self {
+                inside.each(|k| if mask.1[k] != 0 { inside.1[k] } else { outside.1[k] })
+            }
+        }
+
+        impl Mask for Packed<Portable, [$word; $n]> {
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.bits() != 0
+            }
+            #[inline(always)]
+            #[cfg(target_arch = "x86_64")]
+            #[expect(clippy::cast_sign_loss, reason = "the bits of a movemask")]
+            $bits
+            #[inline(always)]
+            #[cfg(not(target_arch = "x86_64"))]
+            fn bits(self) -> u32 {
+                (0..$n).fold(0, |bits, k| bits | u32::from(self.1[k] != 0) << k)
+            }
+        }
+
+        impl Registers<$real> for Portable {
+            blocks!($real, $n);
+            const MASKS_ARE_BITS: bool = false;
+            type Vector = Packed<Self, [$real; $n]>;
+
+            #[inline(always)]
+            fn splat(self, value: $real) -> Self::Vector {
+                Packed(self, [value; $n])
+            }
+            #[inline(always)]
+            fn load(self, values: &Self::Block) -> Self::Vector {
+                Packed(self, *values)
+            }
+            #[inline(always)]
+            fn store_at(self, vector: Self::Vector, values: &mut [$real], at: usize) {
+                *chunk_mut(values, at) = vector.1;
+            }
+            #[inline(always)]
+            fn mask(self, bits: u32) -> <Self::Vector as Lanes>::Mask {
+                Packed(self, from_fn(|k| if bits >> k & 1 != 0 { <$word>::MAX } else { 0 }))
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+                a * b + c
+            }
+            #[inline(always)]
+            fn compress(self, mask: u32, vector: Self::Vector, out: &mut [$real], to: usize) {
+                to_front::<_, $n>(mask, &vector.1, chunk_mut(out, to));
+            }
+            #[inline(always)]
+            fn compress_indices(
+                self,
+                mask: u32,
+                ids: &Self::Indices,
+                out: &mut [u32],
+                to: usize,
+            ) -> usize {
+                to_front::<_, $n>(mask, ids, chunk_mut(out, to))
+            }
+            #[inline(never)]
+            fn apart<W: Work<$real>>(self, work: W) -> W::Output {
+                work.run(self)
+            }
+        }
+    };
 }
 
-impl private::Sealed for Portable {}
-
-impl Registers<f32> for Portable {
-    blocks!(8);
-    type Vector = [f32; N];
-
-    #[inline(always)]
-    fn splat(self, value: f32) -> Self::Vector {
-        [value; N]
-    }
-    #[inline(always)]
-    fn load(self, values: &Self::Block) -> Self::Vector {
-        *values
-    }
-    #[inline(always)]
-    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        each(|k| a[k] + b[k])
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        each(|k| a[k] - b[k])
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        each(|k| a[k] * b[k])
-    }
-    #[inline(always)]
-    fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
-        each(|k| a[k] * b[k] + c[k])
-    }
-    #[inline(always)]
-    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        each(|k| if a[k] > b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    #[cfg(target_arch = "x86_64")]
-    #[expect(clippy::cast_sign_loss, reason = "the bits of a movemask")]
-    fn less(self, a: Self::Vector, b: Self::Vector) -> u32 {
-        let (a, b): ([_; 2], [_; 2]) = (pulp::cast(a), pulp::cast(b));
-        let half = |k: usize| self.sse._mm_movemask_ps(self.sse._mm_cmplt_ps(a[k], b[k])) as u32;
+portable!(
+    f32,
+    8,
+    u32,
+    fn bits(self) -> u32 {
+        let halves: [_; 2] = pulp::cast(self.1);
+        let half = |k: usize| self.0.sse._mm_movemask_ps(halves[k]) as u32;
         half(0) | half(1) << 4
     }
-    #[inline(always)]
-    #[cfg(not(target_arch = "x86_64"))]
-    fn less(self, a: Self::Vector, b: Self::Vector) -> u32 {
-        (0..N).fold(0, |mask, k| mask | u32::from(a[k] < b[k]) << k)
+);
+portable!(
+    f64,
+    4,
+    u64,
+    fn bits(self) -> u32 {
+        let halves: [_; 2] = pulp::cast(self.1);
+        let half = |k: usize| self.0.sse2._mm_movemask_pd(halves[k]) as u32;
+        half(0) | half(1) << 2
     }
-    #[inline(always)]
-    fn compress_indices(self, mask: u32, ids: &Self::Indices, out: &mut [u32], to: usize) -> usize {
-        to_front(mask, ids, chunk_mut(out, to))
-    }
-    #[inline(always)]
-    fn compress(self, mask: u32, vector: Self::Vector, out: &mut [f32], to: usize) {
-        to_front(mask, &vector, chunk_mut(out, to));
-    }
-}
+);

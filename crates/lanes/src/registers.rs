@@ -1,19 +1,29 @@
-//! Registers of a level: vectors of numbers, and masks with a bit for each lane.
+//! Registers of a level: how they are filled, stored and compressed.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use crate::numbers::Lanes;
+use crate::sealed::Sealed;
 
 /// The most lanes that a register of any level has. Pad slices by it where a block at the end may reach beyond them.
 pub const MOST_LANES: usize = 16;
 
-/// Registers of a level for numbers of the type `T`, with masks: bit `k` is lane `k`.
+/// Registers of a level for numbers of the type `T`, `f64` or `f32`; arithmetic and comparisons are those of [`Lanes`].
 ///
 /// Every function compiles to an instruction or a few. Only [`SimdLevel::run`](crate::SimdLevel::run) hands registers
-/// out, so that they exist only where the machine has them. Here for `T = f32`.
+/// out, so that they exist only where the machine has them.
 ///
 /// Panics: slices shorter than what is read or written, as indexing does.
-pub trait Registers<T>: Copy + private::Sealed {
+pub trait Registers<T>: Copy + Sealed {
     /// Lanes of a register, at most [`MOST_LANES`].
     const N: usize;
+    /// Whether [`mask`](Self::mask) costs nothing, since the level's masks are a bit for each lane.
+    const MASKS_ARE_BITS: bool;
     /// A register.
-    type Vector: Copy;
+    type Vector: Lanes<Number = T>;
     /// `N` numbers in memory.
     type Block;
     /// `N` indices in memory.
@@ -30,43 +40,45 @@ pub trait Registers<T>: Copy + private::Sealed {
     fn splat(self, value: T) -> Self::Vector;
     /// A block as a register.
     fn load(self, values: &Self::Block) -> Self::Vector;
-    /// `a + b`.
-    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a - b`.
-    fn sub(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a b`.
-    fn mul(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// The numbers of a slice from an index on.
+    #[inline(always)]
+    fn load_at(self, values: &[T], at: usize) -> Self::Vector {
+        self.load(Self::block_at(values, at))
+    }
+    /// Writes a register to a slice from an index on.
+    fn store_at(self, vector: Self::Vector, values: &mut [T], at: usize);
+    /// The mask of the lowest `N` bits: lane `k` is bit `k`.
+    fn mask(self, bits: u32) -> <Self::Vector as Lanes>::Mask;
     /// `a b + c`, rounded once or twice: **the one function whose bits depend on the level**.
     fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// The larger of two finite numbers.
-    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// The mask of `a < b`.
-    fn less(self, a: Self::Vector, b: Self::Vector) -> u32;
     /// Writes the lanes of a mask one after the other to `out[to..]`; the rest of `out[to..to + N]` is left undefined.
     fn compress(self, mask: u32, vector: Self::Vector, out: &mut [T], to: usize);
     /// As [`compress`](Self::compress), of indices; returns how many they are.
     fn compress_indices(self, mask: u32, ids: &Self::Indices, out: &mut [u32], to: usize) -> usize;
+    /// Runs work as a function of its own at the same level: a rare branch of a loop, which would otherwise take registers
+    /// from the frequent one.
+    fn apart<W: Work<T>>(self, work: W) -> W::Output;
 }
 
 /// Work that [`SimdLevel::run`](crate::SimdLevel::run) compiles once for each level.
 ///
-/// Write it with the functions of [`Registers`], or as a loop that the compiler vectorises and that leaves the registers
+/// Write it with [`Registers`] and [`Lanes`], or as a loop that the compiler vectorises and that leaves the registers
 /// unused. Mark `run`, and what it calls, `#[inline(always)]`.
 ///
 /// ```
-/// use lanes::{Registers, SimdLevel, Work};
+/// use lanes::{Lanes, Mask, Registers, SimdLevel, Work};
 ///
 /// /// How many numbers are below a limit.
 /// struct CountBelow<'a>(&'a [f32], f32);
 ///
-/// impl Work for CountBelow<'_> {
+/// impl Work<f32> for CountBelow<'_> {
 ///     type Output = u32;
 ///
 ///     #[inline(always)]
 ///     fn run<R: Registers<f32>>(self, registers: R) -> u32 {
 ///         let limit = registers.splat(self.1);
 ///         let blocks = R::blocks(self.0).iter();
-///         blocks.map(|block| registers.less(registers.load(block), limit).count_ones()).sum()
+///         blocks.map(|block| registers.load(block).less(limit).bits().count_ones()).sum()
 ///     }
 /// }
 ///
@@ -75,41 +87,55 @@ pub trait Registers<T>: Copy + private::Sealed {
 ///     assert_eq!(level.run(CountBelow(&values, 10.0)), 10);
 /// }
 /// ```
-pub trait Work {
+pub trait Work<T> {
     /// What the work returns.
     type Output;
     /// The work, on the registers of a level.
-    fn run<R: Registers<f32>>(self, registers: R) -> Self::Output;
+    fn run<R: Registers<T>>(self, registers: R) -> Self::Output;
 }
 
-pub(crate) mod private {
-    /// Registers are those of the levels of this crate.
-    pub trait Sealed {}
-}
+/// Values, or a mask, that the instructions of a level compute with.
+#[derive(Debug, Clone, Copy)]
+pub struct Packed<L, V>(pub(crate) L, pub(crate) V);
+
+impl<L, V> Sealed for Packed<L, V> {}
 
 /// The `N` entries of a slice from an index on.
-#[allow(clippy::inline_always, reason = "part of loops inside a dispatched function")]
 #[inline(always)]
 pub(crate) fn chunk<T, const N: usize>(slice: &[T], at: usize) -> &[T; N] {
     slice[at..at + N].first_chunk().expect("a slice of N")
 }
 
 /// As [`chunk`], to write.
-#[allow(clippy::inline_always, reason = "part of loops inside a dispatched function")]
 #[inline(always)]
 pub(crate) fn chunk_mut<T, const N: usize>(slice: &mut [T], at: usize) -> &mut [T; N] {
     slice[at..at + N].first_chunk_mut().expect("a slice of N")
 }
 
+/// Every value is written, and the next writes over it unless it was in the mask: no branch to mispredict.
+#[inline(always)]
+pub(crate) fn to_front<T: Copy, const N: usize>(
+    mask: u32,
+    values: &[T; N],
+    out: &mut [T; N],
+) -> usize {
+    let mut end = 0;
+    for k in 0..N {
+        out[end & (N - 1)] = values[k];
+        end += (mask >> k & 1) as usize;
+    }
+    end
+}
+
 /// Slices as blocks of so many lanes.
 macro_rules! blocks {
-    ($n:expr) => {
+    ($real:ty, $n:expr) => {
         const N: usize = $n;
-        type Block = [f32; $n];
+        type Block = [$real; $n];
         type Indices = [u32; $n];
 
         #[inline(always)]
-        fn blocks(values: &[f32]) -> &[Self::Block] {
+        fn blocks(values: &[$real]) -> &[Self::Block] {
             values.as_chunks().0
         }
         #[inline(always)]
@@ -117,7 +143,7 @@ macro_rules! blocks {
             indices.as_chunks().0
         }
         #[inline(always)]
-        fn block_at(values: &[f32], at: usize) -> &Self::Block {
+        fn block_at(values: &[$real], at: usize) -> &Self::Block {
             $crate::registers::chunk(values, at)
         }
         #[inline(always)]

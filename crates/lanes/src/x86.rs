@@ -7,12 +7,39 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use core::arch::x86_64::{__m256, __m256i, __m512, _CMP_LT_OQ};
+use core::arch::x86_64::__m256i;
+use std::marker::PhantomData;
+use std::ops::{Add, Div, Mul, Sub};
 
-use pulp::cast;
 use pulp::x86::{V3, V4};
+use pulp::{NullaryFnOnce, Simd, b8, b16, cast, f32x8, f32x16, f64x4, f64x8, m32x8, m64x4};
 
-use crate::registers::{Registers, blocks, chunk_mut, private};
+use crate::numbers::{Lanes, Mask};
+use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
+use crate::sealed::Sealed;
+
+/// Work on the registers of a level, as pulp takes it.
+pub(crate) struct On<L, W, T> {
+    level: L,
+    work: W,
+    number: PhantomData<T>,
+}
+
+impl<L, W, T> On<L, W, T> {
+    #[inline(always)]
+    pub(crate) fn new(level: L, work: W) -> Self {
+        Self { level, work, number: PhantomData }
+    }
+}
+
+impl<T, L: Registers<T>, W: Work<T>> NullaryFnOnce for On<L, W, T> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn call(self) -> W::Output {
+        self.work.run(self.level)
+    }
+}
 
 /// For every mask of eight, which lanes go to the front.
 static FRONT: [[u32; 8]; 256] = front();
@@ -34,115 +61,252 @@ const fn front() -> [[u32; 8]; 256] {
     table
 }
 
-#[inline(always)]
-#[expect(clippy::cast_sign_loss, reason = "the bits of a movemask")]
-fn bits(mask: i32) -> u32 {
-    mask as u32
+/// How a level writes the lanes of a mask one after the other.
+trait Front<B> {
+    fn front(self, mask: u32, block: B, out: &mut B);
 }
 
-impl private::Sealed for V3 {}
-
-impl Registers<f32> for V3 {
-    blocks!(8);
-    type Vector = __m256;
-
+impl Front<[f32; 8]> for V3 {
     #[inline(always)]
-    fn splat(self, value: f32) -> Self::Vector {
-        cast([value; 8])
-    }
-    #[inline(always)]
-    fn load(self, values: &Self::Block) -> Self::Vector {
-        cast(*values)
-    }
-    #[inline(always)]
-    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx._mm256_add_ps(a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx._mm256_sub_ps(a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx._mm256_mul_ps(a, b)
-    }
-    #[inline(always)]
-    fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
-        self.fma._mm256_fmadd_ps(a, b, c)
-    }
-    #[inline(always)]
-    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx._mm256_max_ps(a, b)
-    }
-    #[inline(always)]
-    fn less(self, a: Self::Vector, b: Self::Vector) -> u32 {
-        bits(self.avx._mm256_movemask_ps(self.avx._mm256_cmp_ps::<_CMP_LT_OQ>(a, b)))
-    }
-    #[inline(always)]
-    fn compress_indices(self, mask: u32, ids: &Self::Indices, out: &mut [u32], to: usize) -> usize {
+    fn front(self, mask: u32, block: [f32; 8], out: &mut [f32; 8]) {
         let front: __m256i = cast(FRONT[(mask & 0xff) as usize]);
-        let ids = cast(*ids);
-        *chunk_mut::<u32, 8>(out, to) = cast(self.avx2._mm256_permutevar8x32_epi32(ids, front));
-        mask.count_ones() as usize
+        *out = cast(self.avx2._mm256_permutevar8x32_ps(cast(block), front));
     }
+}
+
+impl Front<[u32; 8]> for V3 {
     #[inline(always)]
-    fn compress(self, mask: u32, vector: Self::Vector, out: &mut [f32], to: usize) {
+    fn front(self, mask: u32, block: [u32; 8], out: &mut [u32; 8]) {
         let front: __m256i = cast(FRONT[(mask & 0xff) as usize]);
-        *chunk_mut::<f32, 8>(out, to) = cast(self.avx2._mm256_permutevar8x32_ps(vector, front));
+        *out = cast(self.avx2._mm256_permutevar8x32_epi32(cast(block), front));
     }
 }
 
-impl private::Sealed for V4 {}
-
-impl Registers<f32> for V4 {
-    blocks!(16);
-    type Vector = __m512;
-
+impl<T: Copy> Front<[T; 4]> for V3 {
     #[inline(always)]
-    fn splat(self, value: f32) -> Self::Vector {
-        cast([value; 16])
-    }
-    #[inline(always)]
-    fn load(self, values: &Self::Block) -> Self::Vector {
-        cast(*values)
-    }
-    #[inline(always)]
-    fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx512f._mm512_add_ps(a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx512f._mm512_sub_ps(a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx512f._mm512_mul_ps(a, b)
-    }
-    #[inline(always)]
-    fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
-        self.avx512f._mm512_fmadd_ps(a, b, c)
-    }
-    #[inline(always)]
-    fn max(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
-        self.avx512f._mm512_max_ps(a, b)
-    }
-    #[inline(always)]
-    fn less(self, a: Self::Vector, b: Self::Vector) -> u32 {
-        self.avx512f._mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b).into()
-    }
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "sixteen lanes, sixteen bits")]
-    fn compress_indices(self, mask: u32, ids: &Self::Indices, out: &mut [u32], to: usize) -> usize {
-        let ids = cast(*ids);
-        // To a register and out whole: compressing into memory is slow on some machines.
-        *chunk_mut::<u32, 16>(out, to) =
-            cast(self.avx512f._mm512_maskz_compress_epi32(mask as u16, ids));
-        mask.count_ones() as usize
-    }
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, reason = "sixteen lanes, sixteen bits")]
-    fn compress(self, mask: u32, vector: Self::Vector, out: &mut [f32], to: usize) {
-        *chunk_mut::<f32, 16>(out, to) =
-            cast(self.avx512f._mm512_maskz_compress_ps(mask as u16, vector));
+    fn front(self, mask: u32, block: [T; 4], out: &mut [T; 4]) {
+        to_front(mask, &block, out);
     }
 }
+
+/// To a register and out whole: compressing into memory is slow on some machines.
+macro_rules! front_by_instruction {
+    ($block:ty, $mask:ty, $features:ident, $compress:ident) => {
+        impl Front<$block> for V4 {
+            #[inline(always)]
+            #[expect(clippy::cast_possible_truncation, reason = "as many bits as lanes")]
+            fn front(self, mask: u32, block: $block, out: &mut $block) {
+                *out = cast(self.$features.$compress(mask as $mask, cast(block)));
+            }
+        }
+    };
+}
+front_by_instruction!([f32; 16], u16, avx512f, _mm512_maskz_compress_ps);
+front_by_instruction!([u32; 16], u16, avx512f, _mm512_maskz_compress_epi32);
+front_by_instruction!([f64; 8], u8, avx512f, _mm512_maskz_compress_pd);
+front_by_instruction!([u32; 8], u8, avx512f, _mm256_maskz_compress_epi32);
+
+/// How a level stores masks of the type `M`.
+trait Masks<M> {
+    fn bits_of(self, mask: M) -> u32;
+    fn of_bits(self, bits: u32) -> M;
+}
+
+/// Words whose bits are all set or none: a word for each lane.
+macro_rules! masks_of_words {
+    ($mask:ident, $word:ty, $n:literal, $movemask:ident, $splat:ident, $and:ident, $equal:ident) => {
+        impl Masks<$mask> for V3 {
+            #[inline(always)]
+            #[expect(clippy::cast_sign_loss, reason = "the bits of a movemask")]
+            fn bits_of(self, mask: $mask) -> u32 {
+                self.avx.$movemask(cast(mask)) as u32
+            }
+            #[inline(always)]
+            fn of_bits(self, bits: u32) -> $mask {
+                let of_lanes = cast(const { bit_of_each_lane::<$n>() }.map(<$word>::from));
+                self.$equal(self.$and(self.$splat(bits.into()), of_lanes), of_lanes)
+            }
+        }
+    };
+}
+masks_of_words!(m32x8, u32, 8, _mm256_movemask_ps, splat_u32s, and_u32s, equal_u32s);
+masks_of_words!(m64x4, u64, 4, _mm256_movemask_pd, splat_u64s, and_u64s, equal_u64s);
+
+const fn bit_of_each_lane<const N: usize>() -> [u32; N] {
+    let mut bits = [1; N];
+    let mut lane = 1;
+    while lane < N {
+        bits[lane] = 2 * bits[lane - 1];
+        lane += 1;
+    }
+    bits
+}
+
+/// A bit for each lane.
+macro_rules! masks_of_bits {
+    ($mask:ident, $bits:ty) => {
+        impl Masks<$mask> for V4 {
+            #[inline(always)]
+            fn bits_of(self, mask: $mask) -> u32 {
+                mask.0.into()
+            }
+            #[inline(always)]
+            #[expect(clippy::cast_possible_truncation, reason = "as many bits as lanes")]
+            fn of_bits(self, bits: u32) -> $mask {
+                $mask(bits as $bits)
+            }
+        }
+    };
+}
+masks_of_bits!(b8, u8);
+masks_of_bits!(b16, u16);
+
+macro_rules! operator {
+    ($level:ident, $vector:ident, $trait:ident, $function:ident, $of_pulp:ident) => {
+        impl $trait for Packed<$level, $vector> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $function(self, other: Self) -> Self {
+                Self(self.0, self.0.$of_pulp(self.1, other.1))
+            }
+        }
+    };
+}
+
+/// Numbers of one type at a level, by the functions that pulp has under one name at both.
+macro_rules! registers {
+    (($level:ident, $n:literal, $real:ident, $vector:ident, $mask:ident),
+     ($add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident),
+     ($splat:ident, $sqrt:ident, $abs:ident, $min:ident, $max:ident),
+     ($less:ident, $at_least:ident, $select:ident)) => {
+        operator!($level, $vector, Add, add, $add);
+        operator!($level, $vector, Sub, sub, $sub);
+        operator!($level, $vector, Mul, mul, $mul);
+        operator!($level, $vector, Div, div, $div);
+
+        impl Lanes for Packed<$level, $vector> {
+            type Number = $real;
+            type Mask = Packed<$level, $mask>;
+
+            #[inline(always)]
+            fn splat(self, value: $real) -> Self {
+                Self(self.0, self.0.$splat(value))
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0, self.0.$sqrt(self.1))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(self.0, self.0.$abs(self.1))
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self(self.0, self.0.$min(self.1, other.1))
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(self.0, self.0.$max(self.1, other.1))
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> Self::Mask {
+                Packed(self.0, self.0.$less(self.1, other.1))
+            }
+            #[inline(always)]
+            fn at_least(self, other: Self) -> Self::Mask {
+                Packed(self.0, self.0.$at_least(self.1, other.1))
+            }
+            #[inline(always)]
+            fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self {
+                Self(mask.0, mask.0.$select(mask.1, inside.1, outside.1))
+            }
+        }
+
+        impl Mask for Packed<$level, $mask> {
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.bits() != 0
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                self.0.bits_of(self.1)
+            }
+        }
+
+        impl Registers<$real> for $level {
+            blocks!($real, $n);
+            const MASKS_ARE_BITS: bool = size_of::<$mask>() * 8 == $n;
+            type Vector = Packed<Self, $vector>;
+
+            #[inline(always)]
+            fn splat(self, value: $real) -> Self::Vector {
+                Packed(self, self.$splat(value))
+            }
+            #[inline(always)]
+            fn load(self, values: &Self::Block) -> Self::Vector {
+                Packed(self, cast(*values))
+            }
+            #[inline(always)]
+            fn store_at(self, vector: Self::Vector, values: &mut [$real], at: usize) {
+                *chunk_mut::<$real, $n>(values, at) = cast(vector.1);
+            }
+            #[inline(always)]
+            fn mask(self, bits: u32) -> <Self::Vector as Lanes>::Mask {
+                Packed(self, self.of_bits(bits))
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
+                Packed(self, self.$mul_add(a.1, b.1, c.1))
+            }
+            #[inline(always)]
+            fn compress(self, mask: u32, vector: Self::Vector, out: &mut [$real], to: usize) {
+                self.front(mask, cast(vector.1), chunk_mut::<$real, $n>(out, to));
+            }
+            #[inline(always)]
+            fn compress_indices(
+                self,
+                mask: u32,
+                ids: &Self::Indices,
+                out: &mut [u32],
+                to: usize,
+            ) -> usize {
+                self.front(mask, *ids, chunk_mut::<u32, $n>(out, to));
+                mask.count_ones() as usize
+            }
+            #[inline(always)]
+            fn apart<W: Work<$real>>(self, work: W) -> W::Output {
+                self.vectorize(On::new(self, work))
+            }
+        }
+    };
+}
+
+macro_rules! f32_registers {
+    ($level:ident, $n:literal, $vector:ident, $mask:ident) => {
+        registers!(
+            ($level, $n, f32, $vector, $mask),
+            (add_f32s, sub_f32s, mul_f32s, div_f32s, mul_add_f32s),
+            (splat_f32s, sqrt_f32s, abs_f32s, min_f32s, max_f32s),
+            (less_than_f32s, greater_than_or_equal_f32s, select_f32s)
+        );
+    };
+}
+f32_registers!(V3, 8, f32x8, m32x8);
+f32_registers!(V4, 16, f32x16, b16);
+
+macro_rules! f64_registers {
+    ($level:ident, $n:literal, $vector:ident, $mask:ident) => {
+        registers!(
+            ($level, $n, f64, $vector, $mask),
+            (add_f64s, sub_f64s, mul_f64s, div_f64s, mul_add_f64s),
+            (splat_f64s, sqrt_f64s, abs_f64s, min_f64s, max_f64s),
+            (less_than_f64s, greater_than_or_equal_f64s, select_f64s)
+        );
+    };
+}
+f64_registers!(V3, 4, f64x4, m64x4);
+f64_registers!(V4, 8, f64x8, b8);
+
+impl Sealed for V3 {}
+impl Sealed for V4 {}

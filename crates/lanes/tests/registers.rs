@@ -1,75 +1,194 @@
-//! Registers of every level against scalar code.
+//! Registers of every level against single numbers.
 
-use lanes::{MOST_LANES, Registers, SimdLevel, Work};
+use lanes::{Float, Lanes, MOST_LANES, Mask, Registers, SimdLevel, Work};
 
-const VALUES: [f32; MOST_LANES] = [
+/// One formula over numbers and registers: the results of every operation on two operands.
+#[allow(clippy::inline_always, reason = "compiled for the registers of a level")]
+#[inline(always)]
+fn results<N: Lanes>(a: N, b: N) -> [N; 11] {
+    let (less, at_least) = (a.less(b), a.at_least(b));
+    [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        a.sqrt(),
+        a.abs(),
+        a.min(b),
+        a.max(b),
+        N::select(less, a, b * a),
+        N::select(at_least, b, a * a),
+        a * b + a,
+    ]
+}
+
+/// The bits of a number; NaN has many, which IEEE 754 leaves open.
+trait Bits: Float {
+    fn bits(self) -> u64;
+    fn of(value: f64) -> Self;
+}
+
+impl Bits for f64 {
+    fn bits(self) -> u64 {
+        if self.is_nan() { Self::NAN.to_bits() } else { self.to_bits() }
+    }
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Bits for f32 {
+    fn bits(self) -> u64 {
+        (if self.is_nan() { Self::NAN } else { self }).to_bits().into()
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "the nearest number, or infinite")]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
+/// Ordinary numbers, both zeros, subnormal ones of both types, and those at the ends of their ranges.
+const VALUES: [f64; MOST_LANES] = [
     0.0,
     -0.0,
     1.0,
-    f32::NAN,
-    2.0,
-    f32::INFINITY,
-    1e-38,
+    f64::NAN,
+    2.0 / 3.0,
+    f64::INFINITY,
+    1e-40,
     1.0,
-    -1.0,
-    1e30,
-    3.0,
-    0.5,
-    -2.0,
-    7.0,
-    0.25,
-    -1e30,
+    -1.1,
+    3e38,
+    5e-324,
+    0.3,
+    f64::NEG_INFINITY,
+    7.7,
+    -1e-20,
+    -f64::MAX,
 ];
 const IDS: [u32; MOST_LANES] =
     [0, 1, u32::MAX, 1 << 31, 7, 7, (1 << 31) - 1, 3, 9, 4, 8, 2, 5, 6, 10, 11];
 
-struct Agrees;
+struct Agrees<T>(std::marker::PhantomData<T>);
 
-impl Work for Agrees {
+impl<T: Bits> Work<T> for Agrees<T> {
     type Output = ();
 
-    fn run<R: Registers<f32>>(self, registers: R) {
+    fn run<R: Registers<T>>(self, registers: R) {
         assert!(R::N <= MOST_LANES && MOST_LANES.is_multiple_of(R::N));
+        let values = VALUES.map(T::of);
         for at in (0..MOST_LANES).step_by(R::N) {
-            let (values, ids) = (registers.load(R::block_at(&VALUES, at)), R::indices_at(&IDS, at));
-            let bit = |test: &dyn Fn(usize) -> bool| {
-                (0..R::N).fold(0, |mask, k| mask | u32::from(test(at + k)) << k)
-            };
-            for pivot in VALUES {
-                let a = registers.splat(pivot);
-                assert_eq!(registers.less(values, a), bit(&|k| VALUES[k] < pivot));
-                let sum = registers.sub(registers.add(registers.mul(values, values), a), values);
-                let expected = |k: usize| VALUES[k] * VALUES[k] + pivot - VALUES[k] < 1.5;
-                assert_eq!(registers.less(sum, registers.splat(1.5)), bit(&expected));
-                // Small whole numbers are exact, fused or not.
-                let fused = registers.mul_add(registers.splat(3.0), registers.splat(5.0), values);
-                let expected = |k: usize| 15.0 + VALUES[k] < 17.0;
-                assert_eq!(registers.less(fused, registers.splat(17.0)), bit(&expected));
-                if pivot.is_finite() {
-                    let larger = registers.max(registers.splat(pivot), registers.splat(0.75));
-                    let expected = if pivot.max(0.75) < 1.0 { bit(&|_| true) } else { 0 };
-                    assert_eq!(registers.less(larger, registers.splat(1.0)), expected);
-                }
+            for other in 0..MOST_LANES {
+                agree_at(registers, &values, at, other);
             }
-            for mask in 0..1_u32 << R::N {
-                let mut out = [0; MOST_LANES];
-                let count = registers.compress_indices(mask, ids, &mut out, 0);
-                assert_eq!(count, mask.count_ones() as usize);
-                let kept = (0..R::N).filter(|k| mask >> k & 1 == 1).map(|k| IDS[at + k]);
-                assert!(kept.eq(out[..mask.count_ones() as usize].iter().copied()));
-                let mut out = [0.0; MOST_LANES];
-                registers.compress(mask, values, &mut out, 0);
-                let kept = (0..R::N).filter(|k| mask >> k & 1 == 1).map(|k| VALUES[at + k]);
-                let out = out[..mask.count_ones() as usize].iter();
-                assert!(kept.map(f32::to_bits).eq(out.map(|value| value.to_bits())));
-            }
+            compress_at(registers, &values, at);
         }
     }
 }
 
+/// The numbers from an index on, each with one number.
+fn agree_at<T: Bits, R: Registers<T>>(
+    registers: R,
+    values: &[T; MOST_LANES],
+    at: usize,
+    other: usize,
+) {
+    let bit = |test: &dyn Fn(T) -> bool| {
+        (0..R::N).fold(0, |mask, k| mask | u32::from(test(values[at + k])) << k)
+    };
+    let (a, b) = (registers.load_at(values, at), registers.splat(values[other]));
+    let pivot = values[other];
+    for (mask, expected) in
+        [(a.less(b), bit(&|x| x < pivot)), (a.at_least(b), bit(&|x| x >= pivot))]
+    {
+        assert_eq!((mask.bits(), mask.any()), (expected, expected != 0));
+    }
+    let single: Vec<_> = (0..R::N).map(|k| results(values[at + k], pivot)).collect();
+    let swapped: Vec<_> = (0..R::N).map(|k| results(pivot, values[at + k])).collect();
+    for (found, expected) in [(results(a, b), single), (results(b, a), swapped)] {
+        for (operation, found) in found.into_iter().enumerate() {
+            let mut stored = [T::default(); MOST_LANES + 1];
+            registers.store_at(found, &mut stored, 1);
+            for lane in 0..R::N {
+                let (found, expected) = (stored[1 + lane], expected[lane][operation]);
+                let of = (values[at + lane], pivot);
+                assert_eq!(found.bits(), expected.bits(), "operation {operation} of {of:?}");
+            }
+        }
+    }
+    // Small whole numbers are exact, fused or not.
+    let fused = registers.mul_add(a.splat(T::of(3.0)), a.splat(T::of(5.0)), a.splat(T::of(2.0)));
+    assert_eq!(fused.at_least(a.splat(T::of(17.0))).bits(), bit(&|_| true));
+    assert!(!a.splat(T::of(17.0)).less(fused).any());
+}
+
+/// Every mask of the numbers from an index on.
+fn compress_at<T: Bits, R: Registers<T>>(registers: R, values: &[T; MOST_LANES], at: usize) {
+    let (vector, ids) = (registers.load(R::block_at(values, at)), R::indices_at(&IDS, at));
+    for bits in 0..1_u32 << R::N {
+        let beyond = if R::N < 16 { 1 << R::N } else { 0 };
+        assert_eq!(registers.mask(bits | beyond).bits(), bits);
+        let kept: Vec<usize> = (0..R::N).filter(|k| bits >> k & 1 == 1).map(|k| at + k).collect();
+        let mut out = [0; MOST_LANES];
+        assert_eq!(registers.compress_indices(bits, ids, &mut out, 0), kept.len());
+        assert!(kept.iter().map(|&k| IDS[k]).eq(out[..kept.len()].iter().copied()));
+        let mut out = [T::default(); MOST_LANES];
+        registers.compress(bits, vector, &mut out, 0);
+        let out = out[..kept.len()].iter().map(|value| value.bits());
+        assert!(kept.iter().map(|&k| values[k].bits()).eq(out));
+    }
+}
+
+/// The lanes of the registers that work is handed.
+struct CountLanes;
+
+impl<T: Float> Work<T> for CountLanes {
+    type Output = usize;
+
+    fn run<R: Registers<T>>(self, registers: R) -> usize {
+        assert_eq!(R::blocks(&[T::default(); 3 * MOST_LANES + 1]).len() * R::N, 3 * MOST_LANES);
+        registers.apart(CountApart)
+    }
+}
+
+/// The same in a function of its own.
+struct CountApart;
+
+impl<T: Float> Work<T> for CountApart {
+    type Output = usize;
+
+    fn run<R: Registers<T>>(self, _: R) -> usize {
+        R::N
+    }
+}
+
 #[test]
-fn every_level_of_this_machine_does_as_scalar_code_does() {
+fn every_level_of_this_machine_has_the_bits_of_single_numbers() {
     assert_eq!(SimdLevel::available().next(), Some(SimdLevel::PORTABLE));
     assert_eq!(SimdLevel::available().last(), Some(SimdLevel::best()));
-    SimdLevel::available().for_each(|level| level.run(Agrees));
+    for level in SimdLevel::available() {
+        level.run(Agrees::<f32>(std::marker::PhantomData));
+        level.run(Agrees::<f64>(std::marker::PhantomData));
+        level.run_narrow(Agrees::<f32>(std::marker::PhantomData));
+        level.run_narrow(Agrees::<f64>(std::marker::PhantomData));
+    }
+}
+
+#[test]
+fn registers_of_f32_have_twice_the_lanes_and_narrow_ones_are_those_of_avx2() {
+    for level in SimdLevel::available() {
+        let lanes = (level.run::<f32, _>(CountLanes), level.run::<f64, _>(CountLanes));
+        assert_eq!(lanes, if level.name() == "avx512" { (16, 8) } else { (8, 4) });
+        let narrow =
+            (level.run_narrow::<f32, _>(CountLanes), level.run_narrow::<f64, _>(CountLanes));
+        assert_eq!(narrow, (8, 4));
+    }
+}
+
+#[test]
+fn minimum_and_maximum_take_the_second_where_no_number_is_the_lesser_or_greater() {
+    for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (0.0, -0.0), (-0.0, 0.0)] {
+        assert_eq!(Bits::bits(Lanes::min(a, b)), Bits::bits(b));
+        assert_eq!(Bits::bits(Lanes::max(a, b)), Bits::bits(b));
+    }
 }

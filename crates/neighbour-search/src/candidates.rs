@@ -1,37 +1,30 @@
 //! One point against all candidates of its group.
 
-use lanes::Registers;
+use lanes::{Lanes, Mask, Registers};
 
 /// Whose bounds decide about a candidate.
 pub(crate) trait Sight: Copy {
     /// Whether those of the candidates matter.
     const THEIRS: bool;
-    fn of<R: Registers<f32>>(self, registers: R, mine: R::Vector, theirs: R::Vector) -> R::Vector;
+    fn of<V: Lanes<Number = f32>>(self, mine: V, theirs: V) -> V;
 }
 
 macro_rules! sight {
-    ($name:ident, $theirs:literal, ($registers:ident, $mine:ident, $other:ident) => $value:expr) => {
+    ($name:ident, $theirs:literal, ($mine:ident, $other:ident) => $value:expr) => {
         #[derive(Debug, Clone, Copy)]
         pub(crate) struct $name;
         impl Sight for $name {
             const THEIRS: bool = $theirs;
             #[inline(always)]
-            fn of<R: Registers<f32>>(
-                self,
-                $registers: R,
-                $mine: R::Vector,
-                $other: R::Vector,
-            ) -> R::Vector {
+            fn of<V: Lanes<Number = f32>>(self, $mine: V, $other: V) -> V {
                 $value
             }
         }
     };
 }
-sight!(Mine, false, (_registers, mine, _theirs) => mine);
-sight!(Larger, true, (registers, mine, theirs) => registers.max(mine, theirs));
-sight!(Middle, true, (registers, mine, theirs) => {
-    registers.mul(registers.splat(0.5), registers.add(mine, theirs))
-});
+sight!(Mine, false, (mine, _theirs) => mine);
+sight!(Larger, true, (mine, theirs) => mine.max(theirs));
+sight!(Middle, true, (mine, theirs) => mine.splat(0.5) * (mine + theirs));
 
 /// Coordinates, bounds and entries of all candidates, equally many of each.
 pub(crate) struct Candidates<'a, R: Registers<f32>, const D: usize> {
@@ -91,20 +84,17 @@ impl<R: Registers<f32>, const D: usize> Candidates<'_, R, D> {
         [lower, upper]: [R::Vector; 2],
         sight: S,
     ) -> [u32; 2] {
-        let along = registers.sub(x_i[0], registers.load(&self.columns[0][block]));
-        let mut d2 = registers.mul(along, along);
+        let along = x_i[0] - registers.load(&self.columns[0][block]);
+        let mut d2 = along * along;
         for axis in 1..D {
-            let along = registers.sub(x_i[axis], registers.load(&self.columns[axis][block]));
+            let along = x_i[axis] - registers.load(&self.columns[axis][block]);
             d2 = registers.mul_add(along, along, d2);
         }
         let (mut lower, mut upper) = (lower, upper);
         if S::THEIRS {
-            lower = sight.of(registers, lower, registers.load(&self.lower[block]));
-            upper = sight.of(registers, upper, registers.load(&self.upper[block]));
+            lower = sight.of(lower, registers.load(&self.lower[block]));
+            upper = sight.of(upper, registers.load(&self.upper[block]));
         }
-        [
-            registers.less(d2, registers.mul(lower, lower)),
-            registers.less(d2, registers.mul(upper, upper)),
-        ]
+        [d2.less(lower * lower).bits(), d2.less(upper * upper).bits()]
     }
 }

@@ -28,7 +28,7 @@
 
 use core::ops::Range;
 
-use lanes::{MOST_LANES, Registers, Work};
+use lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
 
 use crate::aligned::Aligned;
 use crate::candidates::{Candidates, Larger, Middle, Mine, Sight};
@@ -193,22 +193,20 @@ impl<const D: usize> Neighbourhood<D> {
             while at < end {
                 let (mut x, mut apart) = (lows, zero);
                 for axis in 0..D {
-                    x[axis] = registers.load(R::block_at(columns[axis], at));
+                    x[axis] = registers.load_at(columns[axis], at);
                     if is_periodic {
                         let shift = (shift[axis] * sorted.frame.scale) as f32;
-                        x[axis] = registers.add(x[axis], registers.splat(shift));
+                        x[axis] = x[axis] + registers.splat(shift);
                     }
-                    let (below, above) =
-                        (registers.sub(lows[axis], x[axis]), registers.sub(x[axis], highs[axis]));
-                    let gap = registers.max(registers.max(below, above), zero);
+                    let (below, above) = (lows[axis] - x[axis], x[axis] - highs[axis]);
+                    let gap = below.max(above).max(zero);
                     apart = registers.mul_add(gap, gap, apart);
                 }
                 let mut limit = mine;
                 if S::THEIRS {
-                    limit =
-                        sight.of(registers, mine, registers.load(R::block_at(&sorted.upper, at)));
+                    limit = sight.of(mine, registers.load_at(&sorted.upper, at));
                 }
-                let within = registers.less(apart, registers.mul(limit, limit));
+                let within = apart.less(limit * limit).bits();
                 let within = if is_own { u32::MAX } else { within };
                 let in_stretch = first_bits((end - at).min(R::N));
                 let mask = within & in_stretch;
@@ -216,9 +214,9 @@ impl<const D: usize> Neighbourhood<D> {
                     registers.compress(mask, x[axis], placed[axis], len);
                 }
                 if S::THEIRS {
-                    let lower = registers.load(R::block_at(&sorted.lower, at));
+                    let lower = registers.load_at(&sorted.lower, at);
                     registers.compress(mask, lower, lowers, len);
-                    let upper = registers.load(R::block_at(&sorted.upper, at));
+                    let upper = registers.load_at(&sorted.upper, at);
                     registers.compress(mask, upper, uppers, len);
                 }
                 if is_periodic {
@@ -381,7 +379,7 @@ pub(crate) struct Scan<'a, const D: usize> {
     pub(crate) ends: &'a mut [usize],
 }
 
-impl<const D: usize> Work for Scan<'_, D> {
+impl<const D: usize> Work<f32> for Scan<'_, D> {
     type Output = ();
 
     #[inline(always)]

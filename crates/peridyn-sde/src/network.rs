@@ -17,6 +17,8 @@ pub struct Network<L: BondLaw, const D: usize> {
     /// One for each bond.
     strengths: Vec<f64>,
     states: Vec<L::State>,
+    /// Bonds that are cut, whatever their state.
+    is_cut: Vec<bool>,
 }
 
 /// A bond as deformed.
@@ -38,8 +40,8 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         for &strength in &strengths {
             crate::error::positive("strength of a bond", strength)?;
         }
-        let states = vec![law.start(); bonds.len()];
-        Ok(Self { nodes, bonds, law, strengths, states })
+        let (states, is_cut) = (vec![L::State::default(); bonds.len()], vec![false; bonds.len()]);
+        Ok(Self { nodes, bonds, law, strengths, states, is_cut })
     }
 
     /// The nodes.
@@ -54,7 +56,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         &self.bonds
     }
 
-    /// What bonds remember, in the order of [`Bonds::all`].
+    /// The histories of bonds, in the order of [`Bonds::all`]; of a cut bond, up to the cut.
     #[must_use]
     pub fn states(&self) -> &[L::State] {
         &self.states
@@ -67,7 +69,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
         cut_numbers(bonds, self.bonds.len())?;
         for &bond in bonds {
-            self.states[bond] = self.law.cut();
+            self.is_cut[bond] = true;
         }
         Ok(())
     }
@@ -92,6 +94,9 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             for bond in self.bonds.row(i) {
                 let j = self.bonds.partner(bond);
                 let Stretched { stretch, direction } = self.stretched((i, j), bond, u)?;
+                if self.is_cut[bond] {
+                    continue;
+                }
                 let (of, state) = (self.bonds.all()[bond], &self.states[bond]);
                 let strength = self.strengths[bond];
                 let tension = of.stiffness * self.law.tension(strength, stretch, state);
@@ -119,7 +124,10 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
                 let pair = (i, self.bonds.partner(bond));
                 let before = self.stretched(pair, bond, from)?.stretch;
                 let after = self.stretched(pair, bond, to)?.stretch;
-                self.law.advance(self.strengths[bond], before, after, dt, &mut self.states[bond]);
+                if !self.is_cut[bond] {
+                    let state = &mut self.states[bond];
+                    self.law.advance(self.strengths[bond], before, after, dt, state);
+                }
             }
         }
         Ok(())
@@ -134,7 +142,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             for bond in self.bonds.row(i) {
                 let j = self.bonds.partner(bond);
                 let stiffness = self.bonds.all()[bond].stiffness;
-                let damage = self.law.damage(self.strengths[bond], &self.states[bond]);
+                let damage = self.damage_of(bond);
                 for node in [i, j] {
                     lost[node] += stiffness * damage;
                     all[node] += stiffness;
@@ -142,6 +150,13 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
             }
         }
         lost.iter().zip(&all).map(|(lost, all)| lost / all).collect()
+    }
+
+    fn damage_of(&self, bond: usize) -> f64 {
+        if self.is_cut[bond] {
+            return 1.0;
+        }
+        self.law.damage(self.strengths[bond], &self.states[bond])
     }
 
     fn stretched(
@@ -175,9 +190,12 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
         dt: f64,
         crossing: Option<&mut Crossing<1>>,
     ) -> Option<Cause> {
+        let damage_before = self.damage_of(bond);
+        if self.is_cut[bond] {
+            return None;
+        }
         let ([before, after], strength) = (stretch, self.strengths[bond]);
         let state = &mut self.states[bond];
-        let damage_before = self.law.damage(strength, state);
         let threshold = self.law.threshold(strength, state);
         self.law.advance(strength, before, after, dt, state);
         let mut cause = match threshold {
@@ -223,12 +241,15 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
     }
 
     fn intact(&self, bond: usize) -> u16 {
-        u16::from(self.law.damage(self.strengths[bond], &self.states[bond]) < 1.0)
+        u16::from(self.damage_of(bond) < 1.0)
     }
 
     fn set_intact(&mut self, bond: usize, lanes: u16) {
         if lanes != Body::intact(self, bond) {
-            self.states[bond] = if lanes == 0 { self.law.cut() } else { self.law.start() };
+            self.is_cut[bond] = lanes == 0;
+            if lanes != 0 {
+                self.states[bond] = L::State::default();
+            }
         }
     }
 
@@ -237,11 +258,14 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
     }
 
     fn slope(&self, bond: usize, _lane: usize) -> f64 {
+        if self.is_cut[bond] {
+            return 0.0;
+        }
         self.law.slope(self.strengths[bond], &self.states[bond])
     }
 
     fn bond_damage(&self, bond: usize, _lane: usize) -> f64 {
-        self.law.damage(self.strengths[bond], &self.states[bond])
+        self.damage_of(bond)
     }
 
     fn energy(&self, u: &[f64], _lane: usize) -> f64 {

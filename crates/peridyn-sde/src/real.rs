@@ -5,29 +5,12 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use crate::fast::vectors::Vectors;
-use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{AddAssign, Neg, SubAssign};
+
+use lanes::Float;
 
 /// `f64` or `f32`.
-pub trait Real:
-    Vectors
-    + Copy
-    + Debug
-    + Default
-    + PartialEq
-    + PartialOrd
-    + Send
-    + Sync
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + AddAssign
-    + SubAssign
-    + 'static
-{
+pub trait Real: Float + Neg<Output = Self> + AddAssign + SubAssign {
     /// Its name, for tables.
     const NAME: &'static str;
 
@@ -51,12 +34,6 @@ pub trait Real:
 
     /// As a double.
     fn to_f64(self) -> f64;
-
-    /// The square root.
-    fn sqrt(self) -> Self;
-
-    /// The value without its sign.
-    fn abs(self) -> Self;
 
     /// Whether it is a number.
     fn is_finite(self) -> bool;
@@ -83,16 +60,6 @@ impl Real for f64 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         self
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.abs()
     }
 
     #[inline(always)]
@@ -135,16 +102,6 @@ impl Real for f32 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         f64::from(self)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.abs()
     }
 
     #[inline(always)]

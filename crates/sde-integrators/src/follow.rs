@@ -183,7 +183,7 @@ struct Advance<'a, 'b, S: ?Sized, I, L: ?Sized, W, Memory, const D: usize, const
     watch: &'a mut W,
 }
 
-impl<S, I, L, W, const D: usize, const M: usize> Work
+impl<S, I, L, W, const D: usize, const M: usize> Work<f64>
     for Advance<'_, '_, S, I, L, W, I::Memory, D, M>
 where
     S: Sync + ?Sized,
@@ -195,7 +195,7 @@ where
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn run<R: Registers<f32>>(self, _: R) {
+    fn run<R: Registers<f64>>(self, _: R) {
         let Self { follow, leg, steps_before, noise, x, memory, lives, watch } = self;
         let (integrator, system) = (follow.integrator, follow.system);
         let deviations = noise.deviations(leg.dt);

@@ -61,12 +61,12 @@ const fn low(x: u128) -> u64 {
     x as u64
 }
 
-impl<const L: usize> Work for Fill<'_, L> {
+impl<const L: usize> Work<f64> for Fill<'_, L> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn run<R: Registers<f32>>(self, _: R) {
+    fn run<R: Registers<f64>>(self, _: R) {
         let LaneNormals { key, realisations, .. } = self.lanes;
         let streams: [u64; BLOCKS] = std::array::from_fn(|at| realisations[at % L]);
         let (out, _) = self.normals.as_chunks_mut::<L>();

@@ -236,12 +236,12 @@ struct FillField<'a> {
     normals: &'a mut [f64],
 }
 
-impl Work for FillField<'_> {
+impl Work<f64> for FillField<'_> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn run<R: Registers<f32>>(self, _: R) {
+    fn run<R: Registers<f64>>(self, _: R) {
         let mut rows = [[0.0; FIELD_BLOCKS]; BLOCK_NORMALS];
         let mut block = self.block;
         for part in self.normals.chunks_mut(FIELD_NORMALS) {
@@ -314,12 +314,12 @@ struct DrawAhead<'a> {
     block: u64,
 }
 
-impl Work for DrawAhead<'_> {
+impl Work<f64> for DrawAhead<'_> {
     type Output = ();
 
     #[allow(clippy::inline_always, reason = "it is compiled for the registers of the level")]
     #[inline(always)]
-    fn run<R: Registers<f32>>(self, _: R) {
+    fn run<R: Registers<f64>>(self, _: R) {
         let Self { ahead: Ahead { key, stream, rows }, block } = self;
         let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
         normal_blocks(key, &[*stream; AHEAD_BLOCKS], &counters, rows);

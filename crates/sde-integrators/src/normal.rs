@@ -113,11 +113,11 @@ struct NormalRows<'a> {
     normals: &'a mut [[f64; ROW]; BLOCK_NORMALS],
 }
 
-impl Work for NormalRows<'_> {
+impl Work<f64> for NormalRows<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<R: Registers<f32>>(self, _: R) {
+    fn run<R: Registers<f64>>(self, _: R) {
         normal_blocks(self.key, self.streams, self.counters, self.normals);
     }
 }

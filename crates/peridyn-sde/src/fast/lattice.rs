@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 use sde_integrators::SimdLevel;
 
+use super::LaneBits;
 use super::lattice_rows::{Band, BandWork, Components};
 use super::limit::Limit;
 use super::stencil::{Sites, Stencil};
-use super::vectors::{Mask, dispatch};
 use crate::body::{AtStrength, Body};
 use crate::bonds::Bonds;
 use crate::broken_bond::{BrokenBond, Cause};
@@ -90,10 +90,10 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         // A virtual call for a band of many bonds, so that what distributes bands is compiled once.
         let of_band: &(dyn Fn(&mut Band<T, D>) + Sync) = match strain {
             Strain::Finite => &|band| {
-                dispatch(level, BandWork::<T, D, false> { band, sites, stencil, padded, limit });
+                level.run(BandWork::<T, D, false> { band, sites, stencil, padded, limit });
             },
             Strain::Linear => &|band| {
-                dispatch(level, BandWork::<T, D, true> { band, sites, stencil, padded, limit });
+                level.run(BandWork::<T, D, true> { band, sites, stencil, padded, limit });
             },
         };
         self.bands.par_iter_mut().for_each(of_band);
@@ -152,7 +152,7 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
     }
 
     /// Where the bit of a bond is: band, word and bit.
-    pub(super) fn bit(&self, pair: (usize, usize)) -> (usize, usize, Mask) {
+    pub(super) fn bit(&self, pair: (usize, usize)) -> (usize, usize, LaneBits) {
         let ends = self.sites.in_order(pair);
         let vector = self.stencil.vector(&self.sites, ends);
         let (row, word, bit) = self.sites.bit(ends.0, vector, self.stencil.len());

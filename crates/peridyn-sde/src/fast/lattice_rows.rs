@@ -7,11 +7,11 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use lanes::{Registers, Work};
 
-use super::bond_force::{Separation, SquaredElongation};
+use super::LaneBits;
+use super::bond_force::Separation;
 use super::stencil::{GROUP, Sites, Stencil, Vector};
-use super::vectors::{MOST_LANES, Mask};
 use crate::real::Real;
 
 /// Rows that are computed together, each bond once: what their bonds pull with at both ends.
@@ -23,7 +23,7 @@ pub(super) struct Band<T, const D: usize> {
     /// Up to the last site that a bond of these rows reaches.
     pub(super) forces: Components<T, D>,
     /// Bits of intact bonds, by row, group of sites and vector.
-    pub(super) intact: Vec<Mask>,
+    pub(super) intact: Vec<LaneBits>,
     /// Site and vector of bonds found at their limit.
     pub(super) reached: Vec<(usize, usize)>,
 }
@@ -56,11 +56,11 @@ pub(super) struct BandWork<'a, T, const D: usize, const LINEAR: bool> {
     pub(super) limit: T,
 }
 
-impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for BandWork<'_, T, D, LINEAR> {
+impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for BandWork<'_, T, D, LINEAR> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn run<R: Registers<T>>(self, registers: R) {
         let Self { band, sites, stencil, padded, limit } = self;
         let Band { rows, first, forces, intact, reached } = band;
         let n_vectors = stencil.len();
@@ -82,13 +82,13 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for BandWork<'_, T, D
             for (at, words) in (0..sites.width()).step_by(GROUP).zip(words) {
                 let group = (start + at, words);
                 // As a number that is known, so that loops over registers are unrolled; guards leave out what no group needs.
-                let most = GROUP / T::lanes::<S>();
-                match (sites.width() - at).min(GROUP).div_ceil(T::lanes::<S>()) {
-                    2 if most >= 2 => row.pull::<S, LINEAR, 2>(simd, group),
-                    3 if most >= 4 => row.pull::<S, LINEAR, 3>(simd, group),
-                    4 if most >= 4 => row.pull::<S, LINEAR, 4>(simd, group),
-                    5.. if most >= 8 => row.pull::<S, LINEAR, 8>(simd, group),
-                    _ => row.pull::<S, LINEAR, 1>(simd, group),
+                let most = GROUP / R::N;
+                match (sites.width() - at).min(GROUP).div_ceil(R::N) {
+                    2 if most >= 2 => row.pull::<R, LINEAR, 2>(registers, group),
+                    3 if most >= 4 => row.pull::<R, LINEAR, 3>(registers, group),
+                    4 if most >= 4 => row.pull::<R, LINEAR, 4>(registers, group),
+                    5.. if most >= 8 => row.pull::<R, LINEAR, 8>(registers, group),
+                    _ => row.pull::<R, LINEAR, 1>(registers, group),
                 }
             }
         }
@@ -109,19 +109,19 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
     /// The bonds from a group of sites on, with their words of bits, vector by vector, so that the order of sums does not depend on
     /// how long registers are; those at their limit carry no force.
     #[inline(always)]
-    fn pull<S: Simd, const LINEAR: bool, const N: usize>(
+    fn pull<R: Registers<T>, const LINEAR: bool, const N: usize>(
         &mut self,
-        simd: S,
-        (group, words): (usize, &[Mask]),
+        registers: R,
+        (group, words): (usize, &[LaneBits]),
     ) {
-        let lanes = T::lanes::<S>();
-        let near = SquaredElongation::<T, S>::near::<LINEAR>(simd, T::splat(simd, self.limit));
-        let mut sums = [[T::splat(simd, T::ZERO); D]; N];
+        let lanes = R::N;
+        let limit = registers.splat(self.limit);
+        let mut sums = [[registers.splat(T::ZERO); D]; N];
         let here = self.u.map(|u| &u[group..group + N * lanes]);
         for (number, (vector, &word)) in self.vectors.iter().zip(words).enumerate() {
-            let xi = vector.xi.map(|xi| T::splat(simd, xi));
-            let inverse_square = T::splat(simd, vector.inverse_square);
-            let stiffness = T::splat(simd, vector.stiffness);
+            let xi = vector.xi.map(|xi| registers.splat(xi));
+            let inverse_square = registers.splat(vector.inverse_square);
+            let stiffness = registers.splat(vector.stiffness);
             let other = group + vector.offset;
             let there = self.u.map(|u| &u[other..other + N * lanes]);
             let other = other - self.first;
@@ -129,65 +129,35 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
             for register in 0..N {
                 let at = register * lanes;
                 // Where there is no bond, what is read instead does not count.
-                let u = |of: &[&[T]; D], k: usize| T::load::<S>(of[k], at);
-                let eta = std::array::from_fn(|k| T::minus(simd, u(&there, k), u(&here, k)));
+                let u = |of: &[&[T]; D], k: usize| registers.load_at(of[k], at);
+                let eta = std::array::from_fn(|k| u(&there, k) - u(&here, k));
                 let shape = (&xi, inverse_square);
-                let separation =
-                    Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, word >> at);
-                let elongation = separation.elongation;
-                let mut pull = elongation.near_pull::<LINEAR>(simd);
-                if T::any_beyond(simd, elongation.0, near) {
-                    let mut values = [T::ZERO; MOST_LANES];
-                    T::store::<S>(elongation.0, &mut values, 0);
-                    let (limit, reached) = (self.limit, &mut *self.reached);
-                    let (of_lanes, first) = (&mut values, (group + at, number));
-                    simd.vectorize(Far::<T, LINEAR> { values: of_lanes, limit, reached, first });
-                    pull = T::load::<S>(&values, 0);
-                }
-                let tension = T::times(simd, stiffness, pull);
+                let separation = Separation::<R::Vector, D>::new::<R, LINEAR>(
+                    registers,
+                    shape,
+                    &eta,
+                    word >> at,
+                );
+                let pull = separation.elongation.pull::<R, LINEAR>(registers, limit, |reached| {
+                    let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
+                    self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
+                });
+                let tension = stiffness * pull;
                 for k in 0..D {
-                    let force = T::times(simd, tension, separation.direction[k]);
-                    sums[register][k] = T::plus(simd, sums[register][k], force);
-                    let other = T::load::<S>(forces[k], at);
-                    T::store::<S>(T::minus(simd, other, force), forces[k], at);
+                    let force = tension * separation.direction[k];
+                    sums[register][k] = sums[register][k] + force;
+                    let other = registers.load_at(forces[k], at);
+                    registers.store_at(other - force, forces[k], at);
                 }
             }
         }
         for (register, sum) in sums.iter().enumerate() {
             let at = group + register * lanes - self.first;
             for k in 0..D {
-                let here = T::load::<S>(self.forces[k], at);
-                T::store::<S>(T::plus(simd, here, sum[k]), self.forces[k], at);
+                let here = registers.load_at(self.forces[k], at);
+                registers.store_at(here + sum[k], self.forces[k], at);
             }
         }
-    }
-}
-
-/// The pull of a register whose bonds are not all near, as a function of its own, so that the common path keeps all registers.
-/// Lists need no such function: their kernels hold fewer values at a time.
-struct Far<'a, T, const LINEAR: bool> {
-    /// The relative squared elongations of bonds, then their pulls.
-    values: &'a mut [T; MOST_LANES],
-    limit: T,
-    reached: &'a mut Vec<(usize, usize)>,
-    /// Site of the first lane, and number of the vector.
-    first: (usize, usize),
-}
-
-impl<T: Real, const LINEAR: bool> WithSimd for Far<'_, T, LINEAR> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (site, number) = self.first;
-        let mut elongation = SquaredElongation::<T, S>(T::load::<S>(self.values, 0));
-        // Its check is a repetition, by which the compiler takes what follows for rare: constants stay in registers outside.
-        let pull = elongation.pull::<LINEAR>(simd, T::splat(simd, self.limit), |reached| {
-            for lane in (0..T::lanes::<S>()).filter(|lane| reached & 1 << lane != 0) {
-                self.reached.push((site + lane, number));
-            }
-        });
-        T::store::<S>(pull, self.values, 0);
     }
 }
 

@@ -1,13 +1,14 @@
 //! Bonds in a list, realisations side by side.
 
-use sde_integrators::SimdLevel;
+use lanes::{MOST_LANES, SimdLevel};
 
+use super::LaneBits;
 use super::limit::Limit;
 use super::list_columns::{Columns, limits};
 use super::list_crossing::{CrossingLimits, MayCross};
 use super::list_lanes::InLanes;
 use super::list_rows::{InRows, Padded};
-use super::vectors::{MOST_LANES, Mask, dispatch, dispatch_narrow};
+use super::realisations::Realisations;
 use crate::body::{AtStrength, Body};
 use crate::bonds::Bonds;
 use crate::broken_bond::BrokenBond;
@@ -38,7 +39,7 @@ pub struct BondList<T, const D: usize, const L: usize> {
     pub(super) strain: Strain,
     pub(super) columns: Columns<T>,
     /// In which lanes a bond is intact.
-    pub(super) intact: Vec<Mask>,
+    pub(super) intact: Vec<LaneBits>,
     /// Computed when first needed.
     crossing_limits: Option<CrossingLimits<T>>,
     /// Bonds that may have crossed their strength, with their ends.
@@ -144,40 +145,46 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
     fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
         let mut none = Vec::new();
         let (limit, reached) = Limit::of(at, &mut none);
-        let (level, columns, intact) = (self.level, &self.columns, &self.intact[..]);
-        let graph = (&self.nodes, &self.bonds);
+        let (level, columns) = (self.level, &self.columns);
         // By a constant, so that lanes of one realisation are not compiled.
         if L == 1 {
             let (bonds, Some(padded)) = (&self.bonds, &mut self.padded) else { return };
-            let work = InRows::<T, D, LINEAR> { bonds, columns, padded, u, forces, limit, reached };
-            dispatch_narrow(level, work);
-        } else if columns.own {
-            dispatch(
-                level,
-                InLanes::<T, D, L, LINEAR, true> {
-                    graph,
-                    columns,
-                    intact,
-                    u,
-                    forces,
-                    limit,
-                    reached,
-                },
-            );
-        } else {
-            dispatch(
-                level,
-                InLanes::<T, D, L, LINEAR, false> {
-                    graph,
-                    columns,
-                    intact,
-                    u,
-                    forces,
-                    limit,
-                    reached,
-                },
-            );
+            level.run_narrow(InRows::<T, D, LINEAR> {
+                bonds,
+                columns,
+                padded,
+                u,
+                forces,
+                limit,
+                reached,
+            });
+            return;
         }
+        let realisations = self.realisations();
+        if columns.own {
+            level.run(InLanes::<T, D, L, LINEAR, true> {
+                realisations,
+                columns,
+                u,
+                forces,
+                limit,
+                reached,
+            });
+        } else {
+            level.run(InLanes::<T, D, L, LINEAR, false> {
+                realisations,
+                columns,
+                u,
+                forces,
+                limit,
+                reached,
+            });
+        }
+    }
+
+    fn realisations(&self) -> Realisations<'_, T, D, L> {
+        let Self { nodes, bonds, columns, intact, .. } = self;
+        Realisations { nodes, bonds, inverse_squares: &columns.inverse_squares, intact }
     }
 
     /// Bonds that may have crossed their strength over a step.
@@ -201,33 +208,14 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
             }
             return;
         }
-        let (graph, intact) = ((&self.nodes, &self.bonds), &self.intact[..]);
-        let inverse_squares = &self.columns.inverse_squares[..];
+        let (level, realisations) = (self.level, self.realisations());
         match self.strain {
-            Strain::Finite => dispatch(
-                self.level,
-                MayCross::<T, D, L, false> {
-                    graph,
-                    inverse_squares,
-                    limits,
-                    intact,
-                    from,
-                    to,
-                    found,
-                },
-            ),
-            Strain::Linear => dispatch(
-                self.level,
-                MayCross::<T, D, L, true> {
-                    graph,
-                    inverse_squares,
-                    limits,
-                    intact,
-                    from,
-                    to,
-                    found,
-                },
-            ),
+            Strain::Finite => {
+                level.run(MayCross::<T, D, L, false> { realisations, limits, from, to, found });
+            }
+            Strain::Linear => {
+                level.run(MayCross::<T, D, L, true> { realisations, limits, from, to, found });
+            }
         }
     }
 

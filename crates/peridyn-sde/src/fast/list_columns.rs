@@ -1,6 +1,7 @@
 //! The numbers of bonds that a force evaluation reads.
 
-use super::vectors::MOST_LANES;
+use lanes::MOST_LANES;
+
 use crate::bonds::{Bond, Bonds};
 use crate::error::{Error, positive, same_length};
 use crate::real::Real;

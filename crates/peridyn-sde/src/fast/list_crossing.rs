@@ -5,13 +5,10 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use pulp::{Simd, WithSimd};
+use lanes::{Lanes, Mask, Registers, Work};
 
-use super::bond_force::Separation;
-use super::vectors::Mask;
-use crate::bonds::Bonds;
+use super::realisations::Realisations;
 use crate::crossing::Crossing;
-use crate::nodes::Nodes;
 use crate::real::Real;
 use crate::strain::Strain;
 
@@ -48,34 +45,32 @@ impl<T: Real> CrossingLimits<T> {
 /// Finds the bonds for which `(w_0 - w)(w_0 - w')`, with the relative squared elongations `w` before and `w'` after the step, is
 /// below its limit in any lane.
 pub(super) struct MayCross<'a, T, const D: usize, const L: usize, const LINEAR: bool> {
-    pub(super) graph: (&'a Nodes<D>, &'a Bonds),
-    pub(super) inverse_squares: &'a [T],
+    pub(super) realisations: Realisations<'a, T, D, L>,
     pub(super) limits: &'a CrossingLimits<T>,
-    pub(super) intact: &'a [Mask],
     pub(super) from: &'a [T],
     pub(super) to: &'a [T],
     /// Bonds with their ends.
     pub(super) found: &'a mut Vec<(usize, [usize; 2])>,
 }
 
-impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> WithSimd
+impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> Work<T>
     for MayCross<'_, T, D, L, LINEAR>
 {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let bonds = self.graph.1;
+    fn run<R: Registers<T>>(self, registers: R) {
+        let bonds = self.realisations.bonds;
         for i in 0..bonds.n_nodes() {
             for bond in bonds.row(i) {
-                let ends = (i, bonds.partner(bond));
+                let ends = [i, bonds.partner(bond)];
                 let (mut first, mut near) = (0, false);
                 while first < L {
-                    near |= self.is_near(simd, bond, ends, first);
-                    first += T::lanes::<S>();
+                    near |= self.is_near(registers, (bond, ends), first);
+                    first += R::N;
                 }
                 if near {
-                    self.found.push((bond, ends.into()));
+                    self.found.push((bond, ends));
                 }
             }
         }
@@ -84,32 +79,26 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> WithSimd
 
 impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> MayCross<'_, T, D, L, LINEAR> {
     #[inline(always)]
-    fn is_near<S: Simd>(
-        &mut self,
-        simd: S,
-        bond: usize,
-        (i, j): (usize, usize),
+    fn is_near<R: Registers<T>>(
+        &self,
+        registers: R,
+        (bond, ends): (usize, [usize; 2]),
         first: usize,
     ) -> bool {
-        let x = self.graph.0.positions();
-        let zero = T::splat(simd, T::ZERO);
-        let intact = self.intact[bond] >> first;
-        let at = bond * L + first;
-        let limit = T::load::<S>(&self.limits.strength, at);
-        let near = T::load::<S>(&self.limits.product, at);
-        let mut product = T::splat(simd, T::of(1.0));
+        let of = |column: &[T]| registers.load_at(column, bond * L + first);
+        let (limit, near) = (of(&self.limits.strength), of(&self.limits.product));
+        let mut product = registers.splat(T::of(1.0));
         for u in [self.from, self.to] {
-            let (mut xi, mut eta) = ([zero; D], [zero; D]);
-            for k in 0..D {
-                xi[k] = T::splat(simd, T::of(x[j][k] - x[i][k]));
-                let at = |node: usize| (node * D + k) * L + first;
-                eta[k] = T::minus(simd, T::load::<S>(u, at(j)), T::load::<S>(u, at(i)));
-            }
-            let shape = (&xi, T::splat(simd, self.inverse_squares[bond]));
-            let w = Separation::<T, S, D>::new::<LINEAR>(simd, shape, &eta, intact).elongation.0;
-            product = T::times(simd, product, T::minus(simd, limit, w));
+            let u_i = Realisations::<T, D, L>::of_node(registers, u, ends[0], first);
+            let separation = self.realisations.separation::<R, LINEAR>(
+                registers,
+                (bond, ends),
+                (u, &u_i),
+                first,
+            );
+            product = product * (limit - separation.elongation.0);
         }
-        let below = T::greater(simd, T::minus(simd, near, product), zero);
-        T::any_beyond(simd, below, T::splat(simd, T::SMALLEST))
+        // A difference that is subnormal counts for none.
+        (near - product).at_least(near.splat(T::SMALLEST)).any()
     }
 }

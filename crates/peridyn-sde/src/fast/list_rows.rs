@@ -8,12 +8,12 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use lanes::{Lanes, MOST_LANES, Registers, Work};
 
+use super::LaneBits;
 use super::bond_force::{SquaredElongation, component};
 use super::limit::Limit;
 use super::list_columns::Columns;
-use super::vectors::{MOST_LANES, Mask};
 use crate::bonds::Bonds;
 use crate::broken_bond::{BrokenBond, Cause};
 use crate::nodes::Nodes;
@@ -119,11 +119,11 @@ pub(super) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
     pub(super) reached: &'a mut Vec<BrokenBond>,
 }
 
-impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, LINEAR> {
+impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for InRows<'_, T, D, LINEAR> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
+    fn run<R: Registers<T>>(mut self, registers: R) {
         let none = [[T::ZERO; WIDTH]; BATCH];
         let mut batch = Batch { directions: none, squares: none, tensions: [T::ZERO; BATCH] };
         self.padded.begin::<D>(self.u);
@@ -133,7 +133,7 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, 
                 let bonds = first..row.end.min(first + BATCH);
                 let partners = self.bonds.partners(bonds.clone());
                 self.padded.gather::<LINEAR>(&mut batch, i, partners);
-                self.pull(simd, &mut batch, bonds);
+                self.pull(registers, &mut batch, bonds);
                 self.padded.scatter(&batch, i, partners);
             }
         }
@@ -144,8 +144,8 @@ impl<T: Real, const D: usize, const LINEAR: bool> WithSimd for InRows<'_, T, D, 
 impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
     /// Tensions of gathered bonds; those at their limit carry none.
     #[inline(always)]
-    fn pull<S: Simd>(&mut self, simd: S, batch: &mut Batch<T>, bonds: Range<usize>) {
-        let lanes = T::lanes::<S>();
+    fn pull<R: Registers<T>>(&mut self, registers: R, batch: &mut Batch<T>, bonds: Range<usize>) {
+        let lanes = R::N;
         let least = match self.limit {
             Limit::Strength => T::ZERO,
             Limit::Unreached => T::LARGEST,
@@ -160,24 +160,25 @@ impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
         let limits = limits[filled.clone()].chunks_exact(lanes);
         let columns = inverse_squares.zip(stiffness.zip(limits));
         let squares = batch.squares[..n].chunks_exact(lanes);
-        let registers = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
-        for (first, register) in filled.step_by(lanes).zip(registers) {
-            let ((squares, tensions), (inverse_squares, (stiffness, limits))) = register;
+        let blocks = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
+        for (first, block) in filled.step_by(lanes).zip(blocks) {
+            let ((squares, tensions), (inverse_squares, (stiffness, limits))) = block;
             let mut square = [T::ZERO; MOST_LANES];
             for lane in 0..lanes {
                 let parts = &squares[lane];
                 square[lane] = parts[1..D].iter().fold(parts[0], |sum, &part| sum + part);
             }
-            let of = (T::load::<S>(&square, 0), T::load::<S>(inverse_squares, 0));
-            let limit = T::greater(simd, T::load::<S>(limits, 0), T::splat(simd, least));
-            let mut elongation = SquaredElongation::<T, S>::new(simd, of, Mask::MAX);
-            let pull = elongation.pull::<LINEAR>(simd, limit, |reached| {
+            let load = |values: &[T]| registers.load_at(values, 0);
+            let elongation = load(&square) * load(inverse_squares);
+            let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
+            let limit = load(limits).max(registers.splat(least));
+            let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
                 for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
                     let bond = first + lane;
                     self.reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
                 }
             });
-            T::store::<S>(T::times(simd, T::load::<S>(stiffness, 0), pull), tensions, 0);
+            registers.store_at(load(stiffness) * pull, tensions, 0);
         }
     }
 }

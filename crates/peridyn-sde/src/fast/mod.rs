@@ -11,8 +11,11 @@ mod list_columns;
 mod list_crossing;
 mod list_lanes;
 mod list_rows;
+mod realisations;
 mod stencil;
-pub(crate) mod vectors;
 
 pub use lattice::LatticeBody;
 pub use list::BondList;
+
+/// In which lanes a bond is intact: a bit for each of at most [`MOST_LANES`](lanes::MOST_LANES).
+type LaneBits = u16;

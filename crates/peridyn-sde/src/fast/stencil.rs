@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::vectors::{MOST_LANES, Mask};
+use lanes::MOST_LANES;
+
+use super::LaneBits;
 use crate::bonds::Bonds;
 use crate::error::Error;
 use crate::nodes::Nodes;
@@ -162,7 +164,12 @@ impl<const D: usize> Sites<D> {
     }
 
     /// Where the bit of a bond from a node on is: row, word in the row, and bit.
-    pub(super) fn bit(&self, node: usize, vector: usize, n_vectors: usize) -> (usize, usize, Mask) {
+    pub(super) fn bit(
+        &self,
+        node: usize,
+        vector: usize,
+        n_vectors: usize,
+    ) -> (usize, usize, LaneBits) {
         let row = self.rows_of_nodes[node] as usize;
         let at = self.of(node) - self.rows[row];
         (row, at / GROUP * n_vectors + vector, 1 << (at % GROUP))

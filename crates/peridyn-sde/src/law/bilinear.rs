@@ -38,16 +38,8 @@ impl Bilinear {
 }
 
 impl BondLaw for Bilinear {
-    /// The largest stretch so far, infinite for one that is cut.
+    /// The largest stretch so far.
     type State = f64;
-
-    fn start(&self) -> f64 {
-        0.0
-    }
-
-    fn cut(&self) -> f64 {
-        f64::INFINITY
-    }
 
     fn advance(&self, _strength: f64, from: f64, to: f64, _dt: f64, largest: &mut f64) {
         *largest = largest.max(from).max(to);
@@ -78,8 +70,7 @@ mod tests {
     #[test]
     fn the_tension_falls_on_a_line_and_unloads_to_the_origin() {
         let (law, strength) = (Bilinear::new(4.0).unwrap(), 1e-3);
-        let mut state = law.start();
-        let (mut last, mut area) = (0.0, 0.0);
+        let (mut state, mut last, mut area) = (0.0, 0.0, 0.0);
         for step in 1..=5000_u32 {
             let s = 1e-6 * f64::from(step);
             let before = law.tension(strength, last, &state);

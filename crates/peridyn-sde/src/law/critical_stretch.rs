@@ -8,34 +8,27 @@ use super::BondLaw;
 pub struct CriticalStretch;
 
 impl BondLaw for CriticalStretch {
-    /// Whether it is whole.
+    /// Whether it is broken.
     type State = bool;
 
-    fn start(&self) -> bool {
-        true
+    fn advance(&self, strength: f64, from: f64, to: f64, _dt: f64, broken: &mut bool) {
+        let holds = from.max(to) < strength;
+        *broken |= !holds;
     }
 
-    fn cut(&self) -> bool {
-        false
+    fn tension(&self, _strength: f64, s: f64, broken: &bool) -> f64 {
+        if *broken { 0.0 } else { s }
     }
 
-    fn advance(&self, strength: f64, from: f64, to: f64, _dt: f64, whole: &mut bool) {
-        *whole &= from.max(to) < strength;
+    fn energy(&self, _strength: f64, s: f64, broken: &bool) -> f64 {
+        if *broken { 0.0 } else { 0.5 * s * s }
     }
 
-    fn tension(&self, _strength: f64, s: f64, whole: &bool) -> f64 {
-        if *whole { s } else { 0.0 }
+    fn damage(&self, _strength: f64, broken: &bool) -> f64 {
+        f64::from(*broken)
     }
 
-    fn energy(&self, _strength: f64, s: f64, whole: &bool) -> f64 {
-        if *whole { 0.5 * s * s } else { 0.0 }
-    }
-
-    fn damage(&self, _strength: f64, whole: &bool) -> f64 {
-        f64::from(!*whole)
-    }
-
-    fn threshold(&self, strength: f64, whole: &bool) -> Option<f64> {
-        whole.then_some(strength)
+    fn threshold(&self, strength: f64, broken: &bool) -> Option<f64> {
+        (!*broken).then_some(strength)
     }
 }

@@ -131,16 +131,8 @@ fn mean_exponential(a: f64, b: f64) -> f64 {
 }
 
 impl BondLaw for Memory {
-    /// The exposure; infinite for a bond that is cut.
+    /// The exposure.
     type State = f64;
-
-    fn start(&self) -> f64 {
-        0.0
-    }
-
-    fn cut(&self) -> f64 {
-        f64::INFINITY
-    }
 
     fn advance(&self, _strength: f64, from: f64, to: f64, dt: f64, exposure: &mut f64) {
         let k = self.sensitivity;
@@ -159,10 +151,6 @@ impl BondLaw for Memory {
 
     fn damage(&self, _strength: f64, exposure: &f64) -> f64 {
         1.0 - self.left(*exposure)
-    }
-
-    fn threshold(&self, _strength: f64, _exposure: &f64) -> Option<f64> {
-        None
     }
 }
 
@@ -189,7 +177,7 @@ mod tests {
     }
 
     fn run(law: &Memory, stretch: impl Fn(f64) -> f64, until: f64, steps: u32) -> f64 {
-        let (dt, mut state) = (until / f64::from(steps), law.start());
+        let (dt, mut state) = (until / f64::from(steps), 0.0);
         for step in 0..steps {
             let t = dt * f64::from(step);
             law.advance(1.0, stretch(t), stretch(t + dt), dt, &mut state);

@@ -1,4 +1,4 @@
-//! What a bond does when it is stretched, and what it remembers.
+//! Constitutive laws of bonds: tension and energy under a stretch, and the history that changes both.
 
 mod bilinear;
 mod critical_stretch;
@@ -12,35 +12,37 @@ pub use critical_stretch::CriticalStretch;
 pub use memory::Memory;
 pub use smooth_stretch::SmoothStretch;
 
-/// A law of bonds: how much of its stiffness a bond has left, by what has become of it.
+/// A constitutive law of bonds: the tension under a stretch, its energy, and how the history of a bond changes both.
 ///
-/// The tension of a bond is `kappa sigma(s)` with its stiffness `kappa` and a stretch `sigma` that counts; its energy is
-/// `kappa r` times the integral of `sigma`. Per bond there is a stretch `strength` at which it breaks, so that strength may
-/// vary in space; a law that knows no such number leaves it aside.
+/// The tension of a bond is `kappa sigma(s)` with its stiffness `kappa` and the effective stretch `sigma`; its energy is
+/// `kappa r` times the integral of `sigma`. Every bond has a stretch `strength` at which it breaks, so that strength may vary
+/// in space; a law without such a number ignores it.
+///
+/// A law describes intact bonds. A bond that is cut, as by a notch, carries no tension under any law:
+/// [`Network`](crate::Network) keeps track of it.
 pub trait BondLaw: Debug + Sync {
-    /// What a bond remembers.
-    type State: Copy + Debug + PartialEq + Send + Sync;
+    /// The history of a bond. Its default is that of an undamaged bond.
+    type State: Copy + Debug + Default + PartialEq + Send + Sync;
 
-    /// A bond that nothing has happened to.
-    fn start(&self) -> Self::State;
-
-    /// A bond that is cut, as by a notch.
-    fn cut(&self) -> Self::State;
-
-    /// Takes a bond over a step of the length `dt` in which its stretch goes from `from` to `to` on a straight line.
+    /// Advances the history of a bond over a step of the length `dt`, in which the stretch goes from `from` to `to` on a
+    /// straight line.
     fn advance(&self, strength: f64, from: f64, to: f64, dt: f64, state: &mut Self::State);
 
-    /// The stretch that counts for the tension, at the stretch `s`; of a step already taken.
+    /// The effective stretch `sigma` at the stretch `s`, with the history up to there.
     fn tension(&self, strength: f64, s: f64, state: &Self::State) -> f64;
 
-    /// Its integral from zero to `s`, the energy of the bond over `kappa r`.
+    /// The integral of `sigma` from zero to `s`: the energy of the bond over `kappa r`.
     fn energy(&self, strength: f64, s: f64, state: &Self::State) -> f64;
 
-    /// How much of the bond is lost: 0 whole, 1 broken.
+    /// The damage: 0 undamaged, 1 broken.
     fn damage(&self, strength: f64, state: &Self::State) -> f64;
 
-    /// The stretch whose first passage changes the bond for good, if there is such.
-    fn threshold(&self, strength: f64, state: &Self::State) -> Option<f64>;
+    /// The stretch whose first passage changes the bond for good, which the bridge test looks for between the ends of steps.
+    ///
+    /// Unless a law says otherwise there is none, and [`advance`](Self::advance) at the ends of steps decides alone.
+    fn threshold(&self, _strength: f64, _state: &Self::State) -> Option<f64> {
+        None
+    }
 
     /// `d sigma/ds` at rest: what the step is checked against, and what an implicit step takes the bond for.
     ///

@@ -32,31 +32,24 @@ impl SmoothStretch {
 }
 
 impl BondLaw for SmoothStretch {
-    /// Whether it is not broken.
+    /// Whether it is broken.
     type State = bool;
 
-    fn start(&self) -> bool {
-        true
+    fn advance(&self, strength: f64, from: f64, to: f64, _dt: f64, broken: &mut bool) {
+        let holds = from.max(to) < (1.0 + self.width) * strength;
+        *broken |= !holds;
     }
 
-    fn cut(&self) -> bool {
-        false
-    }
-
-    fn advance(&self, strength: f64, from: f64, to: f64, _dt: f64, whole: &mut bool) {
-        *whole &= from.max(to) < (1.0 + self.width) * strength;
-    }
-
-    fn tension(&self, strength: f64, s: f64, whole: &bool) -> f64 {
-        if !*whole {
+    fn tension(&self, strength: f64, s: f64, broken: &bool) -> f64 {
+        if *broken {
             return 0.0;
         }
         let (x, _) = self.fall(strength, s);
         s * (1.0 - x * x * (3.0 - 2.0 * x))
     }
 
-    fn energy(&self, strength: f64, s: f64, whole: &bool) -> f64 {
-        if !*whole {
+    fn energy(&self, strength: f64, s: f64, broken: &bool) -> f64 {
+        if *broken {
             return 0.0;
         }
         let (x, length) = self.fall(strength, s);
@@ -70,12 +63,12 @@ impl BondLaw for SmoothStretch {
         0.5 * begin * begin + length * (begin * g + length * y_g)
     }
 
-    fn damage(&self, _strength: f64, whole: &bool) -> f64 {
-        f64::from(!*whole)
+    fn damage(&self, _strength: f64, broken: &bool) -> f64 {
+        f64::from(*broken)
     }
 
-    fn threshold(&self, strength: f64, whole: &bool) -> Option<f64> {
-        whole.then_some((1.0 + self.width) * strength)
+    fn threshold(&self, strength: f64, broken: &bool) -> Option<f64> {
+        (!*broken).then_some((1.0 + self.width) * strength)
     }
 }
 
@@ -90,21 +83,21 @@ mod tests {
         for step in -20..160_i32 {
             let s = 1e-4 * f64::from(step);
             let difference =
-                law.energy(strength, s + delta, &true) - law.energy(strength, s - delta, &true);
-            let tension = law.tension(strength, s, &true);
+                law.energy(strength, s + delta, &false) - law.energy(strength, s - delta, &false);
+            let tension = law.tension(strength, s, &false);
             assert!((difference / (2.0 * delta) - tension).abs() < 1e-9, "{s}");
-            let slope = (law.tension(strength, s + delta, &true)
-                - law.tension(strength, s - delta, &true))
+            let slope = (law.tension(strength, s + delta, &false)
+                - law.tension(strength, s - delta, &false))
                 / (2.0 * delta);
             // The steepest second derivative is about 6 s_0/(2 w s_0)^2 = 2400: a jump of the slope would be larger.
             assert!(last.is_none_or(|before: f64| (slope - before).abs() < 0.3), "{s}: {slope}");
             last = Some(slope);
         }
-        let mut state = law.start();
-        law.advance(strength, 0.0, 1.24e-2, 1.0, &mut state);
-        assert!(state);
-        law.advance(strength, 1.24e-2, 1.26e-2, 1.0, &mut state);
-        assert!(!state && law.tension(strength, 0.0, &state) == 0.0);
+        let mut broken = false;
+        law.advance(strength, 0.0, 1.24e-2, 1.0, &mut broken);
+        assert!(!broken);
+        law.advance(strength, 1.24e-2, 1.26e-2, 1.0, &mut broken);
+        assert!(broken && law.tension(strength, 0.0, &broken) == 0.0);
         assert!(SmoothStretch::new(0.0).is_err() && SmoothStretch::new(f64::NAN).is_err());
     }
 }

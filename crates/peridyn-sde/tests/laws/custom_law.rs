@@ -1,8 +1,8 @@
 //! A law of a user's own: strings, which resist tension alone and never break.
 
 use peridyn_sde::{
-    BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence, Loading,
-    Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
+    Body, BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence,
+    Loading, Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
     VolumeCorrection,
 };
 use sde_integrators::Noise;
@@ -12,33 +12,21 @@ use sde_integrators::Noise;
 struct Cord;
 
 impl BondLaw for Cord {
-    /// Whether it is cut.
-    type State = bool;
+    /// A string has no history.
+    type State = ();
 
-    fn start(&self) -> bool {
-        false
+    fn advance(&self, _strength: f64, _from: f64, _to: f64, _dt: f64, _state: &mut ()) {}
+
+    fn tension(&self, _strength: f64, s: f64, _state: &()) -> f64 {
+        s.max(0.0)
     }
 
-    fn cut(&self) -> bool {
-        true
+    fn energy(&self, _strength: f64, s: f64, _state: &()) -> f64 {
+        0.5 * s * s.max(0.0)
     }
 
-    fn advance(&self, _strength: f64, _from: f64, _to: f64, _dt: f64, _cut: &mut bool) {}
-
-    fn tension(&self, _strength: f64, s: f64, cut: &bool) -> f64 {
-        if *cut { 0.0 } else { s.max(0.0) }
-    }
-
-    fn energy(&self, strength: f64, s: f64, cut: &bool) -> f64 {
-        0.5 * s * self.tension(strength, s, cut)
-    }
-
-    fn damage(&self, _strength: f64, cut: &bool) -> f64 {
-        f64::from(*cut)
-    }
-
-    fn threshold(&self, _strength: f64, _cut: &bool) -> Option<f64> {
-        None
+    fn damage(&self, _strength: f64, _state: &()) -> f64 {
+        0.0
     }
 }
 // docs: end
@@ -74,6 +62,28 @@ fn a_net_of_strings_pulls_and_does_not_push() {
     }
 }
 // docs: end
+
+/// The law knows nothing of it.
+#[test]
+fn a_cut_string_carries_nothing_until_it_is_intact_again() {
+    let mut network = net();
+    let u: Vec<[f64; 1]> = network.nodes().positions().iter().map(|x| [0.01 * x[0]]).collect();
+    let pull_and_slope = |network: &Network<Cord, 1>| {
+        let mut forces = [[0.0]; 5];
+        let energy = network.forces(&u, &mut forces).unwrap();
+        (forces[0][0], energy, network.slope(0, 0))
+    };
+    let (pull, energy, slope) = pull_and_slope(&network);
+    assert!(pull > 0.0 && slope > 0.99);
+    network.cut(&[0]).unwrap();
+    let (without, less, flat) = pull_and_slope(&network);
+    assert_eq!((without, flat), (0.0, 0.0));
+    assert!((less / energy - 0.75).abs() < 1e-14, "one of four strings of {energy}: {less}");
+    assert_eq!(network.damage(), [1.0, 0.5, 0.0, 0.0, 0.0]);
+    assert_eq!(Body::intact(&network, 0), 0);
+    network.set_intact(0, 1);
+    assert_eq!(pull_and_slope(&network), (pull, energy, slope));
+}
 
 /// A string is as stiff as its steeper side: with two springs of `kappa/r` to a node the stiffest mode of a long row has four,
 /// of five free nodes `4 sin^2(2 pi/5)`.

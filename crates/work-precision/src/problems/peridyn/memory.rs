@@ -54,7 +54,7 @@ impl Wear {
 
 /// `alpha` at a time, by steps of the law.
 pub fn stepped(law: &Memory, stretch: impl Fn(f64) -> f64, until: f64, steps: u32) -> f64 {
-    let (dt, mut state) = (until / f64::from(steps), law.start());
+    let (dt, mut state) = (until / f64::from(steps), 0.0);
     for step in 0..steps {
         let t = dt * f64::from(step);
         law.advance(1.0, stretch(t), stretch(t + dt), dt, &mut state);

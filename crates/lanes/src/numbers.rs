@@ -1,0 +1,137 @@
+//! Numbers, and registers of them, under one trait.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use crate::sealed::Sealed;
+
+/// A number, or a register of numbers: a formula written over `Lanes` serves both.
+///
+/// Implemented by `f64` and `f32`, which are one lane, and by the registers of every level. All operations are those of
+/// IEEE 754, rounded once, and no product is fused with a sum: a lane has the bits that the number alone has.
+///
+/// ```
+/// use lanes::{Lanes, Mask, Registers, SimdLevel, Work};
+///
+/// /// `sqrt x`, or zero below zero.
+/// #[inline(always)]
+/// fn root<N: Lanes<Number = f64>>(x: N) -> N {
+///     let zero = x.splat(0.0);
+///     let negative = x.less(zero);
+///     if negative.any() { N::select(negative, zero, x).sqrt() } else { x.sqrt() }
+/// }
+///
+/// struct Roots<'a>(&'a mut [f64]);
+///
+/// impl Work<f64> for Roots<'_> {
+///     type Output = ();
+///
+///     #[inline(always)]
+///     fn run<R: Registers<f64>>(self, registers: R) {
+///         for at in (0..self.0.len()).step_by(R::N) {
+///             let x = registers.load_at(self.0, at);
+///             registers.store_at(root(x), self.0, at);
+///         }
+///     }
+/// }
+///
+/// assert_eq!([root(4.0), root(-4.0)], [2.0, 0.0]);
+/// let mut x = [4.0, -1.0, 9.0, 0.25, 1.0, -0.5, 0.0, 16.0];
+/// SimdLevel::best().run(Roots(&mut x));
+/// assert_eq!(x, [2.0, 0.0, 3.0, 0.5, 1.0, 0.0, 0.0, 4.0]);
+/// ```
+pub trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Sealed
+{
+    /// What a lane holds.
+    type Number: Copy;
+    /// The result of a comparison in each lane.
+    type Mask: Mask;
+    /// The same number in every lane, in as many as `self` has.
+    fn splat(self, value: Self::Number) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// The value without its sign bit; NaN stays NaN.
+    fn abs(self) -> Self;
+    /// `self` where `self < other`, else `other`: `other` where either is NaN, and where both are zeros.
+    fn min(self, other: Self) -> Self;
+    /// `self` where `self > other`, else `other`: `other` where either is NaN, and where both are zeros.
+    fn max(self, other: Self) -> Self;
+    /// The mask of `self < other`; not of lanes with NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// The mask of `self >= other`; not of lanes with NaN.
+    fn at_least(self, other: Self) -> Self::Mask;
+    /// `inside` in the lanes of a mask, `outside` in the others.
+    fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self;
+}
+
+/// A truth value for each lane.
+pub trait Mask: Copy + Sealed {
+    /// Whether it is true in any lane.
+    fn any(self) -> bool;
+    /// Bit `k` is lane `k`; bits beyond the lanes are zero.
+    fn bits(self) -> u32;
+}
+
+impl Sealed for bool {}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.into()
+    }
+}
+
+macro_rules! one_lane {
+    ($real:ty) => {
+        impl Sealed for $real {}
+
+        impl Lanes for $real {
+            type Number = Self;
+            type Mask = bool;
+
+            #[inline(always)]
+            fn splat(self, value: Self) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn at_least(self, other: Self) -> bool {
+                self >= other
+            }
+            #[inline(always)]
+            fn select(mask: bool, inside: Self, outside: Self) -> Self {
+                if mask { inside } else { outside }
+            }
+        }
+    };
+}
+one_lane!(f64);
+one_lane!(f32);

@@ -53,7 +53,7 @@ pub struct Unknown {
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorOrigin {
-    /// A second run with fewer intervals per axis, and the fitted order 2.
+    /// Runs at a coarser resolution, and the order of the method.
     TwoResolutions,
     /// The spread of samples.
     StandardError,

@@ -1,4 +1,4 @@
-//! Problems that charts and the proof share, with their references and the methods that scenes do not offer.
+//! Problems that charts and the proof share, with their references.
 
 pub mod fpk;
 pub mod peridyn;

@@ -20,6 +20,10 @@ use crate::scene::Objection;
 #[schemars(example = Self::paper())]
 #[schemars(example = Self::sampled())]
 #[schemars(example = Self::fit())]
+#[schemars(example = Self::grid())]
+#[schemars(example = Self::linearised())]
+#[schemars(example = Self::importance())]
+#[schemars(example = Self::subset())]
 pub enum MethodScene {
     /// Whitened log-density fit: local polynomials over the particles near.
     LogDensityFit(LatticeScene),
@@ -41,7 +45,7 @@ pub enum MethodScene {
         #[schemars(extend("default" = SchemeScene::ForwardEuler))]
         scheme: Option<SchemeScene>,
     },
-    /// The rival: sampled paths.
+    /// Monte Carlo: sampled paths.
     MonteCarlo {
         /// Number of paths (no unit).
         paths: u64,
@@ -52,7 +56,56 @@ pub enum MethodScene {
         /// Seed of all that is drawn (no unit).
         seed: u64,
     },
+    /// The density of an oscillator on a conservative grid.
+    ConservativeGrid {
+        /// Cells along each axis, 24 to 8192 (no unit).
+        cells: usize,
+        /// Half the edge of the grid in standard deviations along the widest direction, at least 4 (no unit).
+        reach: f64,
+        /// Steps in a period, at least 6 (no unit).
+        steps_per_period: f64,
+    },
+    /// Mean and covariance of a normal distribution by statistical linearisation.
+    StatisticalLinearisation {
+        /// Longest step (s).
+        step: f64,
+    },
+    /// Exceedance probabilities by importance sampling about a design point for each time, threshold and sign.
+    ImportanceSampling {
+        /// Number of paths for each tail (no unit).
+        samples: u64,
+        /// Longest step (s).
+        step: f64,
+        /// How a path is stepped.
+        integrator: IntegratorScene,
+        /// Seed of all that is drawn (no unit).
+        seed: u64,
+    },
+    /// Exceedance probabilities by subset simulation, for each time and threshold.
+    SubsetSimulation {
+        /// Paths of a level, at least 100 (no unit).
+        samples: usize,
+        /// Correlation of the proposal with the present path, between 0 and 1 (no unit).
+        correlation: f64,
+        /// Independent runs, at least 2, whose scatter is the standard error (no unit).
+        runs: u64,
+        /// Longest step (s).
+        step: f64,
+        /// How a path is stepped.
+        integrator: IntegratorScene,
+        /// Seed of all that is drawn (no unit).
+        seed: u64,
+    },
 }
+
+/// Fewest cells: the coarser run for the error has 0.7 of them, and the grid needs 16.
+const FEWEST_CELLS: usize = 24;
+/// Most cells: the grid then takes half a gigabyte.
+pub(crate) const MOST_CELLS: usize = 8_192;
+/// Fewest steps in a period, for the same reason.
+pub(crate) const FEWEST_STEPS_PER_PERIOD: f64 = 6.0;
+/// Most steps of a path whose gradient is taken by each of its normals.
+const MOST_STEPS: f64 = 1e5;
 
 /// Examples of what no built-in scene shows, for the schema and the page of scenes.
 impl MethodScene {
@@ -74,6 +127,25 @@ impl MethodScene {
             integrator: IntegratorScene::StrangOscillator,
             seed: 1,
         }
+    }
+
+    fn grid() -> Self {
+        Self::ConservativeGrid { cells: 128, reach: 8.0, steps_per_period: 80.0 }
+    }
+
+    fn linearised() -> Self {
+        Self::StatisticalLinearisation { step: 0.05 }
+    }
+
+    fn importance() -> Self {
+        let integrator = IntegratorScene::StrangOscillator;
+        Self::ImportanceSampling { samples: 10_000, step: 0.04, integrator, seed: 1 }
+    }
+
+    fn subset() -> Self {
+        let (samples, correlation, runs) = (500, 0.8, 8);
+        let integrator = IntegratorScene::StrangOscillator;
+        Self::SubsetSimulation { samples, correlation, runs, step: 0.04, integrator, seed: 1 }
     }
 
     fn fit() -> Self {
@@ -114,7 +186,7 @@ impl MethodScene {
                     InitialLattice::Rectangle { half_width, count: scaled_counts(count, scale)? };
                 (Method::Custom(combination), lattice)
             }
-            Self::MonteCarlo { .. } => return None,
+            _ => return None,
         };
         Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
     }
@@ -125,7 +197,7 @@ impl MethodScene {
             Self::LogDensityFit(lattice) => Some(("log_density_fit", lattice.scheme?)),
             Self::FlowMapFit(lattice) => Some(("flow_map_fit", lattice.scheme?)),
             Self::CanorDenoel2013 { scheme, .. } => Some(("canor_denoel_2013", (*scheme)?)),
-            Self::MonteCarlo { .. } => None,
+            _ => None,
         }
     }
 
@@ -157,16 +229,92 @@ impl MethodScene {
             Self::MonteCarlo { paths, step, integrator, .. } => {
                 must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
                 must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
-                let offered = system.integrators();
-                if offered.contains(integrator) {
+                check_integrator("method.monte_carlo", *integrator, system)
+            }
+            Self::ConservativeGrid { .. } => self.check_grid(system),
+            Self::StatisticalLinearisation { step } => {
+                let path = "method.statistical_linearisation";
+                must(&format!("{path}.step"), *step, *step > 0.0, "greater than 0")?;
+                if system.has_additive_noise() {
                     return Ok(());
                 }
-                let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
                 let message =
-                    format!("the integrator {} does not step this system", integrator.name());
-                Err(Objection::new("method.monte_carlo.integrator", message)
-                    .with_help(format!("there are: {}", names.join(", "))))
+                    "linearisation needs additive noise; that of this system depends on the state";
+                Err(Objection::new(path, message)
+                    .with_help("use `monte_carlo` or a density method"))
+            }
+            Self::ImportanceSampling { samples, step, integrator, .. } => {
+                let path = "method.importance_sampling";
+                must(&format!("{path}.samples"), *samples as f64, *samples >= 2, "at least 2")?;
+                check_path(path, *step, *integrator, (system, initial, times))
+            }
+            Self::SubsetSimulation { samples, correlation, runs, step, integrator, .. } => {
+                let path = "method.subset_simulation";
+                must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
+                let (rho, is_between) = (*correlation, *correlation > 0.0 && *correlation < 1.0);
+                must(&format!("{path}.correlation"), rho, is_between, "between 0 and 1")?;
+                let few = (2..=65_536).contains(runs);
+                must(&format!("{path}.runs"), *runs as f64, few, "from 2 to 65536")?;
+                check_path(path, *step, *integrator, (system, initial, times))
             }
         }
     }
+
+    /// Refuses a grid that is too coarse for its error, and a system that is no oscillator.
+    fn check_grid(&self, system: &System) -> Result<(), Objection> {
+        let Self::ConservativeGrid { cells, reach, steps_per_period } = *self else {
+            return Ok(());
+        };
+        let path = "method.conservative_grid";
+        let fits = (FEWEST_CELLS..=MOST_CELLS).contains(&cells);
+        must(&format!("{path}.cells"), cells as f64, fits, "from 24 to 8192")?;
+        must(&format!("{path}.reach"), reach, reach >= 4.0, "at least 4")?;
+        let fits = steps_per_period >= FEWEST_STEPS_PER_PERIOD;
+        must(&format!("{path}.steps_per_period"), steps_per_period, fits, "at least 6")?;
+        if system.oscillator().is_some() {
+            return Ok(());
+        }
+        let states = system.states().join(", ");
+        let message = format!(
+            "the grid solves an oscillator with the states q, v; this system has the states {states}"
+        );
+        Err(Objection::new(path, message).with_help(
+            "use `log_density_fit` or `flow_map_fit` for the density, `statistical_linearisation` for moments",
+        ))
+    }
+}
+
+/// Refuses an integrator of another system.
+fn check_integrator(
+    path: &str,
+    integrator: IntegratorScene,
+    system: &System,
+) -> Result<(), Objection> {
+    let offered = system.integrators();
+    if offered.contains(&integrator) {
+        return Ok(());
+    }
+    let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
+    let message = format!("the integrator {} does not step this system", integrator.name());
+    Err(Objection::new(format!("{path}.integrator"), message)
+        .with_help(format!("there are: {}", names.join(", "))))
+}
+
+/// Refuses what a path cannot be as a function of independent normals.
+fn check_path(
+    path: &str,
+    step: f64,
+    integrator: IntegratorScene,
+    (system, initial, times): (&System, &LawScene, &[f64]),
+) -> Result<(), Objection> {
+    let key = format!("{path}.step");
+    must(&key, step, step > 0.0, "greater than 0")?;
+    let longest = times.last().copied().unwrap_or_default();
+    must(&key, step, longest / step <= MOST_STEPS, "such that a path has at most 100000 steps")?;
+    if matches!(initial, LawScene::Mixture(components) if components.len() > 1) {
+        let message = "the method needs one normal distribution at the start";
+        return Err(Objection::new("initial.mixture", message)
+            .with_help("use `gaussian`, a mixture of one component, or `monte_carlo`"));
+    }
+    check_integrator(path, integrator, system)
 }

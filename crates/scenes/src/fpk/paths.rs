@@ -5,9 +5,11 @@ use fpk_sph::systems::{
     LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
     ViscousDamper,
 };
+use random_vibration::{TailError, TailPaths};
 use sde_integrators::{
-    EnsembleConfig, Error, EulerMaruyama, GaussianMixture, Integrator, Observable, Sampling, Sde,
-    SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
+    Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
+    Observable, Sampling, Sde, SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator,
+    Study,
 };
 
 use super::density::Erased;
@@ -28,6 +30,20 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         ensemble: &PathEnsemble<'_, D>,
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
+
+    /// Paths to a time in so many steps, as functions of standard normals, by one of [`INTEGRATORS`](Self::INTEGRATORS).
+    ///
+    /// # Errors
+    /// [`PathsError`].
+    fn tails<'a>(
+        &'a self,
+        integrator: IntegratorScene,
+        law: &GaussianMixture<D>,
+        span: (f64, usize),
+    ) -> Result<TailPaths<'a, D>, PathsError>;
+
+    /// The system, where its noise is additive.
+    fn additive(&self) -> Option<&dyn Sde<D, M, Noise = Additive>>;
 }
 
 /// What is sampled of a system.
@@ -62,6 +78,9 @@ pub enum PathsError {
     /// The ensemble was refused or failed.
     #[error(transparent)]
     Ensemble(#[from] Error),
+    /// The tail probability was refused or failed.
+    #[error(transparent)]
+    Tails(#[from] TailError),
     /// Shards of something else than what is asked.
     #[error("the shards have {found} results at each time, asked for are {expected}")]
     OtherResults {
@@ -94,13 +113,41 @@ macro_rules! compiled_paths {
                     other => Err(PathsError::NotOffered(other)),
                 }
             }
+
+            fn tails<'a>(
+                &'a self,
+                integrator: IntegratorScene,
+                law: &GaussianMixture<$d>,
+                span: (f64, usize),
+            ) -> Result<TailPaths<'a, $d>, PathsError> {
+                match integrator {
+                    $(IntegratorScene::$integrator => {
+                        Ok(TailPaths::new::<_, _, $m>(self, &$integrator, law, span)?)
+                    })+
+                    other => Err(PathsError::NotOffered(other)),
+                }
+            }
+
+            fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
+                Some(self)
+            }
         }
     )+ };
 }
 
+/// A system of the class of noise that is named.
+macro_rules! additive {
+    (Additive, $system:expr) => {
+        Some($system)
+    };
+    (General, $system:expr) => {
+        None
+    };
+}
+
 /// One line for each system that is stepped behind a reference: compiled once for a dimension, slower by the calls.
 macro_rules! erased_paths {
-    ($($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
+    ($noise:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
             const INTEGRATORS: &'static [IntegratorScene] = &[IntegratorScene::$integrator];
 
@@ -118,6 +165,25 @@ macro_rules! erased_paths {
                     other => Err(PathsError::NotOffered(other)),
                 }
             }
+
+            fn tails<'a>(
+                &'a self,
+                integrator: IntegratorScene,
+                law: &GaussianMixture<$d>,
+                span: (f64, usize),
+            ) -> Result<TailPaths<'a, $d>, PathsError> {
+                match integrator {
+                    IntegratorScene::$integrator => {
+                        let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                        Ok(TailPaths::new::<_, _, $m>(system, &$integrator, law, span)?)
+                    }
+                    other => Err(PathsError::NotOffered(other)),
+                }
+            }
+
+            fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
+                additive!($noise, self)
+            }
         }
     )+ };
 }
@@ -131,6 +197,7 @@ compiled_paths! {
 }
 
 erased_paths! {
+    Additive:
     Duffing, 2, 1: Shark;
     VanDerPolRayleigh, 2, 1: Shark;
     TwoStorey, 4, 1: Shark;
@@ -143,6 +210,10 @@ erased_paths! {
     OrnsteinUhlenbeck<3>, 3, 3: Shark;
     OrnsteinUhlenbeck<4>, 4, 4: Shark;
     Bistable, 1, 1: Shark;
+}
+
+erased_paths! {
+    General:
     CoxIngersollRoss, 1, 1: EulerMaruyama;
     GeometricBrownianMotion, 1, 1: EulerMaruyama;
 }

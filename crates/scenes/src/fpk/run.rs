@@ -3,11 +3,14 @@
 mod asked;
 mod ingredients;
 mod ladder;
+mod linearised;
 mod observed;
+mod on_grid;
 mod outcome;
 mod pictures;
 mod record;
 mod sampled;
+mod tails;
 #[cfg(test)]
 mod tests;
 mod two_resolutions;
@@ -15,6 +18,7 @@ mod two_resolutions;
 use std::path::PathBuf;
 
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
+use random_vibration::{GridConfig, SubsetConfig};
 use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
@@ -32,11 +36,13 @@ use crate::output::write_drawing;
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
 use asked::{OtherDimension, asked, law};
+use linearised::Linearised;
 use observed::Observed;
 use outcome::Outcome;
 use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
+use tails::{Estimator, TailsOf};
 use two_resolutions::TwoResolutions;
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -52,16 +58,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let (scene, system) = run.build::<FpkScene>(file)?;
     let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
-        if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
-            run.progress.stage("Monte Carlo");
-            let sampling = Sampling { paths, step, integrator, seed };
-            system.visit(Sampled { scene: &scene, system: &system, sampling, run })?
-        } else {
-            run.no_shards()?;
-            let inputs = &Inputs { scene: &scene, seed: None, files: &[] };
-            let checkpoint = run.checkpoint(inputs, &["/title", "/times/until"])?;
-            system.visit(Solved { scene: &scene, system: &system, run, checkpoint })?
-        };
+        solve(&scene, &system, run)?;
     if is_elsewhere {
         return Ok(files);
     }
@@ -81,6 +78,47 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
 }
 
+/// The scene by its method.
+fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, RunError> {
+    if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
+        run.progress.stage("Monte Carlo");
+        let sampling = Sampling { paths, step, integrator, seed };
+        return system.visit(Sampled { scene, system, sampling, run });
+    }
+    run.no_shards()?;
+    let inputs = |seed| Inputs { scene, seed, files: &[] };
+    // A method that keeps nothing in its checkpoint still refuses to start over another run.
+    let alone = |seed| run.checkpoint(&inputs(seed), &["/title"]);
+    match scene.method {
+        MethodScene::ConservativeGrid { cells, reach, steps_per_period } => {
+            alone(None)?;
+            let period = system.reference_period();
+            let config = GridConfig { cells, reach, period, steps_per_period };
+            on_grid::solve(scene, system, run, &config)
+        }
+        MethodScene::StatisticalLinearisation { step } => {
+            alone(None)?;
+            run.progress.stage("statistical linearisation");
+            system.visit(Linearised { scene, system, step })
+        }
+        MethodScene::ImportanceSampling { samples, step, integrator, seed } => {
+            alone(Some(seed))?;
+            let how = Estimator::Importance { samples };
+            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
+        }
+        MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed } => {
+            alone(Some(seed))?;
+            let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
+            let how = Estimator::Subset { config };
+            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
+        }
+        _ => {
+            let checkpoint = run.checkpoint(&inputs(None), &["/title", "/times/until"])?;
+            system.visit(Solved { scene, system, run, checkpoint })
+        }
+    }
+}
+
 /// Most states for which exceedances are integrated over cells: beyond, each cell has thousands of parts.
 const MOST_STATES_OF_CELLS: usize = 4;
 
@@ -95,7 +133,7 @@ fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
                 )
             })
         }
-        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => Some(
+        _ => Some(
             "the method has no local fits, which integrals over cells need: read exceedance-log-interpolated"
                 .to_owned(),
         ),

@@ -216,18 +216,47 @@ impl Scene for FpkScene {
                 "of order 1 to 8",
             )?;
         }
+        self.check_questions(states)?;
         Ok(system)
     }
 
     fn seed(&mut self) -> Option<&mut u64> {
         match &mut self.method {
-            MethodScene::MonteCarlo { seed, .. } => Some(seed),
+            MethodScene::MonteCarlo { seed, .. }
+            | MethodScene::ImportanceSampling { seed, .. }
+            | MethodScene::SubsetSimulation { seed, .. } => Some(seed),
             _ => None,
         }
     }
 }
 
 impl FpkScene {
+    /// Refuses what the method does not answer.
+    fn check_questions(&self, states: &[&str]) -> Result<(), Objection> {
+        match &self.method {
+            MethodScene::ConservativeGrid { .. } => {
+                for (k, powers) in self.moments.iter().enumerate() {
+                    let highest = powers.iter().copied().max().unwrap_or_default();
+                    let limit = "of power 4 at most in each state on a grid";
+                    must(&format!("moments[{k}]"), f64::from(highest), highest <= 4, limit)?;
+                }
+                if self.demand(states)? == Demand::of_state(0, states[0], states.len()) {
+                    return Ok(());
+                }
+                let message =
+                    format!("the grid knows exceedances of the state {} alone", states[0]);
+                Err(Objection::new("demand", message).with_help("leave out `demand`"))
+            }
+            MethodScene::ImportanceSampling { .. } | MethodScene::SubsetSimulation { .. }
+                if self.thresholds.is_empty() =>
+            {
+                let message = "the method estimates exceedance probabilities alone, and there is no threshold";
+                Err(Objection::new("thresholds", message).with_help("name at least one"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn check_planes(&self, states: &[&str]) -> Result<(), Objection> {
         self.plane_states(states)?;
         let (Some(planes), times) = (&self.planes, self.times.list()) else { return Ok(()) };

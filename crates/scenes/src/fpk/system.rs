@@ -5,6 +5,9 @@ use fpk_sph::systems::{
     LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
 };
 
+use random_vibration::Quadrature;
+use sde_integrators::{Additive, Sde};
+
 use super::integrator_scene::IntegratorScene;
 use super::paths::Paths;
 
@@ -112,6 +115,56 @@ impl System {
             Self::OrnsteinUhlenbeck2(_) => &["x1", "x2"],
             Self::OrnsteinUhlenbeck3(_) => &["x1", "x2", "x3"],
             Self::OrnsteinUhlenbeck4(_) => &["x1", "x2", "x3", "x4"],
+        }
+    }
+
+    /// The system as an oscillator `(q, v)` with noise on its velocity, where it is one.
+    #[must_use]
+    pub fn oscillator(&self) -> Option<&dyn Sde<2, 1, Noise = Additive>> {
+        match self {
+            Self::LinearOscillator(system) => Some(system),
+            Self::ViscousDamper(system) => Some(system),
+            Self::Duffing(system) => Some(system),
+            Self::VanDerPol(system) => Some(system),
+            _ => None,
+        }
+    }
+
+    /// Whether its noise is the same for every state.
+    #[must_use]
+    pub const fn has_additive_noise(&self) -> bool {
+        !matches!(self, Self::CoxIngersollRoss(_) | Self::GeometricBrownianMotion(_))
+    }
+
+    /// Whether its drift is linear in the state and its noise additive.
+    #[must_use]
+    pub const fn is_linear(&self) -> bool {
+        matches!(
+            self,
+            Self::LinearOscillator(_)
+                | Self::KanaiTajimiLinear(_)
+                | Self::CloughPenzienLinear(_)
+                | Self::OrnsteinUhlenbeck1(_)
+                | Self::OrnsteinUhlenbeck2(_)
+                | Self::OrnsteinUhlenbeck3(_)
+                | Self::OrnsteinUhlenbeck4(_)
+        )
+    }
+
+    /// The states in which its drift has a kink or a root, with the rules that split there; polynomial in all others.
+    #[must_use]
+    pub const fn kinks(&self) -> &'static [(usize, Quadrature)] {
+        use Quadrature::{SplitAt, SplitAtZero};
+        match self {
+            Self::ViscousDamper(_) | Self::KanaiTajimiDamper(_) | Self::CloughPenzienDamper(_) => {
+                &[(1, SplitAtZero)]
+            }
+            Self::BoucWen(_) | Self::KanaiTajimiBoucWen(_) => &[(1, SplitAtZero), (2, SplitAtZero)],
+            // The dampers see v_1 and v_2 - v_1.
+            Self::TwoStorey(_) | Self::KanaiTajimiTwoStorey(_) => {
+                &[(2, SplitAtZero), (3, SplitAt(2))]
+            }
+            _ => &[],
         }
     }
 

@@ -37,7 +37,7 @@ pub enum RunError {
     #[error("the scene holds what JSON does not")]
     Identity(#[from] JsonError),
     /// Shards were asked for, or given, and the method of the scene has none.
-    #[error("the method of the scene samples nothing, so that there are no shards of it")]
+    #[error("the method of the scene has no shards")]
     #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
     NoShards,
     /// Shards that are not one ensemble.

@@ -25,8 +25,22 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
         .map(|entry| entry.unwrap().path())
         .collect();
     files.sort();
-    files.iter().map(|file| std::fs::read_to_string(file).unwrap()).collect()
+    let built_in = files.iter().map(|file| std::fs::read_to_string(file).unwrap());
+    let mut texts: Vec<String> = built_in.collect();
+    // Methods that no built-in scene has.
+    let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+    let damper = texts.iter().find(|text| text.contains(fit)).unwrap().clone();
+    texts.extend(METHODS.map(|method| damper.replacen(fit, method, 1)));
+    texts
 });
+
+const METHODS: [&str; 4] = [
+    r#""conservative_grid": { "cells": 64, "reach": 8, "steps_per_period": 40 }"#,
+    r#""statistical_linearisation": { "step": 0.05 }"#,
+    r#""importance_sampling": { "samples": 99, "step": 0.1, "integrator": "euler_maruyama", "seed": 1 }"#,
+    r#""subset_simulation": { "samples": 100, "correlation": 0.8, "runs": 2, "step": 0.1,
+        "integrator": "strang_oscillator", "seed": 1 }"#,
+];
 
 /// What is done to a text.
 #[derive(Debug, Clone)]

@@ -51,7 +51,7 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
 }
 
 /// Runs a text in the folder.
-fn run_in(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
+pub(crate) fn run_in(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
     std::fs::create_dir_all(folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
+mod established;
 mod fpk;
 mod peridyn;
 mod smpm;

@@ -190,6 +190,8 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>)
         Outcome::Failed { .. } => return None,
     };
     let error = |&q: &usize| advice.judgements[q].error_of(trial);
+    // A method that answers other questions is not on this chart.
+    of_group.iter().find_map(error)?;
     let errors: Option<Vec<f64>> = of_group.iter().map(error).collect();
     let largest = errors.map(|errors| errors.into_iter().fold(0.0, f64::max));
     let outcome = match largest.filter(|largest| largest.is_finite()) {

@@ -7,6 +7,7 @@ mod table;
 use figures::{Drawing, Reference};
 use fpk_sph::InitialLattice;
 use fpk_sph::systems::StrangBoucWen;
+use random_vibration::{Linearisation, Quadrature};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use sde_integrators::{Shark, StrangOscillator};
 
@@ -18,7 +19,6 @@ use self::table::page;
 use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
 use crate::problems::fpk::linear_moments::{NormalLaw, linear_moments};
-use crate::problems::fpk::linearisation::{Linearisation, Quadrature};
 use crate::problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR, bouc_wen_tail,
 };

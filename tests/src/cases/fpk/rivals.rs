@@ -2,15 +2,15 @@
 
 use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{BoucWen, Duffing};
-use sde_integrators::{GaussianMixture, Sde, StrangOscillator, SubsetConfig};
+use random_vibration::{
+    GridConfig, GridDensity, Linearisation, Quadrature, SubsetConfig, TailPaths, Tails,
+};
+use sde_integrators::{Additive, GaussianMixture, Sde, StrangOscillator};
 use work_precision::order;
-use work_precision::problems::fpk::grid::{GridConfig, GridDensity};
-use work_precision::problems::fpk::linearisation::{Linearisation, Quadrature};
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
 use work_precision::problems::fpk::reference::DuffingReference;
-use work_precision::problems::fpk::tail::TailPaths;
 
 use super::moment_words;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -56,10 +56,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Moments, tails, mass and sign on one of the oscillators of section 4.1.
-fn grid<S: Sde<2, 1, Noise = sde_integrators::Additive>>(
+fn grid(
     context: &Context<'_>,
     problem: &Problem,
-    system: &S,
+    system: &dyn Sde<2, 1, Noise = Additive>,
     scene: &str,
 ) -> Result<Vec<Claim>, CaseError> {
     let mut density = GridDensity::new(system, &problem.law, GRID)?;
@@ -278,7 +278,7 @@ fn one_probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let Oscillator::Damper(system) = &problem.system else { return Err("another system".into()) };
     let (t, threshold) = (6.0, 1.25);
     let reference = problem.reference.exceedance(threshold, t).ok_or("no reference")?;
-    let paths = TailPaths::new(system, &StrangOscillator, &problem.law, (t, 150))?;
+    let paths = TailPaths::new::<_, _, 1>(system, &StrangOscillator, &problem.law, (t, 150))?;
     let config = SubsetConfig { n_samples: 500, correlation: 0.8, n_runs: 8 };
     let bias = "150 Strang steps: 1e-3 of the variance, times z^2/2 = 16";
     let of_a_run = "the same 2 %, and the square of the coefficient of variation of a run, 40 %";
@@ -287,14 +287,14 @@ fn one_probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (
             "importance",
             "importance sampling at the design point, 10,000 paths",
-            paths.importance::<1>(threshold, 10_000, 5)?,
+            paths.importance(threshold, Tails::Doubled, 10_000, 5)?,
             0.02,
             bias,
         ),
         (
             "subset",
             "subset simulation, 8 runs of 500 a level",
-            paths.subset::<1>(threshold, &config, 6)?,
+            paths.subset(threshold, &config, 6)?,
             0.18,
             of_a_run,
         ),

@@ -146,7 +146,7 @@ fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
 fn lattice(method: &mut MethodScene) -> Option<&mut LatticeScene> {
     match method {
         MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
-        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => None,
+        _ => None,
     }
 }
 

@@ -9,11 +9,12 @@ use serde_json::Value;
 use crate::fpk::integrator_scene::IntegratorScene;
 use crate::fpk::lattice_scene::LatticeScene;
 use crate::fpk::law_scene::LawScene;
-use crate::fpk::method_scene::MethodScene;
+use crate::fpk::method_scene::{FEWEST_STEPS_PER_PERIOD, MOST_CELLS, MethodScene};
 use crate::fpk::scene::{FpkScene, Times};
+use crate::fpk::system::System;
 use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
-use crate::scene::SceneFile;
+use crate::scene::{Scene, SceneFile};
 
 /// Steps of a sampled path in a period: where a splitting or a method of order 1.5 is used, and for forward Euler.
 const STEPS_PER_PERIOD: [f64; 2] = [64.0, 1024.0];
@@ -49,6 +50,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
         }
         methods.push((own, method));
     }
+    methods.extend(established(&scene, &system));
     // Its own method first, the others in their order.
     let is_own = |method: &MethodScene| {
         std::mem::discriminant(method) == std::mem::discriminant(&scene.method)
@@ -76,13 +78,15 @@ const FITS: [(&str, Fit); 2] =
 fn own_lattice(method: &MethodScene) -> Option<&LatticeScene> {
     match method {
         MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
-        MethodScene::CanorDenoel2013 { .. } | MethodScene::MonteCarlo { .. } => None,
+        _ => None,
     }
 }
 
 fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
     match method {
-        MethodScene::MonteCarlo { integrator, .. } => Some(*integrator),
+        MethodScene::MonteCarlo { integrator, .. }
+        | MethodScene::ImportanceSampling { integrator, .. }
+        | MethodScene::SubsetSimulation { integrator, .. } => Some(*integrator),
         _ => None,
     }
 }
@@ -245,6 +249,80 @@ fn sampled(
     (of(2), method)
 }
 
+/// Fewest cells of a grid along an axis, and its steps in a period for each.
+const FIRST_GRID: (usize, f64) = (28, 0.6);
+/// Fewest samples of importance sampling.
+const FIRST_OF_IMPORTANCE: u64 = 300;
+/// Fewest samples of a level of subset simulation.
+const FIRST_OF_LEVEL: usize = 100;
+
+/// The methods of `random-vibration` that answer what the scene asks: those that its check does not refuse.
+fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Method)> {
+    let (cells, per_cell) = FIRST_GRID;
+    let steps_per_period = per_cell * cells as f64;
+    // The last integrator of a system is its best.
+    let integrator = system.integrators().last().copied().unwrap_or(IntegratorScene::Shark);
+    let step = two_digits(system.reference_period() / STEPS_PER_PERIOD[0]);
+    let (samples, seed) = (FIRST_OF_IMPORTANCE, SEED);
+    let importance = MethodScene::ImportanceSampling { samples, step, integrator, seed };
+    let (samples, correlation, runs) = (FIRST_OF_LEVEL, 0.8, 8);
+    let all = [
+        MethodScene::ConservativeGrid { cells, reach: 8.0, steps_per_period },
+        MethodScene::StatisticalLinearisation { step },
+        importance,
+        MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed },
+    ];
+    let or_own = |method: MethodScene| {
+        let is_own = std::mem::discriminant(&method) == std::mem::discriminant(&scene.method);
+        if is_own { scene.method.clone() } else { method }
+    };
+    let answers = |method: &MethodScene| {
+        FpkScene { method: method.clone(), ..FpkScene::clone(scene) }.check().is_ok()
+    };
+    let all = all.into_iter().map(or_own).filter(answers);
+    all.map(|method| (method.clone(), of_established(scene, method))).collect()
+}
+
+fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
+    let (name, growth, first) = match method {
+        // Two axes and the time.
+        MethodScene::ConservativeGrid { .. } => {
+            ("conservative grid", Growth::Lattice { dimensions: 3 }, FIRST_GRID.0 as f64)
+        }
+        MethodScene::ImportanceSampling { .. } => {
+            ("importance sampling", Growth::Samples, FIRST_OF_IMPORTANCE as f64)
+        }
+        MethodScene::SubsetSimulation { .. } => {
+            ("subset simulation", Growth::Samples, FIRST_OF_LEVEL as f64)
+        }
+        _ => ("statistical linearisation", Growth::Fixed, 1.0),
+    };
+    let scene = scene.clone();
+    let rung = move |size: f64| {
+        let mut method = method.clone();
+        let (size, label) = match &mut method {
+            MethodScene::ConservativeGrid { cells, steps_per_period, .. } => {
+                let n = count(size);
+                let steps = *steps_per_period * n as f64 / *cells as f64;
+                (*cells, *steps_per_period) = (n, steps.max(FEWEST_STEPS_PER_PERIOD));
+                (n <= MOST_CELLS).then(|| (n as f64, format!("{n} x {n}")))?
+            }
+            MethodScene::ImportanceSampling { samples, .. } => {
+                *samples = whole(two_digits(size));
+                (*samples as f64, format!("{samples} paths"))
+            }
+            MethodScene::SubsetSimulation { samples, .. } => {
+                *samples = count(two_digits(size));
+                (*samples as f64, format!("{samples} paths"))
+            }
+            _ => (size <= 1.0).then(|| (1.0, String::new()))?,
+        };
+        of_method(&scene, size, label, method)
+    };
+    let (name, standing) = (name.to_owned(), Standing::Judged);
+    Method { name, growth, standing, first, rung: Box::new(rung) }
+}
+
 /// Estimates of one probability, best first; the ids of others are left out.
 const EXCEEDANCES: [&str; 3] = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
 
@@ -355,6 +433,43 @@ mod tests {
         assert_eq!(found[0].id, "exceedance/1");
         // 1,600 samples.
         assert!((found[0].error.unwrap() - 0.0207).abs() < 1e-4, "{:?}", found[0].error);
+    }
+
+    #[test]
+    fn a_scene_is_tried_by_the_established_methods_that_answer_it_at_sizes_that_are_scenes() {
+        let names = |text: &str| -> Vec<String> {
+            let ladder =
+                ladder(&SceneFile::from_text("scene.json", text.to_owned()).unwrap()).unwrap();
+            for method in &ladder.methods {
+                for size in [method.first, 3.0 * method.first] {
+                    let Some(rung) = (method.rung)(size) else { continue };
+                    let keys = Value::Object(rung.scene).to_string();
+                    let file = SceneFile::from_text("rung.json", keys).unwrap();
+                    file.parse::<FpkScene>().unwrap_or_else(|e| panic!("{}: {e:?}", method.name));
+                }
+            }
+            ladder.methods.into_iter().map(|method| method.name).collect()
+        };
+        let all = [
+            "conservative grid",
+            "statistical linearisation",
+            "importance sampling",
+            "subset simulation",
+        ];
+        let answering = |text: &str| {
+            let names = names(text);
+            all.map(|name| names.iter().any(|other| other == name))
+        };
+        let damper = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
+        assert_eq!(answering(damper), [true; 4]);
+        let thresholds = "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]";
+        assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false]);
+        let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+        assert_eq!(answering(hysteresis), [false, true, true, true]);
+        // Its own method comes first, with its own numbers.
+        let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+        let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");
+        assert_eq!(names(&own)[0], all[1]);
     }
 
     #[test]

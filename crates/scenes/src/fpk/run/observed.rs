@@ -1,8 +1,9 @@
 //! A value of a run with its error.
 
+use sde_integrators::Estimate;
 use serde::Serialize;
 
-use crate::run_result::ErrorOrigin;
+use crate::run_result::{ErrorOrigin, error_of};
 
 /// A quantity at a time, with its error.
 #[derive(Debug, Serialize)]
@@ -17,6 +18,46 @@ pub(super) struct Observed {
 }
 
 impl Observed {
+    /// A value with its error from a coarser run, where that gave one.
+    pub(super) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
+        let error = error.filter(|error| error.is_finite());
+        let error_kind =
+            if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
+        Self { t, value, error, error_kind, note: None }
+    }
+
+    /// What a fine run observed. Its error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its
+    /// divisor, where all have come so far. `pick` takes time and value.
+    pub(super) fn of_runs<R>(
+        fine: &[R],
+        coarser: &[(Vec<R>, f64)],
+        pick: &dyn Fn(&R) -> (f64, f64),
+    ) -> Vec<Self> {
+        let observed = |(k, row)| {
+            let (t, value) = pick(row);
+            let off = |(run, divisor): &(Vec<R>, f64)| {
+                Some((value - pick(run.get(k)?).1).abs() / divisor)
+            };
+            Self::by_two(t, value, coarser.iter().map(off).sum())
+        };
+        fine.iter().enumerate().map(observed).collect()
+    }
+
+    /// A probability; an error of zero where none is left would say that it is known.
+    pub(super) fn without_zero_error(mut self, note: &str) -> Self {
+        if self.value == 0.0 {
+            (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
+            self.note = Some(note.to_owned());
+        }
+        self
+    }
+
+    /// An estimate with its uncertainty.
+    pub(super) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
+        let (error, error_kind) = error_of(estimate);
+        Self { t, value: estimate.value, error, error_kind, note: None }
+    }
+
     /// The value, unless its error leaves nothing of it.
     pub(super) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)

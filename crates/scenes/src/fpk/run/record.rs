@@ -103,6 +103,26 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
     all
 }
 
+/// The moments and the exceedances of a scene by a method with one estimator; `moment` and `exceedance` take places in the lists
+/// of the scene. What has no value is left out.
+pub(super) fn asked_series(
+    scene: &FpkScene,
+    system: &System,
+    moment: &dyn Fn(usize) -> Vec<Observed>,
+    exceedance: &dyn Fn(usize) -> Vec<Observed>,
+) -> Vec<Series> {
+    let series = |id, quantity, values| Series { id, quantity, unit: "", values };
+    let moments = scene.moments.iter().enumerate().map(|(k, powers)| {
+        series(moment_id(powers), moment_words(powers, system.states()), moment(k))
+    });
+    let demand = demand_name(scene, system);
+    let exceedances = scene.thresholds.iter().enumerate().map(|(k, threshold)| {
+        let quantity = format!("P(|{demand}| > {threshold})");
+        series(format!("exceedance/{threshold}"), quantity, exceedance(k))
+    });
+    moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
+}
+
 /// `moment/2-0`.
 pub(super) fn moment_id(powers: &[u32]) -> String {
     let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();

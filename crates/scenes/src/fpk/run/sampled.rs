@@ -7,14 +7,13 @@ use sde_integrators::{Estimate, GaussianMixture};
 use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
-use super::record::{Series, WorkRecord, moment_id, moment_words};
+use super::record::{WorkRecord, asked_series, moment_words};
 use crate::fpk::density::Asked;
 use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
-use crate::run_result::error_of;
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {
@@ -64,7 +63,13 @@ impl Sampled<'_> {
             cpu_seconds: ensemble.cpu_seconds,
             ..WorkRecord::default()
         };
-        let quantities = self.series(&ensemble.rows, &asked.demand.name);
+        let values = |pick: &dyn Fn(&SampledRow) -> &Estimate| -> Vec<Observed> {
+            let observed = |row: &SampledRow| Observed::of_estimate(row.t, pick(row));
+            ensemble.rows.iter().map(observed).collect()
+        };
+        let moment = |k: usize| values(&|row| &row.moments[k]);
+        let exceedance = |k: usize| values(&|row| &row.exceedances[k]);
+        let quantities = asked_series(scene, named, &moment, &exceedance);
         Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
     }
 
@@ -116,25 +121,6 @@ impl Sampled<'_> {
             Ok(())
         })
     }
-
-    /// All quantities of the scene; `demand` is the name of what exceeds the thresholds.
-    fn series(&self, rows: &[SampledRow], demand: &str) -> Vec<Series> {
-        let values = |pick: &dyn Fn(&SampledRow) -> Estimate| -> Vec<Observed> {
-            rows.iter().map(|row| sampled_value(row.t, pick(row))).collect()
-        };
-        let series = |id, quantity, values| Series { id, quantity, unit: "", values };
-        let mut quantities = Vec::new();
-        for (k, powers) in self.scene.moments.iter().enumerate() {
-            let (id, quantity) = (moment_id(powers), moment_words(powers, self.system.states()));
-            quantities.push(series(id, quantity, values(&|row| row.moments[k])));
-        }
-        for (k, threshold) in self.scene.thresholds.iter().enumerate() {
-            let quantity = format!("P(|{demand}| > {threshold})");
-            let id = format!("exceedance/{threshold}");
-            quantities.push(series(id, quantity, values(&|row| row.exceedances[k])));
-        }
-        quantities
-    }
 }
 
 /// The first moment that the scene asks for, or else the first exceedance, at the last time: its estimate so far.
@@ -159,9 +145,4 @@ fn words<const D: usize>(
         }
         (None, None) => "shards of paths".to_owned(),
     }
-}
-
-fn sampled_value(t: f64, estimate: Estimate) -> Observed {
-    let (error, error_kind) = error_of(&estimate);
-    Observed { t, value: estimate.value, error, error_kind, note: None }
 }

@@ -231,3 +231,82 @@ fn zero_particles_and_thresholds_out_of_order_are_refused_where_they_stand() {
         ("0.25 was given; it must be greater than the one before it", 22)
     );
 }
+
+const FIT: &str = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+const FLOW: &str = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
+const GRID: &str =
+    "\"conservative_grid\": { \"cells\": 64, \"reach\": 8, \"steps_per_period\": 40 }";
+
+#[test]
+fn a_grid_takes_oscillators_and_what_it_knows_of_them() {
+    let (message, line, _, help) = mistake_in(BOUC_WEN, FLOW, GRID);
+    assert!(message.contains("the states q, v; this system has the states q, v, z"), "{message}");
+    assert!(line == 18 && help.unwrap().contains("`flow_map_fit`"));
+    let (message, ..) = mistake(FIT, &GRID.replace("64", "23"));
+    assert_eq!(message, "23 was given; it must be from 24 to 8192");
+    let (message, ..) = mistake(FIT, &GRID.replace("\"reach\": 8", "\"reach\": 3"));
+    assert_eq!(message, "3 was given; it must be at least 4");
+    let (message, ..) = mistake(FIT, &GRID.replace("40", "5"));
+    assert_eq!(message, "5 was given; it must be at least 6");
+    let on_grid = SCENE.replacen(FIT, GRID, 1);
+    let (message, line, ..) = mistake_in(&on_grid, "[4, 0]", "[5, 0]");
+    assert_eq!(message, "5 was given; it must be of power 4 at most in each state on a grid");
+    assert_eq!(line, 21);
+    let demand = "\"demand\": { \"state\": \"v\" }, \"thresholds\"";
+    let (message, .., help) = mistake_in(&on_grid, "\"thresholds\"", demand);
+    assert_eq!(message, "the grid knows exceedances of the state q alone");
+    assert_eq!(help.as_deref(), Some("leave out `demand`"));
+}
+
+#[test]
+fn one_probability_needs_a_threshold_a_normal_start_and_an_integrator_of_the_system() {
+    let method = |integrator: &str, step: &str| {
+        format!(
+            "\"importance_sampling\": {{ \"samples\": 100, \"step\": {step}, \
+             \"integrator\": \"{integrator}\", \"seed\": 1 }}"
+        )
+    };
+    let (message, .., help) = mistake_in(BOUC_WEN, FLOW, &method("shark", "0.01"));
+    assert_eq!(message, "the integrator ShARK does not step this system");
+    assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));
+    let (message, ..) = mistake(FIT, &method("strang_oscillator", "1e-6"));
+    assert_eq!(message, "0.000001 was given; it must be such that a path has at most 100000 steps");
+    let scene = SCENE.replacen(FIT, &method("strang_oscillator", "0.01"), 1);
+    let (message, line, ..) = mistake_in(&scene, "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]", "[]");
+    assert!(message.contains("there is no threshold") && line == 22, "{message} {line}");
+    let component = "{ \"weight\": 0.5, \"mean\": [0, 0], \"covariance\": [[1, 0], [0, 1]] }";
+    let mixture = format!("\"mixture\": [{component}, {component}]");
+    let normal = "\"gaussian\": { \"mean\": [0, 0], \"standard_deviation\": [0.15, 0.10] }";
+    let (message, line, ..) = mistake_in(&scene, normal, &mixture);
+    assert_eq!(message, "the method needs one normal distribution at the start");
+    assert_eq!(line, 18);
+    let subset = "\"subset_simulation\": { \"samples\": 100, \"correlation\": 1, \"runs\": 2, \
+                  \"step\": 0.01, \"integrator\": \"strang_oscillator\", \"seed\": 1 }";
+    let (message, ..) = mistake(FIT, subset);
+    assert_eq!(message, "1 was given; it must be between 0 and 1");
+}
+
+#[test]
+fn linearisation_refuses_noise_that_depends_on_the_state() {
+    let start = SCENE.find("\"viscous_damper\"").unwrap();
+    let end = SCENE.find("\"initial\"").unwrap();
+    let of_one_state = [
+        (
+            &SCENE[start..end],
+            "\"geometric_brownian_motion\": { \"growth\": 0.1, \"volatility\": 0.3 } },\n  ",
+        ),
+        (
+            "\"mean\": [0, 0], \"standard_deviation\": [0.15, 0.10]",
+            "\"mean\": [1], \"standard_deviation\": [0.1]",
+        ),
+        ("[[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]]", "[[2]]"),
+    ];
+    let scene = of_one_state.iter().fold(SCENE.to_owned(), |scene, (from, to)| {
+        assert!(scene.contains(from), "{from}");
+        scene.replacen(from, to, 1)
+    });
+    let method = "\"statistical_linearisation\": { \"step\": 0.05 }";
+    let (message, .., help) = mistake_in(&scene, FIT, method);
+    assert!(message.contains("linearisation needs additive noise"), "{message}");
+    assert!(help.unwrap().contains("`monte_carlo`"));
+}

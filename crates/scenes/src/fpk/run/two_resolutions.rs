@@ -4,7 +4,7 @@ use fpk_sph::{Config, Error, InitialLattice};
 
 use super::observed::Observed;
 use crate::fpk::density::{DensityRun, Row};
-use crate::run_result::{ErrorOrigin, Unknown};
+use crate::run_result::Unknown;
 
 /// The coarser runs have these times the particles along a length. The first shows the order best. The others are for
 /// systems of many states, where a lattice that much coarser no longer carries the density.
@@ -85,10 +85,7 @@ impl TwoResolutions {
                 let error = (value - coarse).abs() / (coarser.ratio * coarser.ratio - 1.0);
                 error.is_finite().then_some(error)
             };
-            let error = self.coarser.iter().find_map(estimate);
-            let error_kind =
-                if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
-            Some(Observed { t: row.t, value, error, error_kind, note: None })
+            Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
         };
         self.fine.rows.iter().filter_map(observed).collect()
     }

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use figures::Reference;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use random_vibration::{GridConfig, GridDensity, Linearisation, TailPaths, Tails};
 use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{self, Sampling};
@@ -13,9 +14,6 @@ use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, Subs
 use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};
-use crate::problems::fpk::grid::{GridConfig, GridDensity};
-use crate::problems::fpk::linearisation::Linearisation;
-use crate::problems::fpk::tail::TailPaths;
 
 /// The methods of the density solver that every scene is given: a new one is one line.
 const METHODS: &[(&str, Method)] = &[
@@ -254,9 +252,11 @@ where
     let (laws, cost, spread) =
         timed(LONG, || Ok(rule.laws(setting.system, setting.law, &[setting.time])?))?;
     let law = laws.first().ok_or("no law")?;
-    let moments = [law.second_moment(0), law.second_moment(1)];
-    let tails: Vec<f64> =
-        setting.targets.iter().map(|target| law.exceedance(0, target.threshold)).collect();
+    let moments: Vec<f64> =
+        setting.moments.iter().map(|(powers, _)| law.raw_moment(*powers)).collect();
+    let displacement = std::array::from_fn(|i| f64::from(u8::from(i == 0)));
+    let exceedance = |target: &Target| law.exceedance(&displacement, target.threshold);
+    let tails: Vec<f64> = setting.targets.iter().map(exceedance).collect();
     let words = ("statistical linearisation", "");
     Ok(setting.deterministic(words, ((cost, spread), (cost, spread)), &moments, &tails))
 }
@@ -276,18 +276,18 @@ where
         records.extend(plain(setting, paths)?);
     }
     let path = (setting.time, setting.n_steps as usize);
-    let tail = TailPaths::new(setting.system, setting.integrator, setting.law, path)?;
+    let tail = TailPaths::new::<_, _, 1>(setting.system, setting.integrator, setting.law, path)?;
     for target in &setting.targets {
         context.progress(&format!("{}: {}, one at a time", setting.name, target.name));
         for samples in rungs(context, &[500_u64, 3_000, 20_000]) {
             let label = group_thousands_u64(samples);
-            let run = || Ok(tail.importance::<1>(target.threshold, samples, samples)?);
+            let run = || Ok(tail.importance(target.threshold, Tails::Doubled, samples, samples)?);
             records.push(one(target, ("importance sampling", &label), None, run)?);
         }
         for n_samples in rungs(context, &[200_usize, 500, 1_500]) {
             let config = SubsetConfig { n_samples, correlation: 0.8, n_runs: SUBSET_RUNS };
             let label = format!("{SUBSET_RUNS} x {}", group_thousands_u64(n_samples as u64));
-            let run = || Ok(tail.subset::<1>(target.threshold, &config, n_samples as u64)?);
+            let run = || Ok(tail.subset(target.threshold, &config, n_samples as u64)?);
             // A standard deviation from n values is known to 1/sqrt(2 (n - 1)).
             let known_to = (2.0 * (SUBSET_RUNS as f64 - 1.0)).sqrt().recip();
             records.push(one(target, ("subset simulation", &label), Some(known_to), run)?);

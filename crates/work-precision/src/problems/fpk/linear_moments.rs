@@ -1,6 +1,7 @@
 //! Exact first and second moments of a linear system, and the tails of its normal law.
 
 use figures::Reference;
+use random_vibration::upper_tail;
 use sde_integrators::{GaussianMixture, Sde};
 
 /// The normal law of a linear system at a time, with the error of its integration.
@@ -221,24 +222,6 @@ impl<const D: usize> NormalLaw<D> {
     }
 }
 
-/// `P(Z > z)` of a standard normal, to full relative precision: `e^(-z^2/2)/sqrt(2 pi)` times the integral of
-/// `e^(-z t - t^2/2)` over `t > 0`, by the trapezoidal rule in `u` with `t = exp(pi/2 sinh u)`.
-#[must_use]
-pub fn upper_tail(z: f64) -> f64 {
-    use std::f64::consts::{FRAC_PI_2, TAU};
-    if z < 0.0 {
-        return 1.0 - upper_tail(-z);
-    }
-    let step = 1.0 / 64.0;
-    let term = |k: i32| {
-        let u = f64::from(k) * step;
-        let t = (FRAC_PI_2 * u.sinh()).exp();
-        FRAC_PI_2 * u.cosh() * t * (-t * (z + 0.5 * t)).exp()
-    };
-    let integral: f64 = (-256..=160).map(term).sum::<f64>() * step;
-    (-0.5 * z * z).exp() / TAU.sqrt() * integral
-}
-
 #[cfg(test)]
 mod tests {
     use fpk_sph::systems::{
@@ -249,20 +232,6 @@ mod tests {
     use super::*;
     use crate::problems::fpk::oscillator::Oscillator;
     use crate::problems::fpk::problem::Problem;
-
-    #[test]
-    fn the_tail_of_the_normal_law_is_that_of_the_tables() {
-        // Abramowitz and Stegun 1964, table 26.1 and 26.2, the last by its asymptotic series.
-        for (z, expected) in [
-            (0.0, 0.5),
-            (1.0, 0.15865525393145705),
-            (5.0, 2.866515718791939e-7),
-            (10.0, 7.619853024160525e-24),
-        ] {
-            assert!((upper_tail(z) / expected - 1.0).abs() < 1e-13, "{z}");
-        }
-        assert!((upper_tail(-1.0) - 0.8413447460685429).abs() < 1e-15);
-    }
 
     #[test]
     fn the_linear_oscillator_has_the_moments_and_tails_of_its_reference() {

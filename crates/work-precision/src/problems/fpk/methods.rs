@@ -2,8 +2,7 @@
 
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
-
-use super::linearisation::{Linearisation, Quadrature};
+use random_vibration::{Linearisation, Quadrature};
 
 /// The lattice of section 4.1 with the method of section 3.
 pub fn papers_config(period: f64) -> Config<2> {

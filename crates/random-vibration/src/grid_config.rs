@@ -1,6 +1,6 @@
 //! How the grid solver is set up, and what it refuses.
 
-use super::remap::Axis;
+use crate::remap::Axis;
 
 /// How fine the grid is, and how far it goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,15 +78,15 @@ pub enum GridError {
 
 /// First and second moments.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spread {
-    pub(super) mean: [f64; 2],
-    pub(super) qq: f64,
-    pub(super) qv: f64,
-    pub(super) vv: f64,
+pub(crate) struct Spread {
+    pub(crate) mean: [f64; 2],
+    pub(crate) qq: f64,
+    pub(crate) qv: f64,
+    pub(crate) vv: f64,
 }
 
 impl GridConfig {
-    pub(super) fn check(&self) -> Result<(), GridError> {
+    pub(crate) fn check(&self) -> Result<(), GridError> {
         let Self { cells, reach, period, steps_per_period } = *self;
         let refuse = |name, value, limit| Err(GridError::OutOfRange { name, value, limit });
         if !(FEWEST_CELLS..=MOST_CELLS).contains(&cells) {
@@ -104,12 +104,12 @@ impl GridConfig {
         Ok(())
     }
 
-    pub(super) fn frequency(&self) -> f64 {
+    pub(crate) fn frequency(&self) -> f64 {
         std::f64::consts::TAU / self.period
     }
 
     /// Axes that reach as far as asked along the widest direction, in the coordinates in which the oscillator turns.
-    pub(super) fn axes(&self, spread: &Spread, time: f64) -> Result<(Axis, Axis), GridError> {
+    pub(crate) fn axes(&self, spread: &Spread, time: f64) -> Result<(Axis, Axis), GridError> {
         let omega = self.frequency();
         let Spread { mean, qq, qv, vv } = *spread;
         let (vv, qv) = (vv / (omega * omega), qv / omega);

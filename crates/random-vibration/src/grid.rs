@@ -1,4 +1,4 @@
-//! A deterministic rival in two dimensions: the density of an oscillator on a grid, conservative and non-negative.
+//! The density of an oscillator on a conservative, non-negative grid.
 //!
 //! One step of length `tau` is `Q(tau/2) K D Q(tau/2)` on even and `Q(tau/2) D K Q(tau/2)` on odd steps, with
 //!
@@ -19,19 +19,17 @@
 
 use sde_integrators::{Additive, GaussianMixture, Sde};
 
-use super::discrete_gaussian::spread_gaussian;
-use super::grid_config::Spread;
-pub use super::grid_config::{GridConfig, GridError};
-use super::remap::{Axis, Line};
+use crate::discrete_gaussian::spread_gaussian;
+use crate::grid_config::{GridConfig, GridError, Spread};
+use crate::remap::{Axis, Line};
 
 /// The density of an oscillator `(q, v)` on a grid.
 ///
 /// Mass is conserved to roundoff, for what lies beyond the grid is kept in its outermost cells; the cells are never
 /// negative, for a remapped mass lies between nothing and what there was. No cell is lost to roundoff either: only
 /// neighbouring masses are added, so that a tail is as accurate in relative terms as the interpolation.
-#[derive(Debug)]
-pub struct GridDensity<'a, S> {
-    system: &'a S,
+pub struct GridDensity<'a> {
+    system: &'a dyn Sde<2, 1, Noise = Additive>,
     config: GridConfig,
     time: f64,
     steps: u64,
@@ -51,13 +49,13 @@ struct Scratch {
     departures: Vec<f64>,
 }
 
-impl<'a, S: Sde<2, 1, Noise = Additive>> GridDensity<'a, S> {
+impl<'a> GridDensity<'a> {
     /// Lays the grid over the initial law, at `t = 0`; the masses are made to sum to 1.
     ///
     /// # Errors
     /// [`GridError::OutOfRange`], naming the parameter.
     pub fn new(
-        system: &'a S,
+        system: &'a dyn Sde<2, 1, Noise = Additive>,
         law: &GaussianMixture<2>,
         config: GridConfig,
     ) -> Result<Self, GridError> {
@@ -237,7 +235,17 @@ impl<'a, S: Sde<2, 1, Noise = Additive>> GridDensity<'a, S> {
     }
 }
 
-impl<S> GridDensity<'_, S> {
+impl std::fmt::Debug for GridDensity<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { config, time, .. } = self;
+        f.debug_struct("GridDensity")
+            .field("config", config)
+            .field("time", time)
+            .finish_non_exhaustive()
+    }
+}
+
+impl GridDensity<'_> {
     /// The present time.
     #[must_use]
     pub const fn time(&self) -> f64 {
@@ -337,88 +345,4 @@ fn cell_mass(law: &GaussianMixture<2>, q: &Axis, v: &Axis, (i, j): (usize, usize
         }
     }
     mass * q.width * v.width
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An undamped oscillator without noise, or with noise where it must not be.
-    #[derive(Debug)]
-    struct Turning {
-        noise_on_q: f64,
-        slip: f64,
-    }
-
-    const TURNING: Turning = Turning { noise_on_q: 0.0, slip: 0.0 };
-
-    impl Sde<2, 1> for Turning {
-        type Noise = Additive;
-
-        fn drift(&self, _: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-            [v + self.slip, -4.0 * q]
-        }
-
-        fn noise(&self, _: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
-            [[self.noise_on_q], [0.0]]
-        }
-    }
-
-    const PERIOD: f64 = std::f64::consts::PI;
-    const CONFIG: GridConfig =
-        GridConfig { cells: 96, reach: 7.0, period: PERIOD, steps_per_period: 16.0 };
-
-    fn law() -> GaussianMixture<2> {
-        GaussianMixture::independent([0.3, 0.0], [0.2, 0.6]).unwrap()
-    }
-
-    #[test]
-    fn an_undamped_oscillator_turns_as_a_whole() {
-        let (system, law) = (TURNING, law());
-        let mut density = GridDensity::new(&system, &law, CONFIG).unwrap();
-        for (part, q, qq) in
-            [(0.125, 0.3 * 0.5_f64.sqrt(), 0.065), (0.25, 0.0, 0.09), (1.0, 0.3, 0.04)]
-        {
-            density.advance_to(part * PERIOD).unwrap();
-            let mean = density.raw_moment([1, 0]).unwrap();
-            let second = density.raw_moment([2, 0]).unwrap();
-            // The composition is exact and the remapping keeps the mean; the variance is good to that of a cell, h^2/12
-            // with h = 14 x 0.3/96.
-            assert!((mean - q).abs() < 1e-10, "{part}: {mean}");
-            assert!((second - mean * mean - qq).abs() < 1.6e-4, "{part}: {second}");
-            assert!((density.total_mass() - 1.0).abs() < 1e-13 && density.smallest_mass() >= 0.0);
-        }
-        assert_eq!(density.steps(), 16);
-        // Two tails of the normal law with mean 0.3 and deviation 0.2 beyond 0.9: 3 and 6 deviations.
-        let expected = 1.349898031630095e-3 + 9.865876450376946e-10;
-        assert!(
-            (density.exceedance(0.9) / expected - 1.0).abs() < 2e-2,
-            "{}",
-            density.exceedance(0.9)
-        );
-    }
-
-    #[test]
-    fn what_the_scheme_does_not_know_is_refused() {
-        let law = law();
-        let refused =
-            |config: GridConfig| GridDensity::new(&TURNING, &law, config).unwrap_err().to_string();
-        assert_eq!(
-            refused(GridConfig { cells: 8, ..CONFIG }),
-            "cells is 8; it must be from 16 to 8192"
-        );
-        assert!(refused(GridConfig { reach: 0.0, ..CONFIG }).contains("greater than 0"));
-        assert!(refused(GridConfig { steps_per_period: 2.0, ..CONFIG }).contains("at least 4"));
-        let run = |system: Turning| {
-            let mut density = GridDensity::new(&system, &law, CONFIG).unwrap();
-            density.advance_to(1.0).unwrap_err()
-        };
-        let noisy = run(Turning { noise_on_q: 0.1, slip: 0.0 });
-        assert!(matches!(noisy, GridError::NoiseOnDisplacement { .. }), "{noisy}");
-        let slipping = run(Turning { noise_on_q: 0.0, slip: 0.1 });
-        assert!(matches!(slipping, GridError::NoOscillator { .. }), "{slipping}");
-        let mut density = GridDensity::new(&TURNING, &law, CONFIG).unwrap();
-        assert!(matches!(density.advance_to(-1.0), Err(GridError::Time { .. })));
-        assert!(matches!(density.raw_moment([5, 0]), Err(GridError::OutOfRange { .. })));
-    }
 }

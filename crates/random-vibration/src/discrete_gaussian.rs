@@ -2,7 +2,7 @@
 
 /// Convolves a row of masses with a discrete Gaussian of the given variance in cells; what would leave the row stays in
 /// its outermost cells.
-pub(super) fn spread_gaussian(row: &mut [f64], variance: f64, scratch: &mut [f64]) {
+pub(crate) fn spread_gaussian(row: &mut [f64], variance: f64, scratch: &mut [f64]) {
     if variance >= 1.0 {
         sampled_gaussian(row, variance, scratch);
     } else if variance > 0.0 {

@@ -1,7 +1,7 @@
 //! The factor of a covariance.
 
 /// The lower triangular `L` with `L L^T = C`, or the row of the first pivot that is not positive, with its value.
-pub(super) fn cholesky<const D: usize>(
+pub(crate) fn cholesky<const D: usize>(
     covariance: &[[f64; D]; D],
 ) -> Result<[[f64; D]; D], (usize, f64)> {
     let mut factor = [[0.0; D]; D];

@@ -2,34 +2,34 @@
 
 /// Cells of equal width along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Axis {
-    pub(super) centre: f64,
-    pub(super) width: f64,
+pub(crate) struct Axis {
+    pub(crate) centre: f64,
+    pub(crate) width: f64,
     cells: usize,
 }
 
 impl Axis {
-    pub(super) fn new(centre: f64, half: f64, cells: usize) -> Self {
+    pub(crate) fn new(centre: f64, half: f64, cells: usize) -> Self {
         Self { centre, width: 2.0 * half / cells as f64, cells }
     }
 
     /// The lower edge of a cell.
-    pub(super) fn edge(&self, cell: usize) -> f64 {
+    pub(crate) fn edge(&self, cell: usize) -> f64 {
         self.centre + (cell as f64 - 0.5 * self.cells as f64) * self.width
     }
 
     /// The middle of a cell.
-    pub(super) fn centre_of(&self, cell: usize) -> f64 {
+    pub(crate) fn centre_of(&self, cell: usize) -> f64 {
         self.centre + (cell as f64 + 0.5 - 0.5 * self.cells as f64) * self.width
     }
 
     /// A place, counted in cells from the first edge.
-    pub(super) fn in_cells(&self, x: f64) -> f64 {
+    pub(crate) fn in_cells(&self, x: f64) -> f64 {
         (x - self.centre) / self.width + 0.5 * self.cells as f64
     }
 
     /// The power of a cell's middle, corrected for the width of the cell after Sheppard.
-    pub(super) fn sheppard(&self, cell: usize, power: u32) -> f64 {
+    pub(crate) fn sheppard(&self, cell: usize, power: u32) -> f64 {
         let (x, h) = (self.centre_of(cell), self.width);
         match power {
             0 => 1.0,
@@ -43,7 +43,7 @@ impl Axis {
 
 /// A line of masses between two empty cells at either end, for remapping.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(crate) struct Line {
     padded: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ struct Cut {
 }
 
 impl Line {
-    pub(super) fn new(cells: usize) -> Self {
+    pub(crate) fn new(cells: usize) -> Self {
         Self { padded: vec![0.0; cells + 2 * PADDING] }
     }
 
@@ -67,7 +67,7 @@ impl Line {
     ///
     /// Within a cell the distribution is interpolated with degree 5 at the six nearest edges, held between nothing and
     /// the mass of the cell, and never falls: the masses are not negative and their sum stays.
-    pub(super) fn remap(&mut self, masses: &[f64], cuts: &[f64], moved: &mut [f64]) {
+    pub(crate) fn remap(&mut self, masses: &[f64], cuts: &[f64], moved: &mut [f64]) {
         let n = masses.len();
         self.padded[PADDING..PADDING + n].copy_from_slice(masses);
         let mut before = Cut { cell: 0, mass: 0.0 };
@@ -161,7 +161,7 @@ mod tests {
         // Masses of a standard normal in cells of one deviation: density times the sinc is what is left, below 1e-7.
         let axis = Axis::new(0.1, 10.0, 40);
         let mass = |k: usize| {
-            let upper = crate::problems::fpk::linear_moments::upper_tail;
+            let upper = crate::normal_tail::upper_tail;
             upper(axis.edge(k)) - upper(axis.edge(k + 1))
         };
         for (power, expected) in [(0, 1.0), (1, 0.0), (2, 1.0), (3, 0.0), (4, 3.0)] {

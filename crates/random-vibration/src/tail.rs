@@ -1,0 +1,168 @@
+//! Exceedance probabilities of sampled paths: importance sampling at a design point, and subset simulation.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use sde_integrators::{
+    DrivenPath, Error, Estimate, GaussianMixture, Integrator, Noise, SubsetConfig, Uncertainty,
+    design_point, importance_sampling, subset_simulation,
+};
+
+use crate::cholesky::cholesky;
+
+/// The state at the end of a path, from its start and the normals that drive it.
+type PathEnd<'a, const D: usize> = dyn Fn([f64; D], &[f64]) -> Result<[f64; D], Error> + Sync + 'a;
+
+/// `P(|y| > T)` of a demand `y = w . X(t)` at one time, from paths as functions of independent standard normals: first those
+/// of the initial distribution, then those of the steps.
+///
+/// Source: Der Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
+pub struct TailPaths<'a, const D: usize> {
+    path: Box<PathEnd<'a, D>>,
+    n_normals: usize,
+    mean: [f64; D],
+    factor: [[f64; D]; D],
+    weights: [f64; D],
+    followed: AtomicU64,
+}
+
+/// Which tails importance sampling samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tails {
+    /// The upper tail, doubled: for distributions that are symmetric about zero.
+    Doubled,
+    /// Both, each at a design point of its own. They share their noise, so that the sum of their standard errors is a bound.
+    Both,
+}
+
+/// Why there is no probability.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TailError {
+    /// A mixture is no function of as many normals as there are states.
+    #[error("the initial distribution has {value} components; it must be one normal distribution")]
+    Mixture {
+        /// How many.
+        value: usize,
+    },
+    /// The covariance of the initial distribution has no factor.
+    #[error("the pivot of the initial covariance at state {state} is {value}; it must be positive")]
+    NotACovariance {
+        /// At which state.
+        state: usize,
+        /// The pivot.
+        value: f64,
+    },
+    /// A path or a method failed.
+    #[error(transparent)]
+    Sampling(#[from] Error),
+}
+
+impl<'a, const D: usize> TailPaths<'a, D> {
+    /// Paths from a normal distribution to a time, and the first state as the demand.
+    ///
+    /// # Errors
+    /// [`TailError::Mixture`], [`TailError::NotACovariance`].
+    pub fn new<S: Sync + ?Sized, I: Integrator<S, D, M>, const M: usize>(
+        system: &'a S,
+        integrator: &'a I,
+        law: &GaussianMixture<D>,
+        (time, n_steps): (f64, usize),
+    ) -> Result<Self, TailError> {
+        let value = law.components().len();
+        if value != 1 {
+            return Err(TailError::Mixture { value });
+        }
+        let mean = law.mean();
+        let factor = cholesky(&law.covariance())
+            .map_err(|(state, value)| TailError::NotACovariance { state, value })?;
+        let dt = time / n_steps as f64;
+        let path = move |start| DrivenPath { system, integrator, start, dt, n_steps };
+        let n_normals = D + path(mean).n_normals::<M>();
+        let path =
+            Box::new(move |start, normals: &[f64]| path(start).run::<M>(normals, |_, _, _| ()));
+        let weights = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
+        Ok(Self { path, n_normals, mean, factor, weights, followed: AtomicU64::new(0) })
+    }
+
+    /// The same paths with another demand.
+    #[must_use]
+    pub fn with_demand(self, weights: [f64; D]) -> Self {
+        Self { weights, ..self }
+    }
+
+    /// How many paths have been followed so far.
+    #[must_use]
+    pub fn n_followed(&self) -> u64 {
+        self.followed.load(Ordering::Relaxed)
+    }
+
+    /// The demand at the end of the path that the normals make.
+    fn demand(&self, normals: &[f64]) -> Result<f64, Error> {
+        self.followed.fetch_add(1, Ordering::Relaxed);
+        let (first, rest) = normals.split_at(D);
+        let start = std::array::from_fn(|i| {
+            self.mean[i] + (0..=i).map(|k| self.factor[i][k] * first[k]).sum::<f64>()
+        });
+        let end = (self.path)(start, rest)?;
+        Ok(self.weights.iter().zip(end).map(|(weight, x)| weight * x).sum())
+    }
+
+    /// Importance sampling at the design point of `y > T`, and of `-y > T` for [`Tails::Both`], with `n_samples` each.
+    ///
+    /// The normals are sampled about the design point $u^\ast$, the nearest point to the origin at which the demand is $T$:
+    ///
+    /// $$ \hat p = \frac1n \sum_k 1_{y(u^\ast + z_k) > T}\, e^{-u^\ast \cdot z_k - |u^\ast|^2/2}, \qquad z_k \sim \mathcal N(0, I) . $$
+    ///
+    /// The error is unknown where no sample exceeds a threshold.
+    ///
+    /// # Errors
+    /// [`TailError::Sampling`], also for a tail without a design point ([`Error::NoDesignPoint`]).
+    pub fn importance(
+        &self,
+        threshold: f64,
+        tails: Tails,
+        n_samples: u64,
+        seed: u64,
+    ) -> Result<Estimate, TailError> {
+        let above = |side: f64| -> Result<Estimate, TailError> {
+            let response = |normals: &[f64]| Ok(side * self.demand(normals)?);
+            let point = design_point(&response, self.n_normals, threshold)?;
+            Ok(importance_sampling(&response, threshold, &point, &Noise::new(seed), n_samples)?)
+        };
+        let upper = above(1.0)?;
+        let lower = if tails == Tails::Both { above(-1.0)? } else { upper };
+        let uncertainty = match (upper.uncertainty, lower.uncertainty) {
+            (Uncertainty::StandardError(a), Uncertainty::StandardError(b)) => {
+                Uncertainty::StandardError(a + b)
+            }
+            (Uncertainty::Bound(a), Uncertainty::Bound(b)) => Uncertainty::Bound(a + b),
+            _ => Uncertainty::Unknown,
+        };
+        Ok(Estimate { value: upper.value + lower.value, uncertainty })
+    }
+
+    /// Subset simulation of `|y| > T`: the standard error is the scatter of the runs.
+    ///
+    /// # Errors
+    /// [`TailError::Sampling`].
+    pub fn subset(
+        &self,
+        threshold: f64,
+        config: &SubsetConfig,
+        seed: u64,
+    ) -> Result<Estimate, TailError> {
+        let response = |normals: &[f64]| Ok(self.demand(normals)?.abs());
+        let noise = Noise::new(seed);
+        Ok(subset_simulation(&response, self.n_normals, threshold, &noise, config)?)
+    }
+}
+
+impl<const D: usize> std::fmt::Debug for TailPaths<'_, D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { n_normals, weights, .. } = self;
+        f.debug_struct("TailPaths")
+            .field("n_normals", n_normals)
+            .field("weights", weights)
+            .finish_non_exhaustive()
+    }
+}

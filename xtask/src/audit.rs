@@ -36,7 +36,13 @@ struct Check {
     plan: fn(&Surroundings) -> Plan,
 }
 
-const CHECKS: [Check; 10] = [
+const CHECKS: [Check; 11] = [
+    Check {
+        name: "language",
+        purpose: "pages, comments and messages use the field's words, short sentences, short lines",
+        tool: None,
+        plan: plans::language,
+    },
     Check {
         name: "deny",
         purpose: "licences, sources, bans and advisories of all dependencies",

@@ -22,6 +22,11 @@ pub(super) enum Plan {
     Skip(String),
 }
 
+/// One of the tests of this package, so that `.ci/run` holds it too.
+pub(super) fn language(_: &Surroundings) -> Plan {
+    start("cargo test --package xtask --test language", &[])
+}
+
 pub(super) fn deny(_: &Surroundings) -> Plan {
     start("cargo deny check", &[])
 }

@@ -1,0 +1,255 @@
+//! The language of pages, comments and messages: the field's words, short sentences, short lines.
+//!
+//! Read are the prose of Markdown pages, and the comments and strings of Rust files. Generated pages are left out: their text
+//! comes from the sources.
+//! `language/pending.txt` counts what a file still has from before; a count may fall, and not rise.
+
+#[path = "shared/folder.rs"]
+mod folder;
+#[path = "language/words.rs"]
+mod words;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use folder::files;
+use words::ENTRIES;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+/// No line of a page is longer, in characters.
+const LONGEST_LINE: usize = 400;
+/// No sentence is longer, in words.
+const LONGEST_SENTENCE: usize = 40;
+
+/// Written by a command, from sources that are read here.
+const GENERATED: [&str; 6] = [
+    "docs/verification.md",
+    "docs/benchmarks.md",
+    "docs/scenes.md",
+    "docs/charts/",
+    "docs/mutants.md",
+    "CHANGELOG.md",
+];
+
+/// These files name the words that are not used.
+const ABOUT_WORDS: [&str; 2] = ["xtask/tests/language.rs", "xtask/tests/language/words.rs"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+// ---- what is read ----
+
+/// A stretch of prose: the number of its first line, and its text without code.
+#[derive(Debug, PartialEq)]
+struct Prose {
+    line: usize,
+    text: String,
+}
+
+/// Without what is between backticks, and without the targets of links.
+fn without_code(line: &str) -> String {
+    let spans: Vec<&str> = line.split('`').collect();
+    let mut text = spans.iter().step_by(2).copied().collect::<Vec<_>>().join("x");
+    while let Some((start, end)) = text
+        .find("](")
+        .and_then(|start| text[start..].find(')').map(|length| (start + 1, start + length + 1)))
+    {
+        text.replace_range(start..end, "");
+    }
+    text
+}
+
+/// Paragraphs, list items, headings and rows of tables of a page.
+fn of_page(page: &str) -> Vec<Prose> {
+    let (mut all, mut code): (Vec<Prose>, bool) = (Vec::new(), false);
+    for (i, line) in page.lines().enumerate() {
+        if line.trim_start().starts_with("```") {
+            code = !code;
+        } else if !code && !line.trim().is_empty() && !line.starts_with("<!--") {
+            all.push(Prose { line: i + 1, text: without_code(line) });
+        }
+    }
+    all
+}
+
+/// Comments of a source, neighbouring lines joined, and its strings.
+fn of_source(source: &str) -> Vec<Prose> {
+    let (mut all, mut last_comment): (Vec<Prose>, usize) = (Vec::new(), 0);
+    let mut code = false;
+    for (i, line) in source.lines().enumerate() {
+        let trimmed = line.trim_start();
+        if let Some(rest) = trimmed.strip_prefix("//") {
+            let text = rest.trim_start_matches(['/', '!']).trim();
+            code ^= text.starts_with("```");
+            let is_prose = !code && !text.starts_with("```");
+            match all.last_mut() {
+                Some(prose) if is_prose && last_comment == i && continues(text) => {
+                    prose.text.push(' ');
+                    prose.text.push_str(&without_code(text));
+                }
+                _ if is_prose => all.push(Prose { line: i + 1, text: without_code(text) }),
+                _ => {}
+            }
+            last_comment = i + 1;
+        } else {
+            code = false;
+            let strings: Vec<&str> = line.split('"').skip(1).step_by(2).collect();
+            // A sentence has a space; a key or a path has none.
+            let sentences = strings.into_iter().filter(|text| text.contains(' '));
+            all.extend(sentences.map(|text| Prose { line: i + 1, text: without_code(text) }));
+        }
+    }
+    all
+}
+
+/// Whether a line of a comment belongs to the sentence before it.
+fn continues(text: &str) -> bool {
+    !text.is_empty() && !text.starts_with(['-', '|', '#', '$', '*'])
+}
+
+// ---- what is found ----
+
+/// The words of a text in small letters, with what separates sentences as words of their own.
+fn words_of(text: &str) -> Vec<String> {
+    let is_inside = |c: char| c.is_alphanumeric() || matches!(c, '\'' | '-');
+    let (mut all, mut word) = (Vec::new(), String::new());
+    for c in text.chars().chain([' ']) {
+        // A full stop inside a word or a number does not end it.
+        if is_inside(c) || (c == '.' && !word.is_empty()) {
+            word.extend(c.to_lowercase());
+        } else {
+            let bare = word.trim_end_matches('.');
+            let ends = bare.len() < word.len() && !bare.contains('.');
+            let kept = if bare.contains('.') { &word[..] } else { bare };
+            all.extend(Some(kept.to_owned()).filter(|kept| !kept.is_empty()));
+            if ends || matches!(c, '.' | ':' | ';' | '?' | '!' | '|') {
+                all.push(".".to_owned());
+            }
+            word.clear();
+        }
+    }
+    all
+}
+
+/// The phrases of the list that a text has, each with what to write instead.
+fn avoided(text: &str) -> Vec<(&'static str, &'static str)> {
+    let words = words_of(text);
+    let mut found = Vec::new();
+    for entry in ENTRIES {
+        for &phrase in entry.avoid {
+            let wanted: Vec<&str> = phrase.split(' ').collect();
+            let times = words.windows(wanted.len()).filter(|window| *window == wanted).count();
+            found.extend(std::iter::repeat_n((phrase, entry.write), times));
+        }
+    }
+    found
+}
+
+/// The lengths of the sentences that are too long, in words.
+fn long_sentences(text: &str) -> Vec<usize> {
+    let words = words_of(text);
+    let lengths = words.split(|word| word == ".").map(<[String]>::len);
+    lengths.filter(|&length| length > LONGEST_SENTENCE).collect()
+}
+
+/// What is wrong with a file, a line for each.
+fn found_in(path: &str, text: &str) -> Vec<String> {
+    let is_page = path.ends_with(".md");
+    let mut found = Vec::new();
+    for Prose { line, text } in if is_page { of_page(text) } else { of_source(text) } {
+        for (phrase, write) in avoided(&text) {
+            found.push(format!("{path}:{line}: `{phrase}`: write {write}"));
+        }
+        for length in long_sentences(&text) {
+            found.push(format!(
+                "{path}:{line}: a sentence of {length} words; {LONGEST_SENTENCE} at most"
+            ));
+        }
+    }
+    if is_page {
+        for (i, line) in text.lines().enumerate() {
+            let length = line.chars().count();
+            if length > LONGEST_LINE {
+                found
+                    .push(format!("{path}:{}: {length} characters; {LONGEST_LINE} at most", i + 1));
+            }
+        }
+    }
+    found
+}
+
+// ---- the tree ----
+
+/// The counts of `pending.txt` by path.
+fn pending(text: &str) -> BTreeMap<String, usize> {
+    let entry = |line: &str| {
+        let (count, path) = line.split_once(' ')?;
+        Some((path.to_owned(), count.parse().ok()?))
+    };
+    text.lines().filter_map(entry).collect()
+}
+
+/// Every file that is read, by its path from the root, with what is wrong with it.
+fn found_in_tree() -> std::io::Result<BTreeMap<String, Vec<String>>> {
+    let mut all = BTreeMap::new();
+    for ending in [".md", ".rs"] {
+        for file in files(&root(), ending)? {
+            let path = file.strip_prefix(root()).unwrap_or(&file);
+            let path = path.to_string_lossy().replace('\\', "/");
+            let is_left_out = |part: &&str| path.starts_with(*part) || path.ends_with(*part);
+            if !GENERATED.iter().chain(&ABOUT_WORDS).any(|part| is_left_out(&part)) {
+                let found = found_in(&path, &fs::read_to_string(&file)?);
+                all.insert(path, found);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// `LANGUAGE_RECORD=1 cargo test -p xtask --test language` writes the counts anew, which is right where they fell;
+/// `LANGUAGE_SHOW=PATH` lists what is found in the files whose paths begin so.
+#[test]
+fn pages_comments_and_messages_use_the_words_of_the_field() -> Outcome {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language/pending.txt");
+    let allowed = pending(&fs::read_to_string(&list).unwrap_or_default());
+    let tree = found_in_tree()?;
+    assert!(tree.len() > 500, "only {} files were read", tree.len());
+    if std::env::var_os("LANGUAGE_RECORD").is_some() {
+        let left = tree.iter().filter(|(_, found)| !found.is_empty());
+        let lines: Vec<String> =
+            left.map(|(path, found)| format!("{} {path}\n", found.len())).collect();
+        fs::write(&list, lines.concat())?;
+        return Ok(());
+    }
+    if let Ok(prefix) = std::env::var("LANGUAGE_SHOW") {
+        let shown = tree.iter().filter(|(path, _)| path.starts_with(&prefix));
+        let lines: Vec<&str> = shown.flat_map(|(_, found)| found).map(String::as_str).collect();
+        return Err(format!("\n{}\n{} in all", lines.join("\n"), lines.len()).into());
+    }
+    let rose =
+        tree.iter().filter(|(path, found)| found.len() > allowed.get(*path).copied().unwrap_or(0));
+    let lines: Vec<&str> = rose.flat_map(|(_, found)| found).map(String::as_str).collect();
+    assert!(lines.is_empty(), "more than before in these files:\n{}", lines.join("\n"));
+    let gone: Vec<&String> = allowed.keys().filter(|path| !tree.contains_key(*path)).collect();
+    assert!(gone.is_empty(), "pending.txt names files that are not there: {gone:?}");
+    Ok(())
+}
+
+#[test]
+fn what_a_reader_would_stumble_over_is_found() {
+    let found = |text: &str| avoided(&without_code(text)).len();
+    assert_eq!(found("The mean run stands here."), 2);
+    assert_eq!(found("It says where `stands` is code, and bystanders stay."), 0);
+    assert_eq!(found("a C.V. of 0.1, equal to roundoff"), 2);
+    let long = "word ".repeat(41);
+    assert_eq!(long_sentences(&long), [41]);
+    assert_eq!(long_sentences(&format!("{long}. short")), [41]);
+    assert_eq!(long_sentences(&"a number of 1.5 words. ".repeat(30)), [0; 0]);
+    let page = format!("# Title\n\n{}\n\n```\nthe mean run\n```\n", "x".repeat(401));
+    assert_eq!(found_in("a.md", &page).len(), 1);
+    let source = "/// A ledger\n/// of mass.\nlet a = \"has told\"; let ledger = key(\"told\");\n";
+    assert_eq!(found_in("a.rs", source).len(), 2);
+}

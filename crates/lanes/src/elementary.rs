@@ -14,6 +14,8 @@
 
 use std::f64::consts::LN_2;
 
+use crate::arrays::{from_fn, map};
+
 const LN_2_HIGH: f64 = 6.93147180369123816490e-01;
 const LN_2_LOW: f64 = 1.90821492927058770002e-10;
 /// The bits of one.
@@ -73,15 +75,15 @@ fn ln_normal(x: f64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn minus_twice_ln<const K: usize>(u: [f64; K]) -> [f64; K] {
-    let parts = u.map(binade);
-    let s = parts.map(|(_, f)| f / (2.0 + f));
-    let tail = s.map(|s| {
+    let parts = map(u, binade);
+    let s = map(parts, |(_, f)| f / (2.0 + f));
+    let tail = map(s, |s| {
         let z = s * s;
         let w = z * z;
         let low = (L[0] + z * L[1]) + w * (L[2] + z * L[3]);
         z * (low + (w * w) * ((L[4] + z * L[5]) + w * L[6]))
     });
-    std::array::from_fn(|i| parts[i].0 * (-2.0 * LN_2) - (s[i] + s[i]) * (2.0 + tail[i]))
+    from_fn(|i| parts[i].0 * (-2.0 * LN_2) - (s[i] + s[i]) * (2.0 + tail[i]))
 }
 
 /// `(sin x, cos x)` for `K` angles in `[-pi/4, pi/4]`; error below one unit in the last place.
@@ -113,11 +115,11 @@ pub fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
         2.08757232129817482790e-09,
         -1.13596475577881948265e-11,
     ];
-    let z = x.map(|x| x * x);
-    let sin_tail = z.map(|z| sum_of_six(S, z));
-    let cos_tail = z.map(|z| sum_of_six(C, z));
-    let sin = std::array::from_fn(|i| x[i] + z[i] * x[i] * sin_tail[i]);
-    (sin, std::array::from_fn(|i| 1.0 - (0.5 * z[i] - z[i] * z[i] * cos_tail[i])))
+    let z = map(x, |x| x * x);
+    let sin_tail = map(z, |z| sum_of_six(S, z));
+    let cos_tail = map(z, |z| sum_of_six(C, z));
+    let sin = from_fn(|i| x[i] + z[i] * x[i] * sin_tail[i]);
+    (sin, from_fn(|i| 1.0 - (0.5 * z[i] - z[i] * z[i] * cos_tail[i])))
 }
 
 /// `c_0 + c_1 z + .. + c_5 z^5`, summed as a tree.

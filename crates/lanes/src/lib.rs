@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod arrays;
 mod elementary;
 mod level;
 mod numbers;
@@ -9,6 +10,7 @@ mod sealed;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use arrays::{from_fn, map};
 pub use elementary::{exp, ln, minus_twice_ln, power, sin_cos};
 pub use level::{Float, SimdLevel, dispatch, dispatch_narrow};
 pub use numbers::{Lanes, Mask};

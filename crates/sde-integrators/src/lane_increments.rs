@@ -94,8 +94,8 @@ impl<const M: usize> LaneNoise<M> {
     pub(crate) fn deviations(&self, dt: f64) -> Deviations {
         let (brownian, area) = (dt.sqrt(), (dt / 12.0).sqrt());
         Deviations {
-            brownian: self.signs.map(|sign| sign * brownian),
-            area: self.signs.map(|sign| sign * area),
+            brownian: lanes::map(self.signs, |sign| sign * brownian),
+            area: lanes::map(self.signs, |sign| sign * area),
         }
     }
 

@@ -245,7 +245,7 @@ impl Work<f64> for FillField<'_> {
         let mut rows = [[0.0; FIELD_BLOCKS]; BLOCK_NORMALS];
         let mut block = self.block;
         for part in self.normals.chunks_mut(FIELD_NORMALS) {
-            let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
+            let counters = lanes::from_fn(|lane| block.wrapping_add(lane as u64));
             normal_blocks(self.key, &[self.stream; FIELD_BLOCKS], &counters, &mut rows);
             if let Ok(whole) = <&mut [f64; FIELD_NORMALS]>::try_from(&mut *part) {
                 for lane in 0..FIELD_BLOCKS {
@@ -321,7 +321,7 @@ impl Work<f64> for DrawAhead<'_> {
     #[inline(always)]
     fn run<R: Registers<f64>>(self, _: R) {
         let Self { ahead: Ahead { key, stream, rows }, block } = self;
-        let counters = std::array::from_fn(|lane| block.wrapping_add(lane as u64));
+        let counters = lanes::from_fn(|lane| block.wrapping_add(lane as u64));
         normal_blocks(key, &[*stream; AHEAD_BLOCKS], &counters, rows);
     }
 }

@@ -37,29 +37,34 @@ const SIGN: u64 = 1 << 63;
 /// Source: Box and Muller 1958, A note on the generation of random normal deviates.
 #[inline(always)]
 pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
-    normal_pairs([radial], [angular])[0]
+    let ([first], [second]) = normal_pairs([radial], [angular]);
+    [first, second]
 }
 
-/// [`normal_pair`] for `K` pairs of words, each stage for all of them before the next.
+/// [`normal_pair`] for `K` pairs of words: all first normals, all second ones.
+///
+/// Each stage is a loop of its own over all `K`, which the compiler vectorises on its own.
 #[inline(always)]
-fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> [[f64; 2]; K] {
+fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> ([f64; K], [f64; K]) {
     // The highest 52 bits as the mantissa of a number in [1, 2): no conversion, and exact.
-    let u = radial.map(|word| 2.0 - f64::from_bits(ONE | word >> 12));
+    let u = lanes::map(radial, |word| 2.0 - f64::from_bits(ONE | word >> 12));
     // The two highest bits choose the quadrant, the next 52 the angle within it, from -pi/4 to pi/4.
-    let angle = angular
-        .map(|word| ((f64::from_bits(ONE | (word << 2) >> 12) - 1.5) + HALF_SPACING) * FRAC_PI_2);
+    let angle = lanes::map(angular, |word| {
+        ((f64::from_bits(ONE | (word << 2) >> 12) - 1.5) + HALF_SPACING) * FRAC_PI_2
+    });
     let squares = minus_twice_ln(u);
     let (sin, cos) = sin_cos(angle);
-    let radius = squares.map(f64::sqrt);
-    std::array::from_fn(|i| {
+    let radius = lanes::map(squares, f64::sqrt);
+    let (mut first, mut second) = ([0.0; K], [0.0; K]);
+    for i in 0..K {
         // (c, s) -> (-s, c) per quarter turn, without a branch: a random one would be mispredicted.
         let (cos, sin) = (cos[i].to_bits(), sin[i].to_bits());
         let is_odd = (angular[i] << 1).cast_signed() < 0;
         let (c, s) = if is_odd { (sin, cos) } else { (cos, sin) };
-        let c = f64::from_bits(c ^ (angular[i] ^ angular[i] << 1) & SIGN);
-        let s = f64::from_bits(s ^ angular[i] & SIGN);
-        [radius[i] * c, radius[i] * s]
-    })
+        first[i] = radius[i] * f64::from_bits(c ^ (angular[i] ^ angular[i] << 1) & SIGN);
+        second[i] = radius[i] * f64::from_bits(s ^ angular[i] & SIGN);
+    }
+    (first, second)
 }
 
 /// The eight normals of block `counters[lane]` of stream `streams[lane]`, in every lane.
@@ -70,23 +75,14 @@ pub(crate) fn normal_blocks<const L: usize>(
     counters: &[u64; L],
     normals: &mut [[f64; L]; BLOCK_NORMALS],
 ) {
-    const { assert!(L.is_multiple_of(2), "lanes go in twos") };
     let mut words = [[0; L]; BLOCK_WORDS];
     blocks(key, streams, counters, &mut words);
     for pair in 0..BLOCK_NORMALS / 2 {
         let [first, second] = &mut normals[2 * pair..2 * pair + 2] else { continue };
         let [a, b, c, d] = &words[4 * pair..4 * pair + 4] else { continue };
-        // Two registers of lanes at a time: a processor looks ahead over about as many operations as one of them takes,
-        // each of which waits for the last.
-        for lane in 0..L / 2 {
-            let lanes = [lane, lane + L / 2];
-            let radial = lanes.map(|lane| u64::from(a[lane]) | u64::from(b[lane]) << 32);
-            let angular = lanes.map(|lane| u64::from(c[lane]) | u64::from(d[lane]) << 32);
-            let pairs = normal_pairs(radial, angular);
-            for (lane, pair) in lanes.into_iter().zip(pairs) {
-                [first[lane], second[lane]] = pair;
-            }
-        }
+        let radial = lanes::from_fn(|lane| u64::from(a[lane]) | u64::from(b[lane]) << 32);
+        let angular = lanes::from_fn(|lane| u64::from(c[lane]) | u64::from(d[lane]) << 32);
+        (*first, *second) = normal_pairs(radial, angular);
     }
 }
 

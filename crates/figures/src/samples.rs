@@ -1,4 +1,4 @@
-//! Made-up charts: for the tests, and for the eye.
+//! Invented charts for tests and visual inspection.
 
 use crate::data::{
     Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,

@@ -43,13 +43,13 @@ tell an editor what to complete and what to underline. In Visual Studio Code: `\
 \"url\": \"./docs/schema/fpk-sph.schema.json\" }]`.
 ";
 
-/// How many places of a type are named.
+/// Largest number of places listed for a type.
 const MOST_PLACES: usize = 4;
 
-/// Most choices that a line names besides the link to them.
+/// Largest number of choices listed next to their link.
 const MOST_CHOICES: usize = 5;
 
-/// What the page tells of a solver.
+/// Description of a solver on the page.
 pub(super) struct Described {
     pub(super) solver: &'static str,
     pub(super) tree: Tree,
@@ -106,7 +106,7 @@ fn solver(of: &Described) -> String {
     )
 }
 
-/// A type: what it is, where it stands, its keys.
+/// Section of a type: its description, places and keys.
 fn section(of: &Described, named: &Named, places: &[&str]) -> String {
     let shown: Vec<String> =
         places.iter().take(MOST_PLACES).map(|place| format!("`{place}`")).collect();
@@ -153,7 +153,7 @@ fn line(of: &Described, named: &Named, row: &Row<'_>) -> Vec<String> {
     [key, kind, unit, default, meaning, example].iter().map(|text| cell(text)).collect()
 }
 
-/// Text that stays in its cell.
+/// Text escaped for a table cell.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
@@ -164,7 +164,7 @@ enum Count {
     Many,
 }
 
-/// What a value is, in words.
+/// Description of a value's kind.
 fn kind(of: &Described, holds: &Holds, count: Count) -> String {
     let word = |one: &str, many: &str| if count == Count::One { one } else { many }.to_owned();
     match holds {
@@ -191,7 +191,7 @@ fn kind(of: &Described, holds: &Holds, count: Count) -> String {
     }
 }
 
-/// A link to a type, with its choices where they are few.
+/// A link to a type, with its choices if they are few.
 fn link(of: &Described, name: &str) -> String {
     let link = format!("[{}](#{})", words_of(name), anchor(of.solver, name));
     match of.tree.get(name).map(|named| &named.holds) {
@@ -222,7 +222,7 @@ fn anchor(solver: &str, name: &str) -> String {
     format!("{solver}-{}", words_of(name).replace(' ', "-"))
 }
 
-/// Every type with each of its places in a scene, in the order in which a reader meets them.
+/// Every type with each of its places in a scene, in reading order.
 fn places(tree: &Tree) -> Vec<(String, String)> {
     let mut places = Vec::new();
     visit(tree, "", &tree.root().holds, &mut places);

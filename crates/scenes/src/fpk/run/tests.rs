@@ -1,4 +1,4 @@
-//! What a density scene may not say.
+//! Invalid density scenes and their messages.
 
 use fpk_sph::Scheme;
 
@@ -7,7 +7,7 @@ use super::*;
 const SCENE: &str = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
 
-/// The scene with one text in place of another, and what reading it says: message, line, column, help.
+/// Replaces a text of the scene and returns the resulting message with line, column and help.
 fn mistake(from: &str, to: &str) -> (String, usize, usize, Option<String>) {
     mistake_in(SCENE, from, to)
 }

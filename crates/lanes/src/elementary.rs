@@ -36,8 +36,8 @@ fn binade(x: f64) -> (f64, f64) {
 
 /// Minimax coefficients of `R(z)` in the series of `ln(1 + f)`.
 ///
-/// `R(z) = L_0 z + .. + L_6 z^7` in `ln(1 + f) = s (2 + R(s^2))`, `s = f/(2 + f)`, for `1 + f` in `(sqrt(1/2),
-/// sqrt(2))`. Source: fdlibm's `e_log.c`, Sun Microsystems 1993.
+/// `R(z) = L_0 z + .. + L_6 z^7` in `ln(1 + f) = s (2 + R(s^2))`, `s = f/(2 + f)`, for `1 + f` in
+/// `(sqrt(1/2), sqrt(2))`. Source: fdlibm's `e_log.c`, Sun Microsystems 1993.
 const L: [f64; 7] = [
     6.666666666666735130e-01,
     3.999999999940941908e-01,
@@ -134,8 +134,8 @@ fn sum_of_six(c: [f64; 6], z: f64) -> f64 {
 ///
 /// Returns zero below -708, where the result would be denormal, infinity above 709.43, and NaN for NaN.
 ///
-/// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln(2)/2`; then `exp r = 1 + 2r/(2 - c)` with `c = r - r^2
-/// P(r^2)`. Source: the minimax coefficients of fdlibm's `e_exp.c`, Sun Microsystems 1993.
+/// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln(2)/2`; then `exp r = 1 + 2r/(2 - c)` with
+/// `c = r - r^2 P(r^2)`. Source: the minimax coefficients of fdlibm's `e_exp.c`, Sun Microsystems 1993.
 #[inline(always)]
 #[must_use]
 pub fn exp(x: f64) -> f64 {

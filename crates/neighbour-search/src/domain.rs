@@ -5,9 +5,9 @@ use crate::radii::in_range;
 
 /// A space of `D` axes, each unbounded or periodic.
 ///
-/// Along an axis of period `L` a point at `x` has images at `x + k L` for every integer `k`. The difference `x_i -
-/// x_j` is that of the nearest images, between `-L/2` and `L/2`. Points need not lie in one period. Two points are
-/// neighbours through at most one image, so no period may be shorter than two radii.
+/// Along an axis of period `L` a point at `x` has images at `x + k L` for every integer `k`. The difference
+/// `x_i - x_j` is that of the nearest images, between `-L/2` and `L/2`. Points need not lie in one period. Two points
+/// are neighbours through at most one image, so no period may be shorter than two radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain<const D: usize> {
     periods: [Option<f64>; D],

@@ -15,13 +15,13 @@
 //! |ρ̂ - ρ| <= 1.01 * 2^-24 (2G + (D + 5)/2 ρ),
 //! ```
 //!
-//! With `a(ℓ) = 2^-22 (G + 2) + 2^-23 (D + 4) ℓ + 2^-60`, squares of bounds rounded too, `ρ̂² < (ℓ - a)²` proves `ρ <
-//! ℓ`, and `ρ <= ℓ` proves `ρ̂² < (ℓ + a)²`. The formula of `NeighbourSearch` in double precision decides candidates
-//! between both bounds: few, unless distances tie with the radius.
+//! With `a(ℓ) = 2^-22 (G + 2) + 2^-23 (D + 4) ℓ + 2^-60`, squares of bounds rounded too, `ρ̂² < (ℓ - a)²` proves
+//! `ρ < ℓ`, and `ρ <= ℓ` proves `ρ̂² < (ℓ + a)²`. The formula of `NeighbourSearch` in double precision decides
+//! candidates between both bounds: few, unless distances tie with the radius.
 //!
 //! The term `2^-60` covers underflow. A coordinate that overflows is infinitely far from every point of a group whose
-//! own coordinates do not overflow. Images along periodic axes are displaced in single precision, which adds `2^-22
-//! L/R` to `a` for each period `L`.
+//! own coordinates do not overflow. Images along periodic axes are displaced in single precision, which adds
+//! `2^-22 L/R` to `a` for each period `L`.
 //!
 //! A group outside of the cloud's middle part, or with a radius for which `a` is not small, gets a frame of its own:
 //! `c` is the centre of its box and `R` its own reach, and images are displaced in double precision. If the group is

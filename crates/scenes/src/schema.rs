@@ -1,8 +1,8 @@
 //! Documentation of scenes: a JSON schema for each solver, and the page of all keys.
 //!
 //! Both are generated from the scene types: their doc comments are the descriptions, and those of numbers state the
-//! unit in parentheses. Examples on the page come from built-in scenes, or else from the type, `#[schemars(example =
-//! ...)]`.
+//! unit in parentheses. Examples on the page come from built-in scenes, or else from the type,
+//! `#[schemars(example = ...)]`.
 
 mod error;
 mod example;

@@ -20,15 +20,15 @@ use crate::system::SecondOrder;
 /// Langevin dynamics the noise is `s = sqrt(2 c kT/m)`, which balances the friction `c`; other noise is allowed.
 ///
 /// Order (additive noise): strong 1, weak 2. For a linear oscillator (`r = 0`, constant `s`) the stationary `E[q^2]`
-/// is exact at every stable step. The velocity at the ends of a step is too small, `E[v^2] = (1 - (h omega)^2/4)
-/// kT/m`; that of the half step is exact, and [`HalfStep`] stores it.
+/// is exact at every stable step. The velocity at the ends of a step is too small,
+/// `E[v^2] = (1 - (h omega)^2/4) kT/m`; that of the half step is exact, and [`HalfStep`] stores it.
 ///
 /// Stable for: `h omega < 2`, for any damping.
 ///
 /// Cost: two flows of `r` and one intensity per step.
 ///
-/// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling
-///. Reporting the velocity of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
+/// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling.
+/// Velocity of the half step of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
 /// efficient thermostat scheme for the canonical ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Baoab;

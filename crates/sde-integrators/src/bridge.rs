@@ -11,8 +11,8 @@ impl<const M: usize> Increment<M> {
     ///    H_{1,2} = (H - a) \pm \tfrac12 \sqrt{h/12}  z_2 $$
     ///
     /// The halves have the distribution of two independent steps, and [`from_halves`](Self::from_halves) recovers the
-    /// whole step. Derivation: in that formula `H` is the sum of `(w_1 - w_2)/4 ~ N(0, h/16)` and `(H_1 + H_2)/2 ~
-    /// N(0, h/48)`.
+    /// whole step. Derivation: in that formula `H` is the sum of `(w_1 - w_2)/4 ~ N(0, h/16)` and
+    /// `(H_1 + H_2)/2 ~ N(0, h/48)`.
     #[must_use]
     pub fn halves(&self, dt: f64, normals: &[[f64; 2]; M]) -> [Self; 2] {
         let (mut first, mut second) = (Self::ZERO, Self::ZERO);

@@ -99,7 +99,7 @@ impl Lives {
     }
 }
 
-#[allow(clippy::inline_always, reason = "it stands in a dispatched function")]
+#[allow(clippy::inline_always, reason = "used in a dispatched function")]
 #[allow(clippy::eq_op, reason = "what is not finite less itself is not zero")]
 #[inline(always)]
 fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {

@@ -17,9 +17,9 @@ use crate::stratonovich::StratonovichSde;
 /// Order: strong 1 and weak 1 for additive, diagonal and other commuting noise, strong 1/2 for general noise; 2
 /// without noise.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB` (Ito) where `E (1 + z + z^2/2)^2 < 1` with `z = (l -
-/// m^2/2) h + m w`: less than Milstein for weak noise, more than Euler-Maruyama for strong noise. For a lightly damped
-/// oscillator the limit is about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
+/// Stable for: in the mean square of `dX = l X dt + m X dB` (Ito) where `E (1 + z + z^2/2)^2 < 1` with
+/// `z = (l - m^2/2) h + m w`: less than Milstein for weak noise, more than Euler-Maruyama for strong noise. For a
+/// lightly damped oscillator the limit is about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
 ///
 /// Source: Rümelin 1982, Numerical treatment of stochastic differential equations; Kloeden and Platen 1992, section
 /// 15.5.

@@ -234,7 +234,7 @@ macro_rules! integrate_second_order_lanes {
 pub(crate) use integrate_second_order_lanes;
 
 /// `g w`: contribution of the Brownian increments to each row.
-#[allow(clippy::inline_always, reason = "it stands in loops over lanes")]
+#[allow(clippy::inline_always, reason = "used in loops over lanes")]
 #[inline(always)]
 pub(crate) fn apply<const R: usize, const M: usize>(g: &[[f64; M]; R], w: &[f64; M]) -> [f64; R] {
     let mut sum = [0.0; R];

@@ -85,11 +85,11 @@ impl<const D: usize> GaussianMixture<D> {
         Self::gaussian(mean, covariance)
     }
 
-    /// A weighted sum of normal laws.
+    /// A mixture of normal distributions.
     ///
     /// # Errors
-    /// [`Error::TooFew`] without components; [`Error::NotPositive`] for a weight; [`Error::NotFinite`] for an entry of
-    /// a mean or covariance; [`Error::WeightSum`] where the weights miss 1 by more than
+    /// [`Error::TooFew`] for no components; [`Error::NotPositive`] for a weight; [`Error::NotFinite`] for an entry of
+    /// a mean or covariance; [`Error::WeightSum`] if the weights differ from 1 by more than
     /// [`WEIGHT_TOLERANCE`](Self::WEIGHT_TOLERANCE); [`Error::NotSymmetric`] and [`Error::NotPositiveDefinite`] for a
     /// covariance, with the entry or pivot and its limit.
     pub fn mixture(components: &[GaussianComponent<D>]) -> Result<Self, Error> {
@@ -108,7 +108,7 @@ impl<const D: usize> GaussianMixture<D> {
         Ok(Self { components })
     }
 
-    /// The components, as given.
+    /// Components of the mixture.
     pub fn components(&self) -> impl ExactSizeIterator<Item = &GaussianComponent<D>> {
         self.components.iter().map(|k| &k.component)
     }
@@ -119,13 +119,13 @@ impl<const D: usize> GaussianMixture<D> {
         self.log_density(x).exp()
     }
 
-    /// `ln p(x)`, finite as long as the distance to the means, in standard deviations, can be squared.
+    /// `ln p(x)`, finite unless the squared distance to the means, in standard deviations, overflows.
     #[must_use]
     pub fn log_density(&self, x: &[f64; D]) -> f64 {
         let largest =
             self.components.iter().map(|k| k.log_density(x)).fold(f64::NEG_INFINITY, f64::max);
         if largest.is_infinite() {
-            // Infinitely far from every mean, or not a number.
+            // Infinitely far from every mean, or NaN.
             return self.components.iter().map(|k| k.log_density(x)).sum();
         }
         let sum: f64 = self.components.iter().map(|k| (k.log_density(x) - largest).exp()).sum();

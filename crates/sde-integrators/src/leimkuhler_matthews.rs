@@ -11,9 +11,9 @@ use crate::system::{Additive, Sde};
 /// $$ X_{n+1} = X_n + h f(t_n, X_n) + \frac12 g (w_{n-1} + w_n) $$
 ///
 /// Solves `dX = f dt + g dB` with noise independent of state and time; Ito and Stratonovich agree. With `f = -grad V`
-/// and `g = sqrt(2 kT)` it samples `exp(-V/kT)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. The memory is the kick `g
-/// w` of the previous step. Before the first step it is `sqrt(12) g H` of that step, which has the distribution of a
-/// kick and is independent of `w`.
+/// and `g = sqrt(2 kT)` it samples `exp(-V/kT)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. The memory is the kick
+/// `g w` of the previous step. Before the first step it is `sqrt(12) g H` of that step, which has the distribution of
+/// a kick and is independent of `w`.
 ///
 /// Order: weak 1 in the transient, 2 for the stationary distribution, at the cost of Euler-Maruyama; strong 1/2,
 /// because the kicks at both ends of the path are halved. The stationary distribution of a linear drift is exact. In

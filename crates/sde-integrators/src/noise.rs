@@ -69,8 +69,8 @@ impl<const M: usize> Increment<M> {
     /// Zero noise: reduces an integrator to its method for ordinary differential equations.
     pub const ZERO: Self = Self { brownian: [0.0; M], space_time_area: [0.0; M] };
 
-    /// Increment over a step from those over its two equal halves, exactly: `w = w_1 + w_2` and `H = (w_1 - w_2)/4 +
-    /// (H_1 + H_2)/2`.
+    /// Increment over a step from those over its two equal halves, exactly: `w = w_1 + w_2` and
+    /// `H = (w_1 - w_2)/4 + (H_1 + H_2)/2`.
     ///
     /// It represents the same path at every step size, as studies of strong order require.
     #[must_use]

@@ -8,8 +8,8 @@ use crate::system::SecondOrder;
 ///
 /// $$ v_{n+1} = v_n + h a(t_n, q_n, v_n) + s(t_n) w_n, \qquad q_{n+1} = q_n + h v_{n+1} $$
 ///
-/// Solves `q'' = a(t, q, q') + s(t) W`, with `a` the whole [`acceleration`](SecondOrder::acceleration); state `(q_1..,
-/// v_1..)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. One force evaluation per step, like
+/// Solves `q'' = a(t, q, q') + s(t) W`, with `a` the whole [`acceleration`](SecondOrder::acceleration); state
+/// `(q_1.., v_1..)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. One force evaluation per step, like
 /// [`EulerMaruyama`](crate::EulerMaruyama).
 ///
 /// Order (additive noise): strong 1, weak 1; the error of the stationary `E[q^2]` of an oscillator is only `O(h^2)`.
@@ -51,7 +51,7 @@ impl SemiImplicitEuler {
     {
     }
 
-    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[allow(clippy::inline_always, reason = "used in a loop over lanes")]
     #[inline(always)]
     fn advance<S, const N: usize, const M: usize>(
         system: &S,

@@ -21,10 +21,10 @@ use crate::system::Sde;
 ///
 /// Order: strong 1/2 and weak 1 for general noise, strong 1 for additive noise; 1 without noise.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB`, with `p = l h` and `x = w_0 + w_1 p`, where `A^2 + B^2
-/// m^2 h < 1`, `A = T_s(x)/T_s(w_0)`, `B = (U_{s-1}(x)/U_{s-1}(w_0)) (1 + w_1 p/2)`. This covers nearly every stable
-/// equation with `|p| < (2 - 4 eta/3) s^2`, for any noise. The drift must be dissipative: an undamped oscillator is
-/// unstable.
+/// Stable for: in the mean square of `dX = l X dt + m X dB`, with `p = l h` and `x = w_0 + w_1 p`, where
+/// `A^2 + B^2 m^2 h < 1`, `A = T_s(x)/T_s(w_0)`, `B = (U_{s-1}(x)/U_{s-1}(w_0)) (1 + w_1 p/2)`. This covers nearly
+/// every stable equation with `|p| < (2 - 4 eta/3) s^2`, for any noise. The drift must be dissipative: an undamped
+/// oscillator is unstable.
 ///
 /// Cost: `s` drift evaluations and one noise evaluation per step.
 ///

@@ -140,7 +140,7 @@ impl StrangOscillator {
         Prepared { flows: memory.flows, intensities, closing }
     }
 
-    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[allow(clippy::inline_always, reason = "used in a loop over lanes")]
     #[inline(always)]
     fn open<S, const N: usize, const M: usize>(
         system: &S,
@@ -152,7 +152,7 @@ impl StrangOscillator {
         system.remaining_flow(t, 0.5 * dt, q, v);
     }
 
-    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[allow(clippy::inline_always, reason = "used in a loop over lanes")]
     #[inline(always)]
     fn advance<S, const N: usize, const M: usize>(
         system: &S,

@@ -16,10 +16,11 @@ use crate::system::Sde;
 /// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, but 2 for the trapezoidal rule with constant
 /// additive noise. Without noise 1, for the trapezoidal rule 2.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l
-/// h)^2`; for `theta >= 1/2` this holds whenever the equation itself is stable. The trapezoidal rule has the exact
-/// stationary covariance of a linear system with additive noise, at every `h`. Backward Euler is dissipative: at `h
-/// omega = 0.1` and a damping ratio of 0.05 it loses half of the stationary `E[q^2]`.
+/// Stable for: in the mean square of `dX = l X dt + m X dB` where
+/// `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l h)^2`; for `theta >= 1/2` this holds whenever the equation itself
+/// is stable. The trapezoidal rule has the exact stationary covariance of a linear system with additive noise, at
+/// every `h`. Backward Euler is dissipative: at `h omega = 0.1` and a damping ratio of 0.05 it loses half of the
+/// stationary `E[q^2]`.
 ///
 /// Newton's method with a forward-difference Jacobian ends when the correction is below [`TOLERANCE`](Self::TOLERANCE)
 /// of the state; it converges superlinearly, so the remaining error is roundoff.

@@ -333,9 +333,9 @@ fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), O
 /// `kT` at which the standard deviation of the stretch of a shortest bond by noise equals the critical stretch (J).
 ///
 /// All bonds together have `kT` for each free component. A bond of stiffness `kappa` and length `l` has the energy
-/// `kappa l s^2/2`. For `n` bonds as stiff as a shortest one, the variance of the stretch is then `kT dof/(n kappa
-/// l)`. The value is nominal: the deviation of a shortest bond is 1.2 times as large in the interior, and 1.5 times at
-/// an edge.
+/// `kappa l s^2/2`. For `n` bonds as stiff as a shortest one, the variance of the stretch is then
+/// `kT dof/(n kappa l)`. The value is nominal: the deviation of a shortest bond is 1.2 times as large in the interior,
+/// and 1.5 times at an edge.
 fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
     let dof = loading.prescribed().iter().flatten().filter(|&&gripped| !gripped).count();
     let shortest = bonds.all().iter().min_by(|a, b| a.length.total_cmp(&b.length));

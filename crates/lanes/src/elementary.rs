@@ -48,8 +48,9 @@ const L: [f64; 7] = [
     1.479819860511658591e-01,
 ];
 
-/// `ln x` for normal, positive, finite `x`; error below one unit in the last place. For other `x` the result is
-/// arbitrary.
+/// `ln x` for normal, positive, finite `x`; error below one unit in the last place.
+///
+/// For other `x` the result is arbitrary.
 ///
 /// Source: the order of summation of fdlibm's `e_log.c`, Sun Microsystems 1993.
 #[inline(always)]

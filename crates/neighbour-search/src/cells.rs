@@ -203,8 +203,10 @@ impl<const D: usize> Cells<D> {
         cell.min(self.count[axis] - 1)
     }
 
-    /// Chooses box and cells: the whole cloud if it needs few enough cells, else the box without outliers, else wider
-    /// cells.
+    /// Chooses box and cells.
+    ///
+    /// The box is the whole cloud if it needs few enough cells, else that without outliers; if necessary cells are
+    /// wider.
     fn lay(&mut self, points: &[[f64; D]], edge: f64) {
         let allowed = points.len().saturating_mul(CELLS_PER_POINT).saturating_add(SPARE_CELLS);
         let allowed = allowed.min(u32::MAX as usize) as f64;

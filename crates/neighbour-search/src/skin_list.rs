@@ -9,15 +9,17 @@ use crate::list::{NeighbourList, Pair};
 use crate::radii::{Radii, in_range};
 use crate::search::{NeighbourSearch, check};
 
-/// Relative tolerance of the enlarged radius: covers the roundings of two distances and two displacements, each below
-/// `(D + 2)` units of 1.1e-16.
+/// Relative tolerance of the enlarged radius.
+///
+/// It covers the roundings of two distances and two displacements, each below `(D + 2)` units of 1.1e-16.
 const SLACK: f64 = 1.0 + 1e-14;
 
 /// Result of an update.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// The list was kept: points moved and radii grew by less than the skin since the last build, so it still holds
-    /// every pair.
+    /// The list was kept and still holds every pair.
+    ///
+    /// Points moved and radii grew by less than the skin since the last build.
     Reused,
     /// The list was rebuilt.
     Rebuilt,

@@ -142,8 +142,9 @@ impl Rule {
         }
     }
 
-    /// Contribution of one point to the search radius, which is this value, or the larger or the mean of both points'
-    /// values.
+    /// Contribution of one point to the search radius.
+    ///
+    /// The search radius is this value, or the larger or the mean of both points' values.
     #[inline(always)]
     pub(crate) fn mine(self, h_i: f64) -> f64 {
         match self {
@@ -189,8 +190,9 @@ pub(crate) trait Order<const D: usize>: Sync {
     /// End of a group.
     fn group_end(&self, group: usize) -> usize;
 
-    /// Appends the stretches with candidates of the group `targets`: its own points, their images, and all other
-    /// points near it.
+    /// Appends the stretches with candidates of the group `targets`.
+    ///
+    /// These are its own points, their images, and all other points near it.
     ///
     /// Returns the number of stretches of its own points.
     fn stretches(

@@ -6,8 +6,9 @@ use crate::bytes::Bytes;
 use crate::kind::Kind;
 use crate::tensor::SymmetricTensor;
 
-/// An element type of a column in `D` dimensions: `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`, `u8` or
-/// `u32`.
+/// An element type of a column in `D` dimensions.
+///
+/// The types are `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`, `u8` and `u32`.
 ///
 /// The trait is sealed, because a snapshot supports only these kinds.
 pub trait Element<const D: usize>: sealed::Stored<D> {

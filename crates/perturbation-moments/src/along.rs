@@ -30,8 +30,9 @@ pub struct AlongDirections<const N: usize> {
 }
 
 impl<const N: usize> AlongDirections<N> {
-    /// Derivatives from the jet of a response with the inputs [`RandomVector::jets`] or
-    /// [`RandomVector::jets_with_probes`].
+    /// Derivatives from the jet of a response, for inputs with or without probes.
+    ///
+    /// The inputs are [`RandomVector::jets`] or [`RandomVector::jets_with_probes`].
     ///
     /// The `n_probes` lanes after the first `N` count as probes.
     ///
@@ -53,8 +54,9 @@ impl<const N: usize> AlongDirections<N> {
         Self::of_passes(std::slice::from_ref(jet), n_probes)
     }
 
-    /// Derivatives from the jets of one response, where jet `p` had the inputs [`RandomVector::jets_of_pass`] of pass
-    /// `p`.
+    /// Derivatives from the jets of one response in several passes.
+    ///
+    /// Jet `p` has the inputs [`RandomVector::jets_of_pass`] of pass `p`.
     ///
     /// More than eight inputs require several passes. The value is that of the first pass; lanes after the first `N`
     /// are probes, as in [`from_jet`](Self::from_jet).

@@ -32,8 +32,9 @@ pub struct CentralDifferences<F> {
     pub response: F,
     /// Largest step over the deviation of an input; the response must be smooth within three steps.
     pub first_step: f64,
-    /// Largest accepted error: of a derivative times the deviations of its inputs, over the first-order deviation of
-    /// the response.
+    /// Largest accepted error, relative to the first-order deviation of the response.
+    ///
+    /// It is the error of a derivative times the deviations of its inputs.
     pub largest_error: f64,
     /// Highest order of the derivatives.
     pub order: crate::forward::HighestOrder,
@@ -54,14 +55,16 @@ struct Settled {
 pub struct Differenced<const N: usize> {
     /// The derivatives.
     pub expansion: Expansion<N>,
-    /// Estimated errors of the worst first, second and third derivative, each times the deviations of its inputs and
-    /// over the first-order deviation of the response.
+    /// Estimated errors of the worst first, second and third derivative.
+    ///
+    /// Each is multiplied by the deviations of its inputs and divided by the first-order deviation of the response.
     pub largest_errors: [f64; 3],
 }
 
 impl<F> CentralDifferences<F> {
-    /// A first step of half a deviation and derivatives to 1e-4 of the deviation: moments and trust accurate to three
-    /// digits.
+    /// Default steps and tolerance, for moments and trust accurate to three digits.
+    ///
+    /// The first step is half a deviation; the tolerance of derivatives is 1e-4 of the deviation.
     pub const fn new(response: F, order: crate::forward::HighestOrder) -> Self {
         Self { response, first_step: 0.5, largest_error: 1e-4, order }
     }

@@ -2,8 +2,9 @@
 
 use crate::error::{Error, require_finite};
 
-/// Value and derivatives of a response with respect to its inputs, at the centre of a
-/// [`RandomVector`](crate::RandomVector).
+/// Value and derivatives of a response with respect to its inputs.
+///
+/// They are evaluated at the centre of a [`RandomVector`](crate::RandomVector).
 ///
 /// Symbols: `value` $y_0$, `gradient` $g_i = \partial y/\partial x_i$, `hessian` $H_{ij}$, `third` $T_{ijk}$; each in
 /// the unit of the response over those of its inputs. Unknown derivatives are `None`.

@@ -57,8 +57,9 @@ impl<const N: usize> SigmaPoints<N> {
         Self::from_values(&values)
     }
 
-    /// Sigma points from the responses at the points of a [star](AlongDirections::star) of distance
-    /// [`SIGMA_POINT_DISTANCE`].
+    /// Sigma points from the responses at the points of a star.
+    ///
+    /// The [star](AlongDirections::star) has the distance [`SIGMA_POINT_DISTANCE`].
     ///
     /// Use it for several responses of one run.
     ///

@@ -18,8 +18,9 @@ pub struct Trust {
     pub curvature_ratio: Option<f64>,
     /// $\tau$; `None` without third derivatives.
     pub third_ratio: Option<f64>,
-    /// Relative difference of the sigma-point variance from the first-order one; `None` without
-    /// [`SigmaPoints`](crate::SigmaPoints).
+    /// Relative difference of the sigma-point variance from the first-order one.
+    ///
+    /// `None` without [`SigmaPoints`](crate::SigmaPoints).
     pub sigma_point_ratio: Option<f64>,
 }
 

@@ -159,8 +159,9 @@ impl<'a> GridDensity<'a> {
         Ok(())
     }
 
-    /// Integrates `v' = a(t, q, v)` over a step by Runge-Kutta 4, backward from the cell edges of an axis that fits
-    /// the result.
+    /// Integrates `v' = a(t, q, v)` over a step by Runge-Kutta 4.
+    ///
+    /// The integration is backward from the cell edges of an axis that fits the result.
     fn kick(&mut self, t: f64, tau: f64) -> Result<(), GridError> {
         let n = self.config.cells;
         let omega = self.config.frequency();

@@ -32,8 +32,9 @@ pub struct TailPaths<'a, const D: usize> {
 pub enum Tails {
     /// The upper tail, doubled: for distributions symmetric about zero.
     Doubled,
-    /// Both tails, each at its own design point. They share their noise, so the sum of their standard errors is a
-    /// bound.
+    /// Both tails, each at its own design point.
+    ///
+    /// They share their noise, so the sum of their standard errors is a bound.
     Both,
 }
 

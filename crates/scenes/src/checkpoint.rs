@@ -65,8 +65,7 @@ pub struct Found {
 }
 
 impl Checkpoint {
-    /// Opens the checkpoint of the run identified by `head`, in its result folder; `interval` limits how often it is
-    /// written.
+    /// Opens the checkpoint of the run identified by `head`, in its result folder; `interval` limits its writes.
     ///
     /// # Errors
     /// [`CheckpointError::Refused`] if files exist but none can be resumed: truncated or damaged files, files of

@@ -60,8 +60,7 @@ pub struct Run {
     /// A seed in place of that of the scene
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Continue an interrupted run from the last checkpoint in DIR, bitwise identical; its end time may have been
-    /// earlier
+    /// Continue the interrupted run in DIR, bitwise identical; its end time may have been earlier
     #[arg(long)]
     resume: bool,
     /// Start from the beginning although DIR holds the checkpoint of an unfinished run, which is an error otherwise
@@ -73,12 +72,10 @@ pub struct Run {
     /// Run shard K of N of an ensemble, which `merge` joins
     #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
     shard: Option<Place>,
-    /// Run an ensemble block by block in this process, as the ranks of mpirun do: each block is stored in a file, and
-    /// job.json holds the timings
+    /// Run an ensemble block by block in this process, with a file for each block; job.json holds the timings
     #[arg(long, conflicts_with_all = ["shard", "tolerance"])]
     blocks: bool,
-    /// Run the scene's own method at the size that short trial runs give for this error relative to the value, e.g.
-    /// 1e-2
+    /// Run the scene's own method with this error relative to the value, e.g. 1e-2, from short trial runs
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
     #[command(flatten)]

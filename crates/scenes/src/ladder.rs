@@ -1,5 +1,6 @@
-//! Ladders: a scene by every method that solves it, at any size. Used by `advise`, `run --tolerance` and the charts of
-//! scenes.
+//! Ladders: a scene by every method that solves it, at any size.
+//!
+//! `advise`, `run --tolerance` and the charts of scenes use them.
 //!
 //! A scene kind defines how its methods are written into a scene and which quantities a result contains; this module
 //! knows no solver.
@@ -169,8 +170,9 @@ impl Method {
 }
 
 impl Rung {
-    /// A rung from the scene at this size, the scene for trials, and the keys that set the method; `None` if one is
-    /// not JSON.
+    /// A rung from the full scene, the scene for trials, and the keys that set the method.
+    ///
+    /// `None` if one of them is not JSON.
     pub fn new(
         (size, label): (f64, String),
         scene: &impl Serialize,

@@ -153,8 +153,9 @@ fn with(scene: &Value, pointer: &str, other: Value) -> Value {
     changed
 }
 
-/// Every built-in scene with one value made invalid, in every applicable way, must be rejected; at least `at_least`
-/// such changes exist.
+/// Every built-in scene with one value made invalid, in every applicable way, must be rejected.
+///
+/// At least `at_least` such changes exist.
 fn are_refused(at_least: usize, wrong: impl Fn(&str, &Value) -> Vec<Value>) -> Outcome {
     let validators = validators()?;
     let mut n_tried = 0;

@@ -1,5 +1,6 @@
-//! Noise factors applied to several fields in interleaved storage: `[unknown][component]`, with motions
-//! `[motion][component]`.
+//! Noise factors applied to several fields in interleaved storage.
+//!
+//! Fields are stored as `[unknown][component]`, motions as `[motion][component]`.
 //!
 //! The fields share a factor and have independent motions.
 

@@ -13,8 +13,9 @@ pub struct DenseFactor {
 }
 
 impl DenseFactor {
-    /// Factorises the covariance per unit of time, row by row; it must be positive definite, and symmetric to `1e-12`
-    /// of its diagonal.
+    /// Factorises the covariance per unit of time, given row by row.
+    ///
+    /// It must be positive definite, and symmetric to `1e-12` of its diagonal.
     ///
     /// # Errors
     /// [`Error::Length`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],

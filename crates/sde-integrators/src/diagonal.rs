@@ -3,8 +3,9 @@
 use crate::stratonovich::StratonovichSde;
 use crate::system::{General, Sde};
 
-/// An Ito system with diagonal noise: motion `i` drives state `i` alone, with an intensity that depends on `x_i`
-/// alone,
+/// An Ito system with diagonal noise.
+///
+/// Motion `i` drives state `i` alone, with an intensity that depends on `x_i` alone,
 ///
 /// $$ dX_i = f_i(t, X) dt + b_i(t, X_i) dB_i . $$
 ///

@@ -76,8 +76,9 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
         }
     }
 
-    /// The same for a step whose ends may adjoin other steps; equal within roundoff to
-    /// [`step_lanes`](Self::step_lanes) once all joints are closed.
+    /// The same for a step whose ends may adjoin other steps.
+    ///
+    /// It equals [`step_lanes`](Self::step_lanes) within roundoff once all joints are closed.
     ///
     /// The default calls [`step_lanes`](Self::step_lanes), for a method without joints.
     #[allow(
@@ -101,8 +102,9 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
     }
 }
 
-/// Implements `Integrator` for a method that advances `(q, v)`: states `(q_1.., v_1..)` with 1, 2 and 3 degrees of
-/// freedom.
+/// Implements `Integrator` for a method that advances `(q, v)`.
+///
+/// The states are `(q_1.., v_1..)` with 1, 2 and 3 degrees of freedom.
 macro_rules! integrate_second_order {
     ($method:ty { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
         impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method

@@ -8,8 +8,9 @@ use crate::noise::{Noise, Purpose};
 
 /// Distribution of the initial state. Implement it for further distributions; a point `[f64; D]` is one too.
 pub trait InitialLaw<const D: usize>: Sync {
-    /// The initial state of a realisation: a pure function of noise and realisation, drawn from
-    /// [`Purpose::InitialLaw`].
+    /// The initial state of a realisation: a pure function of noise and realisation.
+    ///
+    /// It is drawn from [`Purpose::InitialLaw`].
     fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D];
 }
 

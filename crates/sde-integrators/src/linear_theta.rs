@@ -4,8 +4,9 @@ use crate::error::{Error, StepError};
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::noise_factor::{DiagonalFactor, NoiseFactor, SparseFactor};
 
-/// A symmetric, negative semidefinite linear operator on a field: the stiff part of its drift, such as a discrete
-/// Laplacian.
+/// A symmetric, negative semidefinite linear operator on a field.
+///
+/// It is the stiff part of the drift, such as a discrete Laplacian.
 ///
 /// Implement it for a matrix-free operator. A [`SparseFactor`] with as many columns as rows and a [`DiagonalFactor`]
 /// implement it with their entries.

@@ -69,8 +69,9 @@ impl<const M: usize> Increment<M> {
     /// Zero noise: reduces an integrator to its method for ordinary differential equations.
     pub const ZERO: Self = Self { brownian: [0.0; M], space_time_area: [0.0; M] };
 
-    /// Increment over a step from those over its two equal halves, exactly: `w = w_1 + w_2` and
-    /// `H = (w_1 - w_2)/4 + (H_1 + H_2)/2`.
+    /// Increment over a step from those over its two equal halves, exactly.
+    ///
+    /// `w = w_1 + w_2` and `H = (w_1 - w_2)/4 + (H_1 + H_2)/2`.
     ///
     /// It represents the same path at every step size, as studies of strong order require.
     #[must_use]
@@ -184,8 +185,9 @@ impl Stream {
         normal_pair(radial, angular)
     }
 
-    /// Fills a slice with independent standard normals: four words for each two; the last pair is taken whole even if
-    /// one is left over.
+    /// Fills a slice with independent standard normals: four words for each two.
+    ///
+    /// The last pair is taken whole even if one is left over.
     ///
     /// The values are those of [`next_normal_pair`](Self::next_normal_pair), generated many at a time: it pays off
     /// from about 50 numbers.

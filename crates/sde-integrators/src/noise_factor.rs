@@ -180,8 +180,9 @@ impl SparseFactor {
     /// Largest number of motions: a path draws a normal for each, used or not.
     pub const MAX_MOTIONS: usize = u32::MAX as usize;
 
-    /// A factor from compressed rows: row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and
-    /// `values`.
+    /// A factor from compressed rows.
+    ///
+    /// Row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and `values`.
     ///
     /// # Errors
     /// [`Error::Length`] (`values` against `columns`), [`Error::SparseRow`] if `row_starts` does not begin at 0,

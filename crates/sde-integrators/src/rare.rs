@@ -174,8 +174,9 @@ pub fn design_point(
     Err(Error::NoDesignPoint { iterations: MAX_ITERATIONS, gradient_square: f64::NAN })
 }
 
-/// `P(response > threshold)` by importance sampling: normals centred at the design point, with likelihood-ratio
-/// weights,
+/// `P(response > threshold)` by importance sampling.
+///
+/// Normals are centred at the design point and have likelihood-ratio weights,
 ///
 /// $$ \hat p = \frac1n \sum_k 1_{g(u^* + z_k) > b}  e^{-u^* \cdot z_k - |u^*|^2/2} . $$
 ///

@@ -110,8 +110,9 @@ where
     sum + step * f(support, rho_of(support))
 }
 
-/// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`: volume of the cap of a ball of radius `t`, over that of a lower-dimensional unit
-/// ball.
+/// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`: scaled volume of the cap of a ball of radius `t`.
+///
+/// The scale is the volume of the lower-dimensional unit ball.
 ///
 /// The unit ball has one dimension less. With `n = D - 1`,
 ///

@@ -4,8 +4,9 @@ use crate::exponential::exponential;
 use crate::geometry::{capped, integer_power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// The Gaussian `exp(-q^2)`, truncated at [`TRUNCATION`](Self::TRUNCATION) smoothing lengths and normalised with the
-/// cut.
+/// The Gaussian `exp(-q^2)`, truncated and normalised with the cut.
+///
+/// The cut is at [`TRUNCATION`](Self::TRUNCATION) smoothing lengths.
 ///
 /// $$ w(q) = e^{-q^2}, \quad 0 \le q < a, \qquad
 ///    \sigma_D^{-1} = \tfrac12 S_D\, \gamma(D/2, a^2) = \pi^{D/2} P(D/2, a^2) $$

@@ -82,8 +82,9 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     Some(Judgement { id, words, value: *value, error, scale, best: best.trial, curves })
 }
 
-/// Whether a method may be the most accurate: one with a bias in its samples, such as forward Euler, estimates only
-/// its scatter.
+/// Whether a method may be the most accurate.
+///
+/// A method with a bias in its samples, such as forward Euler, estimates only its scatter.
 fn may_be_best(ladder: &Ladder, method: usize) -> bool {
     let method = &ladder.methods[method];
     method.growth != Growth::Samples || method.standing == Standing::Judge

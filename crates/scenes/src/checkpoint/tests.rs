@@ -65,9 +65,7 @@ fn a_run_starts_anew_over_one_that_has_ended_and_over_another_only_where_it_is_t
     let over = Checkpoint::open(&folder.0, head("another"), Start::Overwrite, OFTEN).unwrap().0;
     over.keep("number", &3_u64).unwrap();
     let refused = open(&folder, Start::Anew).unwrap_err();
-    assert!(
-        refused.to_string().contains("checkpoint-1.bin belongs to an unfinished run")
-    );
+    assert!(refused.to_string().contains("checkpoint-1.bin belongs to an unfinished run"));
     over.end().unwrap();
     let (anew, found) = open(&folder, Start::Anew).unwrap();
     assert_eq!((anew.part::<u64>("number").unwrap(), found.file), (None, None));

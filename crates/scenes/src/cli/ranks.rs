@@ -70,8 +70,9 @@ pub(super) fn run_scene(
     }
 }
 
-/// The run of a rank other than 0 failed: rank 0 reports the error if it has received it; otherwise this rank does so
-/// after a delay.
+/// Reports the failed run of a rank other than 0.
+///
+/// Rank 0 reports the error if it has received it; otherwise this rank does so after a delay.
 #[cfg(feature = "mpi")]
 fn hold(world: &mpi_ensembles::World, error: kind::RunError) -> ! {
     use mpi_ensembles::Ranks;

@@ -73,8 +73,9 @@ pub struct Exceedances {
 /// and more.
 const NOTED_UNRESOLVED: f64 = 0.01;
 
-/// The same for the fraction beyond the cloud. Observed for the damper: log10 P errs by less than 0.01 at 0.12, and by
-/// 0.16 at 0.18 and 0.76.
+/// The same for the fraction beyond the cloud.
+///
+/// Observed for the damper: log10 P errs by less than 0.01 at 0.12, and by 0.16 at 0.18 and 0.76.
 const NOTED_BEYOND: f64 = 0.1;
 
 impl Exceedances {

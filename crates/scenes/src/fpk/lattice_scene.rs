@@ -16,12 +16,10 @@ pub struct LatticeScene {
     /// A box: number of particles along each axis (no unit). Give either this or `spacing`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<Vec<usize>>,
-    /// A ball: distance of neighbours in standard deviations of the initial distribution (no unit). Give either this
-    /// or `count`.
+    /// A ball: spacing in standard deviations of the initial distribution (no unit). Give either this or `count`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
-    /// Half the edge of the box, or the radius of the ball, in standard deviations of the initial distribution (no
-    /// unit).
+    /// Half-width or radius in standard deviations of the initial distribution (no unit).
     pub reach: f64,
     /// Remeshing where the flow has made the cloud uneven; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -34,8 +32,9 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = SchemeScene::RungeKutta4))]
     pub scheme: Option<SchemeScene>,
-    /// Degree of the local polynomials. Default: quadratic in the log-density fit; in the flow-map fit cubic up to
-    /// four states and quadratic from five.
+    /// Degree of the local polynomials.
+    ///
+    /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degree: Option<DegreeScene>,
 }

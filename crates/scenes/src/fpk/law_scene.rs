@@ -56,8 +56,9 @@ impl LawScene {
         Self::Mixture(vec![component(0.25, -1.0), component(0.75, 1.0)])
     }
 
-    /// Builds and checks the distribution; `filter` is the stationary covariance of the filter's states, which come
-    /// last.
+    /// Builds and checks the distribution.
+    ///
+    /// `filter` is the stationary covariance of the filter's states, which come last.
     ///
     /// # Errors
     /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for an invalid distribution.

@@ -72,8 +72,9 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
         .run(asked)
 }
 
-/// Runs part `place.0` of `place.1` of an ensemble of paths; all other code is compiled once for each number of
-/// states.
+/// Runs part `place.0` of `place.1` of an ensemble of paths.
+///
+/// All other code is compiled once for each number of states.
 pub type Shard<'a, const D: usize> =
     &'a (dyn Fn(&PathEnsemble<'_, D>, (u64, u64)) -> Result<ShardRecord, PathsError> + Sync);
 

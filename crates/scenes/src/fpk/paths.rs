@@ -31,8 +31,9 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
 
-    /// Paths to a time in a given number of steps, as functions of standard normals, by one of
-    /// [`INTEGRATORS`](Self::INTEGRATORS).
+    /// Paths to a time in a given number of steps, as functions of standard normals.
+    ///
+    /// The integrator is one of [`INTEGRATORS`](Self::INTEGRATORS).
     ///
     /// # Errors
     /// [`PathsError`].

@@ -119,8 +119,9 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
     }
 }
 
-/// Largest number of states for which exceedances are integrated over cells: beyond it each cell has thousands of
-/// parts.
+/// Largest number of states for which exceedances are integrated over cells.
+///
+/// Beyond it each cell has thousands of parts.
 const MOST_STATES_OF_CELLS: usize = 4;
 
 /// Why nothing is integrated over cells, where that applies.

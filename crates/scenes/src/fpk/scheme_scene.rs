@@ -92,8 +92,9 @@ impl Visitor for Damping<'_> {
 /// Step of the differences, in standard deviations.
 const STEP: f64 = 1e-3;
 
-/// `div f` by central differences, and the magnitude of the terms of `f` over the deviations, which bounds its
-/// roundoff.
+/// `div f` by central differences, and the magnitude of its terms.
+///
+/// The magnitude of `f` over the deviations bounds the roundoff.
 fn divergence<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
     t: f64,

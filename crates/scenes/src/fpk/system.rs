@@ -151,8 +151,9 @@ impl System {
         )
     }
 
-    /// States in which its drift has a kink or a root, with the rules that split there; it is polynomial in all
-    /// others.
+    /// States in which its drift has a kink or a root, with the rules that split there.
+    ///
+    /// The drift is polynomial in all others.
     #[must_use]
     pub const fn kinks(&self) -> &'static [(usize, Quadrature)] {
         use Quadrature::{SplitAt, SplitAtZero};

@@ -20,9 +20,10 @@ pub struct BodyScene {
     pub spacing: f64,
     /// Plane stress or plane strain.
     pub condition: ConditionScene,
-    /// A file of points, relative to the folder of the scene: `.csv` or `.vtu`, with the columns `x` and `y` (m) and
-    /// optionally `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one. A
-    /// lattice without this key.
+    /// A file of points, `.csv` or `.vtu`, relative to the folder of the scene; a lattice without this key.
+    ///
+    /// Its columns are `x` and `y` (m) and optionally `volume` (m^3), `strength_factor` and `stiffness_factor`. The
+    /// spacing is then the mean one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(example = "points.csv")]
     pub points: Option<String>,

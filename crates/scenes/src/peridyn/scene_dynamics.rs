@@ -25,8 +25,9 @@ pub enum DynamicsScene {
     },
     /// Newton's equations with friction and noise; they require a density of the material.
     Inertial {
-        /// Decay rate of velocities (1/s). Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it reaches
-        /// equilibrium fastest.
+        /// Decay rate of velocities (1/s).
+        ///
+        /// Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it reaches equilibrium fastest.
         friction: f64,
         /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
@@ -42,8 +43,9 @@ pub enum TemperatureScene {
     Zero,
     /// `kT` in joule (J).
     Joule(f64),
-    /// The critical stretch over the standard deviation of the stretch of a shortest bond by noise; for 8 and more no
-    /// bond breaks by noise (no unit).
+    /// Ratio of the critical stretch to the standard deviation of the bond stretch by noise (no unit).
+    ///
+    /// The deviation is that of a shortest bond. For 8 and more no bond breaks by noise.
     Ratio(f64),
 }
 
@@ -149,8 +151,9 @@ pub struct TimeScene {
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Dt(1e-7))]
 pub enum StepScene {
-    /// In units of the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega` (no unit). Explicit
-    /// schemes are stable below 2.
+    /// In units of the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega` (no unit).
+    ///
+    /// Explicit schemes are stable below 2.
     Z(f64),
     /// Length in seconds (s).
     Dt(f64),

@@ -15,8 +15,9 @@ pub enum VariationScene {
     Uniform,
     /// A random field whose mean is the value of the material; another field in each realisation.
     Field(FieldScene),
-    /// From the file of points, the same in each realisation: the value of the material times the column
-    /// `strength_factor`, or `stiffness_factor`.
+    /// From the file of points, the same in each realisation.
+    ///
+    /// The value is that of the material times the column `strength_factor`, or `stiffness_factor`.
     Column(ColumnScene),
 }
 

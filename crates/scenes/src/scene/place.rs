@@ -12,8 +12,9 @@ use super::error::{Origin, SceneError};
 use super::{Objection, WrongKey};
 use crate::nearest::nearest;
 
-/// Parses the keys of a scene: plain JSON without comments, trailing commas, duplicate keys or numbers beyond the
-/// range of a double.
+/// Parses the keys of a scene as plain JSON.
+///
+/// It rejects comments, trailing commas, duplicate keys and numbers beyond the range of a double.
 pub(super) fn keys(origin: &Origin) -> Result<serde_json::Value, SceneError> {
     let keys = serde_json::from_str(&origin.text);
     // serde_json has better syntax messages and is stricter; numbers out of range are reported with their key, from

@@ -33,8 +33,9 @@ pub struct RandomParameter {
 /// Largest number of random parameters of a scene: the lanes of a jet.
 pub const MOST_RANDOM: usize = 8;
 
-/// Largest lattice of a body in a scene, including points outside of the body: some sixty times the largest scene run
-/// here.
+/// Largest lattice of a body in a scene, including points outside of the body.
+///
+/// It is some sixty times the largest scene run here.
 ///
 /// A typing error in the cell size gives many more, and is reported before they are created.
 const MOST_PLACES: f64 = 1e7;
@@ -232,8 +233,9 @@ impl SmpmScene {
         let along = |k: usize| ((high[k] - low[k]) / spacing[k]).max(1.0);
         let places: f64 = (0..D).map(along).product();
         if places > MOST_PLACES {
-            let message =
-                format!("{path}: {places:.3e} lattice points for particles; at most {MOST_PLACES:e}");
+            let message = format!(
+                "{path}: {places:.3e} lattice points for particles; at most {MOST_PLACES:e}"
+            );
             return Err(Objection::new("grid.cell", message));
         }
         Fill::of(spacing, (low, high), inside)

@@ -61,12 +61,12 @@ pub struct SmpmScene {
     pub quantities: Vec<String>,
     /// Times of observation, at least one: instants, or `[from, to]` for the mean over a window.
     pub times: Vec<TimeScene>,
-    /// Levels whose exceedance probability is computed, by the name of a quantity (unit of that quantity); none
-    /// without this key.
+    /// Levels whose exceedance probability is computed, by quantity (unit of that quantity); none without this key.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub levels: BTreeMap<String, Vec<f64>>,
-    /// Whether fields are written for ParaView at every time: mean and, with `propagated`, standard deviation; false
-    /// without this key.
+    /// Whether fields are written for ParaView at every time; false without this key.
+    ///
+    /// The fields are the mean and, with `propagated`, the standard deviation.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fields: bool,
 }

@@ -1,5 +1,6 @@
-//! For any file contents, reading ends in a scene, a result or a typed error: no panic, no hang, no memory beyond
-//! [`MOST_BYTES`].
+//! For any file contents, reading ends in a scene, a result or a typed error.
+//!
+//! There is no panic, no hang, and no memory beyond [`MOST_BYTES`].
 //!
 //! `PROPTEST_CASES` sets the number of cases.
 

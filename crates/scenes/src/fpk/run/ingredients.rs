@@ -9,8 +9,9 @@ use crate::fpk::system_scene::{ShakenScene, SystemScene};
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
 
-/// Minimum number of intervals along a length of a lattice with fewer states: 21 particles across resolve a density in
-/// two and three dimensions.
+/// Minimum number of intervals along a length of a lattice with fewer states.
+///
+/// 21 particles across resolve a density in two and three dimensions.
 const INTERVALS: f64 = 20.0;
 
 /// Number of states from which the flow-map fit is quadratic by default.

@@ -25,8 +25,9 @@ pub(super) struct Sampled<'a> {
 
 /// Approximate number of paths per shard: every thread has several of its blocks.
 const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
-/// Number of paths per block of a rank: a quarter of a second for the damper, large against the cost of the step
-/// tables made for each block.
+/// Number of paths per block of a rank.
+///
+/// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 /// Name of the finished shards in a checkpoint.
 const SHARDS: &str = "shards";

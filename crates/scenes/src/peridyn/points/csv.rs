@@ -78,8 +78,9 @@ fn broken(error: &::csv::Error, counted: &mut Counted<'_>) -> Wrong {
     }
 }
 
-/// Lines counted so far. The reader reports its position before a row: the end of the last row, before comments and
-/// empty lines.
+/// Lines counted so far.
+///
+/// The reader reports its position before a row: the end of the last row, before comments and empty lines.
 struct Counted<'a> {
     bytes: &'a [u8],
     at: usize,

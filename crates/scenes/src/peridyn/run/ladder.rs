@@ -14,8 +14,9 @@ const FIRST: f64 = 16.0;
 
 const LEFT_OUT: &str = "All trials use the spacing, the horizon and the step of the scene, so their errors are not included: change them and compare.";
 
-/// Methods for a scene, its own first: other precisions, and for overdamped dynamics other explicit schemes at the
-/// same step.
+/// Methods for a scene, its own first.
+///
+/// The others are other precisions, and for overdamped dynamics other explicit schemes at the same step.
 ///
 /// Implicit schemes are omitted: they are for larger steps, so at the same step they could only be slower.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {

@@ -140,7 +140,11 @@ impl Fields {
             self.frames.iter().map(|(_, name)| self.folder.join(name)).collect();
         if let Some(missing) = files.iter().find(|file| !file.exists()) {
             let words = "is missing; the resumed run wrote it";
-            return Err(format!("{} {words}: --overwrite starts from the beginning", missing.display()).into());
+            return Err(format!(
+                "{} {words}: --overwrite starts from the beginning",
+                missing.display()
+            )
+            .into());
         }
         let path = self.folder.join("fields.pvd");
         let frames = self.frames.iter().map(|(time, name)| (*time, name.as_str()));

@@ -75,13 +75,15 @@ impl Response {
 /// Trust indicators of a Taylor series.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Indicators {
-    /// The square root of the variance by curvature over that by slope; below 0.03 the variance is mostly accurate
-    /// within one per cent.
+    /// Square root of the variance by curvature over that by slope.
+    ///
+    /// Below 0.03 the variance is mostly accurate within one per cent.
     ///
     /// Unknown without mixed derivatives or where nothing varies.
     curvature_ratio: Option<f64>,
-    /// Distance of the gauge to an elastic-plastic switch at the end of the window, in standard deviations; none
-    /// without yielding.
+    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
+    ///
+    /// None without yielding at the gauge.
     switch_distance: Option<f64>,
     /// The distance is below two.
     switch_within_two_deviations: bool,

@@ -7,10 +7,7 @@
 //! checks. Strang's loop combines consecutive half flows of the damper. A path has 600 steps; 256 paths are one block
 //! of an ensemble and run on the calling thread.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "an ensemble that is refused is a mistake of the benchmark"
-)]
+#![expect(clippy::unwrap_used, reason = "a rejected ensemble is an error of the benchmark")]
 
 use std::f64::consts::PI;
 use std::hint::black_box;

@@ -247,7 +247,7 @@ impl Ratios {
         let cores = std::thread::available_parallelism().map_or(0, usize::from);
         let mut text = format!(
             "\n{title}. {RATIOS}\n\n{table}\n\n\
-             CPU time of the process on one thread, of {cores} the machine has; contenders take turns; medians over the rounds.\n\
+             CPU time of the process on one thread of {cores}; contenders alternate; medians over the rounds.\n\
              M/s: millions of pairs, points or particles a second, ours.\n\
              reached: no if even the upper quartile is below the target, about if the target lies between the quartiles.\n\
              load average {load_at_start} at the start, {} at the end.\n",

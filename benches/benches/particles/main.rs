@@ -4,7 +4,7 @@
 //! gathered, appended, split and merged in loops without names, checks or rules; their bytes are written and read
 //! without a hash. All contenders are checked for the same results.
 
-#![expect(clippy::unwrap_used, reason = "a store that is refused is a mistake of the benchmark")]
+#![expect(clippy::unwrap_used, reason = "a rejected store is an error of the benchmark")]
 
 mod bare;
 mod vtk;

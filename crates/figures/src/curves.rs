@@ -56,7 +56,7 @@ pub fn curves(chart: &Curves) -> Result<String, ChartError> {
         let thresholds = thresholds
             .map(|(i, threshold)| (Sample::Line(of_threshold(i)), threshold.name.as_str()));
         let ended =
-            has_ended.then_some((Sample::Cross, "ended by a typed error; the JSON says which"));
+            has_ended.then_some((Sample::Cross, "ended by a typed error, given in the JSON"));
         draw_legend(canvas, entries.chain(thresholds).chain(ended))
     })
 }

@@ -42,7 +42,8 @@ pub fn work_precision(chart: &WorkPrecision) -> Result<String, ChartError> {
         let entries = chart.series.iter().enumerate();
         let entries = entries
             .map(|(i, method)| (Sample::LineAndMarker(Look::of_series(i)), method.name.as_str()));
-        let failed = has_failures.then_some((Sample::Cross, "no result; the JSON says why"));
+        let failed =
+            has_failures.then_some((Sample::Cross, "no result; the JSON gives the reason"));
         draw_legend(canvas, entries.chain(failed))
     })
 }

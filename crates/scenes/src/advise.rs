@@ -233,7 +233,7 @@ pub fn from_trials(
     let ids = ids(&trials)?;
     for prefix in &options.quantities {
         if !ids.iter().any(|id| id.starts_with(prefix)) {
-            let (prefix, help) = (prefix.clone(), format!("there are: {}", ids.join(", ")));
+            let (prefix, help) = (prefix.clone(), format!("available: {}", ids.join(", ")));
             return Err(AdviseError::NoQuantity { prefix, help });
         }
     }

@@ -17,7 +17,7 @@ pub enum Effect {
     /// No quantity changes by more than the tolerance including errors, or all are identical.
     NotNeeded(Change),
     /// The change is within the errors, and the errors exceed the tolerance.
-    Untold(Change),
+    Undecided(Change),
     /// The scene without the ingredient does not run.
     Fails {
         /// Error text.
@@ -108,7 +108,7 @@ fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: 
         return Effect::Needed(seen);
     }
     match largest(|change| change.relative + change.error) {
-        Some(bound) if bound.relative + bound.error > tolerance => Effect::Untold(bound),
+        Some(bound) if bound.relative + bound.error > tolerance => Effect::Undecided(bound),
         Some(bound) => Effect::NotNeeded(bound),
         None => Effect::NotNeeded(seen),
     }
@@ -161,7 +161,7 @@ mod tests {
         let without = [("a", 1.001, 0.001), ("b", 2.002, 0.001)];
         assert!(matches!(effect_of(&with, &without, 0), Effect::NotNeeded(_)));
         let rough = [("a", 1.001, 0.1), ("b", 2.002, 0.001)];
-        assert!(matches!(effect_of(&with, &rough, 0), Effect::Untold(_)));
+        assert!(matches!(effect_of(&with, &rough, 0), Effect::Undecided(_)));
         let same = [("a", 1.0, 0.1), ("b", 2.0, 0.1)];
         assert!(matches!(
             effect_of(&same, &same, 0),

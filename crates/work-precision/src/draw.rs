@@ -155,7 +155,7 @@ fn select<'a>(
             let names: Vec<&str> = table.iter().map(|kind| kind.name).collect();
             let help = match nearest(name, names.iter().copied()) {
                 Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("there are: {}", names.join(", ")),
+                None => format!("available: {}", names.join(", ")),
             };
             return Err(ChartsError::NoMatch { what, name: name.clone(), help });
         }

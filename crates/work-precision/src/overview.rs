@@ -21,10 +21,10 @@ const SOLVERS: [(&str, &str); 6] = [
 ];
 
 const HEAD: &str = "# Charts\n\nWritten by `cargo xtask chart --record` and `cargo xtask stability --record`, which also write the \
-pictures and, beside each, its numbers as JSON. Machine, load and commit stand in the foot of each picture. Losses stay.\n\n\
-Under error against cost stands the cheapest method for a tolerance: of each method the cheapest run from which on all dearer \
-ones are within it, their standard errors added, so that an error which happens to cross zero does not count. \
-A runner-up whose cost differs by less than the scatter is as good.\n";
+pictures and, for each, its data as JSON. The caption of a picture states machine, load and commit. Losses are included.\n\n\
+Below a chart of error against cost is the cheapest method for a tolerance. For each method it is the cheapest run from which all \
+more expensive runs are within the tolerance, standard errors included, so an error that happens to cross zero does not count. \
+A runner-up whose cost differs by less than the scatter is equally good.\n";
 
 /// A recorded file lacks its description.
 #[derive(Debug, thiserror::Error)]

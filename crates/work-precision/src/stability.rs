@@ -263,7 +263,7 @@ fn sets(points: &[Point]) -> Vec<ReferencePoints> {
     let kinds: [(&str, Is); 3] = [
         ("accurate", |outcome| matches!(outcome, Outcome::Accurate { .. })),
         ("degraded", |outcome| matches!(outcome, Outcome::Degraded { .. })),
-        ("ended by a typed error; the JSON says which", |outcome| {
+        ("ended by a typed error, given in the JSON", |outcome| {
             matches!(outcome, Outcome::Ended { .. })
         }),
     ];

@@ -54,8 +54,8 @@ fn tried(advice: &Advice) -> String {
 
 fn notes(advice: &Advice) -> String {
     let mut notes = String::from(
-        "Errors are relative, those of covariances to the deviations: the run's own estimate, two standard errors of what is sampled, \
-         or what other trials contradict it by, those that sample beyond four.\n",
+        "Errors are relative; those of covariances are relative to the deviations. An error is the run's own estimate, two standard errors \
+         of sampled values, or the deviation from other trials; for sampled trials a deviation beyond four standard errors.\n",
     );
     notes.push_str(advice.ladder.left_out);
     notes.push('\n');

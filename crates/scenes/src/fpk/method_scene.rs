@@ -298,7 +298,7 @@ fn check_integrator(
     let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
     let message = format!("the integrator {} does not step this system", integrator.name());
     Err(Objection::new(format!("{path}.integrator"), message)
-        .with_help(format!("there are: {}", names.join(", "))))
+        .with_help(format!("available: {}", names.join(", "))))
 }
 
 /// Rejects distributions and steps for which a path is no function of independent normals.

@@ -54,7 +54,7 @@ impl SchemeScene {
         };
         let message = format!("leap_frog does not serve this system, which has {found}");
         Err(Objection::new(path, message).with_help(
-            "with noise or damping leap_frog is stable at no step; there are: forward_euler, heun, runge_kutta_4",
+            "with noise or damping leap_frog is stable at no step; available: forward_euler, heun, runge_kutta_4",
         ))
     }
 }

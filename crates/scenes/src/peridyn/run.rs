@@ -46,8 +46,8 @@ const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae
 /// The contribution of one realisation to the damage map cannot be removed again.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "the checkpoint holds {found} realisations from number {first} on; asked for are {asked} from number {start} on: \
-     take another folder"
+    "the checkpoint holds {found} realisations from number {first} on; requested are {asked} from number {start} on: \
+     use another folder"
 )]
 struct OthersKept {
     found: u64,

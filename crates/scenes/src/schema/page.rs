@@ -21,25 +21,24 @@ cp tests/scenes/fpk/duffing.json my.json
 cargo xtask run my.json --out target/run/my
 ```
 
-A key that is not on this page, or a value of another type, is refused with its line and column, and the key that was
-probably meant.
+A key that is not on this page, or a value of another type, is rejected with its line and column and the nearest known key.
 ";
 
 const HOW_TO_READ: &str = "\
 ## How to read the tables
 
-- **key**: where it stands, from the object of the table on: `single_peak.peak` is the key `peak` inside of `single_peak`.
-- **type**: what stands there. A link leads to the keys or the choices of an object.
-  Of several choices one is given: a word alone, as `\"stationary\"`, or an object whose only key is the word,
-  as `{ \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }`.
-- **unit**: of numbers; `-` for a pure number. Where it names `units`, it follows from that key of the scene: with `\"cm_g_us\"`
-  a \"length of `units`\" is in cm.
-- **default**: what is taken where the key is left out; *required* if it must be there; *optional* if its meaning says what is
-  without it. A line without is a choice.
-- **example**: the first built-in scene, by name, that has the key, or none of them where only the value stands.
+- **key**: path from the object of the table: `single_peak.peak` is the key `peak` inside `single_peak`.
+- **type**: type of the value. A link leads to the keys or the choices of an object.
+  Give one of several choices: a word alone, such as `\"stationary\"`, or an object whose only key is the word,
+  such as `{ \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }`.
+- **unit**: unit of a number; `-` for a dimensionless number. If it names `units`, it follows from that key of the scene: with
+  `\"cm_g_us\"` a \"length of `units`\" is in cm.
+- **default**: value if the key is omitted; *required* if it must be given; *optional* if its meaning states the effect of its
+  absence. A choice has no default.
+- **example**: value in the first built-in scene, by name, that has the key; without a link, from no scene.
 
-The page is made from the scene types and the built-in scenes by `cargo xtask schema --record`, and so are the schemas, which
-tell an editor what to complete and what to underline. In Visual Studio Code: `\"json.schemas\": [{ \"fileMatch\": [\"my.json\"],
+`cargo xtask schema --record` generates the page from the scene types and the built-in scenes, and also the schemas for
+completion and checks in an editor. In Visual Studio Code: `\"json.schemas\": [{ \"fileMatch\": [\"my.json\"],
 \"url\": \"./docs/schema/fpk-sph.schema.json\" }]`.
 ";
 

@@ -206,7 +206,7 @@ impl ParameterScene {
             let message = format!("there is no parameter `{name}`");
             let hint = match nearest(name, names.iter().copied()) {
                 Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("there are: {}", names.join(", ")),
+                None => format!("available: {}", names.join(", ")),
             };
             return Err(Objection::new(format!("{path}.set.{name}"), message).with_help(hint));
         }

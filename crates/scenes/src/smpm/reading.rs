@@ -273,7 +273,7 @@ fn unknown<'a>(
     let known: Vec<&str> = known.map(String::as_str).collect();
     let hint = match nearest(name, known.iter().copied()) {
         Some(nearest) => format!("did you mean `{nearest}`?"),
-        None => format!("there are: {}", known.join(", ")),
+        None => format!("available: {}", known.join(", ")),
     };
     Objection::new(path, format!("there is no {what} `{name}`")).with_help(hint)
 }

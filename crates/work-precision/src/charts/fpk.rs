@@ -89,7 +89,7 @@ pub fn work_precision(
         y_label: y_label.into(),
         caption: vec![
             format!(
-                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one draw: its bar, one standard error, counts.",
+                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one ensemble: its bar is one standard error.",
                 reference.value,
                 reference.error.unwrap_or(0.0)
             ),

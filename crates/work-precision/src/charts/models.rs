@@ -102,7 +102,7 @@ fn head(solver: &str) -> String {
         "# What the scenes of {solver} need\n\nWritten by `cargo xtask chart --ladder`. Each built-in scene is run by its own method, at the \
          largest size within the budget of the run, with and without each ingredient. An ingredient is needed if a quantity at the \
          last time changes by more than {} % beyond the errors of both runs; it is not needed if every change stays below that, \
-         errors included, or if the runs agree in every digit; between the two the runs do not tell. Changes without an error are of runs that tell none. Where the scene without it does not run to its end, the error stands there. Cost is that without the ingredient over that with it.\n",
+         errors included, or if the runs agree in every digit; otherwise the result is undecided. A change is printed without an error if the runs estimate none. If the scene without the ingredient fails, the table has the error text. Cost is the ratio of the run without the ingredient to the run with it.\n",
         100.0 * TOLERANCE
     )
 }
@@ -128,7 +128,7 @@ fn cells(scene: &str, ingredient: &str, effect: &Effect) -> Vec<String> {
     let (verdict, change) = match effect {
         Effect::Needed(change) => ("needed".to_owned(), change),
         Effect::NotNeeded(change) => (not_needed(scene, ingredient), change),
-        Effect::Untold(change) => ("undecided".to_owned(), change),
+        Effect::Undecided(change) => ("undecided".to_owned(), change),
         Effect::Fails { reason } => {
             let reason = reason.lines().next().unwrap_or_default();
             let cells = [ingredient, "the run failed", "", reason, ""];
@@ -154,7 +154,7 @@ fn row(scene: &str, run: &str, (ingredient, effect): &(String, Effect)) -> Row {
     let (verdict, change) = match effect {
         Effect::Needed(change) => ("needed".to_owned(), Some(change)),
         Effect::NotNeeded(change) => (not_needed(scene, ingredient), Some(change)),
-        Effect::Untold(change) => ("undecided".to_owned(), Some(change)),
+        Effect::Undecided(change) => ("undecided".to_owned(), Some(change)),
         Effect::Fails { reason } => (format!("the run fails: {reason}"), None),
     };
     Row {

@@ -191,7 +191,7 @@ impl Damper {
             self.error(combination, InitialLattice::box_of(COARSE), TIME, work)
         };
         let own = resolved(method, method.combination().support_over_spacing)?
-            .ok_or("the method's own reach is refused")?;
+            .ok_or("the default support radius of the method is rejected")?;
         let limit = of_coarse(self.fine_run(self.system.clone(), method)?.least_limit);
         // If the support is rejected there is no stable step.
         let limit = |ratio: f64| match resolved(method, ratio) {

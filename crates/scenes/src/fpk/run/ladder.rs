@@ -61,7 +61,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-const LEFT_OUT: &str = "Sampled paths judge others where they are stepped by a splitting or to order 1.5, not by forward Euler; the bias of their step is in no standard error.";
+const LEFT_OUT: &str = "Sampled paths are the reference for other methods if their integrator is a splitting or of order 1.5, not forward Euler; standard errors do not include the bias of the time step.";
 
 /// The scene observed only at its last time, without pictures.
 fn bare(scene: &FpkScene) -> FpkScene {

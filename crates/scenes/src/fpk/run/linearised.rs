@@ -73,7 +73,7 @@ impl Linearised<'_> {
         let quantities = asked_series(scene, named, &moment, &exceedance);
         let unknown = (!is_exact).then(|| Unknown {
             what: "errors of all quantities".to_owned(),
-            reason: "the distribution is taken for normal; no second run shows what that costs: \
+            reason: "the distribution is approximated as normal, and no second run estimates that error: \
                      compare with `monte_carlo`"
                 .to_owned(),
         });

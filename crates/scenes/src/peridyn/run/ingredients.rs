@@ -43,7 +43,7 @@ mod tests {
         let expected: [(&str, &[&str]); 2] = [
             (
                 include_str!("../../../../../tests/scenes/peridyn/plate_with_hole.json"),
-                &["the random strength", "the holes", "the correction of volume"],
+                &["the random strength", "the holes", "the volume correction"],
             ),
             (
                 include_str!("../../../../../tests/scenes/peridyn/white_noise_plate.json"),

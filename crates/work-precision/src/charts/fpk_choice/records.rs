@@ -136,8 +136,8 @@ pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
             y_label: "relative error".into(),
             caption: vec![
                 format!(
-                    "Sampled methods: the relative standard error; in brackets the error seen, in standard errors. \
-                     Others: the error against the reference, which is known to {:.0e}.",
+                    "Sampled methods: the relative standard error; in brackets the observed error, in standard errors. \
+                     Others: the error against the reference, whose own error is {:.0e}.",
                     quantity.reference_error
                 ),
                 "Across: median CPU time of three runs, the bar half their range (one run beyond 1 s).".into(),

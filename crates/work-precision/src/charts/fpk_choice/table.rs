@@ -106,13 +106,13 @@ fn markdown(recorded: &Recorded<'_>) -> String {
         String::new(),
         format!("Written by `cargo xtask chart fpk`; {date}, {}.", recorded.machine.caption()),
         String::new(),
-        "Each cell: the cheapest method and its CPU seconds on one thread; in brackets those of the particles, where they \
-         are not the cheapest (– where none of their runs reached the tolerance). \
-         The error is relative. For sampled methods it is one standard error, and their cost is scaled by the law of the \
-         inverse root from the longest run; a cost with * was not run. The bias of their time steps is not in it. \
-         A deterministic method counts from the run on from which all finer ones are within the tolerance; its error is \
-         known here because there is a reference, a sampled method brings its own. \
-         No entry below the error of the reference. The pictures and `fpk-choice.json` hold every run."
+        "Each cell: the cheapest method and its CPU seconds on one thread; in brackets those of the particles, if they \
+         are not the cheapest (– if none of their runs reached the tolerance). \
+         The error is relative. For sampled methods it is one standard error, without the bias of their time steps. Their \
+         cost is extrapolated by the inverse square root from the longest run; a cost with * was not run. \
+         A deterministic method counts from the run from which all finer ones are within the tolerance. Its error is \
+         known here from a reference; a sampled method estimates its own. \
+         There is no entry below the error of the reference. The pictures and `fpk-choice.json` contain every run."
             .to_owned(),
     ];
     let heads: Vec<String> = std::iter::once("question".to_owned())

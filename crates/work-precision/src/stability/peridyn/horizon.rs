@@ -93,7 +93,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let refused = refusal()?;
     rows.push(format!("  {refused}"));
     let caption = format!(
-        "Points: m.015, as the crate proposes. Crosses: horizons that end on nodes are refused. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
+        "Points: m.015, as the crate proposes. Crosses: horizons that pass through nodes are rejected. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
         100.0 * kept.0,
         100.0 * kept.1
     );
@@ -134,7 +134,7 @@ fn kept_by_note() -> Result<(f64, f64), CaseError> {
 fn refusal() -> Result<String, CaseError> {
     match Horizon::new(3.0, 1.0) {
         Err(error @ Error::HorizonOnNodes { .. }) => Ok(error.to_string()),
-        other => Err(format!("a horizon on nodes was not refused: {other:?}").into()),
+        other => Err(format!("a horizon through nodes was not rejected: {other:?}").into()),
     }
 }
 

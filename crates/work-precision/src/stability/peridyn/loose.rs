@@ -156,7 +156,7 @@ fn bias(is_quick: bool) -> Result<Drawing, CaseError> {
             subtitle: format!("plate of 8 x 8 nodes, three shells, held along one edge; s₀ = {}, s₀/σ = {}", STRENGTH.0, STRENGTH.1),
             x_label: "ε over λ of the softest mode".into(),
             y_label: "part of the variance that is lost; spacings".into(),
-            caption: vec!["Lines: ε/(λ + ε). Points: the stationary law of a step by Leimkuhler and Matthews' method with ε, against that without. The softest mode falls with the size of the plate: what ε costs is to be looked at for each body.".into()],
+            caption: vec!["Lines: ε/(λ + ε). Points: the stationary distribution of a Leimkuhler-Matthews step with ε, relative to that without. The softest mode falls with the size of the plate: what ε costs is to be looked at for each body.".into()],
         },
         across: Scale::Log,
         upwards: Scale::Log,

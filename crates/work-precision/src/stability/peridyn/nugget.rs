@@ -144,7 +144,7 @@ fn picture(series: Vec<Curve>, alone: f64, n: f64) -> Curves {
             subtitle: format!("{n} x {n} nodes, two shells, held along one edge; Gaussian correlation of the integral scale l, factorised in full"),
             x_label: "nugget, over what nodes share; leftmost: none".into(),
             y_label: "steps of z = 1 for the slowest mode to fall by e".into(),
-            caption: vec!["The largest eigenvalue of M K over its smallest. Crosses: the matrix is refused as not positive definite, with the row of its pivot.".into()],
+            caption: vec!["The largest eigenvalue of M K over its smallest. Crosses: the matrix is rejected as not positive definite, with the row of its pivot.".into()],
         },
         across: Scale::Log,
         upwards: Scale::Log,

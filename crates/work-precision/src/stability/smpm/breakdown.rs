@@ -340,7 +340,7 @@ fn over_time(
         lines.push(Line { name: (*method).to_owned(), points });
     }
     let own = responses.iter().map(|&(time, r)| (time, Some(judged.standard_error[r])));
-    lines.push(Line { name: "standard error of the judge".into(), points: own.collect() });
+    lines.push(Line { name: "standard error of the reference".into(), points: own.collect() });
     let jets = judged.errors[1].as_ref().map_err(Clone::clone)?;
     let warned = |letter: char, name: &str| ReferencePoints {
         name: name.into(),

@@ -81,7 +81,7 @@ pub(super) fn chart(n: u32) -> Result<Drawing, CaseError> {
             x_label: "Courant number".into(),
             y_label: "change of the energy, over that of the start".into(),
             caption: vec![
-                "A plus marks a gain, a cross above a typed error: beyond 1 a wave crosses a cell and the number is refused; within it the energy grew by 20 %, or a particle became faster in the step than it was allowed for.".into(),
+                "A plus marks a gain, a cross above a typed error: beyond 1 a wave crosses a cell and the number is rejected; within it the energy grew by 20 %, or a particle became faster in the step than it was allowed for.".into(),
             ],
         },
         reading: Reading::Parameter,

@@ -44,7 +44,7 @@ const REFUSED: f64 = 1.0;
 const SUBTITLE: &str = "pressure behind a shock of 0.47 Mbar in steel: the larger of post-shock oscillation and error of the mean";
 
 const FOOT: &str = "A plate at 1 km/s on a rigid wall, cells of 0.5 mm, quadratic viscosity 1.5. \
-     Boundary: a wave crosses a cell in a step; such a Courant number is refused.";
+     Boundary: a wave crosses a cell in a step; such a Courant number is rejected.";
 
 fn viscosity(
     n: u32,

@@ -1,8 +1,11 @@
-//! The viscous damper of Canor & Denoël 2013, section 4.1: a whole run, a step of each method, the density integrated over
-//! the cells. Their hysteretic building, section 4.2, three states: a step. One thread, and a step with two as well, whose
-//! times are CPU time of both together: what they spend beyond one thread is what threads cost.
+//! Steps and runs of fpk-sph on the viscous damper and the hysteretic building.
 //!
-//! Work is printed once, as it is counted: it does not depend on the machine. The throughput is neighbour visits.
+//! Measured on the damper of Canor & Denoël 2013, section 4.1: a complete run, a step of each method, the density
+//! integrated over the cells. On their hysteretic building, section 4.2, with three states: a step.
+//!
+//! Runs use one thread; a step is also measured with two. Times are CPU time of all threads, so the excess over one
+//! thread is the cost of threading. Work counters do not depend on the machine and are printed once. The throughput is
+//! in neighbour visits.
 
 #![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
 #![expect(clippy::print_stdout, reason = "the work counted belongs beside the times")]
@@ -24,12 +27,12 @@ use fpk_sph::{
 use rayon::ThreadPool;
 use sde_integrators::{GaussianMixture, Sde};
 
-/// When the earthquake begins to fade.
+/// Time at which the earthquake begins to decay.
 const END: f64 = 6.0;
 
 type Damper = Simulation<ViscousDamper, 2, 1>;
 
-/// A method by its name, with its start.
+/// A method by name, with its initialisation.
 type Start<S, const D: usize> = (&'static str, fn() -> Simulation<S, D, 1>);
 type Named = Start<ViscousDamper, 2>;
 
@@ -63,7 +66,7 @@ fn at_the_end(start: fn() -> Damper) -> Damper {
     simulation
 }
 
-/// The methods of this project, from their start.
+/// Methods of this project, with their initialisation.
 const OURS: [Named; 2] = [("LogDensityFit 41 x 41", fit), ("FlowMapFit 41 x 41", flow_map)];
 
 fn paper() -> Damper {
@@ -115,7 +118,7 @@ fn print_work<S: Sde<D, 1>, const D: usize>(
     );
 }
 
-/// Start and steps, to `t = 6`.
+/// Initialisation and steps to `t = 6`.
 fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
     let mut group = criterion.benchmark_group("fpk/viscous damper, run to 6 s");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
@@ -129,7 +132,7 @@ fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
     group.finish();
 }
 
-/// One step from `t = 1`, where the noise has begun and the lattice has turned.
+/// One step from `t = 1`, where the noise has begun and the lattice has rotated.
 fn step<S: Sde<D, 1> + Send, const D: usize>(
     criterion: &mut Criterion<CpuTime>,
     scene: &str,

@@ -1,8 +1,8 @@
 //! Value and gradient of every kernel over a slice of radii.
 //!
-//! All kernels come from the table, so each evaluation is one call through a pointer. The ratios are those of Lucy's kernel
-//! known to the compiler, as a solver has it, to its formula written by hand, the constants taken out of the loop; and of
-//! one call for a whole slice, from squared distances, to a scalar call for each number.
+//! All kernels come from the table, so each evaluation is one virtual call. The first ratio compares Lucy's kernel,
+//! known to the compiler as in a solver, with its hand-written formula, constants hoisted out of the loop. The second
+//! compares one call for a whole slice, from squared distances, with a scalar call for each number.
 
 #![expect(
     clippy::unwrap_used,
@@ -23,8 +23,9 @@ use smoothing_kernels::{
 const N_PAIRS: usize = 4096;
 const SMOOTHING_LENGTH: f64 = 0.7;
 
-/// Pairs along a diagonal, at radii from 0 to 1.1 smoothing lengths in mixed order: some lie beyond the edge of Lucy's
-/// kernel, as in a neighbour list with a margin.
+/// Pairs along a diagonal, at radii from 0 to 1.1 smoothing lengths in mixed order.
+///
+/// Some are beyond the support of Lucy's kernel, as in a neighbour list with a skin.
 struct Pairs<const D: usize> {
     x_ij: Vec<[f64; D]>,
     r: Vec<f64>,
@@ -33,7 +34,7 @@ struct Pairs<const D: usize> {
 
 impl<const D: usize> Pairs<D> {
     fn new() -> Self {
-        // 1571 and 4096 have no common factor: every radius once.
+        // 1571 and 4096 have no common factor, so every radius occurs once.
         let r: Vec<f64> = (0..N_PAIRS)
             .map(|k| 1.1 * SMOOTHING_LENGTH * ((1571 * k) % N_PAIRS) as f64 / N_PAIRS as f64)
             .collect();
@@ -109,7 +110,7 @@ fn dimension<const D: usize>(criterion: &mut Criterion<CpuTime>, ratios: &mut Ra
     slices(ratios, &pairs);
 }
 
-/// Every kernel through a pointer: compared with each other, as there is no rival for most.
+/// Every kernel through a pointer, compared with each other, because most have no rival.
 fn table<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>) {
     let (mut value, mut gradient) = (vec![0.0; N_PAIRS], vec![[0.0; D]; N_PAIRS]);
     let mut group = criterion.benchmark_group(format!("kernels/{D}-D value by pointer"));
@@ -128,8 +129,9 @@ fn table<const D: usize>(criterion: &mut Criterion<CpuTime>, pairs: &Pairs<D>) {
     group.finish();
 }
 
-/// From squared distances over the kernel's own support: the scalar calls, statically known, and the slice. Both read
-/// `r²` and write one number per pair.
+/// Scalar calls, statically dispatched, and slice calls from squared distances over the kernel's own support.
+///
+/// Both read `r²` and write one number per pair.
 fn slices<const D: usize>(ratios: &mut Ratios, pairs: &Pairs<D>) {
     let r_squared = &pairs.r_squared;
     slice_against_calls::<D>(ratios, "Lucy", &Lucy, r_squared);
@@ -148,7 +150,7 @@ fn slice_against_calls<const D: usize>(
     kernel: &impl Kernel<D>,
     r_squared: &[f64],
 ) {
-    // As long as the pairs reach a tenth beyond the edge, whatever the support.
+    // Pairs extend a tenth beyond the edge, for any support.
     let h = SMOOTHING_LENGTH / kernel.support();
     check_slices(kernel, r_squared, h);
     let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
@@ -178,7 +180,7 @@ fn slice_against_calls<const D: usize>(
     ratios.measure(factors);
 }
 
-/// A rival that computes something else is none.
+/// Checks that a rival computes the same values.
 fn check_rival<const D: usize>(pairs: &Pairs<D>) {
     let roundoff = 1e-13 * lucy_peak(D, SMOOTHING_LENGTH);
     let [mut value, mut value_by_hand] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
@@ -204,7 +206,7 @@ fn check_slices<const D: usize>(kernel: &impl Kernel<D>, r_squared: &[f64], h: f
     assert_close(&factors, &factors_called.collect::<Vec<_>>());
 }
 
-/// A difference of roundoff, some hundred of them at the largest.
+/// A difference within roundoff, about a hundred times the machine epsilon.
 fn assert_close(ours: &[f64], rival: &[f64]) {
     let largest = rival.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     for (ours, rival) in ours.iter().zip(rival) {

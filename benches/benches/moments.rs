@@ -1,9 +1,9 @@
-//! Value, five first and five own second derivatives of two responses, against the plain value.
+//! Value, five first and five unmixed second derivatives of two responses, compared with the value alone.
 //!
-//! Each response is asked for at one state after the other, as a solver does from particle to particle, with the same
-//! inputs; every result is kept from the compiler's knowledge, so that nothing is left out and states are not done several
-//! at a time. All run in one dispatch to the widest registers. The plain value is the faster of two ways to write it.
-//! Rivals: the same formula over num-dual's `Dual2_64`, once per input; 11-point central differences.
+//! Each response is evaluated at one state after the other, as a solver does from particle to particle, with the same
+//! inputs. Results are hidden from the compiler, so that nothing is omitted and states are not combined. All run in
+//! one dispatch to the widest registers. The value alone is the faster of two implementations. Rivals: the same
+//! formula over num-dual's `Dual2_64`, once per input; 11-point central differences.
 
 use std::hint::black_box;
 
@@ -21,7 +21,7 @@ type Derivatives = (f64, [f64; 5], [f64; 5]);
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "compiled for the registers of the dispatched closure")]
 fn by_num_dual(response: &impl Response<5>, x: &[f64; 5]) -> Derivatives {
-    // Seeded here, where the compiler sees it: it then takes each exponential once for all five, and leaves zeros out.
+    // Seeded here, visible to the compiler: it computes each exponential once for all five, and omits zeros.
     let mut out = (0.0, [0.0; 5], [0.0; 5]);
     for k in 0..5 {
         let mut seeded = x.map(Dual2_64::constant);
@@ -62,7 +62,7 @@ fn each_state<S: Copy, X, T>(states: &[S], x: &X, f: impl Fn(S, &X) -> T) {
     );
 }
 
-/// All of one response; `closed` is its closed form.
+/// All contenders for one response; `closed` is its closed form.
 fn compare<S: Copy, R: Response<5>>(
     group: &mut BenchmarkGroup<'_, impl Measurement>,
     states: &[S],
@@ -130,7 +130,7 @@ fn compare<S: Copy, R: Response<5>>(
     });
 }
 
-/// A rival that computes something else is none.
+/// Checks that the rivals compute the same derivatives.
 fn check_rivals(ours: &Jet, x: &[f64; 5], rivals: &[(Derivatives, f64)]) {
     for (rival, tolerance) in rivals {
         let limit = tolerance * ours.value.abs();
@@ -143,12 +143,12 @@ fn check_rivals(ours: &Jet, x: &[f64; 5], rivals: &[(Derivatives, f64)]) {
     }
 }
 
-/// A number between the two for every state, in mixed order.
+/// A number in the interval for every state, in mixed order.
 fn between(from: f64, to: f64, k: usize, stride: usize) -> f64 {
     from + (to - from) * ((stride * k) % N_STATES) as f64 / N_STATES as f64
 }
 
-/// Strain, relative rate, homologous temperature: their logarithms are part of every way but the powers.
+/// Strain, relative rate, homologous temperature: all variants but the powers take their logarithms.
 fn johnson_cook(criterion: &mut Criterion<CpuTime>) {
     let state =
         |k| [between(0.01, 1.0, k, 331), between(1e2, 1e5, k, 577), between(0.05, 0.9, k, 787)];

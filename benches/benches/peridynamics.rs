@@ -1,15 +1,15 @@
-//! Forces of breakable bonds by every fast path of peridyn-sde, at every width of registers, and whole Langevin steps.
+//! Forces of breakable bonds by every fast path of peridyn-sde, at every register width, and complete Langevin steps.
 //!
-//! Two bodies: a block of 31 nodes to a side, that of `benches/rivals/lammps_peridynamics.py`, and a plate of 100 x 100 nodes;
-//! horizon 3.015 spacings, strains of about 1e-4, no bond breaks. An element is a bond, counted once, in one realisation. One
-//! thread.
+//! There are two bodies: a block of 31 nodes per side, that of `benches/rivals/lammps_peridynamics.py`, and a plate of
+//! 100 x 100 nodes. The horizon is 3.015 spacings, strains are about 1e-4, no bond breaks. An element is a bond,
+//! counted once, in one realisation. One thread.
 //!
-//! A step is one of Leimkuhler and Matthews' method at z = 1 with the mobility one: forces, test of every bond, fresh normals for
-//! every component of every node, update, test for numbers that are lost. Its twin at `kT = 0` draws nothing; what it takes less
-//! is the share of noise.
+//! A step is one of the Leimkuhler-Matthews method at z = 1 with unit mobility: forces, test of every bond, new
+//! normals for every component of every node, update, test for non-finite numbers. The same step at `kT = 0` draws no
+//! normals; the difference is the share of noise.
 //!
-//! `cargo bench -p benches --bench peridynamics -- rates` prints a line `<path>: <number> M bonds/s` for each path at the widest
-//! registers, which the script of the rival reads, and a line with the share of noise for each step.
+//! `cargo bench -p benches --bench peridynamics -- rates` prints a line `<path>: <number> M bonds/s` for each path at
+//! the widest registers, which the script of the rival reads, and a line with the share of noise for each step.
 
 #![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
 
@@ -28,21 +28,21 @@ use peridyn_sde::{
 use rayon::ThreadPoolBuilder;
 use sde_integrators::{Noise, Purpose, SimdLevel};
 
-/// Nodes along an edge: of the block of the rival, and of a plate.
+/// Nodes along an edge: of the rival's block, and of a plate.
 const BLOCK: u32 = 31;
 const PLATE: u32 = 100;
-/// The same where nothing is measured.
+/// Nodes along an edge without measurement.
 const SMALL: u32 = 8;
 
 const STRENGTH: f64 = 0.01;
-/// The stretch that noise gives a bond, were all alike.
+/// Standard deviation of the bond stretch by noise, for equal bonds.
 const NOISE: f64 = 1e-4;
 
-/// Repetitions of a path whose median is its rate, and the CPU time of each.
+/// Repetitions of a path, whose median is its rate, and the CPU time of each.
 const ROUNDS: usize = 9;
 const SAMPLE: Duration = Duration::from_millis(100);
 
-/// Something to run, with how many bonds it goes through.
+/// A path to run, with its number of bonds.
 struct Path {
     name: String,
     n_bonds: usize,
@@ -81,7 +81,7 @@ impl<const D: usize> Shape<D> {
         BondList::new(nodes, bonds, Strain::Finite, &strengths).unwrap().at_level(level)
     }
 
-    /// The forces of a body, which are found from the same displacements again and again.
+    /// Computes the forces of a body repeatedly from the same displacements.
     fn forces<T: Real, const L: usize>(
         &self,
         name: &str,
@@ -102,7 +102,7 @@ impl<const D: usize> Shape<D> {
         Path { name, n_bonds: self.bonds.len() * L, run: Box::new(run) }
     }
 
-    /// Each path at a level, made when its turn comes.
+    /// Each path at a level, created on demand.
     fn paths(&self, level: SimdLevel) -> impl Iterator<Item = Path> {
         (0..6).map(move |which| match which {
             0 => self.forces("lattice", level, self.lattice::<f64>(level)),
@@ -123,7 +123,7 @@ enum Noisy {
 }
 
 impl<const D: usize> Shape<D> {
-    /// A step of a body, which goes on from where the one before it has ended.
+    /// A step of a body, which continues from the previous one.
     fn step<T: Real, B: Body<T, D, L> + 'static, const L: usize>(
         &self,
         name: &str,
@@ -157,7 +157,7 @@ impl<const D: usize> Shape<D> {
         Path { name, n_bonds: self.bonds.len() * L, run: Box::new(step) }
     }
 
-    /// Whole steps at the widest registers, made when their turn comes.
+    /// Complete steps at the widest registers, created on demand.
     fn steps(&self, noisy: Noisy) -> impl Iterator<Item = Path> {
         let best = SimdLevel::best();
         (0..4).map(move |which| match which {
@@ -204,7 +204,7 @@ fn steps(criterion: &mut Criterion<CpuTime>) {
     group.finish();
 }
 
-/// Bonds a CPU second, the median of rounds.
+/// Bonds per CPU second, the median of the rounds.
 fn rate(path: &mut Path) -> f64 {
     let mut repetitions = 1_u32;
     let mut seconds = |repetitions: u32| {
@@ -224,7 +224,7 @@ fn rate(path: &mut Path) -> f64 {
 }
 
 fn say(line: &str) {
-    // Who closed the output does not want the rates.
+    // A closed output needs no rates.
     let _ = std::io::stdout().write_all(line.as_bytes());
 }
 

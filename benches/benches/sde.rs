@@ -1,15 +1,13 @@
-//! Normals, and path-steps of the linear oscillator and of the oscillator with a viscous damper (Canor & Denoël 2013,
-//! section 4.1).
+//! Normals, and path-steps of the linear oscillator and of the viscous damper.
 //!
-//! The rivals are what one writes without the crate: `ChaCha8` and `StandardNormal` (a ziggurat) in the order they come,
-//! scalar loops of Euler's and of Strang's method, powers from the platform's mathematics library, nothing addressed and
-//! nothing checked. Strang's loop joins the two half flows of the damper that follow each other. A path has 600 steps;
-//! 256 paths are one block of an ensemble and run on the calling thread.
+//! The damper is that of Canor & Denoël 2013, section 4.1.
+//!
+//! The rivals are what one writes without the crate: `ChaCha8` and `StandardNormal` (a ziggurat) in sequence, scalar
+//! loops of Euler's and of Strang's method, powers from the platform's mathematics library, no addressing and no
+//! checks. Strang's loop combines consecutive half flows of the damper. A path has 600 steps; 256 paths are one block
+//! of an ensemble and run on the calling thread.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "an ensemble that is refused is a mistake of the benchmark"
-)]
+#![expect(clippy::unwrap_used, reason = "a rejected ensemble is an error of the benchmark")]
 
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -68,7 +66,7 @@ where
     ensemble.estimates[0][0].value
 }
 
-/// `a(t)` as one writes it.
+/// Modulating function `a(t)`, as one writes it.
 fn window(t: f64) -> f64 {
     if t < 2.0 {
         t / 2.0
@@ -99,7 +97,7 @@ fn scalar_euler(damper: impl Fn(f64) -> f64) -> f64 {
     sum / f64::from(N_PATHS)
 }
 
-/// `E[q^2]` at the end by Strang's splitting; `flow(v, dt)` is that of the damper. A normal for each half kick.
+/// `E[q^2]` at the end by Strang's splitting; `flow(v, dt)` is that of the damper. One normal for each half kick.
 fn scalar_strang(flow: impl Fn(f64, f64) -> f64) -> f64 {
     let (omega, c) = (black_box(PI), 2.0 * black_box(0.01) * PI);
     let decay = (-0.5 * c * DT).exp();
@@ -123,13 +121,15 @@ fn scalar_strang(flow: impl Fn(f64, f64) -> f64) -> f64 {
     sum / f64::from(N_PATHS)
 }
 
-/// A rival that computes something else is none. Two estimates from 256 paths each differ by a standard error of
-/// `sqrt(2 * 2 / 256)` = 12.5 % of `E[q^2]` where `q` is normal; five of them are allowed.
+/// Checks that the rival computes the same result.
+///
+/// Two estimates from 256 paths each differ by a standard error of `sqrt(2 * 2 / 256)` = 12.5 % of `E[q^2]` for normal
+/// `q`; five standard errors are allowed.
 fn check_rival(ours: f64, rival: f64) {
     assert!((rival / ours - 1.0).abs() < 5.0 * 0.125, "E[q^2] is {ours} and {rival}");
 }
 
-/// The methods on one system at every level of instructions, with their targets against the scalar loops.
+/// The methods on one system at every SIMD level, with their targets relative to the scalar loops.
 struct Oscillator<'a, S> {
     name: &'static str,
     system: &'a S,
@@ -204,7 +204,7 @@ fn viscous_damper(ratios: &mut Ratios, criterion: &mut Criterion<CpuTime>) {
         .measure(ratios, criterion);
 }
 
-/// Normals of one stream into a slice, as a field of that many unknowns draws them each step.
+/// Normals of one stream into a slice, as a field with that many unknowns draws them in each step.
 fn normals(ratios: &mut Ratios, criterion: &mut Criterion<CpuTime>) {
     for n in [1_000, 65_536] {
         let (mut ours, mut theirs) = (vec![0.0; n], vec![0.0; n]);

@@ -1,12 +1,13 @@
-//! Steps of the material point method: particle updates a second of each scheme beside the memory roof, and what derivatives
-//! cost over `f64`.
+//! Steps of the material point method: throughput of each scheme, and cost of derivatives over `f64`.
 //!
-//! A square of 160 000 elastic particles, four to a cell, plane strain, that stretches, shears and turns: every particle
-//! moves and some change cells in every step. One thread. The roof is a pass that reads and writes as many bytes as the
-//! particles hold that a step must read and write: what memory alone would allow.
+//! Particle updates per second are compared with the memory roof.
 //!
-//! What derivatives cost is measured with Johnson-Cook steel, its five constants random, 40 000 particles, quadratic
-//! B-splines, modified update stress last; contenders take turns in one process.
+//! The body is a square of 160 000 elastic particles, four per cell, plane strain, that stretches, shears and rotates:
+//! every particle moves and some change cells in every step. One thread. The roof is a pass that reads and writes the
+//! bytes of the particles that a step must read and write: the limit by memory bandwidth.
+//!
+//! The cost of derivatives is measured with Johnson-Cook steel, its five constants random, 40 000 particles, quadratic
+//! B-splines, modified update stress last; contenders alternate in one process.
 
 #![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
 
@@ -23,12 +24,12 @@ use smpm::{Body, BulkViscosity, Config, Fill, Number, Shape, Simulation, Transfe
 
 /// Particles along an edge: 160 000 in all.
 const EDGE: u32 = 400;
-/// The same where jets are measured, whose particles hold twenty times the bytes.
+/// Particles along an edge for jets, whose particles hold twenty times the bytes.
 const EDGE_OF_JETS: u32 = 200;
 
 const FLIP: Transfer = Transfer::Flip { damping_time: f64::INFINITY };
 
-/// Shape function, update order, transfer; M updates/s that the prototype reached on a quiet core.
+/// Shape function, update order, transfer; M updates/s of the prototype on an idle core.
 const SCHEMES: [(&str, Shape, UpdateOrder, Transfer); 4] = [
     ("linear USL", Shape::Linear, UpdateOrder::StressLast, FLIP),
     ("quadratic USL", Shape::QuadraticBSpline, UpdateOrder::StressLast, FLIP),
@@ -92,7 +93,7 @@ fn schemes(ratios: &mut Ratios) {
     }
 }
 
-/// Johnson-Cook steel, `of` applied to its five constants with their number.
+/// Johnson-Cook steel, with `of` applied to its five constants and their numbers.
 fn steel<S: Number>(of: impl Fn(f64, usize) -> S) -> Simulation<S, 2> {
     let strength = library::steel_strength(Units::CM_G_US).map(|name, value| {
         match ["a", "b", "n", "c", "m"].iter().position(|&random| random == name) {

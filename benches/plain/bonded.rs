@@ -1,4 +1,6 @@
-//! An elastic block in a list of bonds, and a plate of a lattice, whose waves do not break them: by peridyn-sde, and by hand.
+//! Unbreakable elastic bodies under waves: peridyn-sde and hand-written steps.
+//!
+//! One body is a block with a list of bonds, the other a plate of a lattice.
 
 use std::marker::PhantomData;
 
@@ -15,14 +17,14 @@ use crate::list::List;
 
 pub(crate) const DENSITY: f64 = 1.0;
 const YOUNG_MODULUS: f64 = 1.0;
-/// Of what is stable, about: waves of the speed one cross a part of a spacing.
+/// Step, a fraction of the stable one: waves of unit speed cross part of a spacing.
 const STEP: f64 = 0.2;
-/// Of the nodes, over the speed of waves: strains of this order.
+/// Initial speed of the nodes over the wave speed: the order of the strains.
 const SPEED: f64 = 1e-3;
-/// A stretch that no bond comes near.
+/// A critical stretch far above every stretch.
 const STRENGTH: f64 = 1.0;
 
-/// How the nodes of a lattice of spacing one move at first, and the step.
+/// Initial motion of the nodes of a lattice of unit spacing, and the step.
 #[derive(Debug)]
 pub(crate) struct Start<const D: usize> {
     pub(crate) velocities: Vec<[f64; D]>,
@@ -51,7 +53,7 @@ fn body<const D: usize>(edge: u32, condition: Condition) -> Result<(Nodes<D>, Bo
     Ok((nodes, bonds))
 }
 
-/// Our own, of a body `B`.
+/// The library's step, for a body `B`.
 struct Ours<B, const D: usize> {
     run: Simulation<f64, B, D, 1>,
     body: PhantomData<B>,
@@ -89,8 +91,10 @@ impl<B: Body<f64, D, 1>, const D: usize> Run for Ours<B, D> {
     }
 }
 
-/// The pull of a bond is a polynomial in ours, within 8.4e-13 of what it is (`Real::SERIES`), and the difference of two lengths by
-/// hand, which loses three digits at these strains.
+/// Relative difference expected from roundoff.
+///
+/// The bond force is a polynomial in the library, within 8.4e-13 of the exact one (`Real::SERIES`). The hand-written
+/// code takes a difference of two lengths, which loses three digits at these strains.
 const ROUNDOFF: f64 = 1e-11;
 
 const PLATE: Condition = Condition::PlaneStress { thickness: 1.0 };

@@ -1,4 +1,4 @@
-//! A body that the library steps and that a plain step by hand steps as well.
+//! A body with two steps: that of the library and a hand-written baseline.
 
 use std::error::Error;
 
@@ -7,7 +7,7 @@ pub(crate) type Failure = Box<dyn Error>;
 /// Numbers of all particles or nodes, by name.
 pub(crate) type State = Vec<(&'static str, Vec<f64>)>;
 
-/// A body in time.
+/// A body over time.
 pub(crate) trait Run {
     fn step(&mut self) -> Result<(), Failure>;
     fn state(&self) -> State;
@@ -15,24 +15,24 @@ pub(crate) trait Run {
     fn n_elements(&self) -> usize;
 }
 
-/// How a body is made, so many particles or nodes along its edge.
+/// Creates a body with a number of particles or nodes along its edge.
 pub(crate) type Start = fn(u32) -> Result<Box<dyn Run>, Failure>;
 
-/// The same body twice.
+/// The same body in both implementations.
 #[derive(Debug)]
 pub(crate) struct Case {
     pub(crate) name: &'static str,
     pub(crate) what: &'static str,
     pub(crate) element: &'static str,
-    /// Along an edge: where steps are timed, and where instructions are counted or nothing is measured.
+    /// Number along an edge: for timing, and for counting instructions or a run without measurement.
     pub(crate) edges: [u32; 2],
     pub(crate) ours: Start,
     pub(crate) plain: Start,
-    /// How far both may differ after [`STEPS_COMPARED`] steps, relative to the largest number of a kind.
+    /// Largest difference after [`STEPS_COMPARED`] steps, relative to the largest number of a kind.
     pub(crate) tolerance: f64,
 }
 
-/// Who steps.
+/// The implementation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Who {
     Ours,
@@ -57,10 +57,10 @@ impl Who {
 
 const STEPS_COMPARED: u32 = 20;
 
-/// Refuses to compare the cost of different work.
+/// Rejects a comparison of the cost of different work.
 ///
 /// # Errors
-/// Of both runs; where their states differ by more than roundoff.
+/// Errors of both runs, and states that differ by more than roundoff.
 pub(crate) fn require_agreement(case: &Case) -> Result<(), Failure> {
     let mut runs = [Who::Ours, Who::Plain]
         .into_iter()
@@ -76,7 +76,7 @@ pub(crate) fn require_agreement(case: &Case) -> Result<(), Failure> {
     for ((name, ours), (_, plain)) in ours.iter().zip(&plain) {
         let difference = largest(ours.iter().zip(plain).map(|(a, b)| a - b));
         let error = difference / largest(ours.iter().copied());
-        // NaN, and a length or a name that differs, are no agreement.
+        // NaN, and a different length or name, are no agreement.
         if ours.len() != plain.len() || !(difference == 0.0 || error <= case.tolerance) {
             let Case { name: case, tolerance, .. } = case;
             return Err(format!(

@@ -1,28 +1,28 @@
-//! Instructions of a step, counted by valgrind: the same on a busy machine as on a quiet one.
+//! Instructions of a step, counted by valgrind: independent of the load of the machine.
 
 use std::process::Command;
 
 use crate::case::{Case, Failure, Who};
 
-/// Steps of the shorter run and of the longer one, whose difference is free of what a start costs.
+/// Steps of the shorter and of the longer run, whose difference excludes the initialisation.
 const STEPS: [u32; 2] = [5, 25];
 
-/// Counts instructions.
+/// The program that counts instructions.
 const VALGRIND: &str = "valgrind";
 
-/// What a program is started with to be counted.
+/// Argument that starts a counted run.
 pub(crate) const RUN: &str = "run";
 
-/// Whether there is a valgrind to count with, and which.
+/// Version of valgrind, if it is installed.
 pub(crate) fn version() -> Option<String> {
     let output = Command::new(VALGRIND).arg("--version").output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-/// Instructions for each element and step.
+/// Instructions per element and step.
 ///
 /// # Errors
-/// Where the program cannot be started, or says no count.
+/// If the program cannot be started, or prints no count.
 pub(crate) fn per_element(case: &Case, who: Who) -> Result<f64, Failure> {
     let n_elements = who.start(case, case.edges[1])?.n_elements();
     let [short, long] = STEPS.map(|steps| total(case, who, steps));
@@ -30,7 +30,7 @@ pub(crate) fn per_element(case: &Case, who: Who) -> Result<f64, Failure> {
     Ok((long? - short?) / (steps * n_elements as f64))
 }
 
-/// Instructions of a whole run.
+/// Instructions of a complete run.
 fn total(case: &Case, who: Who, steps: u32) -> Result<f64, Failure> {
     let output = Command::new(VALGRIND)
         .args(["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"])
@@ -44,18 +44,18 @@ fn total(case: &Case, who: Who, steps: u32) -> Result<f64, Failure> {
     }
 }
 
-/// Of the line `==1234== I   refs:      1,234,567`.
+/// The count in the line `==1234== I   refs:      1,234,567`.
 fn references(said: &str) -> Option<f64> {
     let line = said.lines().find(|line| line.contains("refs:"))?;
     line.rsplit(':').next()?.trim().replace(',', "").parse().ok()
 }
 
-/// Runs as it is counted: `run CASE WHO STEPS`.
+/// Executes a counted run: `run CASE WHO STEPS`.
 ///
 /// # Errors
-/// Where there is no such case, and those of the run.
+/// If there is no such case, and errors of the run.
 pub(crate) fn run(cases: &[&Case], arguments: &[String]) -> Result<(), Failure> {
-    let [name, who, steps] = arguments else { return Err("run CASE ours|plain STEPS".into()) };
+    let [name, who, steps] = arguments else { return Err("run CASE `ours|plain` STEPS".into()) };
     let case = cases.iter().find(|case| case.name == *name).ok_or("there is no such case")?;
     let who = if *who == Who::Ours.name() { Who::Ours } else { Who::Plain };
     let mut run = who.start(case, case.edges[1])?;

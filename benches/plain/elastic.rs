@@ -1,7 +1,7 @@
-//! An elastic body in plane strain: quadratic B-splines, update stress last, FLIP, one thread, certain numbers.
+//! An elastic body in plane strain: quadratic B-splines, update stress last, FLIP, one thread, certain parameters.
 //!
-//! What a scene of smpm may declare and this one does not is not here: no jets, no third dimension, no contact, no planes, no
-//! affine matrix, no yield, no history besides the stress itself.
+//! It omits what a scene of smpm may declare and this one does not: jets, a third dimension, contact, planes, an
+//! affine matrix, yield, and history other than the stress.
 
 #![allow(
     clippy::inline_always,
@@ -14,12 +14,12 @@ use crate::case::{Failure, Run, State};
 use crate::grid::{EMPTY, Grid, Weights};
 use crate::material_points::{Body, COURANT_NUMBER, ELASTIC, LINEAR, MOST_GROWTH, QUADRATIC};
 
-/// What changes of a particle.
+/// Time-dependent data of a particle.
 #[derive(Debug, Clone, Copy)]
 struct Particle {
     x: [f64; 2],
     v: [f64; 2],
-    /// The deviator of the stress: xx, yy, zz, xy.
+    /// Deviatoric stress: xx, yy, zz, xy.
     deviator: [f64; 4],
     pressure: f64,
     viscosity: f64,
@@ -43,7 +43,7 @@ pub(crate) struct Elastic {
     density: f64,
 }
 
-/// What a pass over the particles has seen.
+/// Observations of a pass over the particles.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
     fastest: f64,
@@ -120,7 +120,7 @@ impl Elastic {
         }
     }
 
-    /// The first volume that is not above zero, if there is one.
+    /// The first volume that is not positive, if any.
     #[inline(always)]
     fn take(&mut self, seen: &mut Seen) -> Option<f64> {
         let (dt, per_cell) = (self.dt, 1.0 / self.grid.cell);
@@ -137,7 +137,7 @@ impl Elastic {
             }
             let trace = l[0][0] + l[1][1];
             let volume = self.update(&mut p, &l, trace);
-            // No number is above zero that is none.
+            // Rejects NaN too.
             if volume.is_nan() || volume <= 0.0 {
                 return Some(volume);
             }
@@ -183,7 +183,7 @@ impl Elastic {
         (velocity, changed, gradient)
     }
 
-    /// The material over the step; `V/V_0` at its end.
+    /// Updates the material over the step; returns `V/V_0` at its end.
     #[inline(always)]
     fn update(&self, p: &mut Particle, l: &[[f64; 2]; 2], trace: f64) -> f64 {
         let (dt, cell) = (self.dt, self.grid.cell);
@@ -195,7 +195,7 @@ impl Elastic {
         } else {
             0.0
         };
-        // The old deviator turned with the spin (Hughes and Winget), and what the strain adds.
+        // The old deviatoric stress rotated with the spin (Hughes and Winget), plus the strain increment.
         let mean = trace / 3.0;
         let rate = [l[0][0] - mean, l[1][1] - mean, -mean, 0.5 * (l[0][1] + l[1][0])];
         let c = (l[1][0] - l[0][1]) * (0.25 * dt);
@@ -227,7 +227,7 @@ impl Elastic {
 }
 
 impl Run for Elastic {
-    /// One step of the length that the Courant number allows. It fails where a volume turns over or energy comes from nowhere.
+    /// One step with the length that the Courant number allows. It fails if a volume is inverted or the energy grows.
     fn step(&mut self) -> Result<(), Failure> {
         self.grid.nodes.fill(EMPTY);
         dispatch(

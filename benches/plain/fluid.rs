@@ -1,6 +1,8 @@
-//! A stiffened gas in plane strain: quadratic B-splines, modified update stress last, FLIP, one thread, certain numbers.
+//! A hand-written step of a stiffened gas in plane strain.
 //!
-//! Its pressure follows from volume and energy alone: no stress is remembered.
+//! Quadratic B-splines, modified update stress last, FLIP, one thread, certain parameters.
+//!
+//! Its pressure is a function of volume and energy: it stores no stress.
 
 #![allow(
     clippy::inline_always,
@@ -13,12 +15,12 @@ use crate::case::{Failure, Run, State};
 use crate::grid::{EMPTY, Grid};
 use crate::material_points::{Body, COURANT_NUMBER, GAS, LINEAR, MOST_GROWTH, QUADRATIC};
 
-/// What changes of a particle.
+/// Time-dependent data of a particle.
 #[derive(Debug, Clone, Copy)]
 struct Particle {
     x: [f64; 2],
     v: [f64; 2],
-    /// By how much the step moves it.
+    /// Displacement in the step.
     displacement: [f64; 2],
     pressure: f64,
     viscosity: f64,
@@ -39,7 +41,7 @@ pub(crate) struct Gas {
     supplied: f64,
 }
 
-/// What a pass over the particles has seen.
+/// Observations of a pass over the particles.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
     fastest: f64,
@@ -135,7 +137,7 @@ impl Gas {
         }
     }
 
-    /// What the particles, already accelerated, give to the nodes once more.
+    /// Second particle-to-grid transfer, from the accelerated particles.
     #[inline(always)]
     fn give_momentum(&mut self) {
         for p in &self.particles {
@@ -155,7 +157,7 @@ impl Gas {
         }
     }
 
-    /// The first volume that is not above zero, if there is one.
+    /// The first volume that is not positive, if any.
     #[inline(always)]
     fn deform_and_move(&mut self, seen: &mut Seen) -> Option<f64> {
         let (dt, per_cell) = (self.dt, 1.0 / self.grid.cell);
@@ -172,7 +174,7 @@ impl Gas {
             let stretch =
                 (1.0 + dt * l[0][0]) * (1.0 + dt * l[1][1]) - dt * l[0][1] * (dt * l[1][0]);
             let volume = p.volume * stretch;
-            // No number is above zero that is none.
+            // Rejects NaN too.
             if volume.is_nan() || volume <= 0.0 {
                 return Some(volume);
             }
@@ -193,7 +195,7 @@ impl Gas {
         None
     }
 
-    /// The velocity gradient, per cell.
+    /// Velocity gradient, per cell.
     #[inline(always)]
     fn gradient(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
         let w = self.grid.weights(x);
@@ -218,7 +220,7 @@ impl Gas {
 }
 
 impl Run for Gas {
-    /// One step of the length that the Courant number allows. It fails where a volume turns over or energy comes from nowhere.
+    /// One step with the length that the Courant number allows. It fails if a volume is inverted or the energy grows.
     fn step(&mut self) -> Result<(), Failure> {
         self.grid.nodes.fill(EMPTY);
         dispatch(
@@ -279,7 +281,7 @@ impl Run for Gas {
     }
 }
 
-/// The pressure at a new volume, implicit in the energy and linear in it.
+/// Pressure at a new volume, implicit in the energy and linear in it.
 #[inline(always)]
 fn compress(p: &mut Particle, volume: f64, trace: f64, cell: f64) {
     p.viscosity = if trace < 0.0 {

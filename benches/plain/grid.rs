@@ -1,11 +1,11 @@
-//! The background grid of a plain material point step: one array of nodes over a box that the body does not leave.
+//! Background grid of a hand-written material point step: one array of nodes over a box that the body does not leave.
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-/// A node. While particles give: mass, momentum, force. While they take: mass, velocity, its change over the step.
+/// A node. During P2G it holds mass, momentum, force; during G2P mass, velocity, velocity change over the step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
     pub(crate) mass: f64,
@@ -15,7 +15,7 @@ pub(crate) struct Node {
 
 pub(crate) const EMPTY: Node = Node { mass: 0.0, motion: [0.0; 2], change: [0.0; 2] };
 
-/// Nodes beyond the body on each side: as far as it may move.
+/// Nodes beyond the body on each side: the range of its motion.
 const MARGIN: f64 = 12.0;
 
 #[derive(Debug)]
@@ -27,7 +27,9 @@ pub(crate) struct Grid {
     pub(crate) nodes: Vec<Node>,
 }
 
-/// Quadratic B-splines around a particle: values and slopes (per cell) along both axes, and the first node of the lowest row.
+/// Quadratic B-splines around a particle.
+///
+/// Values and slopes (per cell) along both axes, and the first node of the lowest row.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weights {
     pub(crate) value: [[f64; 3]; 2],
@@ -36,7 +38,7 @@ pub(crate) struct Weights {
 }
 
 impl Grid {
-    /// Over the unit square, and as far beyond it as the body may move.
+    /// A grid over the unit square and the range of the body's motion beyond it.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -58,7 +60,7 @@ impl Grid {
         let (mut value, mut slope, mut base) = ([[0.0; 3]; 2], [[0.0; 3]; 2], [0; 2]);
         for k in 0..2 {
             let place = (x[k] - self.low[k]) * self.per_cell;
-            // Above zero inside the box: the whole part is the floor.
+            // Positive inside the box, so truncation equals the floor.
             let node = (place - 0.5) as i32;
             base[k] = node as usize;
             let f = place - f64::from(node);
@@ -69,7 +71,7 @@ impl Grid {
         Weights { value, slope, first: base[1] * self.width + base[0] }
     }
 
-    /// Momenta and forces become velocities and their change; a node almost without mass stands still.
+    /// Converts momenta and forces to velocities and their change; a node with negligible mass has zero velocity.
     #[inline(always)]
     pub(crate) fn solve(&mut self, dt: f64, least_mass: f64) {
         for node in &mut self.nodes {

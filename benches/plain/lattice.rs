@@ -1,5 +1,8 @@
-//! Micro-elastic bonds of a rectangular lattice, two dimensions, velocity Verlet, one thread: bonds that cannot break, no noise,
-//! no friction. Bonds of one vector are computed side by side, each once.
+//! A hand-written step of the micro-elastic bonds of a rectangular lattice.
+//!
+//! Two dimensions, velocity Verlet, one thread: unbreakable bonds, no noise, no friction.
+//!
+//! Bonds of one vector are computed side by side, each once.
 
 #![allow(
     clippy::inline_always,
@@ -14,7 +17,7 @@ use peridyn_sde::{Bonds, Nodes};
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};
 
-/// A vector of bonds, `across` rows up or along the row.
+/// A bond vector, `across` rows up or along the row.
 #[derive(Debug, Clone, Copy)]
 struct Vector {
     along: isize,
@@ -25,7 +28,7 @@ struct Vector {
     stiffness: f64,
 }
 
-/// The body in time: numbers by component, row by row.
+/// The body over time: numbers by component, row by row.
 #[derive(Debug)]
 pub(crate) struct Lattice {
     edge: usize,
@@ -39,7 +42,7 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Of nodes that stand row by row, `edge` along each.
+    /// A body of nodes in row order, `edge` per row.
     pub(crate) fn new(
         (nodes, edge): (&Nodes<2>, usize),
         bonds: &Bonds,
@@ -113,7 +116,7 @@ impl Lattice {
             }
         }
         self.pull();
-        // What is no number anywhere is none in the sum.
+        // A NaN anywhere makes the sum NaN.
         let mut probe = 0.0;
         for k in 0..2 {
             for (v, f) in self.v[k].iter_mut().zip(&self.forces[k]) {
@@ -125,7 +128,7 @@ impl Lattice {
     }
 }
 
-/// In four parts, which fit in a register.
+/// In four parts, each of which fits in a register.
 #[inline(always)]
 fn sum(values: &[f64]) -> f64 {
     let (fours, rest) = values.as_chunks::<4>();
@@ -138,7 +141,7 @@ fn sum(values: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-/// The force of a bond whose ends moved apart by so much.
+/// Force of a bond with a relative displacement of its ends.
 #[inline(always)]
 fn force(vector: &Vector, eta: [f64; 2]) -> [f64; 2] {
     let (x, y) = (vector.xi[0] + eta[0], vector.xi[1] + eta[1]);
@@ -167,7 +170,7 @@ fn apart(
     }
 }
 
-/// Forces of bonds along a row: from both ends one after the other, since they share their nodes.
+/// Forces of bonds along a row: first from one end and then from the other, since they share nodes.
 #[inline(always)]
 fn both_ends(vector: &Vector, [ux, uy, wx, wy]: [&[f64]; 4], fx: &mut [f64], fy: &mut [f64]) {
     let (n, shift) = (ux.len(), fx.len() - ux.len());

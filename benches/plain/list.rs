@@ -1,4 +1,4 @@
-//! Micro-elastic bonds in a list, three dimensions, velocity Verlet, one thread: bonds that cannot break, no noise, no friction.
+//! Micro-elastic bonds in a list, three dimensions, velocity Verlet, one thread: unbreakable, no noise, no friction.
 
 #![allow(
     clippy::inline_always,
@@ -11,25 +11,25 @@ use peridyn_sde::{Bonds, Nodes};
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};
 
-/// What does not change of a bond to a node of a higher number.
+/// Constant data of a bond to a node with a higher number.
 #[derive(Debug, Clone, Copy)]
 struct Bond {
-    /// Its length at rest.
+    /// Reference length.
     length: f64,
-    /// Its stiffness over its length.
+    /// Stiffness over reference length.
     stiffness: f64,
     partner: u32,
 }
 
-/// The body in time.
+/// The body over time.
 #[derive(Debug)]
 pub(crate) struct List {
     rest: Vec<[f64; 3]>,
-    /// Where the nodes are.
+    /// Positions of the nodes.
     y: Vec<[f64; 3]>,
     v: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
-    /// Where the bonds of a node begin; one more at the end.
+    /// Start of the bonds of each node, plus the end.
     starts: Vec<usize>,
     bonds: Vec<Bond>,
     inverse_mass: f64,
@@ -99,7 +99,7 @@ impl List {
             }
         }
         self.pull();
-        // What is no number anywhere is none in the sum.
+        // A NaN anywhere makes the sum NaN.
         let mut probe = 0.0;
         for i in 0..self.y.len() {
             for k in 0..3 {

@@ -1,14 +1,15 @@
-//! Plain steps written by hand, each for exactly one case, beside the steps of the library: what a scene does not declare
-//! (random parameters, histories, breaking, noise, contact, further dimensions) is to cost nothing.
+//! Hand-written baselines, each for exactly one case, compared with the steps of the library.
 //!
-//! First both are compared after twenty steps: what does other work is no rival. Then both are timed in turns, and, where
-//! valgrind is installed, the instructions of a step are counted: the difference of two runs of different length, so that
-//! the start drops out. Valgrind knows no AVX-512, so that the widest registers there are those of AVX2.
+//! A feature that a scene does not use (random parameters, histories, bond failure, noise, contact, further
+//! dimensions) must cost nothing. First both are compared after twenty steps, because different work is no comparison.
+//! Then both are timed alternately. If valgrind is installed, the instructions of a step are counted: the difference
+//! of two runs of different length excludes the initialisation. Valgrind does not support AVX-512, so its widest
+//! registers are those of AVX2.
 //!
-//! `cargo xtask bench plain` does all of it; `-- peridyn` only what has that in its name.
+//! `cargo xtask bench plain` does all of it; `-- peridyn` only the cases with that name.
 //!
-//! There is none of fpk-sph: what its scenes may leave out, noise that depends on the state, is left out by a type, and its
-//! density has no breaking, no histories and no random parameters that a plain step could be without.
+//! fpk-sph has no baseline. The feature that its scenes may omit, state-dependent noise, is omitted by a type. Its
+//! density has no bond failure, histories or random parameters that a baseline could omit.
 
 mod bonded;
 mod case;
@@ -29,7 +30,7 @@ use rayon::ThreadPoolBuilder;
 
 use case::{Case, Failure, Who, require_agreement};
 
-/// What the instructions of ours may be over those of the plain step.
+/// Largest ratio of the library's instructions to those of the baseline.
 const MOST: f64 = 1.05;
 
 fn time(case: &Case, ratios: &mut Ratios) -> Result<(), Failure> {
@@ -37,7 +38,7 @@ fn time(case: &Case, ratios: &mut Ratios) -> Result<(), Failure> {
     let (mut ours, mut plain) = (Who::Ours.start(case, edge)?, Who::Plain.start(case, edge)?);
     let n_elements = ours.n_elements();
     let (mut failed, mut other) = (Ok(()), Ok(()));
-    // A run that has failed steps no further.
+    // A failed run takes no further steps.
     let step_ours = || {
         if failed.is_ok() {
             failed = ours.step();
@@ -53,7 +54,7 @@ fn time(case: &Case, ratios: &mut Ratios) -> Result<(), Failure> {
     failed.and(other)
 }
 
-/// The table of instructions, or why there is none.
+/// Table of instructions, or why it is missing.
 fn count(cases: &[&Case], ratios: &mut Ratios) -> Result<(), Failure> {
     let Some(version) = count::version() else {
         ratios.note("instructions: skipped, valgrind is not installed");
@@ -100,7 +101,7 @@ fn all(cases: &[&Case]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// On one thread; an error as text, which may leave it.
+/// Runs on one thread; returns an error as text, which can leave it.
 fn start() -> Result<(), String> {
     let cases: Vec<&Case> = material_points::CASES.iter().chain(&bonded::CASES).collect();
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -116,7 +117,7 @@ fn start() -> Result<(), String> {
 
 fn main() -> ExitCode {
     let Err(error) = start() else { return ExitCode::SUCCESS };
-    // With stderr gone there is nobody to tell; the exit code still says it.
+    // Without stderr the exit code still reports the error.
     let _ = writeln!(std::io::stderr(), "error: {error}");
     ExitCode::FAILURE
 }

@@ -1,4 +1,4 @@
-//! A square of material points that stretches, shears and turns: by smpm, and by hand.
+//! A square of material points that stretches, shears and rotates: smpm and hand-written.
 
 use smpm::material::{
     Fluid, LinearElasticParameters, LinearElasticSolid, Material, Solid, StiffenedGas,
@@ -15,21 +15,21 @@ pub(crate) const ELASTIC: LinearElasticParameters<f64> =
 pub(crate) const GAS: StiffenedGasParameters<f64> =
     StiffenedGasParameters { density: 1.0, exponent: 4.4, stiffness: 30.0, pressure: 1.0 };
 
-/// Of the bulk viscosity.
+/// Quadratic coefficient of the bulk viscosity.
 pub(crate) const QUADRATIC: f64 = 1.5;
 pub(crate) const LINEAR: f64 = 0.06;
 
-/// The energy may not exceed this many times that of the start.
+/// Largest growth factor of the energy over the run.
 pub(crate) const MOST_GROWTH: f64 = 1.2;
 
 pub(crate) const COURANT_NUMBER: f64 = 0.4;
 
-/// Where the particles start.
+/// Initial particles.
 #[derive(Debug)]
 pub(crate) struct Body {
     pub(crate) positions: Vec<[f64; 2]>,
     pub(crate) velocities: Vec<[f64; 2]>,
-    /// Of one particle.
+    /// Volume of one particle.
     pub(crate) volume: f64,
     pub(crate) cell: f64,
 }
@@ -99,7 +99,7 @@ impl Run for Simulation<f64, 2> {
     }
 }
 
-/// Sums over nodes are taken in another order: roundoff, grown a little in twenty steps by the stiffness of the material.
+/// Sums over nodes are in another order: roundoff, amplified in twenty steps by the stiffness of the material.
 const ROUNDOFF: f64 = 1e-11;
 
 pub(crate) const CASES: [Case; 2] = [

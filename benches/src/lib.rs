@@ -1,11 +1,12 @@
-//! What the benchmark targets share: the measurement, and the table of ratios.
+//! Measurement and table of ratios, common to the benchmark targets.
 //!
-//! `cargo bench -p benches --bench fpk` measures one crate; the targets are `kernels`, `neighbour`, `particles`, `sde`,
-//! `fpk`, `moments`, `smpm` and `peridynamics`, and `plain`, steps written by hand beside ours. `cargo bench -p benches -- --test` runs everything once, unmeasured.
+//! `cargo bench -p benches --bench fpk` measures one crate. The targets are `kernels`, `neighbour`, `particles`,
+//! `sde`, `fpk`, `moments`, `smpm` and `peridynamics`, and `plain`, the hand-written baselines.
+//! `cargo bench -p benches -- --test` runs everything once, unmeasured.
 //!
-//! Every time is CPU time of the process, on one thread. Rivals are measured in the same run, and what counts is the ratio:
-//! [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion measures what takes microseconds as well, and
-//! keeps it for comparison between runs.
+//! Every time is CPU time of the process, on one thread. Rivals are measured in the same run, and the result is the
+//! ratio: [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion also measures
+//! work that takes microseconds, and stores it for comparison between runs.
 
 pub mod output;
 pub mod page;
@@ -18,10 +19,10 @@ use cpu_time::ProcessTime;
 use criterion::Criterion;
 use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 
-/// CPU time of the process, all its threads together.
+/// CPU time of the process, over all its threads.
 ///
-/// Unlike wall time it does not count the time in which others had the processor. What others do to caches and clock
-/// rates remains in it. Reading it is a system call, dearer than a wall clock: samples should last well beyond a microsecond.
+/// Unlike wall time it excludes the time in which other processes ran. Their effect on caches and clock rates remains.
+/// Reading it is a system call, more expensive than a wall clock: samples should last well over a microsecond.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CpuTime;
 
@@ -56,7 +57,7 @@ impl Measurement for CpuTime {
 
 /// Criterion with CPU time, configured from the command line.
 ///
-/// Without options it takes a second for a measurement, not five, and resamples less: the comparisons that count are those
+/// By default a measurement takes one second instead of five, with less resampling: the relevant comparisons are those
 /// of [`ratios`].
 #[must_use]
 pub fn criterion() -> Criterion<CpuTime> {

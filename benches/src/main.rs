@@ -1,4 +1,4 @@
-//! Runs benchmarks and records what they measured in `docs/benchmarks.md`: `cargo xtask bench [NAME]... --record`.
+//! Runs benchmarks and records the measurements in `docs/benchmarks.md`: `cargo xtask bench [NAME]... --record`.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -44,7 +44,7 @@ fn record(names: &[String], criterion: &[String]) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// Runs a target into a folder of its own, so that nothing of an earlier run is taken for this one's.
+/// Runs a target into a separate folder, so that no result of an earlier run is recorded.
 fn run(root: &Path, target: &str, criterion: &[String]) -> Result<Recorded, RecordError> {
     let folder = root.join("target/bench-record").join(target);
     let tables = folder.join("tables.json");
@@ -58,7 +58,7 @@ fn run(root: &Path, target: &str, criterion: &[String]) -> Result<Recorded, Reco
         cargo.current_dir(root).args(["bench", "--package", "benches", "--bench", target]);
         cargo
     };
-    // Built first: a build is a load that the benchmark does not bring.
+    // Built first, so that the build does not load the machine during the benchmark.
     let built = command().arg("--no-run").status();
     if !built.is_ok_and(|status| status.success()) {
         return Err(failed());
@@ -92,6 +92,6 @@ fn run(root: &Path, target: &str, criterion: &[String]) -> Result<Recorded, Reco
 
 fn say(line: &str) {
     use std::io::Write;
-    // With stderr gone there is nobody to tell; the exit code still says it.
+    // Without stderr the exit code still reports the error.
     let _ = std::io::stderr().write_all(line.as_bytes());
 }

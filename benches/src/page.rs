@@ -1,4 +1,4 @@
-//! The page of what was recorded: `docs/benchmarks.md`, from the files in `docs/benchmarks`.
+//! The page of recorded benchmarks: `docs/benchmarks.md`, from the files in `docs/benchmarks`.
 
 use std::path::Path;
 
@@ -25,10 +25,10 @@ CPU time of the process, on one thread unless a name says otherwise. Of works wi
 A section is stale where `git diff --stat COMMIT HEAD -- crates benches` shows what it measures.
 ";
 
-/// Renders what is recorded below a root.
+/// Renders the records below a root.
 ///
 /// # Errors
-/// Those of the files.
+/// Errors of the files.
 pub fn render(root: &Path) -> Result<String, RecordError> {
     let mut page = HEAD.to_owned();
     let mut missing = Vec::new();
@@ -74,7 +74,7 @@ fn section(recorded: &Recorded) -> String {
 
 fn row(measured: &Measured) -> Vec<String> {
     let [low, high] = measured.interval.map(duration);
-    // Elements in a nanosecond are thousands of millions of them in a second.
+    // One element per nanosecond is a thousand million per second.
     let rate = measured.elements.map(|n| 1e3 * n as f64 / measured.median);
     vec![
         text(&measured.name),
@@ -84,7 +84,7 @@ fn row(measured: &Measured) -> Vec<String> {
     ]
 }
 
-/// Of nanoseconds.
+/// Formats a duration in nanoseconds.
 fn duration(nanoseconds: f64) -> String {
     let (unit, factor) = match nanoseconds {
         n if n < 1e3 => ("ns", 1.0),
@@ -114,7 +114,7 @@ mod tests {
             interval: [1.9e6, 2.1e6],
             elements: Some(4_000_000),
         };
-        // Four million in two milliseconds are two thousand million in a second.
+        // Four million in two milliseconds are two thousand million per second.
         let expected = ["a\\|b", "2.000 ms", "1.900 ms to 2.100 ms", "2000.0"];
         assert_eq!(row(&measured), expected);
     }

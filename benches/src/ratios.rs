@@ -1,8 +1,8 @@
-//! Ours against rivals, as ratios that a busy machine does not spoil.
+//! Our times compared with those of rivals, as ratios that are robust on a busy machine.
 //!
-//! The contenders of a work run in turns, and each round gives one ratio for each rival: what slows one contender of a
-//! round down slows the others as well. The ratio is the median over the rounds; the quartiles beside it say how far to
-//! trust it. Nothing is left out: a ratio below one is a loss and is printed as one.
+//! The contenders of a work alternate, and each round gives one ratio for each rival: a disturbance in a round slows
+//! all contenders. The result is the median over the rounds, with quartiles as its uncertainty. Nothing is omitted: a
+//! ratio below one is a loss and is printed.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -16,14 +16,14 @@ use criterion::{Criterion, Throughput};
 use crate::CpuTime;
 use crate::record::{self, Listed, Tables};
 
-/// Rounds of a work: as many as the time allows, between these.
+/// Range of the number of rounds, limited by time.
 const ROUNDS: std::ops::RangeInclusive<usize> = 7..=25;
-/// Wall time after which no more rounds begin.
+/// Wall time after which no further round begins.
 const PATIENCE: Duration = Duration::from_secs(4);
-/// CPU time that a contender takes in a round at least, by repetition: far above the cost of reading the clock.
+/// Minimum CPU time of a contender in a round, by repetition: far above the cost of reading the clock.
 const SAMPLE: Duration = Duration::from_millis(2);
 
-/// The title of the table that every target with rivals has.
+/// Title of the table of every target with rivals.
 const RATIOS: &str = "Ratios, rival / ours: above 1 we are faster";
 
 const HEADER: [&str; 10] =
@@ -35,7 +35,7 @@ struct Contender<'a> {
     run: Box<dyn FnMut() + 'a>,
 }
 
-/// The same work done by several: ours first, then the rivals.
+/// The same work by several contenders: ours first, then the rivals.
 #[expect(missing_debug_implementations, reason = "closures have none")]
 pub struct Work<'a> {
     name: String,
@@ -44,7 +44,7 @@ pub struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// What is to be done, how many elements that is, and how we do it.
+    /// A work with its number of elements and our implementation.
     pub fn new(
         name: impl Into<String>,
         n_elements: usize,
@@ -55,14 +55,14 @@ impl<'a> Work<'a> {
         Self { name: name.into(), n_elements, contenders: vec![ours] }
     }
 
-    /// Someone who does the same.
+    /// Adds a rival.
     #[must_use]
     pub fn rival(mut self, name: &'static str, run: impl FnMut() + 'a) -> Self {
         self.contenders.push(Contender { name, target: None, run: Box::new(run) });
         self
     }
 
-    /// Someone who does the same and is to take at least `target` times as long.
+    /// Adds a rival that is expected to take at least `target` times as long.
     #[must_use]
     pub fn rival_to_beat(
         mut self,
@@ -74,7 +74,7 @@ impl<'a> Work<'a> {
         self
     }
 
-    /// Has criterion measure the contenders too, one after the other: for distributions and for changes between runs.
+    /// Also measures the contenders by criterion, one after the other: for distributions and changes between runs.
     #[must_use]
     pub fn in_criterion(mut self, criterion: &mut Criterion<CpuTime>) -> Self {
         let mut group = criterion.benchmark_group(&self.name);
@@ -87,7 +87,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// The table of ratios of a benchmark target.
+/// Table of ratios of a benchmark target.
 #[derive(Debug)]
 pub struct Ratios {
     title: &'static str,
@@ -100,8 +100,10 @@ pub struct Ratios {
 }
 
 impl Ratios {
-    /// An empty table. With `--test` or `--list` on the command line nothing is measured; a first argument that is no
-    /// option is a filter on the names of works.
+    /// An empty table.
+    ///
+    /// With `--test` or `--list` on the command line nothing is measured. A first argument that is no option filters
+    /// the names of works.
     #[must_use]
     pub fn from_args(title: &'static str) -> Self {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -109,7 +111,7 @@ impl Ratios {
         Self {
             title,
             filter: arguments.first().filter(|first| !first.starts_with('-')).cloned(),
-            // As criterion decides it: cargo says `--bench` where it is to be measured.
+            // As in criterion: cargo passes `--bench` for a measurement.
             is_measured: is_given("--bench") && !is_given("--test") && !is_given("--list"),
             load_at_start: load_average(),
             rows: Vec::new(),
@@ -118,13 +120,13 @@ impl Ratios {
         }
     }
 
-    /// Whether anything is measured; work of many seconds is left out if not.
+    /// Whether anything is measured; otherwise work of many seconds is skipped.
     #[must_use]
     pub fn is_measured(&self) -> bool {
         self.is_measured
     }
 
-    /// Whether the filter leaves this work in.
+    /// Whether the filter selects this work.
     #[must_use]
     pub fn wants(&self, work: &str) -> bool {
         self.filter.as_ref().is_none_or(|part| work.contains(part))
@@ -147,7 +149,7 @@ impl Ratios {
         for (k, rival) in contenders.iter().enumerate().skip(1) {
             let its = Quartiles::of(rounds.iter().map(|seconds| seconds[k]));
             let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[k] / seconds[0]));
-            // In the table of one target its name need not stand before each work, as it does in criterion's.
+            // In the table of one target its name need not precede each work, as it does in criterion's.
             let work = name.trim_start_matches(self.title).trim_start_matches('/');
             self.rows.push(vec![
                 work.to_owned(),
@@ -164,7 +166,7 @@ impl Ratios {
         }
     }
 
-    /// Adds bytes that were counted, ours and a rival's.
+    /// Adds counted bytes, ours and a rival's.
     pub fn bytes(&mut self, work: &str, ours: usize, rival: &str, its: usize, target: f64) {
         let megabytes = |bytes: usize| format!("{:.0} MB", 1e-6 * bytes as f64);
         let ratio = its as f64 / ours as f64;
@@ -182,7 +184,7 @@ impl Ratios {
         ]);
     }
 
-    /// Measures two ways of ours by wall time: what more threads bring shows in nothing else.
+    /// Measures two of our variants by wall time, which alone shows the gain from threads.
     pub fn wall(
         &mut self,
         work: &str,
@@ -221,17 +223,17 @@ impl Ratios {
         ]);
     }
 
-    /// A line below the table.
+    /// Adds a line below the table.
     pub fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
     }
 
-    /// A further table, below that of the ratios.
+    /// Adds a table below that of the ratios.
     pub fn list(&mut self, listed: Listed) {
         self.further.push(listed);
     }
 
-    /// Prints the tables, if anything was measured, and leaves them where `record` asks for them.
+    /// Prints the tables if anything was measured, and writes them where `record` requests it.
     pub fn print(self) {
         if !self.is_measured {
             return;
@@ -245,7 +247,7 @@ impl Ratios {
         let cores = std::thread::available_parallelism().map_or(0, usize::from);
         let mut text = format!(
             "\n{title}. {RATIOS}\n\n{table}\n\n\
-             CPU time of the process on one thread, of {cores} the machine has; contenders take turns; medians over the rounds.\n\
+             CPU time of the process on one thread of {cores}; contenders alternate; medians over the rounds.\n\
              M/s: millions of pairs, points or particles a second, ours.\n\
              reached: no if even the upper quartile is below the target, about if the target lies between the quartiles.\n\
              load average {load_at_start} at the start, {} at the end.\n",
@@ -263,7 +265,7 @@ impl Ratios {
             let error = error.to_string();
             text.extend(["the tables could not be left for the record: ", &error, "\n"]);
         }
-        // Who closed the output does not want the table.
+        // A closed output needs no table.
         let _ = std::io::stdout().write_all(text.as_bytes());
     }
 }
@@ -287,7 +289,7 @@ fn rounds(contenders: &mut [Contender<'_>]) -> Vec<Vec<f64>> {
     {
         let mut round = vec![0.0; contenders.len()];
         for turn in 0..contenders.len() {
-            // Every other round backwards, so that nobody always follows the same one.
+            // Every other round is reversed, so that no contender always follows the same one.
             let k = if rounds.len() % 2 == 0 { turn } else { contenders.len() - 1 - turn };
             round[k] = seconds(&mut contenders[k], repetitions[k]);
         }
@@ -350,7 +352,7 @@ fn or_dash(value: Option<impl Display>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
-/// Processes that wanted to run over the last minute, where the system tells.
+/// Load average over the last minute, if the system reports it.
 pub(crate) fn load_average() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     text.split(' ').next().filter(|load| !load.is_empty()).unwrap_or("unknown").to_owned()

@@ -1,4 +1,4 @@
-//! What is kept of a run of a target: its tables, what criterion measured, and where that was.
+//! Record of a run of a target: tables, measurements of criterion, and conditions.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,122 +6,122 @@ use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
-/// Names the file that a target leaves its tables in.
+/// Environment variable with the file for a target's tables.
 pub const TABLES: &str = "BENCHES_TABLES";
 
 /// All targets, in the order of the page.
 pub const TARGETS: [&str; 9] =
     ["plain", "kernels", "neighbour", "particles", "sde", "moments", "fpk", "smpm", "peridynamics"];
 
-/// What could not be recorded.
+/// Error of recording.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// No such target.
+    /// The target does not exist.
     #[error("there is no target `{name}`; there are {}", TARGETS.join(", "))]
     NoTarget {
         /// Its name.
         name: String,
     },
-    /// What is recorded is a commit.
+    /// Files differ from the commit.
     #[error("not recorded: these files are not as committed: {}", .files.join(", "))]
     Uncommitted {
-        /// Outside `docs`.
+        /// Files outside `docs`.
         files: Vec<String>,
     },
-    /// No commit, no record.
+    /// There is no commit.
     #[error("not recorded: there is no git here, or no commit")]
     NoCommit,
-    /// A target that failed.
+    /// A target failed.
     #[error("the target `{name}` failed")]
     Failed {
         /// Its name.
         name: String,
     },
-    /// A file.
+    /// Access to a file failed.
     #[error("{}: {source}", .path.display())]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// A file that is not what it should be.
+    /// A file has the wrong contents.
     #[error("{}: {source}", .path.display())]
     Json {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// Where and why.
+        /// Position and cause.
         source: serde_json::Error,
     },
 }
 
-/// A table with its title: what a target prints, and what is recorded of it.
+/// A table with its title, printed by a target and recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Listed {
-    /// What is listed.
+    /// Title.
     pub title: String,
-    /// Heads of the columns.
+    /// Column heads.
     pub head: Vec<String>,
-    /// As many cells each.
+    /// Rows with as many cells.
     pub rows: Vec<Vec<String>>,
 }
 
-/// The tables that a target prints.
+/// Tables of a target.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tables {
-    /// In their order.
+    /// Tables in order.
     pub tables: Vec<Listed>,
     /// Lines below them.
     pub notes: Vec<String>,
 }
 
-/// One measurement of criterion.
+/// A measurement of criterion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
     /// Group and function.
     pub name: String,
-    /// Median CPU time (ns), and its interval of 95 %.
+    /// Median CPU time (ns).
     pub median: f64,
-    /// Lower and upper end (ns).
+    /// Lower and upper end of its 95 % interval (ns).
     pub interval: [f64; 2],
-    /// Elements of one run, where they are counted.
+    /// Number of elements of one run, if counted.
     pub elements: Option<u64>,
 }
 
-/// A target as it was run.
+/// A run of a target.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
     /// Its name.
     pub target: String,
-    /// What was typed.
+    /// Command line.
     pub command: String,
-    /// The commit that was built.
+    /// Commit of the build.
     pub commit: String,
-    /// The day in Greenwich.
+    /// Date in UTC.
     pub date: Option<String>,
     /// Model of the processor.
     pub cpu: Option<String>,
     /// Logical processors.
     pub cores: usize,
-    /// The widest registers that ours use.
+    /// Widest registers used.
     pub instruction_set: String,
     /// Load average over a minute, before and after.
     pub load: [String; 2],
-    /// What it printed.
+    /// Printed tables.
     pub tables: Tables,
-    /// What criterion measured.
+    /// Measurements of criterion.
     pub measured: Vec<Measured>,
 }
 
-/// Leaves tables where a record asks for them; without a record it does nothing.
+/// Writes tables for a record; without a record it does nothing.
 ///
 /// # Errors
-/// Those of the file.
+/// Errors of the file.
 pub fn leave(tables: &Tables) -> Result<(), RecordError> {
     match std::env::var_os(TABLES) {
         None => Ok(()),
@@ -129,30 +129,30 @@ pub fn leave(tables: &Tables) -> Result<(), RecordError> {
     }
 }
 
-/// Writes a value as JSON, making missing folders.
+/// Writes a value as JSON; creates missing folders.
 ///
 /// # Errors
-/// Those of the file.
+/// Errors of the file.
 pub fn write<T: Serialize>(path: &Path, value: &T) -> Result<(), RecordError> {
     let json = |source| RecordError::Json { path: path.into(), source };
     let text = serde_json::to_string_pretty(value).map_err(json)? + "\n";
     write_text(path, &text)
 }
 
-/// Writes text, making missing folders.
+/// Writes text; creates missing folders.
 ///
 /// # Errors
-/// Those of the file.
+/// Errors of the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), RecordError> {
     let file = |source| RecordError::File { path: path.into(), source };
     path.parent().map_or(Ok(()), fs::create_dir_all).map_err(file)?;
     fs::write(path, text).map_err(file)
 }
 
-/// Reads a value; the default where there is no such file.
+/// Reads a value; the default if the file does not exist.
 ///
 /// # Errors
-/// Those of the file, and of what stands in it.
+/// Errors of the file and of its contents.
 pub fn read<T: for<'a> Deserialize<'a> + Default>(path: &Path) -> Result<T, RecordError> {
     match fs::read_to_string(path) {
         Ok(text) => serde_json::from_str(&text)
@@ -162,7 +162,7 @@ pub fn read<T: for<'a> Deserialize<'a> + Default>(path: &Path) -> Result<T, Reco
     }
 }
 
-/// What criterion writes of a benchmark, as far as it is asked for.
+/// The used part of criterion's output for a benchmark.
 #[derive(Debug, Default, Deserialize)]
 struct Benchmark {
     title: String,
@@ -186,15 +186,15 @@ struct Interval {
     upper_bound: f64,
 }
 
-/// All that criterion has measured into a folder, by name; none where there is no such folder.
+/// All measurements of criterion in a folder, by name; none if the folder does not exist.
 ///
 /// # Errors
-/// Those of the files.
+/// Errors of the files.
 pub fn measured(folder: &Path) -> Result<Vec<Measured>, RecordError> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
-        // What is no folder has nothing in it.
+        // A path that is no folder has no entries.
         for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
             folders.push(entry.path());
         }

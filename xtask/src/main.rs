@@ -1,7 +1,7 @@
 //! The commands of the workspace.
 //!
-//! Each starts cargo, or bash for `ci`, and hands back its exit code. Nothing of the workspace is linked,
-//! so that this builds in a moment.
+//! Each command starts cargo, or bash for `ci`, and returns its exit code. No package of the workspace is linked, so
+//! this builds in a moment.
 
 mod audit;
 
@@ -69,13 +69,13 @@ const PACKAGES: [(&str, &str); 7] = [
     ("verify", "verification"),
 ];
 
-/// Asks a benchmark to be kept.
+/// Option that records a benchmark.
 const RECORD: &str = "--record";
 
-/// Asks for ranks of MPI.
+/// Option that starts ranks of MPI.
 const MPI: &str = "--mpi";
 
-/// Exit code for a command line that means nothing.
+/// Exit code for an invalid command line.
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
@@ -119,7 +119,7 @@ fn package_of(command: &str) -> Option<&'static str> {
     PACKAGES.iter().find(|(name, _)| *name == command).map(|(_, package)| *package)
 }
 
-/// Builds the binary of a package, as for the tests or for speed, and starts it.
+/// Builds the binary of a package, in the test or the release profile, and starts it.
 fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
     if !checked {
         if !binary("release", package).exists() {
@@ -139,7 +139,7 @@ fn run_arguments(package: &str, arguments: &[String]) -> Vec<String> {
     start.into_iter().map(str::to_owned).chain(arguments.iter().cloned()).collect()
 }
 
-/// The arguments of `schema` with the folders of the workspace; those of other commands as they are.
+/// Adds the folders of the workspace to the arguments of `schema`; other commands are unchanged.
 fn documents(command: &str, rest: &[String]) -> Vec<String> {
     if command != "schema" {
         return rest.to_vec();
@@ -152,7 +152,7 @@ fn documents(command: &str, rest: &[String]) -> Vec<String> {
     places.into_iter().chain(rest).collect()
 }
 
-/// The number behind `--mpi`, and the arguments without both.
+/// The number after `--mpi`, and the arguments without both.
 fn ranks(rest: &[String]) -> Result<(NonZeroUsize, Vec<String>), String> {
     let at = rest.iter().position(|argument| argument == MPI).unwrap_or(rest.len());
     let number = rest.get(at + 1).ok_or("--mpi needs a number of ranks, e.g. --mpi 2")?;
@@ -161,7 +161,7 @@ fn ranks(rest: &[String]) -> Result<(NonZeroUsize, Vec<String>), String> {
     Ok((n_ranks, [&rest[..at], &rest[at + 2..]].concat()))
 }
 
-/// Builds with MPI and starts so many ranks, on the machines that mpirun is set up for.
+/// Builds with MPI and starts a number of ranks, on the machines that mpirun is configured for.
 fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
     let mpirun = || Command::new("mpirun");
     if !mpirun().arg("--version").stdout(Stdio::null()).status().is_ok_and(|it| it.success()) {
@@ -199,18 +199,18 @@ fn bench_arguments(rest: &[String]) -> Vec<String> {
     start.chain(targets).chain(criterion.iter().cloned()).collect()
 }
 
-/// The cargo that runs this.
+/// The cargo that started this program.
 fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// The folder above this package, which cargo names.
+/// The folder above this package, reported by cargo.
 fn workspace() -> PathBuf {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     package.as_deref().and_then(Path::parent).map_or_else(|| ".".into(), Path::to_owned)
 }
 
-/// The binary of a package as a profile builds it.
+/// Path of a package's binary in a profile.
 fn binary(profile: &str, package: &str) -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| workspace().join("target"), PathBuf::from);
@@ -227,12 +227,12 @@ fn start(command: &mut Command) -> ExitCode {
     }
 }
 
-/// The exit code of the program that was started; 1 if a signal ended it.
+/// Exit code of the started program; 1 if a signal ended it.
 fn forward(status: ExitStatus) -> ExitCode {
     status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
-/// Text on standard output; fails if there is none.
+/// Prints text on standard output; fails if it is closed.
 fn print(text: &str) -> ExitCode {
     match std::io::stdout().write_all(text.as_bytes()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -241,7 +241,7 @@ fn print(text: &str) -> ExitCode {
 }
 
 fn say(text: &str) {
-    // With stderr gone there is nobody to tell; the exit code still says it.
+    // Without stderr the exit code still reports the error.
     let _ = std::io::stderr().write_all(text.as_bytes());
 }
 

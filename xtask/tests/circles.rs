@@ -1,7 +1,8 @@
 //! No files of a package use each other in a circle, as `docs/ARCHITECTURE.md` states.
 //!
-//! A file uses the files whose items it names by `crate::`, `super::` or `self::`, and its child modules whose items it names.
-//! A re-export is no use: the file that defines a name is used by those who name it. Roots and code for tests alone are left out.
+//! A file uses the files whose items it names by `crate::`, `super::` or `self::`, and its child modules whose items
+//! it names. A re-export is no use: a user of the name uses the file that defines it. Roots and test-only code are
+//! excluded.
 
 #[path = "shared/folder.rs"]
 mod folder;
@@ -17,16 +18,16 @@ use folder::files;
 use packages::{packages, word};
 use reader::{Names, Reader};
 
-/// Which files a file uses, and by which path first.
+/// Files that a file uses, and the first path of each use.
 type Edges = BTreeMap<String, BTreeMap<String, String>>;
 
-/// The file that defines what a path names, through re-exports; none if it is the root.
+/// The file that defines the target of a path, through re-exports; none if it is the root.
 fn defining<'a>(
     mut path: Names,
     files: &BTreeMap<&[String], &'a str>,
     exported: &BTreeMap<&Names, &Names>,
 ) -> Option<&'a str> {
-    // No name is re-exported more often on its way.
+    // No name passes through more re-exports.
     for _ in 0..8 {
         let is_file = |n: &usize| *n == 0 || files.contains_key(&path[..*n]);
         let n = (0..=path.len()).rev().find(is_file)?;
@@ -40,7 +41,7 @@ fn defining<'a>(
     None
 }
 
-/// The edges between the files of a package, by their paths below its sources.
+/// Edges between the files of a package, by their paths below its sources.
 fn edges(sources: &[(String, String)]) -> Edges {
     let read = sources.iter().map(|(file, text)| (file.as_str(), Reader::read(file, text)));
     let read: Vec<(&str, Reader)> = read.collect();
@@ -59,7 +60,7 @@ fn edges(sources: &[(String, String)]) -> Edges {
     edges
 }
 
-/// Circles, a line for each edge; none is left where an edge of each is taken away.
+/// Circles, a line for each edge; removing one edge of each breaks all circles.
 fn circles(mut edges: Edges) -> String {
     let mut found = String::new();
     while let Some(circle) = circle(&mut edges) {
@@ -71,9 +72,9 @@ fn circles(mut edges: Edges) -> String {
     found
 }
 
-/// The files of a circle, if there is one; takes away the edges that lead to none.
+/// The files of a circle, if any; removes edges that lead to none.
 fn circle(edges: &mut Edges) -> Option<Vec<String>> {
-    // A file that uses none is in no circle, and neither is one that uses such files alone.
+    // A file without edges is in no circle, and neither is one with edges to such files only.
     let mut n_before = usize::MAX;
     while edges.len() < n_before {
         n_before = edges.len();
@@ -83,7 +84,7 @@ fn circle(edges: &mut Edges) -> Option<Vec<String>> {
             !uses.is_empty()
         });
     }
-    // Each that is left uses one that is left, so that a walk comes to where it has been.
+    // Every remaining file uses a remaining one, so a walk returns to a visited file.
     let (mut walk, mut next) = (Vec::new(), edges.keys().next()?);
     while !walk.contains(next) {
         walk.push(next.clone());

@@ -1,13 +1,15 @@
-//! What the page of a crate says of it, held to the crate: features, picture, the crates in its build, the changelog.
+//! Statements on the page of a crate compared with the crate.
+//!
+//! Compared are features, picture, number of crates in its build, and changelog.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The platform that numbers of crates are of.
+/// Platform for the numbers of crates.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
-/// Categories of the registry that a crate here could stand in.
+/// Categories of the registry that apply to a crate here.
 const CATEGORIES: [&str; 7] = [
     "algorithms",
     "concurrency",
@@ -22,7 +24,7 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The folders of the crates to be published.
+/// Folders of the crates to be published.
 fn crates() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(workspace().join("crates")).expect("the folder of the crates");
     let mut folders: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
@@ -39,7 +41,7 @@ fn read(folder: &Path, file: &str) -> String {
     std::fs::read_to_string(folder.join(file)).expect(file)
 }
 
-/// What stands in a table of a manifest, by key; entries of one line.
+/// Entries of a table in a manifest, by key; single-line entries.
 fn table(manifest: &str, heading: &str) -> BTreeMap<String, String> {
     let lines = manifest.lines().skip_while(|line| *line != format!("[{heading}]")).skip(1);
     let entries = lines.take_while(|line| !line.starts_with('['));
@@ -47,12 +49,12 @@ fn table(manifest: &str, heading: &str) -> BTreeMap<String, String> {
     split.map(|(key, value)| (key.to_owned(), value.to_owned())).collect()
 }
 
-/// The words between quotation marks.
+/// Words between quotation marks.
 fn quoted(list: &str) -> Vec<&str> {
     list.split('"').skip(1).step_by(2).collect()
 }
 
-/// The different packages in a normal build, the crate itself included.
+/// Number of different packages in a normal build, including the crate itself.
 fn n_crates(name: &str, features: &[&str]) -> usize {
     let tree = ["tree", "--locked", "--target", TARGET, "-p", name, "-e", "normal"];
     let shape = ["--prefix", "none", "--no-dedupe"];

@@ -1,7 +1,7 @@
-//! What the Markdown files show of the sources is in the sources, and what they link to is there.
+//! Code on Markdown pages matches the sources, and links and paths lead to existing files.
 //!
-//! A page shows a piece of a source so: a line `<!-- source: PATH#NAME -->`, with the path from the root, and the code block that
-//! follows. In the source the piece stands between `// docs: NAME` and `// docs: end`.
+//! A page shows an excerpt of a source by a line `<!-- source: PATH#NAME -->`, with the path from the root, and the
+//! following code block. In the source the excerpt is between `// docs: NAME` and `// docs: end`.
 
 #[path = "shared/folder.rs"]
 mod folder;
@@ -19,9 +19,9 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-// ---- pieces of sources ----
+// ---- excerpts of sources ----
 
-/// A code block that says which piece of which source it is.
+/// A code block with its source and excerpt.
 #[derive(Debug, PartialEq)]
 struct Shown {
     path: String,
@@ -38,7 +38,7 @@ fn shown(page: &str) -> Vec<Shown> {
             let fence = lines.next().unwrap_or_default();
             let code =
                 lines.by_ref().take_while(|line| *line != "```").map(|line| line.to_owned() + "\n");
-            // Without a fence there is no code, which no source has.
+            // Without a fence there is no code, which matches no source.
             let code = if fence.starts_with("```") { code.collect() } else { String::new() };
             all.push(Shown { path: path.to_owned(), name: name.to_owned(), code });
         }
@@ -46,7 +46,7 @@ fn shown(page: &str) -> Vec<Shown> {
     all
 }
 
-/// The pieces of a source by their names, without the indentation that all lines of a piece have.
+/// Excerpts of a source by name, without their common indentation.
 fn pieces(source: &str) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     let mut open: Option<(&str, Vec<&str>)> = None;
@@ -81,14 +81,14 @@ fn code_blocks_are_the_text_of_the_sources_they_name() -> Outcome {
             let source = fs::read_to_string(root().join(&path)).unwrap_or_default();
             let same = pieces(&source).get(&name) == Some(&code);
             if !same {
-                wrong.push(format!("{}: not what stands in {path} as `{name}`", page.display()));
+                wrong.push(format!("{}: differs from `{name}` in {path}", page.display()));
             }
             seen.insert((path, name));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(seen.len() >= 10, "only {} pieces of sources are shown", seen.len());
-    // A piece that no page shows has lost its page.
+    // An excerpt that no page shows has lost its page.
     for source in files(&root().join("crates"), ".rs")? {
         let path = source.strip_prefix(root())?.to_string_lossy().replace('\\', "/");
         for name in pieces(&fs::read_to_string(&source)?).into_keys() {
@@ -124,12 +124,12 @@ fn a_block_that_differs_from_its_source_is_seen() {
 
 // ---- links ----
 
-/// The targets of the links and pictures of a page, outside code.
+/// Targets of the links and pictures of a page, outside code.
 fn targets(page: &str) -> Vec<String> {
     let mut all = Vec::new();
     for line in prose(page) {
         let pieces: Vec<&str> = line.split('`').collect();
-        // Every other piece is code. The `](` of a link stands outside.
+        // Every second piece is code. The `](` of a link is outside.
         let text: String = pieces.iter().step_by(2).copied().collect::<Vec<_>>().join("");
         for rest in text.split("](").skip(1) {
             if let Some((target, _)) = rest.split_once(')') {
@@ -140,7 +140,7 @@ fn targets(page: &str) -> Vec<String> {
     all
 }
 
-/// The lines of a page that are no code.
+/// Lines of a page outside code.
 fn prose(page: &str) -> Vec<&str> {
     let mut code = false;
     page.lines()
@@ -152,7 +152,7 @@ fn prose(page: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The names by which the headings of a page are reached: small letters, hyphens for spaces, nothing else but underscores.
+/// Anchors of a page's headings: small letters, hyphens for spaces, no other characters but underscores.
 fn anchors(page: &str) -> BTreeSet<String> {
     let mut all = BTreeSet::new();
     for heading in prose(page).iter().filter(|line| line.starts_with('#')) {
@@ -163,13 +163,13 @@ fn anchors(page: &str) -> BTreeSet<String> {
         let free = std::iter::once(name.clone()).chain(again).find(|name| !all.contains(name));
         all.extend(free);
     }
-    // Places that are named without a heading.
+    // Anchors without a heading.
     let named = page.split("<a id=\"").skip(1).filter_map(|rest| rest.split_once('"'));
     all.extend(named.map(|(name, _)| name.to_owned()));
     all
 }
 
-/// What is wrong with a link from a page, if it is a relative one.
+/// Describes the error of a relative link from a page, if any.
 fn broken(page: &Path, text: &str, target: &str) -> Option<String> {
     let elsewhere = ["http://", "https://", "mailto:"].iter().any(|kind| target.starts_with(kind));
     // `crate::Name` is a link of rustdoc, which checks it.
@@ -216,10 +216,10 @@ fn a_link_to_nothing_is_seen() {
 
 // ---- paths ----
 
-/// The folders at the root whose files pages name.
+/// Folders at the root whose files pages name.
 const FOLDERS: [&str; 6] = ["crates/", "tests/", "benches/", "xtask/", "docs/", ".ci/"];
 
-/// The paths from the root that a page names in code spans: up to the first placeholder, `crates/*/tests` to `crates/`.
+/// Paths from the root in the code spans of a page: up to the first placeholder, `crates/*/tests` to `crates/`.
 fn named_paths(page: &str) -> Vec<String> {
     let mut all = Vec::new();
     for line in prose(page) {
@@ -227,7 +227,7 @@ fn named_paths(page: &str) -> Vec<String> {
             if FOLDERS.iter().any(|folder| span.starts_with(folder)) {
                 let end = span.find(['<', '*', '{', ' ', '#', '|']).unwrap_or(span.len());
                 let kept = &span[..end];
-                // Of a name with a placeholder the folder is left.
+                // A name with a placeholder is reduced to its folder.
                 let folder = kept.rfind('/').map_or(kept, |slash| &kept[..slash]);
                 all.push(if end < span.len() { folder } else { kept }.to_owned());
             }
@@ -236,7 +236,9 @@ fn named_paths(page: &str) -> Vec<String> {
     all
 }
 
-/// Whether a path leads somewhere from the root, from the folder of the page, or from a crate: `tests/laws.rs` is that of a crate.
+/// Whether a path exists from the root, from the folder of the page, or from a crate.
+///
+/// For example, `tests/laws.rs` is that of a crate.
 fn is_there(page: &Path, path: &str) -> std::io::Result<bool> {
     let mut starts = vec![root(), page.parent().map(Path::to_owned).unwrap_or_default()];
     for entry in fs::read_dir(root().join("crates"))? {
@@ -245,7 +247,7 @@ fn is_there(page: &Path, path: &str) -> std::io::Result<bool> {
     Ok(starts.iter().any(|start| start.join(path).exists()))
 }
 
-/// Changelogs tell of what was.
+/// Changelogs refer to earlier states.
 #[test]
 fn the_files_and_folders_that_pages_name_are_there() -> Outcome {
     let (mut wrong, mut n_paths) = (Vec::new(), 0);

@@ -1,4 +1,4 @@
-//! The edges between packages of the workspace are those that `docs/ARCHITECTURE.md` states.
+//! Edges between packages of the workspace match those that `docs/ARCHITECTURE.md` states.
 
 #[path = "shared/packages.rs"]
 mod packages;
@@ -10,14 +10,14 @@ use std::process::Command;
 use packages::{packages, word};
 use serde_json::Value;
 
-/// What a package depends on: always, and for its tests alone.
+/// Dependencies of a package: always, and for its tests only.
 type Edges = BTreeMap<String, [BTreeSet<String>; 2]>;
 
 fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The packages of the workspace and their edges.
+/// Packages of the workspace and their edges.
 fn edges() -> Edges {
     packages().iter().map(|package| (word(&package["name"]), of_package(package))).collect()
 }
@@ -34,7 +34,7 @@ fn of_package(package: &Value) -> [BTreeSet<String>; 2] {
     [always, for_tests]
 }
 
-/// The rows of the table, one for each package that depends on another.
+/// Rows of the table, one for each package that depends on another.
 fn rows(edges: &Edges) -> Vec<String> {
     let list = |names: &BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(", ");
     let of_some = edges.iter().filter(|(_, [always, tests])| always.len() + tests.len() > 0);
@@ -83,7 +83,7 @@ fn solvers_do_not_know_each_other_and_figures_knows_no_solver() {
     assert!(edges["lanes"][0].is_empty() && edges["xtask"][0].is_empty());
 }
 
-/// An embedder of one solver compiles no other.
+/// A program that embeds one solver compiles no other.
 #[test]
 fn scenes_of_one_solver_build_no_other() {
     for (feature, solver) in [("fpk", "fpk-sph"), ("smpm", "smpm"), ("peridyn", "peridyn-sde")] {

@@ -148,9 +148,10 @@ fn avoided(text: &str) -> Vec<(&'static str, &'static str)> {
     found
 }
 
-/// The lengths of the sentences that are too long, in words.
+/// Word counts of sentences that are too long; display formulas between `$$` do not count.
 fn long_sentences(text: &str) -> Vec<usize> {
-    let words = words_of(text);
+    let prose: Vec<&str> = text.split("$$").step_by(2).collect();
+    let words = words_of(&prose.join("."));
     let lengths = words.split(|word| word == ".").map(<[String]>::len);
     lengths.filter(|&length| length > LONGEST_SENTENCE).collect()
 }
@@ -248,6 +249,7 @@ fn what_a_reader_would_stumble_over_is_found() {
     assert_eq!(long_sentences(&long), [41]);
     assert_eq!(long_sentences(&format!("{long}. short")), [41]);
     assert_eq!(long_sentences(&"a number of 1.5 words. ".repeat(30)), [0; 0]);
+    assert_eq!(long_sentences(&format!("$$ {long} $$")), [0; 0]);
     let page = format!("# Title\n\n{}\n\n```\nthe mean run\n```\n", "x".repeat(401));
     assert_eq!(found_in("a.md", &page).len(), 1);
     let source = "/// A ledger\n/// of mass.\nlet a = \"has told\"; let ledger = key(\"told\");\n";

@@ -1,10 +1,10 @@
-//! What a contender found, and whether it is what the others found.
+//! Results of a contender, and their comparison with those of the others.
 
 use kiddo::PairQueryResult;
 use linkcell::PairColumns;
 use neighbour_search::NeighbourList;
 
-/// Rows of a list that a rival's queries make: row `i` is `indices[offsets[i]..offsets[i + 1]]`.
+/// Rows of a list from a rival's queries: row `i` is `indices[offsets[i]..offsets[i + 1]]`.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     offsets: Vec<usize>,
@@ -23,7 +23,7 @@ impl Rows {
     }
 }
 
-/// Pairs in memory, in whatever order and form.
+/// Pairs in memory, in any order and format.
 pub(crate) trait Pairs {
     fn for_each(&self, visit: impl FnMut(u32, u32));
 }
@@ -56,7 +56,7 @@ impl Pairs for Vec<[u32; 2]> {
     }
 }
 
-/// kiddo's join of a cloud with itself, in which each point finds itself as well.
+/// kiddo's join of a cloud with itself, in which each point also finds itself.
 impl Pairs for Vec<PairQueryResult<u32, u32, ()>> {
     fn for_each(&self, mut visit: impl FnMut(u32, u32)) {
         for pair in self.iter().filter(|pair| pair.left_item != pair.right_item) {
@@ -82,17 +82,18 @@ impl Pairs for PairColumns {
     }
 }
 
-/// How a pair is counted.
+/// Counting of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sense {
-    /// A mutual pair is two: (i, j) and (j, i).
+    /// A mutual pair counts twice: (i, j) and (j, i).
     Directed,
     /// Either order is the same pair.
     Unordered,
 }
 
-/// A set of pairs: their number, and a sum over them of 64 mixed bits, so that order does not matter. A set with one pair
-/// more, less, twice or other has the same sum by chance only, once in 2^64.
+/// A set of pairs: their number, and an order-independent sum of 64-bit hashes.
+///
+/// A set with one pair more, less, twice or different has the same sum with probability 2^-64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Fingerprint {
     sense: Sense,
@@ -123,7 +124,7 @@ fn mixed(mut bits: u64) -> u64 {
     bits ^ bits >> 31
 }
 
-/// Runs a search once, checks that it finds what is expected, and returns it ready to be measured, its buffers kept.
+/// Runs a search once, checks its result, and returns it ready for measurement with its buffers.
 pub(crate) fn agreed<B: Pairs>(
     expected: Fingerprint,
     name: &'static str,

@@ -1,10 +1,10 @@
-//! Neighbour lists of clouds in random order of memory, the structure built anew each time, as particles that move need it.
+//! Neighbour lists of clouds in random memory order; the structure is rebuilt each time, as for moving particles.
 //!
-//! Everyone writes every pair to memory, except where it says that pairs are only counted, and is checked to find the same
-//! pairs before it is measured. What they leave behind differs: `CellGrid` compressed rows of four bytes a pair; the trees'
-//! queries such rows in their order; linkcell the pair with the image and the squared distance, 28 or 40 bytes; zelll,
-//! kiddo's join, and kiddo where the larger radius decides, loose pairs. Lists keep their memory from run to run where the
-//! interface takes a buffer.
+//! Every contender writes every pair to memory, except where pairs are only counted, and is checked for the same pairs
+//! before measurement. Outputs differ. `CellGrid` has compressed rows of four bytes per pair; the queries of the trees
+//! such rows in their order. linkcell stores the pair with image and squared distance, 28 or 40 bytes. zelll, kiddo's
+//! join, and kiddo for the larger radius store loose pairs. Lists keep their memory between runs if the interface
+//! accepts a buffer.
 
 #![expect(
     clippy::unwrap_used,
@@ -30,15 +30,15 @@ use neighbour_search::{
 use crate::found::{Fingerprint, Rows, Sense, agreed};
 use crate::rivals::{kiddo_join, linkcell_columns, linkcell_rows, plane, rstar, space, zelll};
 
-/// Counts bytes for everyone alike; a few nanoseconds for each call of the allocator.
+/// Counts bytes for all contenders; a few nanoseconds for each allocator call.
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
-/// Neighbours inside a uniform cloud in space; with its faces about 43 are left.
+/// Neighbours in the interior of a uniform cloud in space; with its faces the mean is about 43.
 const IN_SPACE: f64 = 45.0;
 const IN_PLANE: f64 = 20.0;
 
-/// Ours: the list, what it holds, and the closure that makes it again.
+/// Our search: the list, its contents, and the closure that rebuilds it.
 fn ours<const D: usize>(
     points: &[[f64; D]],
     radii: Radii<'_>,
@@ -47,7 +47,7 @@ fn ours<const D: usize>(
     by(CellGrid::new(), points, radii, sense)
 }
 
-/// By one of our searches.
+/// The same for a given search.
 fn by<const D: usize>(
     mut search: impl NeighbourSearch<D>,
     points: &[[f64; D]],
@@ -139,7 +139,7 @@ fn full_in_plane(ratios: &mut Ratios) {
     );
 }
 
-/// A radius for each point, of which its own decides.
+/// A radius for each point; its own decides.
 fn gather(ratios: &mut Ratios) {
     let (points, radii) = clouds::normal::<3>(100_000, IN_SPACE);
     let sight = Radii::PerPoint { radii: &radii, criterion: Sight::Gather };
@@ -157,7 +157,7 @@ fn gather(ratios: &mut Ratios) {
     );
 }
 
-/// A radius for each point, of which the larger decides.
+/// A radius for each point; the larger decides.
 fn larger(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     let name = |d: usize| format!("neighbour/{d}-D normal cloud, 20k, radii 20 to 1, max");
     let (points, radii) = clouds::normal::<2>(20_000, IN_PLANE);
@@ -179,7 +179,7 @@ fn larger(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     ratios.measure(work.rival("kiddo", queries).in_criterion(criterion));
 }
 
-/// A cloud in space with instructions that every machine has; linkcell keeps its own.
+/// A cloud in space with instructions that every machine supports; linkcell is unchanged.
 fn portable(ratios: &mut Ratios) {
     let (points, radius) = clouds::uniform::<3>(100_000, IN_SPACE);
     let (points, sense) = (points.as_slice(), Sense::Directed);
@@ -194,7 +194,7 @@ fn portable(ratios: &mut Ratios) {
     );
 }
 
-/// Two threads against one, by wall time.
+/// Two threads compared with one, by wall time.
 fn two_threads(ratios: &mut Ratios) {
     let (points, radius) = clouds::uniform::<3>(1_000_000, IN_SPACE);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -233,7 +233,7 @@ fn lattice(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     );
 }
 
-/// Bytes allocated at the most while a list of a million points is made from nothing, the points not among them.
+/// Peak allocated bytes while a list of a million points is built from scratch, without the points.
 fn memory(ratios: &mut Ratios) {
     let work = "3-D full list, 1M, bytes at the peak";
     if !ratios.wants(work) || !ratios.is_measured() {
@@ -252,7 +252,7 @@ fn memory(ratios: &mut Ratios) {
     ratios.bytes(work, cell_grid, "linkcell, columns", columns, 4.0);
 }
 
-/// The allocator knows the highest peak of all times only: to be seen, each must be higher than those before.
+/// The allocator reports only the overall peak, so each peak must exceed the earlier ones.
 fn peak(run: impl FnOnce()) -> usize {
     let (allocated, highest) = (ALLOCATOR.allocated(), ALLOCATOR.max_allocated());
     run();
@@ -262,7 +262,7 @@ fn peak(run: impl FnOnce()) -> usize {
 
 fn main() {
     let mut ratios = Ratios::from_args("neighbour");
-    // On one thread, as the rivals are.
+    // On one thread, as the rivals.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| one_thread(&mut ratios));
     if ratios.is_measured() {

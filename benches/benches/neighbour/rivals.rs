@@ -1,6 +1,6 @@
-//! The rivals, each used as its documentation recommends for the work, the structure built anew each time.
+//! The rivals, each used as its documentation recommends, with the structure rebuilt each time.
 //!
-//! All read `[f64; D]`, so nobody's input is converted. Buffers are kept from run to run where the interface takes one.
+//! All read `[f64; D]`, so no input is converted. Buffers are kept between runs if the interface accepts one.
 
 use std::hint::black_box;
 
@@ -12,7 +12,7 @@ use zelll::CellGrid;
 
 use crate::found::{Rows, Sense};
 
-/// kiddo for one dimension: kiddo's traits do not let a function be generic over it.
+/// kiddo for one dimension: its traits do not allow a generic function.
 macro_rules! trees {
     ($module:ident, $dimension:literal) => {
         pub(crate) mod $module {
@@ -41,7 +41,7 @@ macro_rules! trees {
                 }
             }
 
-            /// kiddo: each pair found by the point that sees farther, and written both ways.
+            /// kiddo: each pair is found by the point with the larger radius, and written in both directions.
             pub(crate) fn kiddo_max(points: &[[f64; D]], radii: &[f64], pairs: &mut Vec<[u32; 2]>) {
                 let tree = ImmutableKdTree::<f64, D>::new_from_slice(black_box(points)).unwrap();
                 pairs.clear();
@@ -64,7 +64,7 @@ macro_rules! trees {
 trees!(plane, 2);
 trees!(space, 3);
 
-/// kiddo: the join of two trees of the same points, which it wants to be two. Each point finds itself as well.
+/// kiddo: the join of two trees of the same points; it requires two trees. Each point also finds itself.
 pub(crate) fn kiddo_join(points: &[[f64; 2]], radius: f64) -> Vec<PairQueryResult<u32, u32, ()>> {
     let [tree, twin] =
         [(); 2].map(|()| ImmutableKdTree::<f64, 2>::new_from_slice(black_box(points)).unwrap());
@@ -74,7 +74,7 @@ pub(crate) fn kiddo_join(points: &[[f64; 2]], radius: f64) -> Vec<PairQueryResul
         .execute()
 }
 
-/// rstar: a tree loaded in bulk, then a query for each point.
+/// rstar: a bulk-loaded tree, then a query for each point.
 pub(crate) fn rstar(points: &[[f64; 2]], radius: f64, rows: &mut Rows) {
     let leaves = black_box(points).iter().zip(0..);
     let leaves = leaves.map(|(x, i)| GeomWithData::new(*x, i)).collect();
@@ -90,8 +90,9 @@ pub(crate) fn rstar(points: &[[f64; 2]], radius: f64, rows: &mut Rows) {
     }
 }
 
-/// linkcell is periodic always: in this box, the unit box and a radius, no image of a point is near another point. It
-/// takes a pair below the radius, not at it, which no pair of a random cloud is.
+/// linkcell is always periodic: in this box, the unit box plus a radius, no image of a point is near another point.
+///
+/// It includes pairs below the radius, not at it; no pair of a random cloud is at it.
 fn box_without_images(radius: f64) -> Cell {
     let side = 1.0 + 1.001 * radius;
     Cell::ortho(side, side, side).unwrap()
@@ -104,7 +105,7 @@ pub(crate) fn linkcell_rows(points: &[[f64; 3]], radius: f64, sense: Sense) -> V
     pairs_within(black_box(points), &cell, radius, None, None, is_half).unwrap()
 }
 
-/// linkcell: columns of 28 bytes a pair, which keep their memory.
+/// linkcell: columns of 28 bytes per pair, which keep their memory.
 pub(crate) fn linkcell_columns(
     points: &[[f64; 3]],
     radius: f64,
@@ -116,9 +117,10 @@ pub(crate) fn linkcell_columns(
     pairs_within_columns(black_box(points), &cell, radius, None, None, is_half, columns).unwrap();
 }
 
-/// zelll: each pair once, to whoever wants it.
+/// zelll: each pair once, passed to a visitor.
 ///
-/// A grid that is rebuilt from points that are still in their cells skips half of the work; points that move are not.
+/// Rebuilding a grid from points that are still in their cells skips half of the work, which moving points do not
+/// allow.
 pub(crate) fn zelll(points: &[[f64; 3]], radius: f64, mut visit: impl FnMut(u32, u32)) {
     let grid = CellGrid::new((0_u32..).zip(black_box(points).iter().copied()), radius);
     let limit = radius * radius;

@@ -1,4 +1,4 @@
-//! Bare columns: the work of a particle store in plain vectors and loops.
+//! Bare columns: the work of a particle store in vectors and loops.
 
 use particle_store::{Child, ParticleStore};
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use crate::{N, N_PARTICLES};
 const VECTORS: [&str; 2] = ["position", "velocity"];
 const SCALARS: [&str; 3] = ["mass", "density", "smoothing_length"];
 
-/// The columns themselves, with the ids.
+/// The columns with the ids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Columns {
     pub(crate) ids: Vec<u64>,
@@ -41,7 +41,7 @@ impl Columns {
         store
     }
 
-    /// Gathers into `next`, then takes its place.
+    /// Gathers into `next` and swaps it in.
     pub(crate) fn permute(&mut self, order: &[u32], next: &mut Self) {
         gather(&self.ids, order, &mut next.ids);
         for (from, to) in self.vectors.iter().zip(&mut next.vectors) {
@@ -136,7 +136,7 @@ impl Columns {
         retain(&mut self.ids, &keep);
     }
 
-    /// Asserts that a store holds the same, bit for bit.
+    /// Asserts that a store is bitwise identical.
     pub(crate) fn assert_in(&self, store: &ParticleStore<2>) {
         assert_eq!(store.ids(), self.ids);
         for (name, values) in VECTORS.into_iter().zip(&self.vectors) {

@@ -1,10 +1,10 @@
-//! What a store of particles does, against the least that the work can be and against crates made for a part of it.
+//! Operations of a particle store, compared with a minimal implementation and with specialised crates.
 //!
-//! The store holds what a particle solver does: positions, velocities, three numbers. "Bare columns" are plain vectors:
-//! gathered, appended, split and merged in loops without names, checks or rules, their bytes written and read without
-//! hash. Everyone leaves the same numbers behind and is checked to.
+//! The store holds the data of a particle solver: positions, velocities, three numbers. "Bare columns" are vectors,
+//! gathered, appended, split and merged in loops without names, checks or rules; their bytes are written and read
+//! without a hash. All contenders are checked for the same results.
 
-#![expect(clippy::unwrap_used, reason = "a store that is refused is a mistake of the benchmark")]
+#![expect(clippy::unwrap_used, reason = "a rejected store is an error of the benchmark")]
 
 mod bare;
 mod vtk;
@@ -26,7 +26,7 @@ const N_PARTICLES: u32 = 20_000;
 const N: usize = N_PARTICLES as usize;
 const N_POINTS: usize = 100_000;
 
-/// Particles that are split, and groups that are merged.
+/// Number of split particles, and of merged groups.
 const N_ADAPTED: usize = 1000;
 const CHILDREN: [Child<2>; 4] = [
     Child { offset: [0.1, 0.1], share: 0.25 },
@@ -41,7 +41,7 @@ fn permute(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     let mut columns = Columns::new();
     let mut store = columns.store();
     let mut next = columns.clone();
-    // 7919 and 20000 have no common factor: a far jump from each particle to the next.
+    // 7919 and 20000 have no common factor: consecutive particles are far apart.
     let order: Vec<u32> = (0..N_PARTICLES).map(|k| k * 7919 % N_PARTICLES).collect();
     store.permute(&order).unwrap();
     columns.permute(&order, &mut next);
@@ -111,7 +111,7 @@ fn random_points() -> Vec<[f64; 2]> {
     (0..N_POINTS).map(|_| [(); 2].map(|()| StandardUniform.sample(&mut generator))).collect()
 }
 
-/// Keys as `morton_order` defines them, interleaved by a crate, each with the place of its point.
+/// Keys as in `morton_order`, interleaved by a crate, each with the index of its point.
 fn morton_keys(points: &[[f64; 2]]) -> Vec<(u64, u32)> {
     let (mut lower, mut upper) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for x in points {
@@ -158,7 +158,7 @@ fn morton(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     );
 }
 
-/// Adding, splitting and merging change the store, so that each run begins with a copy, on both sides.
+/// Appending, splitting and merging change the store, so each run begins with a copy, for both contenders.
 fn adapt(criterion: &mut Criterion<CpuTime>, ratios: &mut Ratios) {
     let columns = Columns::new();
     let store = columns.store();

@@ -1,4 +1,4 @@
-//! `.vtu` files as the crate vtkio writes and reads them.
+//! `.vtu` files of the crate vtkio, written and read.
 
 use vtkio::IOBuffer;
 use vtkio::model::{
@@ -8,8 +8,9 @@ use vtkio::model::{
 
 use crate::bare::Columns;
 
-/// The same arrays as `ParticleStore::write_vtu`. vtkio writes a model that it takes and keeps, so that the model is made
-/// anew each time.
+/// The same arrays as `ParticleStore::write_vtu`.
+///
+/// vtkio consumes the model it writes, so the model is rebuilt each time.
 pub(crate) fn write(columns: &Columns, out: &mut Vec<u8>) {
     let n = columns.ids.len();
     let padded = |vectors: &[[f64; 2]]| {
@@ -50,8 +51,9 @@ pub(crate) fn write(columns: &Columns, out: &mut Vec<u8>) {
     vtk.write_xml(out).unwrap();
 }
 
-/// Asserts that the raw data after the head of our file are the arrays that vtkio reads from its own, in the same order.
-/// Ours it cannot read, being raw.
+/// Asserts that the raw data after the header of our file are the arrays that vtkio reads from its own, in order.
+///
+/// vtkio cannot read our raw file.
 pub(crate) fn assert_same(ours: &[u8], its: &[u8]) {
     let mark = b"encoding=\"raw\">\n_";
     let head = ours.windows(mark.len()).position(|window| window == mark).unwrap();
@@ -64,7 +66,7 @@ pub(crate) fn assert_same(ours: &[u8], its: &[u8]) {
     }
 }
 
-/// Every array of the points of a file, the points themselves last.
+/// Every point array of a file, the points themselves last.
 fn arrays(file: &[u8]) -> Vec<IOBuffer> {
     let DataSet::UnstructuredGrid { pieces, .. } = Vtk::parse_xml(file).unwrap().data else {
         unreachable!("it was an unstructured grid")

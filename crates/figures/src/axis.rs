@@ -1,8 +1,8 @@
-//! From values to places on the sheet, and the numbers along an axis.
+//! Mapping from values to positions on the sheet, and the tick labels of an axis.
 
 use crate::data::Scale;
 
-/// One axis: what it spans, in values and on the sheet.
+/// One axis: its range in values and on the sheet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
     scale: Scale,
@@ -16,9 +16,9 @@ pub(super) struct Axis {
 /// One end of an error bar on the sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum BarEnd {
-    /// Here, under a cap.
+    /// Inside the frame, drawn with a cap.
     At(f64),
-    /// Beyond the frame, which it meets here, without a cap.
+    /// Outside the frame: the bar is cut at this position, without a cap.
     Beyond(f64),
 }
 
@@ -34,12 +34,12 @@ impl BarEnd {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) at: f64,
-    /// `None` between the numbered ones.
+    /// `None` for minor grid lines.
     pub(super) label: Option<String>,
 }
 
 impl Axis {
-    /// An axis that spans `values` with a little room, from `start` to `end` on the sheet.
+    /// An axis that spans `values` with a small margin, from `start` to `end` on the sheet.
     pub(super) fn spanning(
         scale: Scale,
         values: impl Iterator<Item = f64>,
@@ -50,7 +50,7 @@ impl Axis {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
             });
-        // A single value still needs a span, and so does no value at all.
+        // A single value, or none, also needs a range.
         if !(from.is_finite() && to.is_finite()) {
             (from, to) = (0.0, 1.0);
         }
@@ -64,13 +64,13 @@ impl Axis {
         Self { scale, from: from - room, to: to + room, start, end }
     }
 
-    /// Where a value stands on the sheet.
+    /// Position of a value on the sheet.
     pub(super) fn place(&self, value: f64) -> f64 {
         let value = if self.scale == Scale::Log { value.log10() } else { value };
         self.start + (value - self.from) / (self.to - self.from) * (self.end - self.start)
     }
 
-    /// The far end of an error bar: where it stands, or that it lies beyond the axis, which then ends it.
+    /// End of an error bar: its position, or the edge of the frame if it lies beyond the axis.
     pub(super) fn place_end(&self, value: f64) -> BarEnd {
         if self.scale == Scale::Log && value <= 0.0 {
             return BarEnd::Beyond(self.start);
@@ -98,7 +98,7 @@ impl Axis {
     fn linear_ticks(&self) -> Vec<Tick> {
         let rough = (self.to - self.from) / 8.0;
         let decade = 10_f64.powf(rough.log10().floor());
-        // Parts that are round themselves: 2 in fours, 1 and 5 in fives.
+        // Subdivisions that are round numbers: 2 in fours, 1 and 5 in fives.
         let rounds = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
         let (digit, n_minor) =
             rounds.into_iter().find(|round| round.0 * decade >= rough).unwrap_or(rounds[3]);
@@ -117,7 +117,7 @@ impl Axis {
         (0..=n).map(tick).collect()
     }
 
-    /// Decades are numbered; on a short axis 2 and 5 are too, and on a long one only every other decade.
+    /// Labels decades; a short axis also labels 2 and 5, a long one only every other decade.
     fn log_ticks(&self) -> Vec<Tick> {
         let span = self.to - self.from;
         let every = (span / 9.0).ceil().max(1.0);
@@ -157,7 +157,7 @@ fn linear_label(value: f64, step: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A number as it is, or with its power of ten; one axis keeps to one of the two.
+/// A number in decimal form or as a power of ten; one axis uses only one of the two forms.
 fn log_label(digit: u8, decade: f64, plain: bool) -> String {
     if plain {
         #[expect(

@@ -1,4 +1,4 @@
-//! Lines, markers and text in picture units of 1/96 inch, drawn by plotters on SVG.
+//! Lines, markers and text in units of 1/96 inch, drawn as SVG through plotters.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
@@ -10,25 +10,25 @@ use plotters::style::{Color, FontStyle, FontTransform, IntoFont, RGBColor, Shape
 use super::axis::BarEnd;
 use crate::error::ChartError;
 
-/// Whole coordinates are all the backend knows, so the picture is drawn this much larger and shown smaller.
+/// Scale factor of the drawing: the backend accepts only integer coordinates.
 const FINENESS: f64 = 4.0;
 
 /// Text.
 pub(super) const INK: RGBColor = RGBColor(27, 36, 48);
-/// Text of less weight.
+/// Secondary text.
 pub(super) const SOFT: RGBColor = RGBColor(91, 103, 117);
 /// The frame.
 pub(super) const FRAME: RGBColor = RGBColor(120, 130, 142);
-/// Grid lines that carry a number.
+/// Major grid lines.
 pub(super) const GRID: RGBColor = RGBColor(218, 223, 229);
-/// Grid lines between them.
+/// Minor grid lines.
 pub(super) const MINOR_GRID: RGBColor = RGBColor(238, 241, 244);
-/// The ground of a strip apart from the scale.
+/// Background of a strip outside the scale.
 pub(super) const STRIP: RGBColor = RGBColor(246, 247, 249);
-/// The ground of the picture.
+/// Background of the picture.
 pub(super) const GROUND: RGBColor = RGBColor(255, 255, 255);
 
-/// Okabe and Ito's colours that stand out on white, the most distinct first, and a grey.
+/// Okabe and Ito's colours that are legible on white, the most distinct first, and a grey.
 const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -43,7 +43,7 @@ const PALETTE: [RGBColor; 8] = [
 /// Lengths of dash and gap; none for a solid line.
 const DASHES: [&[f64]; 5] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[10.0, 3.5, 2.5, 3.5], &[16.0, 5.0]];
 
-/// What tells a series from the others: colour, marker and dashes, each of which would do.
+/// Appearance of a series: colour, marker and dashes, each sufficient to identify it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
     pub(super) colour: RGBColor,
@@ -81,7 +81,7 @@ impl Marker {
         Self::Pentagon,
     ];
 
-    /// Corners around the origin for a marker of radius 1; none for a circle.
+    /// Corners of a marker of radius 1 around the origin; none for a circle.
     fn corners(self) -> Vec<(f64, f64)> {
         let regular = |n: u32, turn: f64, radius: f64| {
             let corner = |i: u32| {
@@ -101,13 +101,13 @@ impl Marker {
     }
 }
 
-/// Where a text stands relative to its point.
+/// Position of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
     Left,
     Middle,
     Right,
-    /// Centred and turned to read upwards.
+    /// Centred and rotated to read upwards.
     Upwards,
 }
 
@@ -134,7 +134,7 @@ impl Type {
     }
 }
 
-/// Estimated width of a text: the backend knows no fonts, so nothing may hang on the last unit.
+/// Estimated width of a text: the backend has no font metrics, so a layout must tolerate an error.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let width_of = |c: char| match c {
         'i' | 'l' | 'j' | '.' | ',' | ':' | ';' | '|' | '\'' | ' ' => 0.3,
@@ -145,14 +145,14 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().map(width_of).sum::<f64>() * size
 }
 
-/// The sheet that is drawn on.
+/// The drawing area.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
 pub(super) type Drawn = Result<(), ChartError>;
 
-/// Draws on a sheet of `width` by `height` and returns the SVG, `title` being what a screen reader says.
+/// Draws on a sheet of `width` by `height` and returns the SVG; screen readers read `title`.
 pub(super) fn draw_svg(
     (width, height): (f64, f64),
     title: &str,
@@ -201,7 +201,7 @@ impl Canvas<'_> {
         self.area.draw(&PathElement::new(points, stroke(colour, width))).map_err(picture)
     }
 
-    /// A line in dashes of the given lengths, solid if there are none.
+    /// A dashed line with the given dash lengths; solid if there are none.
     pub(super) fn dashed_line(&self, points: &[(f64, f64)], look: Look, width: f64) -> Drawn {
         if look.dashes.is_empty() {
             return self.line(points, look.colour, width);
@@ -209,7 +209,7 @@ impl Canvas<'_> {
         dashes(points, look.dashes).iter().try_for_each(|dash| self.line(dash, look.colour, width))
     }
 
-    /// An outline filled so that what is below shows through.
+    /// A filled transparent polygon.
     pub(super) fn veil(&self, points: &[(f64, f64)], colour: RGBColor) -> Drawn {
         let points: Vec<(i32, i32)> = points.iter().copied().map(fine_point).collect();
         self.area.draw(&Polygon::new(points, colour.mix(0.2).filled())).map_err(picture)
@@ -220,13 +220,13 @@ impl Canvas<'_> {
         self.area.draw(&Rectangle::new(corners, fill.filled())).map_err(picture)
     }
 
-    /// A filled marker with a thin white rim, so that it stands out from lines and neighbours.
+    /// A filled marker with a thin white rim that separates it from lines and neighbouring markers.
     pub(super) fn marker(&self, at: (f64, f64), look: Look, radius: f64) -> Drawn {
         self.shape(at, look.marker, radius + 1.2, GROUND)?;
         self.shape(at, look.marker, radius, look.colour)
     }
 
-    /// A marker of which only the outline is drawn, filled white.
+    /// A marker drawn as an outline, filled white.
     pub(super) fn open_marker(&self, at: (f64, f64), look: Look, radius: f64) -> Drawn {
         self.shape(at, look.marker, radius, look.colour)?;
         self.shape(at, look.marker, radius - 1.6, GROUND)
@@ -278,7 +278,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// One line of text, `at` being its vertical middle.
+    /// One line of text; `at` is its vertical centre.
     pub(super) fn text(&self, text: &str, at: (f64, f64), anchor: Anchor, face: Type) -> Drawn {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
@@ -296,7 +296,7 @@ impl Canvas<'_> {
     }
 }
 
-/// Cuts a line into dashes; the pattern goes on around corners.
+/// Cuts a line into dashes; the pattern continues around corners.
 fn dashes(points: &[(f64, f64)], pattern: &[f64]) -> Vec<Vec<(f64, f64)>> {
     let mut drawn = Vec::new();
     let (mut step, mut left) = (0, pattern[0]);

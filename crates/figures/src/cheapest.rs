@@ -9,13 +9,13 @@ use crate::number;
 /// The tolerances: 10 %, 1 %, 0.1 %.
 const TOLERANCES: [f64; 3] = [0.1, 0.01, 0.001];
 
-/// A tolerance and what the chart says of it.
+/// A tolerance and the cheapest method for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
     /// The tolerance in words, e.g. `10 %`.
     pub tolerance: String,
-    /// The largest error that is within it, on the vertical axis of the chart.
+    /// The largest error within the tolerance, on the vertical axis of the chart.
     pub within: f64,
     /// Which method is the cheapest.
     pub verdict: Verdict,
@@ -25,40 +25,41 @@ pub struct Choice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Verdict {
-    /// There is one.
+    /// A method reached the tolerance.
     Reached {
-        /// The cheapest.
+        /// The cheapest method.
         cheapest: Candidate,
-        /// The cheapest of the other methods.
+        /// The next cheapest method.
         runner_up: Option<Candidate>,
     },
     /// No method reached the tolerance.
     NotReached {
-        /// The run with the least error.
+        /// The run with the smallest error.
         nearest: Option<Candidate>,
     },
-    /// The reference is not known so well.
+    /// The reference is less accurate than the tolerance.
     ReferenceTooRough,
 }
 
-/// A run by which a method stands for itself.
+/// The run that represents a method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Candidate {
     /// The method.
     pub method: String,
-    /// Its parameter.
+    /// Parameter of the run.
     pub label: Option<String>,
-    /// What it cost, in the unit of the chart.
+    /// Its cost, in the unit of the chart.
     pub cost: f64,
-    /// The scatter of that.
+    /// Scatter of the cost.
     pub cost_error: Option<f64>,
-    /// Its error and the standard error of that, added.
+    /// Its error plus the standard error of that error.
     pub error: f64,
 }
 
-/// The cheapest run from which on all dearer ones are within a tolerance, so that an error which happens to cross zero does
-/// not count.
+/// The cheapest run from which all more expensive runs are within a tolerance.
+///
+/// So an error that happens to cross zero does not count.
 pub fn settled<'r, R>(
     runs: impl IntoIterator<Item = &'r R>,
     cost: impl Fn(&R) -> f64,
@@ -69,9 +70,9 @@ pub fn settled<'r, R>(
     runs.into_iter().rev().take_while(|run| is_within(run)).last()
 }
 
-/// The cheapest method for each tolerance; none where the horizontal axis is no cost.
+/// The cheapest method for each tolerance; empty where the horizontal axis is no cost.
 ///
-/// A run is within a tolerance if its error and its standard error together are. Runs without a result say nothing.
+/// A run is within a tolerance if the sum of its error and standard error is. Runs without a result are ignored.
 #[must_use]
 pub fn choices(chart: &WorkPrecision) -> Vec<Choice> {
     let Reading::Cost { errors, reference_error, .. } = &chart.reading else { return Vec::new() };
@@ -120,7 +121,7 @@ fn candidate(method: &Method, run: &Run) -> Option<Candidate> {
     })
 }
 
-/// The error and its standard error, added.
+/// The error plus its standard error.
 fn bound(run: &Run) -> Option<f64> {
     match run.outcome {
         RunOutcome::Error { value, standard_error } => Some(value + standard_error.unwrap_or(0.0)),
@@ -129,11 +130,11 @@ fn bound(run: &Run) -> Option<f64> {
 }
 
 impl Measure {
-    /// A relative tolerance in this measure; where there is nothing to relate to, the number itself.
+    /// A relative tolerance in this measure; for absolute errors the number itself.
     fn of(self, tolerance: f64) -> f64 {
         match self {
             Self::Relative | Self::Absolute => tolerance,
-            // What is too low by as much is a little further off.
+            // A result too low by the same factor is slightly further away.
             Self::Log10 => (1.0 + tolerance).log10(),
         }
     }
@@ -151,7 +152,7 @@ impl Measure {
     }
 }
 
-/// The choices as a Markdown table, costs in the unit of the chart; empty without a choice.
+/// The choices as a Markdown table with costs in the unit of the chart; empty without choices.
 #[must_use]
 pub fn choices_table(choices: &[Choice], reading: &Reading) -> String {
     let Reading::Cost { unit, .. } = reading else { return String::new() };
@@ -201,7 +202,7 @@ mod tests {
         Reading::Cost { unit: "s".into(), errors, reference_error }
     }
 
-    /// The sample with errors that are read as relative ones.
+    /// The sample chart with its errors read as relative errors.
     fn sample() -> WorkPrecision {
         let reading = reading(Measure::Relative, 0.0);
         WorkPrecision { reading, ..samples::work_precision() }
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_standard_error_counts() {
-        // Strang with 10^7 paths is within 1 %: 0.003 with its error of 0.001, and no longer with one of 0.008.
+        // Strang with 10^7 paths is within 1 % for an error of 0.003 with standard error 0.001, but not with 0.008.
         let mut chart = sample();
         let run = chart.series.last_mut().unwrap().runs.last_mut().unwrap();
         run.outcome = RunOutcome::Error { value: 0.003, standard_error: Some(0.008) };

@@ -8,7 +8,7 @@ use crate::data::{Scale, Words};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curves {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
     /// Scale of the horizontal axis.
     pub across: Scale,
@@ -16,7 +16,7 @@ pub struct Curves {
     pub upwards: Scale,
     /// The curves.
     pub series: Vec<Curve>,
-    /// Values that divide the picture.
+    /// Values marked by lines across the picture.
     pub thresholds: Vec<Threshold>,
 }
 
@@ -24,9 +24,9 @@ pub struct Curves {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// Its name in the legend; empty for none, where another of its look has one.
+    /// Its name in the legend; empty for none, where another curve of the same look has one.
     pub name: String,
-    /// The number of its colour, marker and dashes: what is predicted and what is measured may share one.
+    /// Index of its colour, marker and dashes: prediction and measurement may share one.
     pub look: usize,
     /// How it is drawn.
     pub style: Style,
@@ -74,7 +74,7 @@ pub enum Style {
 pub struct CurvePoint {
     /// The parameter.
     pub x: f64,
-    /// What was found there.
+    /// The result there.
     pub height: Height,
 }
 
@@ -100,7 +100,7 @@ impl CurvePoint {
         }
     }
 
-    /// A run that ended.
+    /// A point whose run ended in an error.
     #[must_use]
     pub const fn ended(x: f64, error: String) -> Self {
         Self { x, height: Height::Ended { error } }
@@ -108,18 +108,18 @@ impl CurvePoint {
 }
 
 impl Threshold {
-    /// A value of the parameter.
+    /// A threshold of the parameter.
     pub fn across(name: impl Into<String>, at: f64) -> Self {
         Self { name: name.into(), direction: Direction::Across, at }
     }
 
-    /// A value of what is drawn over it.
+    /// A threshold of the quantity on the vertical axis.
     pub fn upwards(name: impl Into<String>, at: f64) -> Self {
         Self { name: name.into(), direction: Direction::Upwards, at }
     }
 }
 
-/// What was found at a point of a curve.
+/// Result at a point of a curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Height {

@@ -1,4 +1,4 @@
-//! Curves over a parameter, with thresholds, and a strip for what ended.
+//! Curves over a parameter, with thresholds and a strip for runs that ended in an error.
 
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawn, FRAME, Look, SOFT, STRIP, Type, draw_svg};
@@ -10,13 +10,14 @@ use crate::data::Scale;
 use crate::error::{ChartError, check_finite};
 
 const MARKER: f64 = 4.4;
-/// Height of the strip for runs that ended.
+/// Height of the strip for runs that ended in an error.
 const STRIP_HEIGHT: f64 = 26.0;
 
-/// The picture of curves over a parameter, as SVG.
+/// Draws curves over a parameter as SVG.
 ///
 /// # Errors
-/// [`ChartError`] for a value that is not finite, an abscissa without a logarithm on such an axis, or a chart without a point.
+/// [`ChartError`] for a value that is not finite, a nonpositive abscissa on a logarithmic axis, or a chart without a
+/// point.
 pub fn curves(chart: &Curves) -> Result<String, ChartError> {
     check(chart)?;
     let mut words = chart.words.clone();
@@ -55,7 +56,7 @@ pub fn curves(chart: &Curves) -> Result<String, ChartError> {
         let thresholds = thresholds
             .map(|(i, threshold)| (Sample::Line(of_threshold(i)), threshold.name.as_str()));
         let ended =
-            has_ended.then_some((Sample::Cross, "ended by a typed error; the JSON says which"));
+            has_ended.then_some((Sample::Cross, "ended by a typed error, given in the JSON"));
         draw_legend(canvas, entries.chain(thresholds).chain(ended))
     })
 }
@@ -80,7 +81,7 @@ fn axes(chart: &Curves, bottom: f64, top: f64) -> (Axis, Axis) {
     (x, Axis::spanning(chart.upwards, ends, (bottom, top)))
 }
 
-/// Thresholds are grey; their dashes differ.
+/// Thresholds are grey and differ in their dashes.
 fn of_threshold(index: usize) -> Look {
     Look { colour: SOFT, ..Look::of_series(index + 1) }
 }
@@ -133,7 +134,7 @@ fn draw_curve(canvas: &Canvas<'_>, chart: &Curves, curve: &Curve, x: &Axis, y: &
     Ok(())
 }
 
-/// A strip above the scale with a cross for each run that ended.
+/// Draws a strip above the scale with a cross for each run that ended in an error.
 fn draw_ended(canvas: &Canvas<'_>, chart: &Curves, x: &Axis, top: f64) -> Drawn {
     let middle = top - STRIP_HEIGHT / 2.0;
     canvas.rectangle((x.start(), FRAME_TOP), (x.end(), top), STRIP)?;

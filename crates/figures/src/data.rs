@@ -1,20 +1,20 @@
-//! What a chart shows, as plain data.
+//! Chart contents as plain data.
 
 use serde::{Deserialize, Serialize};
 
-/// Words around a chart.
+/// Title, labels and caption of a chart.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Words {
-    /// What is shown, in a few words.
+    /// Title of the chart.
     pub title: String,
-    /// The problem, the quantity, the time.
+    /// Problem, quantity and time.
     pub subtitle: String,
     /// Quantity (unit) of the horizontal axis.
     pub x_label: String,
     /// Quantity (unit) of the vertical axis.
     pub y_label: String,
-    /// The foot: how it was measured; the machine, its load and the commit. One line each.
+    /// Caption: how it was measured, the machine, its load and the commit. One entry for each line.
     pub caption: Vec<String>,
 }
 
@@ -22,38 +22,38 @@ pub struct Words {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorkPrecision {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
-    /// What its axes mean.
+    /// Meaning of the axes.
     pub reading: Reading,
     /// The methods.
     pub series: Vec<Method>,
 }
 
-/// What may be read from two logarithmic axes.
+/// Meaning of two logarithmic axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Reading {
-    /// Across is a cost and upwards an error: the chart has a cheapest method for a tolerance.
+    /// The horizontal axis is a cost and the vertical one an error: the chart has a cheapest method for a tolerance.
     Cost {
         /// Unit of the cost, e.g. `s`.
         unit: String,
-        /// How the errors were formed.
+        /// Definition of the errors.
         errors: Measure,
-        /// The error of the reference, formed so too; 0 for a closed form. Below it nothing is told.
+        /// Error of the reference in the same measure; 0 for a closed form. No choice is made below it.
         reference_error: f64,
     },
-    /// Across is a parameter, of which none is cheaper than another.
+    /// The horizontal axis is a parameter, so no run is cheaper than another.
     Parameter,
 }
 
-/// How the errors of a chart were formed.
+/// Definition of the errors of a chart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Over the size of what is sought: 0.1 is 10 %.
+    /// Relative to the exact value: 0.1 is 10 %.
     Relative,
-    /// The decimal logarithm of measured over sought: 0.041 is 10 %.
+    /// Decimal logarithm of measured over exact value: 0.041 is 10 %.
     Log10,
     /// In the unit of the vertical axis.
     Absolute,
@@ -73,30 +73,30 @@ pub struct Method {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// What it cost, e.g. CPU seconds.
+    /// Its cost, e.g. CPU seconds.
     pub cost: f64,
     /// The scatter of that cost over repeated runs.
     pub cost_error: Option<f64>,
-    /// What came of it.
+    /// Its result or failure.
     pub outcome: RunOutcome,
     /// Its parameter, e.g. `1,700`, written beside the point.
     pub label: Option<String>,
 }
 
-/// What came of a run.
+/// Result or failure of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RunOutcome {
     /// A result.
     Error {
-        /// Size of its error, positive.
+        /// Absolute value of its error, positive.
         value: f64,
         /// Standard error of that error.
         standard_error: Option<f64>,
     },
-    /// A typed error instead of a result: a cross at the upper edge.
+    /// A typed error instead of a result: drawn as a cross at the upper edge.
     Failed {
-        /// Why.
+        /// Text of the error.
         reason: String,
     },
 }
@@ -105,7 +105,7 @@ pub enum RunOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSeries {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
     /// Scale of the vertical axis.
     pub scale: Scale,
@@ -114,7 +114,7 @@ pub struct TimeSeries {
     /// Ranges around the lines, shaded in their colours: band `i` belongs to line `i`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<Band>,
-    /// Values to compare with, as points.
+    /// Reference values, drawn as points.
     pub references: Vec<ReferencePoints>,
 }
 
@@ -122,7 +122,7 @@ pub struct TimeSeries {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
-    /// (time, lower end, upper end), by time.
+    /// (time, lower end, upper end), in order of time.
     pub points: Vec<(f64, f64, f64)>,
 }
 
@@ -130,13 +130,13 @@ pub struct Band {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plane {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
     /// Edges of the cells along the horizontal axis.
     pub x: Vec<f64>,
     /// Edges of the cells along the vertical axis.
     pub y: Vec<f64>,
-    /// The density in each cell, row by row from below.
+    /// The density in each cell, row by row from the bottom.
     pub values: Vec<Vec<f64>>,
 }
 
@@ -144,48 +144,49 @@ pub struct Plane {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Field {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
-    /// Quantity (unit), above the key.
+    /// Quantity (unit), above the colour key.
     pub unit: String,
     /// Edges of the cells along the horizontal axis.
     pub x: Vec<f64>,
     /// Edges of the cells along the vertical axis.
     pub y: Vec<f64>,
-    /// The value in each cell, row by row from below; none where the quantity is not.
+    /// The value in each cell, row by row from the bottom; none where the quantity is not defined.
     pub values: Vec<Vec<Option<f64>>>,
-    /// What stands in other cells.
+    /// Named regions without values.
     pub regions: Vec<Region>,
 }
 
-/// Cells of a field that are named instead of valued.
+/// Cells of a field that carry a name instead of a value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Its name in the key.
+    /// Its name in the colour key.
     pub name: String,
-    /// Whether each cell belongs to it.
+    /// Whether each cell belongs to the region.
     pub cells: Vec<Vec<bool>>,
 }
 
-/// A probability over a plane and the law of a path on it, both axes to one scale.
+/// A probability over a plane and the quantiles of a path on it, both axes to the same scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PathMap {
-    /// Words around it.
+    /// Title, labels and caption.
     pub words: Words,
-    /// What the probability is of, above the key; one entry for each line.
+    /// Name of the probability above the colour key; one entry for each line.
     pub probability: Vec<String>,
     /// Edges of the cells along the horizontal axis.
     pub x: Vec<f64>,
     /// Edges of the cells along the vertical axis.
     pub y: Vec<f64>,
-    /// The probability in each cell, row by row from below; none where there is nothing.
+    /// The probability in each cell, row by row from the bottom; none outside the body.
     pub values: Vec<Vec<Option<f64>>>,
-    /// What is there at the start, such as a notch: a name and points joined by a thick line.
+    /// Initial geometry such as a notch: a name and points joined by a thick line.
     pub given: (String, Vec<[f64; 2]>),
-    /// The path by its quantiles, from the lowest probability to the highest, with their names; the middle one is drawn boldly, the
-    /// range of the others shaded.
+    /// Quantiles of the path, from the lowest probability to the highest, with their names.
+    ///
+    /// The middle one is drawn boldly and the range of the others shaded.
     pub quantiles: Vec<PathQuantile>,
 }
 
@@ -203,9 +204,9 @@ pub struct PathQuantile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
-    /// Equal steps.
+    /// Linear scale.
     Linear,
-    /// Equal factors. Values of zero or below leave a gap, and the chart counts them in its foot.
+    /// Logarithmic scale. Values of zero or below leave a gap, and the chart counts them in its caption.
     Log,
 }
 
@@ -215,11 +216,11 @@ pub enum Scale {
 pub struct Line {
     /// Its name in the legend.
     pub name: String,
-    /// (time, value); no value leaves a gap.
+    /// (time, value); a missing value leaves a gap.
     pub points: Vec<(f64, Option<f64>)>,
 }
 
-/// Values to compare with.
+/// Reference values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferencePoints {
@@ -229,7 +230,7 @@ pub struct ReferencePoints {
     pub points: Vec<ReferencePoint>,
 }
 
-/// One value to compare with.
+/// One reference value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferencePoint {

@@ -1,4 +1,4 @@
-//! A picture or a page with the numbers in it.
+//! A picture or a page together with its data.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,20 +14,20 @@ use crate::plane::plane;
 use crate::time_series::time_series;
 use crate::work_precision::work_precision;
 
-/// A picture or a page, and the numbers in it.
+/// A picture or a page together with its data.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Drawing {
-    /// Name of the files, without their endings.
+    /// Name of the files without their extensions.
     pub name: String,
-    /// What is looked at.
+    /// The picture or the page.
     pub face: Face,
-    /// Its numbers, JSON.
+    /// Its data as JSON.
     pub data: String,
-    /// What is printed below its path; empty for nothing.
+    /// Table printed after the path of the file; may be empty.
     pub table: String,
 }
 
-/// A chart as it stands in its file.
+/// The contents of a chart's JSON file.
 #[derive(Serialize)]
 struct Chosen<'a> {
     #[serde(flatten)]
@@ -35,7 +35,7 @@ struct Chosen<'a> {
     cheapest: Vec<Choice>,
 }
 
-/// What is looked at.
+/// A picture or a page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Face {
     /// A picture, SVG.
@@ -44,20 +44,20 @@ pub enum Face {
     Page(String),
 }
 
-/// A chart whose picture or numbers cannot be made.
+/// Error for a chart whose picture or data cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DrawingError {
-    /// The picture.
+    /// Error of the picture.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// The numbers.
+    /// Error of the data.
     #[error(transparent)]
     Json(#[from] JsonError),
 }
 
 impl Drawing {
-    /// Error against cost, with the cheapest method for a tolerance in its numbers and as its table.
+    /// A chart of error against cost, with the cheapest method for a tolerance in its data and its table.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -72,14 +72,14 @@ impl Drawing {
         })
     }
 
-    /// Prints `rows` as well, before what it prints by itself.
+    /// Prepends `rows` to the printed table.
     #[must_use]
     pub fn with_rows(self, rows: &str) -> Self {
         let table = [rows, &self.table].into_iter().filter(|part| !part.is_empty());
         Self { table: table.collect::<Vec<_>>().join("\n"), ..self }
     }
 
-    /// Values over time.
+    /// A chart of values over time.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -92,7 +92,7 @@ impl Drawing {
         })
     }
 
-    /// Curves over a parameter.
+    /// A chart of curves over a parameter.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -101,7 +101,7 @@ impl Drawing {
         Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
-    /// A density over a plane.
+    /// A picture of a density over a plane.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -110,7 +110,7 @@ impl Drawing {
         Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
-    /// A quantity over a plane.
+    /// A picture of a quantity over a plane.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -119,7 +119,7 @@ impl Drawing {
         Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
-    /// A probability over a plane and a path on it.
+    /// A picture of a probability over a plane and a path on it.
     ///
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
@@ -131,13 +131,13 @@ impl Drawing {
     /// A page of text.
     ///
     /// # Errors
-    /// [`DrawingError`] for numbers that JSON does not hold.
+    /// [`DrawingError`] for numbers that JSON cannot represent.
     pub fn page<T: Serialize>(name: &str, text: String, data: &T) -> Result<Self, DrawingError> {
         let data = finite::to_json(data)?;
         Ok(Self { name: name.into(), face: Face::Page(text), data, table: String::new() })
     }
 
-    /// The picture, where it is one.
+    /// The SVG, if the drawing is a picture.
     #[must_use]
     pub fn into_svg(self) -> Option<String> {
         match self.face {

@@ -1,4 +1,4 @@
-//! Data that cannot be drawn.
+//! Errors for data that cannot be drawn.
 
 /// Data that cannot be drawn.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -7,33 +7,33 @@ pub enum ChartError {
     /// A value is NaN or infinite.
     #[error("series `{series}`: the {quantity} is {value}, not a finite number")]
     NotFinite {
-        /// Which series.
+        /// Name of the series.
         series: String,
-        /// Which of its quantities.
+        /// Name of the quantity.
         quantity: &'static str,
         /// The value.
         value: f64,
     },
-    /// A logarithmic axis was given zero or less.
+    /// A value on a logarithmic axis is zero or negative.
     #[error("series `{series}`: the {quantity} {value} has no place on a logarithmic axis")]
     NotPositive {
-        /// Which series.
+        /// Name of the series.
         series: String,
-        /// Which of its quantities.
+        /// Name of the quantity.
         quantity: &'static str,
         /// The value.
         value: f64,
     },
-    /// There is no point to draw.
+    /// The chart has no point.
     #[error("the chart `{title}` has no point to draw")]
     Empty {
-        /// Its title.
+        /// Title of the chart.
         title: String,
     },
-    /// The picture could not be made.
+    /// The drawing library failed.
     #[error("the picture could not be made: {message}")]
     Picture {
-        /// What the drawing library said.
+        /// Error text of the drawing library.
         message: String,
     },
 }

@@ -1,10 +1,10 @@
-//! How the distance of a measured value from its reference is taken.
+//! Measures of the difference between a measured value and its reference.
 
 use serde::{Deserialize, Serialize};
 
 use crate::measured::{Measured, Reference};
 
-/// How the distance between a measured value m and its reference r is taken.
+/// Measure of the difference between a measured value m and its reference r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ErrorKind {
@@ -16,12 +16,12 @@ pub enum ErrorKind {
     Log10,
     /// The factor max(m / r, r / m), at least 1, for costs.
     Ratio,
-    /// m - r of two orders of convergence; m must carry its standard error.
+    /// m - r of two orders of convergence; m must have a standard error.
     Order,
 }
 
 impl ErrorKind {
-    /// The word used in the report.
+    /// Name used in the report.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -35,7 +35,7 @@ impl ErrorKind {
 }
 
 impl ErrorKind {
-    /// The distance of m from r in this measure; NaN where it has none.
+    /// The difference between m and r in this measure; NaN where undefined.
     #[must_use]
     pub fn error(self, m: f64, r: f64) -> f64 {
         match self {
@@ -48,7 +48,7 @@ impl ErrorKind {
         }
     }
 
-    /// One sigma of that distance, to first order in the errors of m and r.
+    /// Standard deviation of that difference, to first order in the errors of m and r.
     #[must_use]
     pub fn spread(self, measured: Measured, reference: Reference) -> Spread {
         let (m, r) = (measured.value, reference.value);
@@ -63,11 +63,11 @@ impl ErrorKind {
     }
 }
 
-/// One sigma of an error, by where it comes from.
+/// Standard deviation of an error, by source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// From the measured value.
+    /// Contribution of the measured value.
     pub of_measured: f64,
-    /// From the reference.
+    /// Contribution of the reference.
     pub of_reference: f64,
 }

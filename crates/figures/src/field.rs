@@ -1,4 +1,4 @@
-//! A quantity over the cells of a plane, on a linear scale, with what else stands there.
+//! A quantity over the cells of a plane on a linear scale, with named regions.
 
 use plotters::style::RGBColor;
 
@@ -12,12 +12,12 @@ use crate::error::{ChartError, check_finite};
 
 /// Steps of the colour scale.
 const BANDS: usize = 16;
-/// Left edge of the key.
+/// Left edge of the colour key.
 const KEY_X: f64 = 728.0;
-/// Height of a band in the key.
+/// Height of a band in the colour key.
 const KEY_HEIGHT: f64 = 16.0;
 
-/// From violet over green to yellow, of even steps in lightness (after viridis, Smith and van der Walt 2015).
+/// From violet over green to yellow, in equal steps of lightness (after viridis, Smith and van der Walt 2015).
 const COLOURS: [Rgb; 5] = [
     (68.0, 1.0, 84.0),
     (59.0, 82.0, 139.0),
@@ -25,11 +25,11 @@ const COLOURS: [Rgb; 5] = [
     (94.0, 201.0, 98.0),
     (253.0, 231.0, 37.0),
 ];
-/// Of the regions beside the values.
+/// Colours of the named regions.
 const PALE: [RGBColor; 3] =
     [RGBColor(222, 235, 247), RGBColor(252, 228, 214), RGBColor(230, 230, 230)];
 
-/// The picture of a field, as SVG.
+/// Draws a field as SVG.
 ///
 /// # Errors
 /// [`ChartError`] for a value that is not finite, or a field without a value.
@@ -70,7 +70,7 @@ pub fn field(chart: &Field) -> Result<String, ChartError> {
     })
 }
 
-/// The scale of colours.
+/// The colour scale.
 struct Colours {
     least: f64,
     most: f64,
@@ -88,7 +88,7 @@ impl Colours {
     }
 }
 
-/// Largest at the top; the regions below.
+/// Draws the colour key: largest value at the top, regions below.
 fn draw_key(canvas: &Canvas<'_>, chart: &Field, scale: &Colours) -> Drawn {
     let face = Type::new(12.0, INK);
     canvas.text(&chart.unit, (KEY_X, FRAME_TOP + 8.0), Anchor::Left, face)?;
@@ -111,7 +111,7 @@ fn draw_key(canvas: &Canvas<'_>, chart: &Field, scale: &Colours) -> Drawn {
     Ok(())
 }
 
-/// A number of a key with three digits or more.
+/// Formats a number of the key with at least three digits.
 fn three_digits(value: f64) -> String {
     match value.abs() {
         size if size >= 100.0 => format!("{value:.0}"),
@@ -121,7 +121,7 @@ fn three_digits(value: f64) -> String {
     }
 }
 
-/// Of a band.
+/// Colour of a band.
 fn colour(band: usize) -> RGBColor {
     of_band(&COLOURS, band, BANDS)
 }

@@ -1,7 +1,7 @@
-//! JSON that never hides a NaN: a finite-checking writer.
+//! JSON writer that rejects NaN and infinity.
 //!
-//! serde_json writes NaN and infinity as `null`, as if no value had been there.
-//! Here they are an error that names the key; `null` means that `None` was meant.
+//! serde_json writes NaN and infinity as `null`, which is indistinguishable from a missing value. Here they are an
+//! error that names the key; `null` always means `None`.
 
 use serde::Serialize;
 use serde::ser;
@@ -13,21 +13,21 @@ pub enum JsonError {
     /// A number is NaN or infinite.
     #[error("`{path}` is {value}, not a finite number")]
     NotFinite {
-        /// Where, e.g. `cases[3].claims[0].measured`.
+        /// Path of the number, e.g. `cases[3].claims[0].measured`.
         path: String,
         /// NaN, inf or -inf.
         value: f64,
     },
-    /// The value has no JSON form (a map whose keys are not strings, say).
+    /// The value has no JSON form, such as a map whose keys are not strings.
     #[error("no JSON form: {source}")]
     Shape {
-        /// What serde_json said.
+        /// Error of serde_json.
         #[from]
         source: serde_json::Error,
     },
 }
 
-/// Pretty JSON with a final newline.
+/// Writes indented JSON with a final newline.
 ///
 /// # Errors
 /// [`JsonError::NotFinite`] for a NaN or infinity anywhere in `value`; [`JsonError::Shape`] if it has no JSON form.
@@ -38,7 +38,7 @@ pub fn to_json<T: Serialize + ?Sized>(value: &T) -> Result<String, JsonError> {
     Ok(text)
 }
 
-/// Walks `value` and refuses the first number that is not finite.
+/// Checks that every number in `value` is finite.
 ///
 /// # Errors
 /// [`JsonError::NotFinite`], naming the key.
@@ -52,21 +52,21 @@ pub fn check<T: Serialize + ?Sized>(value: &T) -> Result<(), JsonError> {
     })
 }
 
-/// A serializer that writes nothing and looks at floats.
+/// A serializer that writes nothing and checks floats.
 struct Walk;
 
-/// The elements of a list, or the values of a map, one after the other.
+/// The elements of a list, or the values of a map, in sequence.
 #[derive(Default)]
 struct Elements {
     index: usize,
     key: String,
-    /// The variant of an enum that holds them, a step of its own in the path.
+    /// The enum variant that holds them, a separate step in the path.
     variant: Option<&'static str>,
 }
 
 #[derive(Debug, thiserror::Error)]
 enum WalkError {
-    /// Steps of the path from the inside out, as `.key` or `[i]`.
+    /// Steps of the path from the innermost outwards, as `.key` or `[i]`.
     #[error("{value}")]
     NotFinite { steps: Vec<String>, value: f64 },
     #[error("{0}")]
@@ -240,7 +240,7 @@ impl ser::SerializeMap for Elements {
     type Ok = ();
     type Error = WalkError;
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Walked {
-        // A key that is no text has no JSON form; the writer says so afterwards.
+        // A key that is not a string has no JSON form; the writer reports it afterwards.
         let text = serde_json::to_string(key).unwrap_or_default();
         self.key = text.trim_matches('"').into();
         Ok(())

@@ -1,4 +1,4 @@
-//! What every chart has in common: title, frame, grid, numbers, legend, foot.
+//! Common parts of every chart: title, frame, grid, tick labels, legend, caption.
 
 use super::axis::{Axis, BarEnd, Tick};
 use super::canvas::{
@@ -8,7 +8,7 @@ use crate::data::Words;
 
 /// Size of the sheet.
 pub(super) const SHEET: (f64, f64) = (960.0, 580.0);
-/// Left and right edge of the frame; the legend stands to the right of it and so never covers data.
+/// Left and right edge of the frame; the legend is to the right of it and so never covers data.
 pub(super) const FRAME_X: (f64, f64) = (84.0, 708.0);
 /// Upper edge of the frame.
 pub(super) const FRAME_TOP: f64 = 74.0;
@@ -16,14 +16,14 @@ const LEGEND_X: f64 = 728.0;
 const LEGEND_WIDTH: f64 = 218.0;
 const CAPTION_LINE: f64 = 15.0;
 
-/// Lower edge of the frame: the foot takes what its lines need.
+/// Lower edge of the frame, above the lines of the caption.
 pub(super) fn frame_bottom(words: &Words) -> f64 {
     let n_lines =
         words.caption.iter().map(|line| wrap(line, 11.0, SHEET.0 - 48.0).len()).sum::<usize>();
     SHEET.1 - 62.0 - CAPTION_LINE * n_lines as f64
 }
 
-/// Title, axis labels and foot.
+/// Draws title, axis labels and caption.
 pub(super) fn draw_words(canvas: &Canvas<'_>, words: &Words, bottom: f64) -> Drawn {
     let middle = f64::midpoint(FRAME_X.0, FRAME_X.1);
     canvas.text(&words.title, (24.0, 26.0), Anchor::Left, Type::bold(18.0, INK))?;
@@ -39,7 +39,7 @@ pub(super) fn draw_words(canvas: &Canvas<'_>, words: &Words, bottom: f64) -> Dra
     Ok(())
 }
 
-/// Grid lines, minor ones first so that the numbered ones lie over them.
+/// Draws the grid, minor lines first so that the major ones lie over them.
 pub(super) fn draw_grid(canvas: &Canvas<'_>, x: &Axis, y: &Axis) -> Drawn {
     let lines = |axis: &Axis| -> Vec<Tick> { axis.ticks() };
     for is_major in [false, true] {
@@ -54,7 +54,7 @@ pub(super) fn draw_grid(canvas: &Canvas<'_>, x: &Axis, y: &Axis) -> Drawn {
     Ok(())
 }
 
-/// The frame from `top`, and the numbers along it.
+/// Draws the frame from `top` and its tick labels.
 pub(super) fn draw_frame(canvas: &Canvas<'_>, x: &Axis, y: &Axis, top: f64) -> Drawn {
     let (left, right, bottom) = (x.start(), x.end(), y.start());
     canvas.line(
@@ -80,7 +80,7 @@ pub(super) fn draw_frame(canvas: &Canvas<'_>, x: &Axis, y: &Axis, top: f64) -> D
     Ok(())
 }
 
-/// How the sample of a legend entry is drawn.
+/// Sample drawn in a legend entry.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sample {
     LineAndMarker(Look),
@@ -89,7 +89,7 @@ pub(super) enum Sample {
     Cross,
 }
 
-/// The legend, to the right of the frame.
+/// Draws the legend to the right of the frame.
 pub(super) fn draw_legend<'n>(
     canvas: &Canvas<'_>,
     entries: impl Iterator<Item = (Sample, &'n str)>,

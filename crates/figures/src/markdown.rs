@@ -1,6 +1,6 @@
-//! Pieces of the pages that are written: text that means what it says, and tables.
+//! Markdown output: escaped text and tables.
 
-/// `raw` in one line, with what Markdown would take for marks escaped.
+/// `raw` on one line, with Markdown's special characters escaped.
 #[must_use]
 pub fn text(raw: &str) -> String {
     let mut escaped = String::with_capacity(raw.len());
@@ -13,7 +13,7 @@ pub fn text(raw: &str) -> String {
     escaped
 }
 
-/// A table; cells are Markdown already.
+/// A Markdown table; its cells are Markdown already.
 #[must_use]
 pub fn table(heads: &[String], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));

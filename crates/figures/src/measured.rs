@@ -1,6 +1,6 @@
-//! A value with its standard error, and the value expected with its own.
+//! A measured value with its standard error, and a reference value with its own.
 
-/// A value found by a run.
+/// A value computed by a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// The value.
@@ -23,7 +23,7 @@ impl Measured {
     }
 }
 
-/// A value expected.
+/// A reference value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
     /// The value.
@@ -39,7 +39,7 @@ impl Reference {
         Self { value, error: None }
     }
 
-    /// A value known up to an error.
+    /// A reference known up to an error.
     #[must_use]
     pub const fn uncertain(value: f64, error: f64) -> Self {
         Self { value, error: Some(error) }

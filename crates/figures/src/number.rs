@@ -1,8 +1,8 @@
-//! How numbers are printed: enough digits to compare, no more.
+//! Number formatting: enough digits to compare, no more.
 
 use crate::error_kind::ErrorKind;
 
-/// Six significant digits and the uncertainty with two: `0.0412345 ± 1.2e-5`; `-` for none.
+/// A value with six significant digits and its uncertainty with two: `0.0412345 ± 1.2e-5`; `-` for none.
 #[must_use]
 pub fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> String {
     match (value, uncertainty) {
@@ -24,15 +24,16 @@ pub fn short(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |value| digits(value, 3))
 }
 
-/// A part of one in per cent, three significant digits; errors and changes that are many times the value are not compared, and stand
-/// as `> 1000 %`.
+/// A fraction in per cent with three significant digits.
+///
+/// Errors and changes that are many times the value are printed as `> 1000 %`.
 #[must_use]
 pub fn percent(part: f64) -> String {
     const MOST: f64 = 10.0;
     if part > MOST { "> 1000 %".to_owned() } else { format!("{} %", short(Some(100.0 * part))) }
 }
 
-/// A signed error with three significant digits, marked where it is a logarithm or a factor.
+/// A signed error with three significant digits; logarithms and factors are marked as such.
 #[must_use]
 pub fn error(value: Option<f64>, kind: ErrorKind) -> String {
     let Some(value) = value else { return "-".into() };
@@ -59,7 +60,7 @@ fn digits(value: f64, n_digits: usize) -> String {
         let before_point = exponent as i32 + 1;
         let decimals = usize::try_from(i32::try_from(n_digits).unwrap_or(i32::MAX) - before_point)
             .unwrap_or(0);
-        // Counts stay counts.
+        // Integers are printed as integers.
         let decimals = if value.fract() == 0.0 { 0 } else { decimals };
         format!("{value:.decimals$}")
     } else {

@@ -1,4 +1,4 @@
-//! A probability over a plane, and the law of a path on it.
+//! A probability over a plane, and the quantiles of a path on it.
 
 use plotters::style::RGBColor;
 
@@ -12,13 +12,13 @@ use crate::error::{ChartError, check_finite};
 
 /// Steps of the colour scale.
 const BANDS: usize = 16;
-/// Height of a band in the key.
+/// Height of a band in the colour key.
 const KEY_HEIGHT: f64 = 14.0;
-/// From the frame to the key.
+/// Distance from the frame to the colour key.
 const KEY_GAP: f64 = 22.0;
-/// The tallest frame.
+/// Largest height of the frame.
 const MOST_HEIGHT: f64 = 560.0;
-/// The flattest frame: the key needs so much.
+/// Smallest height of the frame, required by the colour key.
 const LEAST_HEIGHT: f64 = 390.0;
 
 /// From nearly white over orange to dark brown (after YlOrBr, Brewer 2003).
@@ -29,12 +29,12 @@ const COLOURS: [Rgb; 5] = [
     (204.0, 76.0, 2.0),
     (90.0, 30.0, 6.0),
 ];
-/// Of the path.
+/// Colour of the path.
 const PATH: RGBColor = RGBColor(0, 92, 170);
-/// Half the width of the rim around the path.
+/// Half the width of the light rim around the path.
 const RIM: f64 = 1.2;
 
-/// The picture, as SVG.
+/// Draws the map as SVG.
 ///
 /// # Errors
 /// [`ChartError`] for a value that is not finite, or a map without a cell.
@@ -42,7 +42,7 @@ pub fn path_map(chart: &PathMap) -> Result<String, ChartError> {
     check(chart)?;
     let (width, height) = (extent(&chart.x), extent(&chart.y));
     let wide = FRAME_X.1 - FRAME_X.0;
-    // The margins of both axes are the same part of them, so that this keeps one scale.
+    // The margins of both axes are the same fraction of their lengths, so both keep the same scale.
     let tall = (wide * height / width).min(MOST_HEIGHT);
     let right = FRAME_X.0 + tall * width / height;
     let bottom = FRAME_TOP + tall;
@@ -97,7 +97,7 @@ fn draw_cells(canvas: &Canvas<'_>, chart: &PathMap, x: &Axis, y: &Axis) -> Drawn
     canvas.line(&[(left, low), (right, low), (right, high), (left, high), (left, low)], SOFT, 0.8)
 }
 
-/// Lines with a light rim, so that they stand out on any colour.
+/// Draws the quantiles with a light rim, visible on any colour.
 fn draw_path(canvas: &Canvas<'_>, chart: &PathMap, x: &Axis, y: &Axis) -> Drawn {
     let on_sheet = |points: &[[f64; 2]]| -> Vec<(f64, f64)> {
         points.iter().map(|&[a, b]| (x.place(a), y.place(b))).collect()
@@ -120,7 +120,7 @@ fn draw_path(canvas: &Canvas<'_>, chart: &PathMap, x: &Axis, y: &Axis) -> Drawn 
     canvas.line(&given, INK, 4.0)
 }
 
-/// The middle one is bold, the outermost ones are dashed.
+/// The middle quantile is bold, the outermost ones are dashed.
 fn look(k: usize, n: usize) -> (Look, f64) {
     let of = |dashes| Look { colour: PATH, marker: Marker::Circle, dashes };
     if 2 * k + 1 == n {
@@ -132,7 +132,7 @@ fn look(k: usize, n: usize) -> (Look, f64) {
     }
 }
 
-/// Largest at the top; the path below.
+/// Draws the colour key: largest value at the top, the path below.
 fn draw_key(canvas: &Canvas<'_>, chart: &PathMap, left: f64) -> Drawn {
     let face = Type::new(12.0, INK);
     let mut top = FRAME_TOP + 8.0;
@@ -167,7 +167,7 @@ fn band(value: f64) -> usize {
     ((value.clamp(0.0, 1.0) * BANDS as f64) as usize).min(BANDS - 1)
 }
 
-/// Of a band.
+/// Colour of a band.
 fn colour(band: usize) -> RGBColor {
     of_band(&COLOURS, band, BANDS)
 }
@@ -216,7 +216,7 @@ mod tests {
             map.values = vec![vec![Some(1.0)]];
             map.quantiles.clear();
             let svg = path_map(&map).unwrap();
-            // The one cell of full probability, and not its entry in the key, is as wide over high as the body.
+            // The only cell of probability one, unlike its entry in the key, has the aspect ratio of the body.
             let cells = svg.lines().filter(|line| line.to_uppercase().contains("#5A1E06"));
             let side = |line: &str, name: &str| -> f64 {
                 let rest = line.split(&format!("{name}=\"")).nth(1).unwrap();
@@ -225,7 +225,7 @@ mod tests {
             let cell =
                 cells.max_by(|a, b| side(a, " width").total_cmp(&side(b, " width"))).unwrap();
             let ratio = side(cell, " width") / side(cell, " height");
-            // Places are rounded to a quarter of a unit, of some hundred.
+            // Positions are rounded to a quarter of a unit, out of some hundred.
             assert!((ratio / (width / height) - 1.0).abs() < 0.01, "{ratio}");
         }
     }

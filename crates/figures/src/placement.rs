@@ -1,4 +1,4 @@
-//! Finds a free spot for the words beside a point.
+//! Placement of a label beside a point where it overlaps least.
 
 use super::canvas::text_width;
 
@@ -31,7 +31,7 @@ impl Block {
     }
 }
 
-/// What is already on the sheet.
+/// Occupied areas of the sheet.
 #[derive(Debug)]
 pub(super) struct Occupied {
     frame: Block,
@@ -47,7 +47,7 @@ impl Occupied {
         self.blocks.push(block);
     }
 
-    /// Takes the room of a line, as small squares along it.
+    /// Marks a line as occupied, as small squares along it.
     pub(super) fn add_line(&mut self, points: &[(f64, f64)]) {
         const STEP: f64 = 4.0;
         for ends in points.windows(2) {
@@ -62,10 +62,10 @@ impl Occupied {
         }
     }
 
-    /// The middle of the freest spot beside `point` for a text, which then takes it.
+    /// Centre of the least occupied position beside `point` for a text, which then occupies it.
     pub(super) fn place_text(&mut self, text: &str, size: f64, point: (f64, f64)) -> (f64, f64) {
         let (half_width, half_height) = (text_width(text, size) / 2.0, 0.6 * size);
-        // Nearer and upper spots come first and win among equals.
+        // Nearer and higher positions come first and win ties.
         let sides = [
             (0.7, -0.7),
             (-0.7, -0.7),

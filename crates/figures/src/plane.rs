@@ -11,12 +11,12 @@ use crate::error::{ChartError, check_finite};
 
 /// Bands below the peak, of half a decade each.
 const BANDS: usize = 12;
-/// Left edge of the key.
+/// Left edge of the colour key.
 const KEY_X: f64 = 728.0;
-/// Height of a band in the key.
+/// Height of a band in the colour key.
 const KEY_HEIGHT: f64 = 22.0;
 
-/// The picture of a density over a plane, as SVG: the darker the larger, white below 1e-6 of the peak.
+/// Draws a density over a plane as SVG: darker is larger, white is below 1e-6 of the peak.
 ///
 /// # Errors
 /// [`ChartError`] for a value that is not finite, or a density that is nowhere positive.
@@ -50,7 +50,7 @@ pub fn plane(chart: &Plane) -> Result<String, ChartError> {
     })
 }
 
-/// Neighbours of one band as one rectangle.
+/// Draws neighbouring cells of the same band as one rectangle.
 pub(super) fn draw_row(
     canvas: &Canvas<'_>,
     row: &[Option<usize>],
@@ -83,7 +83,7 @@ fn draw_key(canvas: &Canvas<'_>) -> Drawn {
     Ok(())
 }
 
-/// The band of a value, 0 at the peak; none below the last.
+/// Band of a value, 0 at the peak; none below the last band.
 fn band(value: f64, peak: f64) -> Option<usize> {
     let below = -2.0 * (value / peak).log10();
     (0..BANDS).find(|&band| below < band as f64 + 1.0)

@@ -1,4 +1,4 @@
-//! Made-up charts: for the tests, and for the eye.
+//! Invented charts for tests and visual inspection.
 
 use crate::data::{
     Line, Measure, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
@@ -28,8 +28,7 @@ fn method(name: &str, runs: &[(f64, f64, f64, &str)]) -> Method {
     Method { name: name.into(), runs: runs.iter().map(run).collect() }
 }
 
-/// Four methods, one of which fails at its ends.
-/// Error against cost.
+/// Error against cost of four methods, one of which fails at its ends.
 #[must_use]
 pub fn work_precision() -> WorkPrecision {
     let mut paper = method(
@@ -86,8 +85,7 @@ pub fn work_precision() -> WorkPrecision {
     }
 }
 
-/// Three decaying lines and a set of reference points.
-/// Values over time.
+/// Three decaying lines over time and a set of reference points.
 #[must_use]
 pub fn time_series(scale: Scale) -> TimeSeries {
     let decay = |t: f64, rate: f64| 0.02 + (-rate * t).exp() * (1.0 + 0.3 * (3.0 * t).cos());

@@ -1,4 +1,4 @@
-//! Values over time, with points to compare with.
+//! Values over time, with reference points.
 
 use super::axis::Axis;
 use super::canvas::{Canvas, Drawn, INK, Look, draw_svg};
@@ -8,7 +8,7 @@ use super::legend::{
 use crate::data::{ReferencePoint, Scale, TimeSeries};
 use crate::error::{ChartError, check_finite};
 
-/// The picture of values over time, as SVG.
+/// Draws values over time as SVG.
 ///
 /// # Errors
 /// [`ChartError`] for a value that is not finite, or a chart without a point.
@@ -37,7 +37,7 @@ pub fn time_series(chart: &TimeSeries) -> Result<String, ChartError> {
             canvas.veil(&outline, Look::of_series(i).colour)?;
         }
         for (i, line) in chart.lines.iter().enumerate() {
-            // A value without a place ends one piece and begins the next.
+            // A missing value ends one segment and begins the next.
             let drawn = |value: Option<f64>| value.filter(|&value| shown(chart.scale, value));
             for piece in line.points.split(|&(_, value)| drawn(value).is_none()) {
                 let piece: Vec<(f64, f64)> = piece
@@ -62,7 +62,7 @@ pub fn time_series(chart: &TimeSeries) -> Result<String, ChartError> {
     })
 }
 
-/// References are dark, whatever the series; their markers differ.
+/// References are dark in every series and differ in their markers.
 fn reference_look(index: usize) -> Look {
     Look { colour: INK, ..Look::of_series(index) }
 }
@@ -95,7 +95,7 @@ fn values(chart: &TimeSeries) -> impl Iterator<Item = (f64, f64)> {
         .chain(chart.references.iter().flat_map(|set| &set.points).map(|point| (point.x, point.y)))
 }
 
-/// Upper ends on either scale; lower ends where they cannot take decades for themselves.
+/// Upper ends on either scale; lower ends unless they would span decades by themselves.
 fn bar_ends(chart: &TimeSeries) -> impl Iterator<Item = f64> {
     let floor = move |point: &ReferencePoint, low: f64| match chart.scale {
         Scale::Linear => low,

@@ -13,7 +13,7 @@ const MARKER: f64 = 4.8;
 /// Height of the strip for runs that failed.
 const STRIP_HEIGHT: f64 = 26.0;
 
-/// The picture of a work-precision chart, as SVG.
+/// Draws a work-precision chart as SVG.
 ///
 /// # Errors
 /// [`ChartError`] for a cost or an error that is not positive and finite, or a chart without a point.
@@ -42,7 +42,8 @@ pub fn work_precision(chart: &WorkPrecision) -> Result<String, ChartError> {
         let entries = chart.series.iter().enumerate();
         let entries = entries
             .map(|(i, method)| (Sample::LineAndMarker(Look::of_series(i)), method.name.as_str()));
-        let failed = has_failures.then_some((Sample::Cross, "no result; the JSON says why"));
+        let failed =
+            has_failures.then_some((Sample::Cross, "no result; the JSON gives the reason"));
         draw_legend(canvas, entries.chain(failed))
     })
 }
@@ -79,7 +80,7 @@ fn failures(chart: &WorkPrecision) -> impl Iterator<Item = (usize, &Run)> {
     runs.filter(|(_, run)| matches!(run.outcome, RunOutcome::Failed { .. }))
 }
 
-/// What an axis must span: the value and its bar, but for a lower end that would take decades for itself.
+/// Range required by a value and its error bar, without a lower end that would span decades by itself.
 fn ends(value: f64, bar: Option<f64>) -> [f64; 3] {
     let bar = bar.unwrap_or(0.0);
     [value, value + bar, (value - bar).max(0.3 * value)]
@@ -90,7 +91,7 @@ fn points(method: &Method, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
     method.runs.iter().filter_map(place).collect()
 }
 
-/// Lines first, then bars, markers and words: what matters most lies on top.
+/// Draws lines, then error bars, markers and labels: the most important elements are on top.
 fn draw_series(canvas: &Canvas<'_>, chart: &WorkPrecision, x: &Axis, y: &Axis) -> Drawn {
     let mut occupied = Occupied::new(Block::new(x.start(), y.end(), x.end(), y.start()));
     for (i, method) in chart.series.iter().enumerate() {
@@ -142,7 +143,7 @@ fn draw_bars(
     Ok(())
 }
 
-/// A strip above the scale with a cross for each run that gave no result.
+/// Draws a strip above the scale with a cross for each run without a result.
 fn draw_failures(canvas: &Canvas<'_>, chart: &WorkPrecision, x: &Axis, top: f64) -> Drawn {
     let middle = top - STRIP_HEIGHT / 2.0;
     canvas.rectangle((x.start(), FRAME_TOP), (x.end(), top), STRIP)?;

@@ -1,4 +1,4 @@
-//! Prints the errors of `exp`, `ln`, `sin` and `cos` as a picture: the one on the page of the crate.
+//! Prints the errors of `exp`, `ln`, `sin` and `cos` as the picture on the page of the crate.
 //!
 //! `cargo run -p lanes --example errors > docs/pictures/lanes-errors.svg`
 
@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_4;
 use lanes::{exp, ln, sin_cos};
 use reference::{Double, reference_exp, reference_ln, reference_sin_cos};
 
-/// Parts of the argument's range, and points in each.
+/// Intervals of the argument's range, and points in each.
 const PARTS: u32 = 150;
 const POINTS: u32 = 64;
 
@@ -72,7 +72,7 @@ fn main() {
                 let fraction = f64::from(part * POINTS + point) / f64::from(PARTS * POINTS);
                 error(low + (high - low) * fraction)
             };
-            // At zero the error of a sine is none, and has no unit.
+            // At zero the error of the sine is zero and the unit in the last place is undefined.
             let largest = (1..POINTS).map(at).fold(0.0, f64::max);
             let x = left + PANEL.0 * (f64::from(part) + 0.5) / f64::from(PARTS);
             print!("L{x:.1} {:.1}", floor - UNIT * largest);

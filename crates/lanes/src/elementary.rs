@@ -1,7 +1,7 @@
-//! Exponential, logarithm, power, sine and cosine without a branch and with the same bits on every platform.
+//! Branch-free exponential, logarithm, power, sine and cosine; results are bitwise identical on every platform.
 //!
-//! They use `+ - * /` alone, which IEEE 754 fixes to the bit, and no fused multiply-add. A loop over lanes that calls them
-//! is compiled for the registers of the function that contains it: hence `#[inline(always)]`.
+//! They use only `+ - * /`, whose results IEEE 754 defines exactly, and no fused multiply-add. A loop over lanes that
+//! calls them is compiled for the registers of the function that contains it, so they are `#[inline(always)]`.
 
 #![allow(
     clippy::excessive_precision,
@@ -18,26 +18,28 @@ use crate::arrays::{from_fn, map};
 
 const LN_2_HIGH: f64 = 6.93147180369123816490e-01;
 const LN_2_LOW: f64 = 1.90821492927058770002e-10;
-/// The bits of one.
+/// Bit pattern of one.
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// `2^52`, in whose binade the last bit is worth one.
+/// `2^52`: in its binade the last bit has the value one.
 const TWO_52: f64 = (1_u64 << 52) as f64;
 
 /// `(k, f)` with `x = 2^k (1 + f)` and `1 + f` in `(sqrt(1/2), sqrt(2))`, for normal, positive, finite `x`.
 #[inline(always)]
 fn binade(x: f64) -> (f64, f64) {
-    /// The bits of `sqrt(1/2)`, rounded down to 20 bits of mantissa.
+    /// Bit pattern of `sqrt(1/2)`, rounded down to 20 bits of mantissa.
     const SQRT_HALF: u64 = 0x3fe6_a09e_0000_0000;
 
     let shifted = x.to_bits().wrapping_add(ONE - SQRT_HALF);
-    // A small whole number as a double by its bits: AVX2 has no conversion of 64-bit integers.
+    // Converts a small integer to a double through its bits: AVX2 has no conversion of 64-bit integers.
     let k = f64::from_bits(TWO_52.to_bits() | shifted >> 52) - (TWO_52 + 1023.0);
     let f = f64::from_bits((shifted & (u64::MAX >> 12)) + SQRT_HALF) - 1.0;
     (k, f)
 }
 
-/// The coefficients of `R(z) = L_0 z + .. + L_6 z^7` in `ln(1 + f) = s (2 + R(s^2))`, `s = f/(2 + f)`, for `1 + f` in
-/// `(sqrt(1/2), sqrt(2))`. Source: minimax, from fdlibm's `e_log.c`, Sun Microsystems 1993.
+/// Minimax coefficients of `R(z)` in the series of `ln(1 + f)`.
+///
+/// `R(z) = L_0 z + .. + L_6 z^7` in `ln(1 + f) = s (2 + R(s^2))`, `s = f/(2 + f)`, for `1 + f` in
+/// `(sqrt(1/2), sqrt(2))`. Source: fdlibm's `e_log.c`, Sun Microsystems 1993.
 const L: [f64; 7] = [
     6.666666666666735130e-01,
     3.999999999940941908e-01,
@@ -48,7 +50,9 @@ const L: [f64; 7] = [
     1.479819860511658591e-01,
 ];
 
-/// `ln x` for normal, positive, finite `x`; error below one unit in the last place. Elsewhere the result is arbitrary.
+/// `ln x` for normal, positive, finite `x`; error below one unit in the last place.
+///
+/// For other `x` the result is arbitrary.
 ///
 /// Source: the order of summation of fdlibm's `e_log.c`, Sun Microsystems 1993.
 #[inline(always)]
@@ -64,10 +68,10 @@ fn ln_normal(x: f64) -> f64 {
     k * LN_2_HIGH - ((half_square - rest) - f)
 }
 
-/// `-2 ln u` for `K` normal `u` in `(0, 1]`; relative error below three times `2^-52`, which its square root halves.
+/// `-2 ln u` for `K` normal `u` in `(0, 1]`; relative error below `3 * 2^-52`, which its square root halves.
 ///
-/// The squared radius of Box and Muller's normals. The series is that of [`ln`] without the steps that round its last bit
-/// well, summed as a tree, so that fewer operations wait for one another.
+/// It is the squared radius of the Box-Muller transform. The series is that of [`ln`] without the steps that round the
+/// last bit correctly; it is summed as a tree to shorten the chain of dependent operations.
 ///
 /// ```
 /// assert_eq!(lanes::minus_twice_ln([1.0, 0.5]), [0.0, 2.0 * 2.0_f64.ln()]);
@@ -88,7 +92,7 @@ pub fn minus_twice_ln<const K: usize>(u: [f64; K]) -> [f64; K] {
 
 /// `(sin x, cos x)` for `K` angles in `[-pi/4, pi/4]`; error below one unit in the last place.
 ///
-/// Reduce larger angles first: beyond `pi/4` the error grows as the first term left out.
+/// Reduce larger angles first: beyond `pi/4` the error grows like the first omitted term.
 ///
 /// Source: the minimax coefficients of fdlibm's `k_sin.c` and `k_cos.c`, Sun Microsystems 1993.
 ///
@@ -122,18 +126,19 @@ pub fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     (sin, from_fn(|i| 1.0 - (0.5 * z[i] - z[i] * z[i] * cos_tail[i])))
 }
 
-/// `c_0 + c_1 z + .. + c_5 z^5`, summed as a tree.
+/// Evaluates `c_0 + c_1 z + .. + c_5 z^5` as a summation tree.
 #[inline(always)]
 fn sum_of_six(c: [f64; 6], z: f64) -> f64 {
     let w = z * z;
     (c[0] + z * c[1]) + w * ((c[2] + z * c[3]) + w * (c[4] + z * c[5]))
 }
 
-/// `exp x`; relative error below two units in the last place. Zero below -708, where the result would be denormal,
-/// and infinite above 709.43. NaN for NaN.
+/// `exp x`; relative error below two units in the last place.
 ///
-/// `x = k ln 2 + r` with `|r| <= ln(2)/2`, then `exp r = 1 + 2r/(2 - c)` with `c = r - r^2 P(r^2)`.
-/// Source: the minimax coefficients of fdlibm's `e_exp.c`, Sun Microsystems 1993.
+/// Returns zero below -708, where the result would be denormal, infinity above 709.43, and NaN for NaN.
+///
+/// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln(2)/2`; then `exp r = 1 + 2r/(2 - c)` with
+/// `c = r - r^2 P(r^2)`. Source: the minimax coefficients of fdlibm's `e_exp.c`, Sun Microsystems 1993.
 #[inline(always)]
 #[must_use]
 pub fn exp(x: f64) -> f64 {
@@ -144,10 +149,10 @@ pub fn exp(x: f64) -> f64 {
         -1.65339022054652515390e-06,
         4.13813679705723846039e-08,
     ];
-    /// Added and taken away again, it rounds to a whole number, which is then in the lowest bits.
+    /// Adding and subtracting it rounds to an integer, which the lowest bits then hold.
     const ROUND: f64 = 1.5 * TWO_52;
 
-    // NaN is neither below nor above, and passes.
+    // NaN compares false with both limits and passes through.
     let clamped = if x < -708.0 { -708.0 } else { x };
     let clamped = if clamped > 710.0 { 710.0 } else { clamped };
     let rounded = clamped * std::f64::consts::LOG2_E + ROUND;
@@ -158,27 +163,30 @@ pub fn exp(x: f64) -> f64 {
     let z = r * r;
     let c = r - z * (P[0] + z * (P[1] + z * (P[2] + z * (P[3] + z * P[4]))));
     let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
-    // 2^k by its bits: for k = 1024 they are those of infinity.
+    // 2^k from its bit pattern; for k = 1024 the pattern is that of infinity.
     let scaled = y * f64::from_bits(ONE.wrapping_add(rounded.to_bits() << 52));
     if x < -708.0 { 0.0 } else { scaled }
 }
 
-/// `ln x`; error below one unit in the last place for normal `x`. Denormal numbers count as zero, whose logarithm is minus
-/// infinity; NaN below zero.
+/// `ln x`; error below one unit in the last place for normal `x`.
+///
+/// Denormal numbers count as zero, whose logarithm is minus infinity; the result is NaN below zero.
 #[inline(always)]
 #[must_use]
 pub fn ln(x: f64) -> f64 {
-    // The result where `x` is not normal and positive: computed apart, so that no operation waits for it.
+    // The result for `x` that is not normal and positive, computed independently so that no operation waits for it.
     let elsewhere = if x < f64::MIN_POSITIVE { f64::NEG_INFINITY } else { x };
     let elsewhere = if x < 0.0 { f64::NAN } else { elsewhere };
     let there = ln_normal(x);
     if (f64::MIN_POSITIVE..f64::INFINITY).contains(&x) { there } else { elsewhere }
 }
 
-/// `x^a` for `x >= 0` and any finite `a` but zero, as `exp(a ln x)`; relative error below `(3 + 2 |a ln x|) 2^-52`:
-/// 1e-14 for `|a ln x| <= 20`. Denormal `x` counts as zero; NaN below zero.
+/// `x^a` for `x >= 0` and finite nonzero `a`, as `exp(a ln x)`.
 ///
-/// [`f64::powf`] keeps its error below one unit in the last place, but is a call for each number.
+/// The relative error is below `(3 + 2 |a ln x|) 2^-52`: 1e-14 for `|a ln x| <= 20`. Denormal `x` counts as zero; the
+/// result is NaN below zero.
+///
+/// [`f64::powf`] keeps its error below one unit in the last place, but costs a function call for each number.
 ///
 /// ```
 /// let x: f64 = 0.3;

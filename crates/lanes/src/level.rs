@@ -1,4 +1,4 @@
-//! Levels of vector instructions, and work compiled for each of them.
+//! SIMD levels, and work compiled for each of them.
 
 #![allow(
     clippy::inline_always,
@@ -13,9 +13,10 @@ use crate::registers::{Registers, Work};
 #[cfg(target_arch = "x86_64")]
 use crate::x86::On;
 
-/// A level of vector instructions that this machine has.
+/// A SIMD level that this machine supports.
 ///
-/// Every level gives the same bits; they differ in speed. The default of everything that takes a level is [`best`](Self::best).
+/// All levels give bitwise identical results and differ only in speed. Every function that takes a level defaults to
+/// [`best`](Self::best).
 #[derive(Clone, Copy)]
 pub struct SimdLevel(Level);
 
@@ -29,10 +30,10 @@ enum Level {
 }
 
 impl SimdLevel {
-    /// Instructions that every machine of the target has: SSE2 on x86-64, NEON on AArch64.
+    /// Instructions that every machine of the target supports: SSE2 on x86-64, NEON on AArch64.
     pub const PORTABLE: Self = Self(Level::Portable);
 
-    /// The levels of this machine, the widest last.
+    /// Levels that this machine supports, the widest last.
     pub fn available() -> impl Iterator<Item = Self> {
         #[cfg(target_arch = "x86_64")]
         let wider = [
@@ -44,7 +45,7 @@ impl SimdLevel {
         std::iter::once(Level::Portable).chain(wider.into_iter().flatten()).map(Self)
     }
 
-    /// The widest level of this machine.
+    /// The widest level that this machine supports.
     #[inline]
     #[must_use]
     pub fn best() -> Self {
@@ -59,7 +60,7 @@ impl SimdLevel {
         Self::PORTABLE
     }
 
-    /// "portable", "avx2" or "avx512".
+    /// Name of the level: "portable", "avx2" or "avx512".
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self.0 {
@@ -73,32 +74,35 @@ impl SimdLevel {
 
     /// Runs work compiled for this level.
     ///
-    /// What the work calls is compiled for the level only where it is inlined: mark it `#[inline(always)]`.
+    /// Functions that the work calls are compiled for the level only if they are inlined: mark them
+    /// `#[inline(always)]`.
     #[inline]
     pub fn run<T: Float, W: Work<T>>(self, work: W) -> W::Output {
         T::run_at(self, work)
     }
 
-    /// As [`run`](Self::run), AVX2 at most: for work that moves numbers between lanes, which gains nothing from wider
-    /// registers. It is compiled for no others.
+    /// Runs work as [`run`](Self::run) does, with AVX2 at most.
+    ///
+    /// Use it for work that moves numbers between lanes, which gains nothing from wider registers. It is compiled for
+    /// no wider level.
     #[inline]
     pub fn run_narrow<T: Float, W: Work<T>>(self, work: W) -> W::Output {
         T::run_narrow_at(self, work)
     }
 
-    /// Runs a closure compiled for this level, as [`dispatch`] does for the widest.
+    /// Runs a closure compiled for this level, as [`dispatch`] does for the widest level.
     ///
-    /// A closure that consumes none of its captures is better passed to [`dispatch`], which calls it by reference.
+    /// Pass a closure that consumes none of its captures to [`dispatch`] instead, which calls it by reference.
     #[inline]
     pub fn call<R>(self, work: impl FnOnce() -> R) -> R {
         self.run(Once(work))
     }
 }
 
-/// Runs a closure compiled for the widest registers of this machine, chosen at run time.
+/// Runs a closure compiled for the widest registers of this machine, selected at run time.
 ///
-/// What is inlined into the closure is compiled for AVX-512, AVX2 and the portable level: mark the closure and what it
-/// calls `#[inline(always)]`. A call costs a few nanoseconds, so pass a whole loop, not one evaluation.
+/// Code inlined into the closure is compiled for AVX-512, AVX2 and the portable level: mark the closure and the
+/// functions it calls `#[inline(always)]`. A call costs a few nanoseconds, so pass a whole loop, not one evaluation.
 ///
 /// ```
 /// let x = [0.25, 1.0, 4.0];
@@ -118,13 +122,13 @@ pub fn dispatch<R>(work: impl FnMut() -> R) -> R {
     SimdLevel::best().run(Repeatable(work))
 }
 
-/// As [`dispatch`], for registers of at most four `f64` (AVX2).
+/// Dispatches as [`dispatch`] does, with registers of at most four `f64` (AVX2).
 ///
-/// Use it for loops over a few numbers at a time: for AVX-512 the compiler would fill registers by gathering, which takes
-/// longer than the arithmetic.
+/// Use it for loops over a few numbers at a time: for AVX-512 the compiler would fill registers by gather
+/// instructions, which take longer than the arithmetic.
 #[inline]
 pub fn dispatch_narrow<R>(work: impl FnMut() -> R) -> R {
-    // Not by a level, of which each compiles the closure.
+    // Not through `SimdLevel`: each level would compile the closure again.
     #[cfg(target_arch = "x86_64")]
     if let Some(token) = pulp::x86::V3::try_new() {
         return token.vectorize(On::new(token, Repeatable(work)));
@@ -132,14 +136,14 @@ pub fn dispatch_narrow<R>(work: impl FnMut() -> R) -> R {
     Repeatable(work).run(Portable::new())
 }
 
-/// A number that registers hold: `f64` or `f32`.
+/// Element type of a register: `f64` or `f32`.
 pub trait Float:
     Lanes<Number = Self, Mask = bool> + PartialOrd + Default + fmt::Debug + Send + Sync + 'static
 {
-    /// Runs work at a level; the caller writes [`SimdLevel::run`].
+    /// Runs work at a level; callers use [`SimdLevel::run`].
     #[doc(hidden)]
     fn run_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output;
-    /// Runs work at a level, AVX2 at most; the caller writes [`SimdLevel::run_narrow`].
+    /// Runs work at a level, AVX2 at most; callers use [`SimdLevel::run_narrow`].
     #[doc(hidden)]
     fn run_narrow_at<W: Work<Self>>(level: SimdLevel, work: W) -> W::Output;
 }
@@ -188,8 +192,10 @@ impl<R, F: FnOnce() -> R> Work<f64> for Once<F> {
     }
 }
 
-/// Called by reference: calling a closure by value goes through a shim of the compiler that is not inlined when it has two
-/// callers, and would then be compiled for the narrowest registers.
+/// Wraps a closure that is called by reference.
+///
+/// Calling a closure by value goes through a compiler shim. The shim is not inlined when it has two callers, and is
+/// then compiled for the narrowest registers.
 struct Repeatable<F>(F);
 
 impl<R, F: FnMut() -> R> Work<f64> for Repeatable<F> {

@@ -1,4 +1,4 @@
-//! Numbers, and registers of them, under one trait.
+//! One trait for scalars and SIMD registers.
 
 #![allow(
     clippy::inline_always,
@@ -9,10 +9,10 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use crate::sealed::Sealed;
 
-/// A number, or a register of numbers: a formula written over `Lanes` serves both.
+/// A scalar or a register of scalars: a formula written over `Lanes` works for both.
 ///
-/// Implemented by `f64` and `f32`, which are one lane, and by the registers of every level. All operations are those of
-/// IEEE 754, rounded once, and no product is fused with a sum: a lane has the bits that the number alone has.
+/// `f64` and `f32` implement it as one lane; so do the registers of every level. All operations are those of IEEE 754,
+/// rounded once, and no product is fused with a sum: each lane is bitwise identical to the scalar result.
 ///
 /// ```
 /// use lanes::{Lanes, Mask, Registers, SimdLevel, Work};
@@ -47,33 +47,33 @@ use crate::sealed::Sealed;
 pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Sealed
 {
-    /// What a lane holds.
+    /// Number type of a lane.
     type Number: Copy;
-    /// The result of a comparison in each lane.
+    /// Result of a comparison in each lane.
     type Mask: Mask;
-    /// The same number in every lane, in as many as `self` has.
+    /// Fills every lane with the same number, in as many lanes as `self` has.
     fn splat(self, value: Self::Number) -> Self;
     /// The square root.
     fn sqrt(self) -> Self;
     /// The value without its sign bit; NaN stays NaN.
     fn abs(self) -> Self;
-    /// `self` where `self < other`, else `other`: `other` where either is NaN, and where both are zeros.
+    /// `self` where `self < other`, else `other`; `other` also where either is NaN or both are zero.
     fn min(self, other: Self) -> Self;
-    /// `self` where `self > other`, else `other`: `other` where either is NaN, and where both are zeros.
+    /// `self` where `self > other`, else `other`; `other` also where either is NaN or both are zero.
     fn max(self, other: Self) -> Self;
-    /// The mask of `self < other`; not of lanes with NaN.
+    /// Mask of `self < other`; false in lanes with NaN.
     fn less(self, other: Self) -> Self::Mask;
-    /// The mask of `self >= other`; not of lanes with NaN.
+    /// Mask of `self >= other`; false in lanes with NaN.
     fn at_least(self, other: Self) -> Self::Mask;
-    /// `inside` in the lanes of a mask, `outside` in the others.
+    /// `inside` in the lanes where the mask is true, `outside` in the others.
     fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self;
 }
 
-/// A truth value for each lane.
+/// A Boolean value for each lane.
 pub trait Mask: Copy + Sealed {
     /// Whether it is true in any lane.
     fn any(self) -> bool;
-    /// Bit `k` is lane `k`; bits beyond the lanes are zero.
+    /// Bit mask: bit `k` is lane `k`; bits beyond the lanes are zero.
     fn bits(self) -> u32;
 }
 

@@ -1,4 +1,4 @@
-//! Registers where the compiler chooses them: loops over arrays of 32 bytes.
+//! The portable level: loops over arrays of 32 bytes, for which the compiler chooses the registers.
 
 #![allow(
     clippy::inline_always,
@@ -12,10 +12,10 @@ use crate::numbers::{Lanes, Mask};
 use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
 use crate::sealed::Sealed;
 
-/// Instructions that every machine has.
+/// The portable level: instructions that every machine supports.
 #[derive(Debug, Clone, Copy)]
 pub struct Portable {
-    /// Every x86-64 has them, and they make a mask of several comparisons at once.
+    /// Tokens of SSE and SSE2, which every x86-64 supports; they combine several comparisons into one mask.
     #[cfg(target_arch = "x86_64")]
     sse: pulp::core_arch::x86::Sse,
     #[cfg(target_arch = "x86_64")]
@@ -36,7 +36,7 @@ impl Portable {
 
 impl Sealed for Portable {}
 
-/// The operators on arrays of numbers.
+/// Implements the operators on arrays of numbers.
 macro_rules! operator {
     ($trait:ident, $function:ident, $operator:tt) => {
         impl<T: Lanes, const N: usize> $trait for Packed<Portable, [T; N]> {
@@ -61,7 +61,9 @@ impl<V, const N: usize> Packed<Portable, [V; N]> {
     }
 }
 
-/// Numbers of one type: `$n` of them, with masks of words of the same size, all bits of a word set or none.
+/// Implements arrays of `$n` numbers of one type.
+///
+/// Their masks are words of the same size, with all bits of a word set or none.
 macro_rules! portable {
     ($real:ty, $n:literal, $word:ty, $bits:item) => {
         impl Lanes for Packed<Portable, [$real; $n]> {

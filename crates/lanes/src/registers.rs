@@ -1,4 +1,4 @@
-//! Registers of a level: how they are filled, stored and compressed.
+//! Registers of a level: load, store and compress.
 
 #![allow(
     clippy::inline_always,
@@ -8,19 +8,21 @@
 use crate::numbers::Lanes;
 use crate::sealed::Sealed;
 
-/// The most lanes that a register of any level has. Pad slices by it where a block at the end may reach beyond them.
+/// Largest number of lanes in a register of any level.
+///
+/// Pad slices by it where the last block may extend beyond them.
 pub const MOST_LANES: usize = 16;
 
-/// Registers of a level for numbers of the type `T`, `f64` or `f32`; arithmetic and comparisons are those of [`Lanes`].
+/// Registers of a level for numbers of type `T`, `f64` or `f32`; arithmetic and comparisons are in [`Lanes`].
 ///
-/// Every function compiles to an instruction or a few. Only [`SimdLevel::run`](crate::SimdLevel::run) hands registers
-/// out, so that they exist only where the machine has them.
+/// Every function compiles to one instruction or a few. Only [`SimdLevel::run`](crate::SimdLevel::run) creates
+/// registers, so they exist only on machines that support them.
 ///
-/// Panics: slices shorter than what is read or written, as indexing does.
+/// Panics: slices shorter than the range read or written, as in indexing.
 pub trait Registers<T>: Copy + Sealed {
-    /// Lanes of a register, at most [`MOST_LANES`].
+    /// Number of lanes in a register, at most [`MOST_LANES`].
     const N: usize;
-    /// Whether [`mask`](Self::mask) costs nothing, since the level's masks are a bit for each lane.
+    /// Whether [`mask`](Self::mask) is free because the level stores masks as one bit for each lane.
     const MASKS_ARE_BITS: bool;
     /// A register.
     type Vector: Lanes<Number = T>;
@@ -28,42 +30,43 @@ pub trait Registers<T>: Copy + Sealed {
     type Block;
     /// `N` indices in memory.
     type Indices;
-    /// All whole blocks of a slice.
+    /// All complete blocks of a slice.
     fn blocks(values: &[T]) -> &[Self::Block];
-    /// All whole blocks of indices of a slice.
+    /// All complete blocks of indices in a slice.
     fn index_blocks(indices: &[u32]) -> &[Self::Indices];
     /// The block that starts at an index of a slice.
     fn block_at(values: &[T], at: usize) -> &Self::Block;
     /// The block of indices that starts at an index of a slice.
     fn indices_at(indices: &[u32], at: usize) -> &Self::Indices;
-    /// The same number in every lane.
+    /// Fills every lane with the same number.
     fn splat(self, value: T) -> Self::Vector;
-    /// A block as a register.
+    /// Loads a block into a register.
     fn load(self, values: &Self::Block) -> Self::Vector;
-    /// The numbers of a slice from an index on.
+    /// Loads the numbers of a slice from an index on.
     #[inline(always)]
     fn load_at(self, values: &[T], at: usize) -> Self::Vector {
         self.load(Self::block_at(values, at))
     }
-    /// Writes a register to a slice from an index on.
+    /// Stores a register in a slice from an index on.
     fn store_at(self, vector: Self::Vector, values: &mut [T], at: usize);
-    /// The mask of the lowest `N` bits: lane `k` is bit `k`.
+    /// Converts the lowest `N` bits to a mask: lane `k` is bit `k`.
     fn mask(self, bits: u32) -> <Self::Vector as Lanes>::Mask;
-    /// `a b + c`, rounded once or twice: **the one function whose bits depend on the level**.
+    /// `a b + c`, rounded once or twice: **the only function whose result depends on the level**.
     fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// Writes the lanes of a mask one after the other to `out[to..]`; the rest of `out[to..to + N]` is left undefined.
+    /// Packs the lanes of a mask into `out[to..]`; the rest of `out[to..to + N]` is left undefined.
     fn compress(self, mask: u32, vector: Self::Vector, out: &mut [T], to: usize);
-    /// As [`compress`](Self::compress), of indices; returns how many they are.
+    /// Packs indices as [`compress`](Self::compress) does; returns their number.
     fn compress_indices(self, mask: u32, ids: &Self::Indices, out: &mut [u32], to: usize) -> usize;
-    /// Runs work as a function of its own at the same level: a rare branch of a loop, which would otherwise take registers
-    /// from the frequent one.
+    /// Runs work as a separate function at the same level.
+    ///
+    /// Use it for a rare branch of a loop, which would otherwise occupy registers of the frequent branch.
     fn apart<W: Work<T>>(self, work: W) -> W::Output;
 }
 
 /// Work that [`SimdLevel::run`](crate::SimdLevel::run) compiles once for each level.
 ///
-/// Write it with [`Registers`] and [`Lanes`], or as a loop that the compiler vectorises and that leaves the registers
-/// unused. Mark `run`, and what it calls, `#[inline(always)]`.
+/// Write it with [`Registers`] and [`Lanes`], or as a loop that the compiler vectorises and that ignores the
+/// registers. Mark `run`, and the functions it calls, `#[inline(always)]`.
 ///
 /// ```
 /// use lanes::{Lanes, Mask, Registers, SimdLevel, Work};
@@ -88,31 +91,31 @@ pub trait Registers<T>: Copy + Sealed {
 /// }
 /// ```
 pub trait Work<T> {
-    /// What the work returns.
+    /// Return type of the work.
     type Output;
-    /// The work, on the registers of a level.
+    /// Runs the work on the registers of a level.
     fn run<R: Registers<T>>(self, registers: R) -> Self::Output;
 }
 
-/// Values, or a mask, that the instructions of a level compute with.
+/// A vector or mask together with the level whose instructions it uses.
 #[derive(Debug, Clone, Copy)]
 pub struct Packed<L, V>(pub(crate) L, pub(crate) V);
 
 impl<L, V> Sealed for Packed<L, V> {}
 
-/// The `N` entries of a slice from an index on.
+/// The `N` entries of a slice from an index on, as an array.
 #[inline(always)]
 pub(crate) fn chunk<T, const N: usize>(slice: &[T], at: usize) -> &[T; N] {
     slice[at..at + N].first_chunk().expect("a slice of N")
 }
 
-/// As [`chunk`], to write.
+/// The same as [`chunk`], mutable.
 #[inline(always)]
 pub(crate) fn chunk_mut<T, const N: usize>(slice: &mut [T], at: usize) -> &mut [T; N] {
     slice[at..at + N].first_chunk_mut().expect("a slice of N")
 }
 
-/// Every value is written, and the next writes over it unless it was in the mask: no branch to mispredict.
+/// Stores every value; the next store overwrites it unless its bit is set. No branch can be mispredicted.
 #[inline(always)]
 pub(crate) fn to_front<T: Copy, const N: usize>(
     mask: u32,
@@ -127,7 +130,7 @@ pub(crate) fn to_front<T: Copy, const N: usize>(
     end
 }
 
-/// Slices as blocks of so many lanes.
+/// Splits slices into blocks of a given number of lanes.
 macro_rules! blocks {
     ($real:ty, $n:expr) => {
         const N: usize = $n;

@@ -1,4 +1,4 @@
-//! Numbers, registers and masks are those of this crate.
+//! Prevents implementations of the number, register and mask traits outside this crate.
 
-/// Implemented in this crate alone.
+/// Supertrait that only this crate implements.
 pub trait Sealed {}

@@ -1,6 +1,6 @@
 //! The registers of AVX2 and AVX-512.
 //!
-//! There is no `unsafe`: pulp hands out its tokens only where the instructions exist.
+//! There is no `unsafe`: pulp creates its tokens only where the instructions exist.
 
 #![allow(
     clippy::inline_always,
@@ -18,7 +18,7 @@ use crate::numbers::{Lanes, Mask};
 use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
 use crate::sealed::Sealed;
 
-/// Work on the registers of a level, as pulp takes it.
+/// Work on the registers of a level, in the form that pulp accepts.
 pub(crate) struct On<L, W, T> {
     level: L,
     work: W,
@@ -41,7 +41,7 @@ impl<T, L: Registers<T>, W: Work<T>> NullaryFnOnce for On<L, W, T> {
     }
 }
 
-/// For every mask of eight, which lanes go to the front.
+/// For every mask of eight lanes, the permutation that packs the selected lanes to the front.
 static FRONT: [[u32; 8]; 256] = front();
 
 const fn front() -> [[u32; 8]; 256] {
@@ -61,7 +61,7 @@ const fn front() -> [[u32; 8]; 256] {
     table
 }
 
-/// How a level writes the lanes of a mask one after the other.
+/// Packs the lanes of a mask at a level.
 trait Front<B> {
     fn front(self, mask: u32, block: B, out: &mut B);
 }
@@ -89,7 +89,7 @@ impl<T: Copy> Front<[T; 4]> for V3 {
     }
 }
 
-/// To a register and out whole: compressing into memory is slow on some machines.
+/// Compresses in a register and stores it whole: compressing into memory is slow on some machines.
 macro_rules! front_by_instruction {
     ($block:ty, $mask:ty, $features:ident, $compress:ident) => {
         impl Front<$block> for V4 {
@@ -106,13 +106,13 @@ front_by_instruction!([u32; 16], u16, avx512f, _mm512_maskz_compress_epi32);
 front_by_instruction!([f64; 8], u8, avx512f, _mm512_maskz_compress_pd);
 front_by_instruction!([u32; 8], u8, avx512f, _mm256_maskz_compress_epi32);
 
-/// How a level stores masks of the type `M`.
+/// Stores masks of type `M` at a level.
 trait Masks<M> {
     fn bits_of(self, mask: M) -> u32;
     fn of_bits(self, bits: u32) -> M;
 }
 
-/// Words whose bits are all set or none: a word for each lane.
+/// Masks as one word for each lane, with all its bits set or none.
 macro_rules! masks_of_words {
     ($mask:ident, $word:ty, $n:literal, $movemask:ident, $splat:ident, $and:ident, $equal:ident) => {
         impl Masks<$mask> for V3 {
@@ -142,7 +142,7 @@ const fn bit_of_each_lane<const N: usize>() -> [u32; N] {
     bits
 }
 
-/// A bit for each lane.
+/// Masks as one bit for each lane.
 macro_rules! masks_of_bits {
     ($mask:ident, $bits:ty) => {
         impl Masks<$mask> for V4 {
@@ -174,7 +174,7 @@ macro_rules! operator {
     };
 }
 
-/// Numbers of one type at a level, by the functions that pulp has under one name at both.
+/// Implements the registers of one number type at a level, through functions that pulp names alike at both levels.
 macro_rules! registers {
     (($level:ident, $n:literal, $real:ident, $vector:ident, $mask:ident),
      ($add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident),

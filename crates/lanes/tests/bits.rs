@@ -1,4 +1,4 @@
-//! The same bits at every level, for ordinary numbers and for those at the ends of the range.
+//! Bitwise identical results at every level, for ordinary numbers and at the ends of the range.
 
 #[path = "shared/number.rs"]
 mod any_number;
@@ -9,7 +9,7 @@ use lanes::{
 };
 use proptest::prelude::*;
 
-/// Results of every function for each number, one after the other.
+/// Results of every function for each number, in sequence.
 #[allow(clippy::inline_always, reason = "compiled for the registers of a level")]
 #[inline(always)]
 fn evaluate(numbers: &[f64], results: &mut [[f64; 6]]) {
@@ -20,13 +20,13 @@ fn evaluate(numbers: &[f64], results: &mut [[f64; 6]]) {
     }
 }
 
-/// NaN has many bits, which IEEE 754 leaves open.
+/// Bit patterns of the results; NaN has many, which IEEE 754 leaves open.
 fn bits(results: &[[f64; 6]]) -> Vec<[u64; 6]> {
     let bits = |x: f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
     results.iter().map(|result| result.map(bits)).collect()
 }
 
-/// Results in a loop of its own for each number, which no register is wide enough for.
+/// Results from a separate loop for each number, too short for any register.
 fn alone(numbers: &[f64]) -> Vec<[u64; 6]> {
     let mut results = vec![[0.0; 6]; numbers.len()];
     for (x, result) in numbers.chunks(1).zip(results.chunks_mut(1)) {
@@ -62,7 +62,7 @@ proptest! {
     }
 }
 
-/// A formula of every operation, over numbers or registers, and the mask that it has selected by.
+/// A formula with every operation, over numbers or registers, and the mask by which it selects.
 #[allow(clippy::inline_always, reason = "compiled for the registers of a level")]
 #[inline(always)]
 fn formula<N: Lanes>(a: N, b: N) -> (N, u32) {
@@ -73,7 +73,7 @@ fn formula<N: Lanes>(a: N, b: N) -> (N, u32) {
     (N::select(chosen.at_least(a), chosen, a * b), is_less.bits())
 }
 
-/// The formula of each number with the next, in registers; the masks one after the other.
+/// Evaluates the formula of each number and its successor in registers; returns the masks in sequence.
 struct InRegisters<'a, T> {
     numbers: &'a [T],
     results: &'a mut [T],
@@ -92,7 +92,7 @@ impl<T: Float> Work<T> for InRegisters<'_, T> {
             let (result, mask) = formula(a, b);
             registers.store_at(result, self.results, at);
             self.masks.extend((0..R::N).map(|lane| mask >> lane & 1 == 1));
-            // There and back: selecting by the bits of a mask is selecting by the mask.
+            // Round trip: selecting by the bits of a mask equals selecting by the mask.
             let by_bits = R::Vector::select(registers.mask(mask), a, b);
             assert_eq!(by_bits.less(a).bits() & mask, 0);
             assert_eq!(registers.mask(!mask).any(), mask.count_ones() as usize != R::N);
@@ -100,7 +100,7 @@ impl<T: Float> Work<T> for InRegisters<'_, T> {
     }
 }
 
-/// Whether every level has the results of single numbers, compared by their bits.
+/// Whether every level is bitwise identical to the scalar results.
 fn agrees<T: Float>(numbers: &[T], bits: impl Fn(T) -> u64) {
     let count = (numbers.len() - 1) / MOST_LANES * MOST_LANES;
     let single = (0..count).map(|k| formula(numbers[k], numbers[k + 1]));

@@ -1,4 +1,4 @@
-//! Errors in units of the last place against a reference of some 100 bits.
+//! Errors in units of the last place, against a reference of about 100 bits.
 
 #[path = "shared/reference.rs"]
 mod reference;
@@ -15,7 +15,7 @@ fn worst(points: impl Iterator<Item = f64>, error: impl Fn(f64) -> f64) -> f64 {
         .fold(0.0, |worst, error| if error > worst || error.is_nan() { error } else { worst })
 }
 
-/// So many points over a range.
+/// `n` equally spaced points over a range.
 fn over(low: f64, high: f64, n: u32) -> impl Iterator<Item = f64> {
     (0..=n).map(move |k| low + (high - low) * (f64::from(k) / f64::from(n)))
 }

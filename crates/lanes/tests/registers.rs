@@ -1,8 +1,8 @@
-//! Registers of every level against single numbers.
+//! Registers of every level compared with scalars.
 
 use lanes::{Float, Lanes, MOST_LANES, Mask, Registers, SimdLevel, Work};
 
-/// One formula over numbers and registers: the results of every operation on two operands.
+/// One formula with every operation on two operands, over numbers and registers.
 #[allow(clippy::inline_always, reason = "compiled for the registers of a level")]
 #[inline(always)]
 fn results<N: Lanes>(a: N, b: N) -> [N; 11] {
@@ -22,7 +22,7 @@ fn results<N: Lanes>(a: N, b: N) -> [N; 11] {
     ]
 }
 
-/// The bits of a number; NaN has many, which IEEE 754 leaves open.
+/// Bit pattern of a number; NaN has many, which IEEE 754 leaves open.
 trait Bits: Float {
     fn bits(self) -> u64;
     fn of(value: f64) -> Self;
@@ -86,7 +86,7 @@ impl<T: Bits> Work<T> for Agrees<T> {
     }
 }
 
-/// The numbers from an index on, each with one number.
+/// Compares the operations on the numbers from an index on, each with one operand.
 fn agree_at<T: Bits, R: Registers<T>>(
     registers: R,
     values: &[T; MOST_LANES],
@@ -116,13 +116,13 @@ fn agree_at<T: Bits, R: Registers<T>>(
             }
         }
     }
-    // Small whole numbers are exact, fused or not.
+    // Small integers are exact, fused or not.
     let fused = registers.mul_add(a.splat(T::of(3.0)), a.splat(T::of(5.0)), a.splat(T::of(2.0)));
     assert_eq!(fused.at_least(a.splat(T::of(17.0))).bits(), bit(&|_| true));
     assert!(!a.splat(T::of(17.0)).less(fused).any());
 }
 
-/// Every mask of the numbers from an index on.
+/// Compresses the numbers from an index on with every mask.
 fn compress_at<T: Bits, R: Registers<T>>(registers: R, values: &[T; MOST_LANES], at: usize) {
     let (vector, ids) = (registers.load(R::block_at(values, at)), R::indices_at(&IDS, at));
     for bits in 0..1_u32 << R::N {
@@ -139,7 +139,7 @@ fn compress_at<T: Bits, R: Registers<T>>(registers: R, values: &[T; MOST_LANES],
     }
 }
 
-/// The lanes of the registers that work is handed.
+/// Counts the lanes of the registers that the work receives.
 struct CountLanes;
 
 impl<T: Float> Work<T> for CountLanes {
@@ -151,7 +151,7 @@ impl<T: Float> Work<T> for CountLanes {
     }
 }
 
-/// The same in a function of its own.
+/// Counts them in a separate function.
 struct CountApart;
 
 impl<T: Float> Work<T> for CountApart {

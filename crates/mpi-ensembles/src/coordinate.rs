@@ -1,4 +1,4 @@
-//! What rank 0 does: hands out blocks, takes in results, computes beside it.
+//! Rank 0: distributes blocks, collects results, and computes blocks as well.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -14,19 +14,19 @@ use crate::ranks::Ranks;
 use crate::report::{BlockReport, Report};
 use crate::store::Store;
 
-/// Between two looks for messages of other ranks.
+/// Polling interval for messages of other ranks.
 const LOOK_EVERY: Duration = Duration::from_millis(1);
-/// Where there are no other ranks.
+/// Polling interval without other ranks.
 const ALONE: Duration = Duration::from_secs(1);
 
-/// What is known of a rank.
+/// State of a rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Seat {
-    /// It has not said a word yet.
+    /// It has sent no message yet.
     Silent,
-    /// It has this block.
+    /// It computes this block.
     Computes(u64),
-    /// It was told that nothing is left.
+    /// It was notified that no block is left.
     Ended,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Coordinator<'a, R: ?Sized, T> {
     look: &'a mut dyn FnMut(&BTreeMap<u64, T>),
     /// Results by block.
     parts: BTreeMap<u64, T>,
-    /// Blocks that nobody has yet, in rising order.
+    /// Unassigned blocks, in ascending order.
     left: VecDeque<u64>,
     seats: Vec<Seat>,
     report: Report,
@@ -49,7 +49,7 @@ pub(crate) struct Coordinator<'a, R: ?Sized, T> {
 }
 
 impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
-    /// Takes what the store has.
+    /// Loads the results that the store holds.
     ///
     /// # Errors
     /// [`JobError::Store`].
@@ -77,7 +77,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         Ok(Self { job, ranks, store, look, parts, left, seats, report, start })
     }
 
-    /// Until every block has its result.
+    /// Runs until every block has its result.
     pub(crate) fn run(
         mut self,
         attempt: impl Fn(u64) -> Result<T, String> + Sync,
@@ -98,7 +98,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
             let thread = thread::Builder::new().name("blocks of rank 0".to_owned());
             thread.spawn_scoped(scope, compute).map_err(JobError::Thread)?;
             let served = self.serve(&orders, &results);
-            // The thread ends with its last block.
+            // The thread ends after its last block.
             drop(orders);
             served
         })?;
@@ -114,7 +114,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
                 Ok((block, result, seconds)) => {
                     let failed = |message| JobError::Block { rank: 0, block, message };
                     let (part, came) = (result.map_err(failed)?, Instant::now());
-                    // Who is free goes on while its result is taken in.
+                    // The thread takes the next block while its result is processed.
                     self.seats[0] = self.order_own(orders);
                     let report = BlockReport { block, rank: 0, seconds, bytes: 0, taking: 0.0 };
                     self.accept(report, part, came)?;
@@ -124,7 +124,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
                     return Err(TransportError::Gone { rank: 0 }.into());
                 }
             }
-            // Ranks that were told the end may be gone.
+            // Ranks that were notified of the end may have exited.
             while self.seats[1..].iter().any(|seat| *seat != Seat::Ended)
                 && let Some((rank, bytes)) = self.ranks.receive(Duration::ZERO)?
             {
@@ -134,7 +134,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         Ok(())
     }
 
-    /// The next block for the thread beside this one.
+    /// Sends the next block to the computing thread of rank 0.
     fn order_own(&mut self, orders: &Sender<u64>) -> Seat {
         let next = self.left.pop_front();
         match next.filter(|block| orders.send(*block).is_ok()) {
@@ -169,7 +169,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         }
     }
 
-    /// Refuses a rank of another job, and tells it so.
+    /// Rejects a rank of another job and notifies it.
     fn check(
         &self,
         rank: usize,
@@ -186,7 +186,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
             let field = fields.iter().find(|(known, _)| known == name);
             field.map_or_else(|| "absent".to_owned(), |(_, value)| value.clone())
         };
-        // In the order in which the job names them: what explains others comes first.
+        // In the order of the job's fields: a field that explains the others comes first.
         for (name, _) in here.iter().chain(&there) {
             let (expected, found) = (value(&here, name), value(&there, name));
             if found != expected {
@@ -200,7 +200,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         Ok(())
     }
 
-    /// The next block for a rank, or the end of its work.
+    /// Sends a rank its next block, or the end of the job.
     fn order(&mut self, rank: usize) -> Result<(), JobError> {
         let next = self.left.pop_front();
         let (seat, message) = match next {
@@ -216,7 +216,7 @@ impl<'a, R: Ranks + ?Sized, T: DeserializeOwned + Send> Coordinator<'a, R, T> {
         Ok(self.ranks.send(rank, &bytes)?)
     }
 
-    /// Keeps a result that came at this moment.
+    /// Stores a result received at the given time.
     fn accept(&mut self, report: BlockReport, part: T, came: Instant) -> Result<(), JobError> {
         let block = report.block;
         self.store.keep(block, &part).map_err(|source| JobError::Store {

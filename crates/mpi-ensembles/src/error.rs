@@ -1,95 +1,95 @@
-//! Why a job did not come to its end.
+//! Errors of a job and of its transport.
 
-/// Ranks that do not reach one another.
+/// Communication error between ranks.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransportError {
-    /// The other end is gone.
+    /// The other rank has exited.
     #[error("rank {rank} is gone")]
     Gone {
-        /// The rank that was spoken to; that of the listener where all others are gone.
+        /// The rank addressed; the receiving rank itself where all others have exited.
         rank: usize,
     },
-    /// MPI was started before, or has been ended.
+    /// MPI was started before in this process, or has been finalised.
     #[error("MPI cannot be started: it was started before in this process")]
     Started,
-    /// The library of MPI does not let one thread of several call it.
+    /// The MPI library does not allow calls from one thread of several.
     #[error("this MPI allows threads to the level {found} only; Funneled is needed")]
     Threads {
-        /// The level it has.
+        /// Thread level that it supports.
         found: String,
     },
 }
 
-/// Why a job has no result.
+/// Error of a job.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobError {
-    /// A job without blocks has no result.
+    /// The job has no blocks.
     #[error("the number of blocks is 0; it must be at least 1")]
     NoBlocks,
-    /// A block could not be computed: it failed or panicked.
+    /// A block failed or panicked.
     #[error("rank {rank} failed in block {block}: {message}")]
     Block {
         /// The rank that computed it.
         rank: usize,
-        /// Its number.
+        /// Number of the block.
         block: u64,
-        /// What it said.
+        /// Error text or panic message.
         message: String,
     },
-    /// A rank that was started with another program or other inputs.
+    /// A rank was started with another program or other inputs.
     #[error("rank {rank} is of another job: its {field} is {found}, that of rank 0 is {expected}")]
     ForeignRank {
-        /// Which.
+        /// The rank.
         rank: usize,
-        /// What differs.
+        /// Name of the field that differs.
         field: String,
-        /// What it has.
+        /// Its value on that rank.
         found: String,
-        /// What rank 0 has.
+        /// Its value on rank 0.
         expected: String,
     },
-    /// A block that was kept could not be read, or a new one could not be kept.
+    /// A stored block could not be read, or a new one could not be stored.
     #[error("block {block} could not be {what}")]
     Store {
-        /// Which.
+        /// Number of the block.
         block: u64,
         /// `read` or `kept`.
         what: &'static str,
-        /// Why.
+        /// Error of the store.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// A message that no rank of this version sends.
+    /// A message has an unknown format.
     #[error("a message from rank {rank} cannot be read")]
     Message {
-        /// Who sent it.
+        /// The sender.
         rank: usize,
-        /// Why.
+        /// Error of the decoder.
         source: postcard::Error,
     },
-    /// A part of the result that has no form in bytes.
+    /// A result cannot be serialised.
     #[error("the result of block {block} has no form in bytes")]
     Encode {
-        /// Which.
+        /// Number of the block.
         block: u64,
-        /// Why.
+        /// Error of the encoder.
         source: postcard::Error,
     },
-    /// A message that does not belong where it came.
+    /// A message was not expected in this state.
     #[error("rank {rank} sent {found} where {expected} was due")]
     OutOfTurn {
-        /// Who sent it.
+        /// The sender.
         rank: usize,
-        /// What came.
+        /// Kind of message received.
         found: &'static str,
-        /// What should have.
+        /// Kind of message expected.
         expected: &'static str,
     },
-    /// Ranks that do not reach one another.
+    /// Communication between ranks failed.
     #[error(transparent)]
     Transport(#[from] TransportError),
-    /// The thread that computes on rank 0 could not be started.
+    /// The computing thread of rank 0 could not be started.
     #[error("the thread of rank 0 that computes could not be started")]
     Thread(#[source] std::io::Error),
 }

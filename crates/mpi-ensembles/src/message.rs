@@ -1,23 +1,23 @@
-//! What ranks say to one another.
+//! Messages between ranks.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::JobError;
 
-/// One message.
+/// A message.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Message {
-    /// To rank 0: ready for the first block, of a job that these fields tell from others.
+    /// To rank 0: ready for the first block of the job that these fields identify.
     Ready { n_blocks: u64, identity: Vec<(String, String)> },
-    /// To rank 0: the result of a block, and how long it took.
+    /// To rank 0: result of a block and its computing time.
     Done { block: u64, part: Vec<u8>, seconds: f64 },
-    /// To rank 0: a block that has no result.
+    /// To rank 0: a block failed.
     Failed { block: u64, message: String },
     /// From rank 0: a block to compute.
     Compute { block: u64 },
-    /// From rank 0: nothing is left to do.
+    /// From rank 0: no block is left.
     End,
-    /// From rank 0: this rank is of another job.
+    /// From rank 0: this rank belongs to another job.
     Foreign { field: String, found: String, expected: String },
 }
 
@@ -32,7 +32,7 @@ impl Message {
         postcard::from_bytes(bytes).map_err(|source| JobError::Message { rank, source })
     }
 
-    /// The error of a message that came where another was due.
+    /// Error for a message of an unexpected kind.
     pub(crate) fn out_of_turn(&self, rank: usize, expected: &'static str) -> JobError {
         JobError::OutOfTurn { rank, found: self.name(), expected }
     }

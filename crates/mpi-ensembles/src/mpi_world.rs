@@ -1,4 +1,4 @@
-//! Ranks of an MPI job, by rsmpi.
+//! Ranks of an MPI job, through rsmpi.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -12,24 +12,24 @@ use mpi::traits::{Communicator, Destination, Source};
 use crate::error::TransportError;
 use crate::ranks::Ranks;
 
-/// Between two looks for a message lies so much time: a rank that waits leaves its processor to those that compute.
+/// Polling interval: a waiting rank leaves its processor to computing ranks.
 const LOOK_EVERY: Duration = Duration::from_micros(200);
 
-/// The tag of all messages.
+/// Tag of all messages.
 const TAG: mpi::Tag = 0;
 
-/// All ranks that `mpirun` has started. MPI ends when it is dropped.
+/// All ranks started by `mpirun`. Dropping it finalises MPI.
 pub struct World {
-    // Dropped before what it belongs to.
+    // Dropped before the universe that owns it.
     communicator: SimpleCommunicator,
     _universe: Universe,
 }
 
 impl World {
-    /// Starts MPI: once in a process, by the thread that then talks to the other ranks.
+    /// Starts MPI: once in a process, on the thread that then communicates with the other ranks.
     ///
     /// # Errors
-    /// [`TransportError::Started`] the second time; [`TransportError::Threads`] for a library that allows no threads at all.
+    /// [`TransportError::Started`] on a second call; [`TransportError::Threads`] for a library without thread support.
     pub fn start() -> Result<Self, TransportError> {
         let (universe, level) =
             mpi::initialize_with_threading(Threading::Funneled).ok_or(TransportError::Started)?;
@@ -39,7 +39,7 @@ impl World {
         Ok(Self { communicator: universe.world(), _universe: universe })
     }
 
-    /// Ends the processes of all ranks with this exit code, whatever they do.
+    /// Aborts the processes of all ranks with this exit code, whatever their state.
     pub fn abort(&self, code: i32) -> ! {
         self.communicator.abort(code)
     }
@@ -73,7 +73,7 @@ impl Ranks for World {
         loop {
             let any = self.communicator.any_process();
             if let Some((message, status)) = any.immediate_matched_probe_with_tag(TAG) {
-                // Neither is negative in what MPI has received.
+                // Neither is negative in a message that MPI has received.
                 let unsigned = |number: i32| usize::try_from(number).unwrap_or_default();
                 let mut bytes = vec![0_u8; unsigned(status.count(u8::equivalent_datatype()))];
                 message.matched_receive_into(&mut bytes[..]);

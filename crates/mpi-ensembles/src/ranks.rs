@@ -1,30 +1,31 @@
-//! What carries messages between ranks.
+//! Message transport between ranks.
 
 use std::fmt;
 use std::time::Duration;
 
 use crate::error::TransportError;
 
-/// The ranks of a job, as one of them sees them: `0..n_ranks`, of which rank 0 hands out the work.
+/// The ranks `0..n_ranks` of a job as seen by one of them; rank 0 distributes the work.
 ///
-/// Messages between two ranks arrive whole, once, and in the order in which they were sent. What rank 0 sends is short (below 4 KiB but for
-/// the answer to a foreign rank), and it sends to a rank only when that rank waits for it: a blocking send cannot wait for ever.
+/// Messages between two ranks arrive complete, once, and in the order of sending. Messages of rank 0 are short: below
+/// 4 KiB, except the answer to a foreign rank. Rank 0 sends to a rank only when that rank waits for a message, so a
+/// blocking send cannot deadlock.
 pub trait Ranks: fmt::Debug {
-    /// The number of this rank.
+    /// Number of this rank.
     fn rank(&self) -> usize;
 
-    /// How many there are.
+    /// Number of ranks.
     fn n_ranks(&self) -> usize;
 
     /// Sends a message to another rank.
     ///
     /// # Errors
-    /// [`TransportError`] where that rank is gone.
+    /// [`TransportError`] if that rank has exited.
     fn send(&self, to: usize, message: &[u8]) -> Result<(), TransportError>;
 
-    /// The next message that came, with the rank that sent it; `None` if none comes within `patience`.
+    /// Returns the next message with the rank that sent it, or `None` if none arrives within `patience`.
     ///
     /// # Errors
-    /// [`TransportError`] where none can come any more.
+    /// [`TransportError`] if no further message can arrive.
     fn receive(&self, patience: Duration) -> Result<Option<(usize, Vec<u8>)>, TransportError>;
 }

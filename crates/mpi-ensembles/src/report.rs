@@ -1,36 +1,37 @@
-//! What a job cost, block by block.
+//! Cost of a job, block by block.
 
-/// One block that was computed.
+/// Cost of one computed block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockReport {
-    /// Its number.
+    /// Number of the block.
     pub block: u64,
     /// The rank that computed it.
     pub rank: usize,
-    /// How long it took by the clock (s).
+    /// Elapsed time (s).
     pub seconds: f64,
-    /// Length of the message with its result; 0 on rank 0, which sends none.
+    /// Length of the message with its result; 0 on rank 0, which sends no message.
     pub bytes: usize,
-    /// How long rank 0 took to read the result, to keep it and to look at it (s): none other is taken in meanwhile.
+    /// Time that rank 0 spends reading, storing and inspecting the result (s); it processes no other result meanwhile.
     pub taking: f64,
 }
 
-/// What a job cost.
+/// Cost of a job.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
-    /// How many ranks there were.
+    /// Number of ranks.
     pub n_ranks: usize,
-    /// Blocks that were computed, in the order in which they came in.
+    /// Computed blocks, in the order of arrival.
     pub blocks: Vec<BlockReport>,
-    /// Blocks that the store had from before.
+    /// Number of blocks that the store already held.
     pub n_known: u64,
-    /// From the start to the last block, by the clock of rank 0 (s).
+    /// Elapsed time on rank 0 from the start to the last block (s).
     pub seconds: f64,
 }
 
 impl Report {
-    /// Part of the time that ranks spent on blocks: `sum of block times / (n_ranks * time of the job)`. 1 where nobody ever waits; NaN for
-    /// a job that took no time.
+    /// Fraction of time that ranks spend on blocks: `sum of block times / (n_ranks * time of the job)`.
+    ///
+    /// It is 1 if no rank ever waits, and NaN for a job that took no time.
     #[must_use]
     pub fn efficiency(&self) -> f64 {
         let busy: f64 = self.blocks.iter().map(|block| block.seconds).sum();

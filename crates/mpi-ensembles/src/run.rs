@@ -1,4 +1,4 @@
-//! Runs a job on all ranks.
+//! Execution of a job on all ranks.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -15,17 +15,24 @@ use crate::store::Store;
 use crate::work::work;
 
 impl Job {
-    /// Computes all blocks that the store does not have. Every rank calls it with the same arguments; `store` and `look` are used on rank 0
-    /// alone, and the others return `None` when nothing is left to do.
+    /// Computes all blocks that the store does not hold.
     ///
-    /// Rank 0 hands out a block at a time to whoever is free, in rising order, so that uneven blocks balance; it computes as well, on a
-    /// thread of its own, while the thread that called looks for messages. What crosses ranks is whole results of blocks, never sums over
-    /// some of them. `look` sees all results so far, by block, after each.
+    /// Every rank calls it with the same arguments. Only rank 0 uses `store` and `look`; the other ranks return `None`
+    /// when no block is left.
+    ///
+    /// Rank 0 assigns one block at a time to each idle rank, in ascending order, so that blocks of unequal cost
+    /// balance. It computes blocks too, on a separate thread, while the calling thread polls for messages. Ranks
+    /// exchange complete results of blocks, never partial sums. `look` receives all results so far, by block, after
+    /// each new result.
     ///
     /// # Errors
-    /// [`JobError::NoBlocks`]; on rank 0 [`JobError::Block`] with rank and block where one fails or panics, [`JobError::ForeignRank`],
-    /// [`JobError::Store`]: blocks that were done before are kept. What other ranks compute then is lost, and they hear nothing of it: end
-    /// an MPI job by [`World::abort`](https://docs.rs/mpi-ensembles/latest/mpi_ensembles/struct.World.html#method.abort) (feature `mpi`).
+    /// [`JobError::NoBlocks`]; on rank 0 [`JobError::Block`] with rank and block if a block fails or panics,
+    /// [`JobError::ForeignRank`], [`JobError::Store`].
+    ///
+    /// Blocks finished before the error are stored. Blocks in progress on other ranks are lost, and those ranks are
+    /// not notified. End an MPI job by
+    /// [`World::abort`](https://docs.rs/mpi-ensembles/latest/mpi_ensembles/struct.World.html#method.abort) (feature
+    /// `mpi`).
     pub fn run<R, T, E>(
         &self,
         ranks: &R,
@@ -50,7 +57,7 @@ impl Job {
     }
 }
 
-/// The result of a block, or what is to be said of its failure.
+/// The result of a block, or the text of its failure.
 fn attempt<T, E: Display>(compute: &impl Fn(u64) -> Result<T, E>, block: u64) -> Result<T, String> {
     match catch_unwind(AssertUnwindSafe(|| compute(block))) {
         Ok(Ok(part)) => Ok(part),

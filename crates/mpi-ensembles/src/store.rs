@@ -1,25 +1,26 @@
-//! Where rank 0 keeps the blocks that are done.
+//! Storage of finished blocks on rank 0.
 
 use std::error::Error;
 
-/// Keeps the results of blocks, so that a job that was killed goes on from them. Rank 0 alone has one.
+/// Stores the results of blocks so that an interrupted job can resume. Only rank 0 has one.
 ///
-/// The crate touches no files: a store that writes them decides their names, and refuses those of another ensemble by name.
+/// This crate accesses no files: a store that writes files chooses their names, and rejects files of another ensemble
+/// by name.
 pub trait Store<T> {
-    /// The result of a block from before, if it was kept.
+    /// Loads the result of a block, if it was stored.
     ///
     /// # Errors
-    /// Where something was kept that cannot be taken: it ends the job.
+    /// If the stored data cannot be used; the job ends.
     fn load(&mut self, block: u64) -> Result<Option<T>, Box<dyn Error + Send + Sync>>;
 
-    /// Keeps the result of a block.
+    /// Stores the result of a block.
     ///
     /// # Errors
-    /// Where it cannot be kept: it ends the job.
+    /// If the result cannot be stored; the job ends.
     fn keep(&mut self, block: u64, part: &T) -> Result<(), Box<dyn Error + Send + Sync>>;
 }
 
-/// Keeps nothing beyond the job.
+/// A store that keeps nothing after the job.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InMemory;
 

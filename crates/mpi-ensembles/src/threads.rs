@@ -1,4 +1,4 @@
-//! Ranks without MPI: one process alone, and threads that play ranks.
+//! Ranks without MPI: a single process, and threads that act as ranks.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::error::TransportError;
 use crate::ranks::Ranks;
 
-/// One rank, which has nobody to talk to.
+/// A single rank without communication.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Alone;
 
@@ -33,19 +33,20 @@ impl Ranks for Alone {
 /// A message with the rank that sent it.
 type Letter = (usize, Vec<u8>);
 
-/// One of several ranks that are threads of a process: the same job without MPI, for tests and for trying.
+/// One of several ranks that are threads of a process: the same job without MPI, for tests and trials.
 ///
-/// Rank 0 reaches all others, and they reach rank 0: no job needs more, and a rank hears of it when its partner is gone.
+/// Rank 0 can reach all others, and they can reach rank 0; a job needs no other connections. A rank detects when its
+/// partner has exited.
 #[derive(Debug)]
 pub struct ThreadRank {
     rank: usize,
     inbox: Mutex<Receiver<Letter>>,
-    /// By rank; none where there is no way.
+    /// By rank; `None` without a connection.
     others: Vec<Option<Sender<Letter>>>,
 }
 
 impl ThreadRank {
-    /// All ranks of a job, for one thread each.
+    /// All ranks of a job, one for each thread.
     #[must_use]
     pub fn all(n_ranks: usize) -> Vec<Self> {
         let (senders, inboxes): (Vec<_>, Vec<_>) = (0..n_ranks).map(|_| channel()).unzip();
@@ -80,7 +81,7 @@ impl Ranks for ThreadRank {
         match inbox.recv_timeout(patience) {
             Ok(letter) => Ok(Some(letter)),
             Err(RecvTimeoutError::Timeout) => Ok(None),
-            // Alone among threads: nobody ever had its address.
+            // The only thread: no other rank holds its address.
             Err(RecvTimeoutError::Disconnected) if self.others.len() == 1 => {
                 std::thread::sleep(patience);
                 Ok(None)

@@ -1,4 +1,4 @@
-//! What a rank does that is not rank 0.
+//! The loop of every rank except rank 0.
 
 use std::time::{Duration, Instant};
 
@@ -9,10 +9,10 @@ use crate::job::Job;
 use crate::message::Message;
 use crate::ranks::Ranks;
 
-/// How long one look for a message lasts.
+/// Time limit of one wait for a message.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Computes what rank 0 asks for, until it says that nothing is left.
+/// Computes the blocks that rank 0 assigns until none is left.
 pub(crate) fn work<R: Ranks + ?Sized, T: Serialize>(
     job: &Job,
     ranks: &R,

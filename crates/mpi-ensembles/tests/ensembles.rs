@@ -1,4 +1,4 @@
-//! An ensemble of sde-integrators on ranks: the bits of one process, quantiles of its statistics included.
+//! An ensemble of sde-integrators on ranks: bitwise identical to one process, including quantiles.
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 

@@ -1,4 +1,4 @@
-//! What must hold of every job: each block once, results in order, failures by name, nothing lost that was done.
+//! Properties of every job: each block once, results in order, named failures, no finished block lost.
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
@@ -15,7 +15,7 @@ use mpi_ensembles::{
 };
 use proptest::prelude::*;
 
-/// Blocks in memory, which outlive a job.
+/// Blocks in memory that outlive a job.
 #[derive(Debug, Default, Clone)]
 struct Kept(BTreeMap<u64, u64>);
 
@@ -34,10 +34,10 @@ fn job(n_blocks: u64) -> Job {
     Job { n_blocks, identity: vec![("seed".to_owned(), "7".to_owned())] }
 }
 
-/// What each rank returns.
+/// Return value of each rank.
 type Returned = Vec<Result<Option<Finished<u64>>, JobError>>;
 
-/// Runs a job on so many threads; `job_of` gives each rank its own idea of it.
+/// Runs a job on a number of threads; `job_of` gives each rank its own job description.
 fn on_threads(
     n_ranks: usize,
     job_of: impl Fn(usize) -> Job + Sync,
@@ -96,7 +96,7 @@ proptest! {
         prop_assert_eq!(report.blocks.len(), missing.len());
     }
 
-    /// Whatever rank 1 says, rank 0 ends with a result or a typed error.
+    /// Whatever rank 1 sends, rank 0 ends with a result or a typed error.
     #[test]
     fn any_message_is_taken_or_refused(
         messages in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..12), 0..4),
@@ -107,7 +107,7 @@ proptest! {
     }
 }
 
-/// Two ranks, of which rank 1 has said these bytes and then leaves.
+/// Two ranks; rank 1 has sent these bytes and exited.
 #[derive(Debug)]
 struct Garbled(Mutex<Vec<Vec<u8>>>);
 
@@ -139,7 +139,7 @@ fn one_process_alone_is_a_job_of_one_rank() {
     assert_eq!(seen, [1, 2, 3]);
 }
 
-/// The first block ends when all others are done: whoever has it can be given no other.
+/// The first block ends after all others, so its rank receives no other block.
 #[test]
 fn blocks_go_to_whoever_is_free() {
     for n_ranks in [2, 3] {
@@ -174,9 +174,9 @@ fn a_block_that_fails_or_panics_ends_the_job_by_its_name_and_what_was_done_is_ke
             assert!(*rank < n_ranks, "{error}");
             let expected = if panics { "panicked: no bond is left" } else { "no bond is left" };
             assert_eq!(message, expected);
-            // With one rank all before it; with more at least as many less those that were under way.
+            // With one rank all earlier blocks; with more, at least all but those in progress.
             assert!(store.0.len() >= 6 - n_ranks, "{store:?}");
-            // Goes on where it stopped.
+            // Resumes where it stopped.
             let returned = on_threads(2, |_| job(9), |_, block| Ok(block), &mut store);
             let finished = returned.into_iter().next().unwrap().unwrap().unwrap();
             assert_eq!(finished.parts, (0..9).collect::<Vec<_>>());

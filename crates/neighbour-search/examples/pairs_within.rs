@@ -1,4 +1,4 @@
-//! Points with all pairs within a radius, and the neighbours of one of them, as SVG.
+//! Draws points, all pairs within a radius, and the neighbours of one point as SVG.
 //!
 //! `cargo run -p neighbour-search --example pairs_within > docs/pictures/neighbour-search.svg`
 
@@ -14,14 +14,14 @@ const CHOSEN: usize = 5;
 const SIZE: f64 = 480.0;
 const MARGIN: f64 = 40.0;
 
-/// Points that fill the unit square evenly: multiples of powers of the plastic number, without their whole part.
+/// Points that fill the unit square evenly: fractional parts of multiples of powers of the plastic number.
 fn points() -> Vec<[f64; 2]> {
     let plastic: f64 = 1.324_717_957_244_746;
     let place = |k: u32, power: i32| (f64::from(k) * plastic.powi(-power)).fract();
     (1..=N_POINTS).map(|k| [place(k, 1), place(k, 2)]).collect()
 }
 
-/// Where a point of the unit square is drawn.
+/// Position of a point of the unit square in the picture.
 fn px([x, y]: [f64; 2]) -> (f64, f64) {
     (MARGIN + SIZE * x, MARGIN + SIZE * (1.0 - y))
 }

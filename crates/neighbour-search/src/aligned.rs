@@ -1,6 +1,6 @@
-//! Memory for full vectors.
+//! Memory aligned for full vectors.
 
-/// Memory of which the first entry is at the beginning of a cache line, so that no full vector crosses one.
+/// Memory whose first entry is at the beginning of a cache line, so that no full vector crosses one.
 #[derive(Debug, Default)]
 pub(crate) struct Aligned<T> {
     memory: Vec<T>,
@@ -11,20 +11,20 @@ pub(crate) struct Aligned<T> {
 const LINE: usize = 64;
 
 impl<T: Copy + Default> Aligned<T> {
-    /// Makes it hold `len` entries at least; those there were are lost.
+    /// Grows to at least `len` entries; the previous contents are lost.
     pub(crate) fn grow(&mut self, len: usize) {
         let line = LINE / size_of::<T>();
         if self.len() < len {
             self.memory.clear();
             self.memory.resize(len + line, T::default());
-            // Where alignment cannot be had, any place is right.
+            // Where alignment is not possible, any offset is correct.
             self.offset = self.memory.as_ptr().align_offset(LINE).min(line);
         }
     }
 }
 
 impl<T: Copy + Default> Clone for Aligned<T> {
-    /// Empty memory: what is in it is of no account between two uses.
+    /// Empty memory: its contents are irrelevant between two uses.
     fn clone(&self) -> Self {
         Self { memory: Vec::new(), offset: 0 }
     }

@@ -1,4 +1,4 @@
-//! Every point against every other.
+//! Brute-force search over all pairs.
 
 use crate::domain::Domain;
 use crate::error::Error;
@@ -7,22 +7,22 @@ use crate::list::NeighbourList;
 use crate::radii::Radii;
 use crate::search::{NeighbourSearch, check};
 
-/// Tests every pair: the definition of the answer, and the oracle of the tests.
+/// Tests every pair: defines the result, and is the oracle of the tests.
 ///
-/// Time `O(n^2)`, memory none of its own. Below some hundred points it is as quick as a grid. Rows ascend.
+/// Time `O(n^2)`, no memory of its own. Below about a hundred points it is as fast as a grid. Rows ascend.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BruteForce<const D: usize> {
     domain: Domain<D>,
 }
 
 impl<const D: usize> BruteForce<D> {
-    /// In a space without end.
+    /// A search in an unbounded space.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// In a space that may be periodic.
+    /// A search in a space that may be periodic.
     #[must_use]
     pub fn in_domain(domain: Domain<D>) -> Self {
         Self { domain }

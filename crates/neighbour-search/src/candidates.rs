@@ -1,10 +1,10 @@
-//! One point against all candidates of its group.
+//! Comparison of one point with all candidates of its group.
 
 use lanes::{Lanes, Mask, Registers};
 
-/// Whose bounds decide about a candidate.
+/// Whose radius bounds decide about a candidate.
 pub(crate) trait Sight: Copy {
-    /// Whether those of the candidates matter.
+    /// Whether the bounds of the candidates are used.
     const THEIRS: bool;
     fn of<V: Lanes<Number = f32>>(self, mine: V, theirs: V) -> V;
 }
@@ -26,19 +26,21 @@ sight!(Mine, false, (mine, _theirs) => mine);
 sight!(Larger, true, (mine, theirs) => mine.max(theirs));
 sight!(Middle, true, (mine, theirs) => mine.splat(0.5) * (mine + theirs));
 
-/// Coordinates, bounds and entries of all candidates, equally many of each.
+/// Coordinates, radius bounds and entries of all candidates, in equal numbers.
 pub(crate) struct Candidates<'a, R: Registers<f32>, const D: usize> {
     pub(crate) columns: [&'a [R::Block]; D],
     pub(crate) lower: &'a [R::Block],
     pub(crate) upper: &'a [R::Block],
     pub(crate) entries: &'a [R::Indices],
-    /// Blocks with points of the group's own.
+    /// Blocks that contain points of the group itself.
     pub(crate) n_own: usize,
 }
 
 impl<R: Registers<f32>, const D: usize> Candidates<'_, R, D> {
-    /// Appends what is listed under a point of the group to `out` from `filled` on; returns where it ends. Which candidates
-    /// of a block may be listed is asked of `others(first)`, and who of a mask is, of `close(first, mask)`.
+    /// Appends the neighbours of a point of the group to `out` from `filled` on; returns the new end.
+    ///
+    /// `others(first)` selects which candidates of a block may be listed; `close(first, mask)` selects those of a mask
+    /// within reach.
     #[inline(always)]
     pub(crate) fn row<S: Sight>(
         &self,
@@ -74,7 +76,7 @@ impl<R: Registers<f32>, const D: usize> Candidates<'_, R, D> {
         filled
     }
 
-    /// Masks of the candidates of a block that are surely within reach of `x_i`, and of those that may be.
+    /// Masks of the candidates of a block that are certainly within reach of `x_i`, and of those that may be.
     #[inline(always)]
     fn within<S: Sight>(
         &self,

@@ -1,4 +1,4 @@
-//! Points sorted into the cells of a regular grid.
+//! Sorting of points into the cells of a regular grid.
 
 use core::ops::Range;
 
@@ -12,25 +12,25 @@ use crate::radii::Radii;
 use crate::search::check;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
-/// Cells allowed for each point, and a few for small clouds: what bounds the memory whatever the cloud.
+/// Cells allowed per point, and a few for small clouds: bounds the memory for every cloud.
 const CELLS_PER_POINT: usize = 2;
 const SPARE_CELLS: usize = 64;
 
-/// Of a cloud with outliers, this part is left out at either end of an axis before the grid is laid.
+/// For a cloud with outliers, this fraction is excluded at either end of an axis before the grid is placed.
 const TRIMMED_PART: usize = 64;
 
-/// Most threads that sort: each looks through all points.
+/// Maximum number of sorting threads: each reads all points.
 const MAX_SLABS: usize = 16;
 
-/// A regular grid over a cloud, and the points in the order of its cells, those of a cell in their own order.
+/// A regular grid over a cloud, with the points in cell order and in their original order within a cell.
 ///
-/// The cell of a coordinate, `floor((x - origin) / width)` held to the grid, is a monotone function of `x` in floating
-/// point too. So whatever box the grid covers, points between two coordinates lie between their cells: points outside the
-/// box are in the outermost cells, and the search stays exact.
+/// The cell of a coordinate is `floor((x - origin) / width)` clamped to the grid, a monotone function of `x` also in
+/// floating point. So for any grid box, the cells of points between two coordinates lie between the cells of those
+/// coordinates. Points outside the box are in the outermost cells, and the search stays exact.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells<const D: usize> {
     sorted: Sorted<D>,
-    /// How wide the cells were asked to be.
+    /// Requested cell width.
     edge: f64,
     origin: [f64; D],
     extent: [f64; D],
@@ -60,7 +60,7 @@ impl<const D: usize> Default for Cells<D> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// Cells in a space.
+    /// Empty cells in a space.
     pub(crate) fn new(domain: Domain<D>) -> Self {
         let mut cells = Self::default();
         cells.sorted.domain = domain;
@@ -77,7 +77,7 @@ impl<const D: usize> Cells<D> {
         self.sorted.order()
     }
 
-    /// Median of the radii: half of the points see farther than a cell.
+    /// Median of the radii: half of the points have a radius larger than a cell.
     fn median(&mut self, values: &[f64]) -> f64 {
         self.sample.clear();
         self.sample.extend_from_slice(values);
@@ -88,7 +88,7 @@ impl<const D: usize> Cells<D> {
         *self.sample.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
-    /// Lays a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
+    /// Places a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
     pub(crate) fn lay_and_place(&mut self, points: &[[f64; D]], radii: Radii<'_>, edge: f64) {
         self.edge = edge;
         self.lay(points, edge);
@@ -104,7 +104,7 @@ impl<const D: usize> Cells<D> {
         self.sorted.gather(points, radii, &bounds);
     }
 
-    /// Sorts by counting. Every thread has cells of its own, and looks through all points for those in its cells.
+    /// Counting sort. Every thread owns a range of cells and reads all points to find those in its cells.
     fn count_and_place(&mut self, cell_of: &[u32]) {
         let n_cells: usize = self.count.iter().product();
         self.start.clear();
@@ -114,7 +114,7 @@ impl<const D: usize> Cells<D> {
         let first_of = |slab: usize| slab * n_cells / slabs;
         let mut lengths: [[usize; 2]; MAX_SLABS] =
             core::array::from_fn(|slab| [first_of(slab + 1).saturating_sub(first_of(slab)), 0]);
-        // Shifted by one, so that what is the cursor of a cell while placing is its end afterwards.
+        // Shifted by one: the write position of a cell becomes its end.
         let cursors = &mut self.start[1..];
         parallel::for_each_pair_of_stretches(
             (&mut *cursors, &mut self.sorted.ids),
@@ -152,7 +152,7 @@ impl<const D: usize> Cells<D> {
         );
     }
 
-    /// Hands `visit` the slots of every row of cells along the first axis that a box touches.
+    /// Calls `visit` with the slots of every row of cells along the first axis that a box intersects.
     #[inline(always)]
     pub(crate) fn for_each_row(
         &self,
@@ -167,7 +167,7 @@ impl<const D: usize> Cells<D> {
             let first = self.index(&row);
             let last = first + (high[0] - low[0]);
             visit(self.start[first] as usize..self.start[last + 1] as usize);
-            // The next row: the second axis turns fastest.
+            // The next row: the second axis is the fastest.
             let mut axis = 1;
             while axis < D && row[axis] == high[axis] {
                 row[axis] = low[axis];
@@ -185,13 +185,13 @@ impl<const D: usize> Cells<D> {
         self.index(&core::array::from_fn(|axis| self.along(x[axis], axis)))
     }
 
-    /// Number of a cell; the first axis turns fastest.
+    /// Index of a cell; the first axis is the fastest.
     #[inline(always)]
     fn index(&self, cell: &[usize; D]) -> usize {
         (0..D).rev().fold(0, |index, axis| index * self.count[axis] + cell[axis])
     }
 
-    /// Cell of a coordinate along an axis, held to the grid.
+    /// Cell of a coordinate along an axis, clamped to the grid.
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
@@ -203,8 +203,10 @@ impl<const D: usize> Cells<D> {
         cell.min(self.count[axis] - 1)
     }
 
-    /// Chooses box and cells: the whole cloud if that takes few enough cells, else the box without outliers, else wider
-    /// cells.
+    /// Chooses box and cells.
+    ///
+    /// The box is the whole cloud if it needs few enough cells, else that without outliers; if necessary cells are
+    /// wider.
     fn lay(&mut self, points: &[[f64; D]], edge: f64) {
         let allowed = points.len().saturating_mul(CELLS_PER_POINT).saturating_add(SPARE_CELLS);
         let allowed = allowed.min(u32::MAX as usize) as f64;
@@ -227,12 +229,12 @@ impl<const D: usize> Cells<D> {
             self.count[axis] = count;
             self.origin[axis] = low;
             self.extent[axis] = high - low;
-            // A single cell needs no width, and the cloud may have none along this axis.
+            // A single cell needs no width, and the cloud may have zero extent along this axis.
             self.inverse_width[axis] = if count > 1 { cells[axis] / (high - low) } else { 0.0 };
         }
     }
 
-    /// Bounds along an axis without the outermost points, widened by half of what is left at either end.
+    /// Bounds along an axis without the outermost points, extended by half of the remaining width at either end.
     fn trimmed(&mut self, points: &[[f64; D]], axis: usize, [low, high]: [f64; 2]) -> [f64; 2] {
         let n = points.len();
         let cut = n / TRIMMED_PART;
@@ -285,7 +287,7 @@ impl<const D: usize> Near<D> for Cells<D> {
     }
 
     fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error> {
-        // Any edge will do in a periodic space: only radii are held against the periods.
+        // Any edge is valid in a periodic space: only radii are compared with the periods.
         check(points, Radii::Uniform(MIN_RADIUS), self.domain())?;
         self.lay_and_place(points, Radii::Uniform(edge), edge);
         Ok(())
@@ -322,12 +324,12 @@ fn bounding_box<const D: usize>(points: &[[f64; D]], domain: &Domain<D>) -> [[f6
     bounds
 }
 
-/// Whole cells of at least `edge` along each axis: one at least, and no more along any axis than allowed in all.
+/// Number of cells of at least `edge` along each axis: at least one, and along no axis more than the total allowed.
 fn cells_across<const D: usize>(bounds: &[[f64; 2]; D], edge: f64, allowed: f64) -> [f64; D] {
     bounds.map(|[low, high]| ((high - low) / edge).clamp(1.0, allowed).floor())
 }
 
-/// Widens the cells along the axes that have several until they are no more than allowed.
+/// Widens the cells along axes with several cells until their number is allowed.
 fn coarsen<const D: usize>(cells: &mut [f64; D], allowed: f64) {
     loop {
         let product: f64 = cells.iter().product();
@@ -337,7 +339,7 @@ fn coarsen<const D: usize>(cells: &mut [f64; D], allowed: f64) {
         let divided = cells.iter().filter(|&&count| count > 1.0).count();
         let factor = (product / allowed).powf(1.0 / divided as f64);
         for count in cells.iter_mut() {
-            // The slack keeps a factor next to one from leaving every count as it is.
+            // The tolerance prevents a factor near one from leaving every count unchanged.
             *count = (*count / (factor * 1.001)).floor().max(1.0);
         }
     }
@@ -359,7 +361,7 @@ mod tests {
             cells.lay_and_place(&points, Radii::Uniform(1.0), 1.0);
             let n_cells: usize = cells.count.iter().product();
             assert!(n_cells <= 1001 * CELLS_PER_POINT + SPARE_CELLS, "{n_cells} cells");
-            // The cloud itself stays divided: 18 cells across at most, 9 of them on the cloud.
+            // The cloud itself stays divided: at most 18 cells across, 9 of them in the cloud.
             assert!(cells.count.iter().all(|&count| count >= 9), "{:?}", cells.count);
         }
     }

@@ -1,5 +1,6 @@
-//! What is compiled with this crate, once for all programs that search: the whole of a search in one to six dimensions but the visitors
-//! of pairs.
+//! Searches compiled with this crate, once for all programs.
+//!
+//! This covers all of a search in one to six dimensions except the pair visitors.
 
 use std::any::Any;
 
@@ -19,7 +20,7 @@ pub(crate) struct Searches<const D: usize> {
     pub(crate) leaves: Search<Leaves<D>, D>,
 }
 
-/// A search by an order of the points.
+/// A search on one point order.
 pub(crate) struct Search<O, const D: usize> {
     pub(crate) list: List<O, D>,
     pub(crate) visit: Visit<O, D>,
@@ -36,7 +37,7 @@ type List<O, const D: usize> = fn(
     &mut NeighbourList,
 ) -> Result<(), Error>;
 
-/// Sorts points and hands out their rows.
+/// Sorts points and calls a visitor with their rows.
 type Visit<O, const D: usize> = fn(
     (&mut O, &mut Rows<D>),
     &[[f64; D]],
@@ -44,7 +45,7 @@ type Visit<O, const D: usize> = fn(
     &mut dyn FnMut(Row<'_, D>),
 ) -> Result<(), Error>;
 
-/// Sorts points, to be asked about places.
+/// Sorts points for queries about positions.
 type Build<O, const D: usize> = fn(&mut O, &[[f64; D]], f64) -> Result<(), Error>;
 
 impl<const D: usize> Searches<D> {
@@ -68,7 +69,7 @@ impl<O: sorted::Near<D>, const D: usize> Search<O, D> {
     };
 }
 
-/// The searches, as their own type.
+/// The searches as their own type.
 #[inline(never)]
 fn with_this_crate(dimension: usize) -> &'static (dyn Any + Send + Sync) {
     match dimension {

@@ -1,4 +1,4 @@
-//! Whose radius decides about a pair, and which radii are accepted.
+//! The radius criterion of a pair, and the range of valid radii.
 
 /// Smallest radius accepted, 1e-150 in the unit of the points: below it squares lose digits to underflow.
 pub const MIN_RADIUS: f64 = 1e-150;
@@ -9,11 +9,11 @@ pub const MAX_RADIUS: f64 = 1e150;
 /// Which radius decides whether `j` is listed as a neighbour of `i`, at distance `r`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Criterion {
-    /// `r <= h_i`: whom `i` sees. Not symmetric.
+    /// `r <= h_i`: the radius of `i` decides. Not symmetric.
     Gather,
-    /// `r <= h_j`: who sees `i`. Not symmetric; the transpose of [`Gather`](Self::Gather).
+    /// `r <= h_j`: the radius of `j` decides. Not symmetric; the transpose of [`Gather`](Self::Gather).
     Scatter,
-    /// `r <= max(h_i, h_j)`: either sees the other. Symmetric.
+    /// `r <= max(h_i, h_j)`: the larger radius decides. Symmetric.
     Max,
     /// `r <= (h_i + h_j) / 2`. Symmetric.
     Mean,
@@ -23,7 +23,7 @@ impl Criterion {
     /// Every criterion, for tests and tables.
     pub const ALL: [Self; 4] = [Self::Gather, Self::Scatter, Self::Max, Self::Mean];
 
-    /// The radius within which a point of radius `h_j` is listed under one of radius `h_i`; grows with both.
+    /// Search radius between a point of radius `h_i` and a point of radius `h_j`; increases with both.
     #[inline(always)]
     pub(crate) fn limit(self, h_i: f64, h_j: f64) -> f64 {
         match self {
@@ -41,7 +41,7 @@ impl Criterion {
     }
 }
 
-/// Mean of two radii; the same bits whichever comes first.
+/// Mean of two radii; bitwise symmetric in its arguments.
 #[inline]
 fn mean(a: f64, b: f64) -> f64 {
     0.5 * (a + b)

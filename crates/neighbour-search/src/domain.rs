@@ -1,13 +1,13 @@
-//! Where the points live: an unbounded space, or one that repeats itself along some axes.
+//! The space of the points: unbounded, or periodic along some axes.
 
 use crate::error::Error;
 use crate::radii::in_range;
 
-/// A space of `D` axes, each without end or periodic.
+/// A space of `D` axes, each unbounded or periodic.
 ///
-/// Along an axis of period `L` a point at `x` has images at `x + k L` for every whole `k`, and `x_i - x_j` is that of the
-/// nearest images, between `-L/2` and `L/2`. Points need not lie in one period. Two points are neighbours through one image
-/// at most, which is why no period may be shorter than two radii.
+/// Along an axis of period `L` a point at `x` has images at `x + k L` for every integer `k`. The difference
+/// `x_i - x_j` is that of the nearest images, between `-L/2` and `L/2`. Points need not lie in one period. Two points
+/// are neighbours through at most one image, so no period may be shorter than two radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain<const D: usize> {
     periods: [Option<f64>; D],
@@ -20,13 +20,13 @@ impl<const D: usize> Default for Domain<D> {
 }
 
 impl<const D: usize> Domain<D> {
-    /// A space without end.
+    /// A space unbounded along every axis.
     #[must_use]
     pub const fn unbounded() -> Self {
         Self { periods: [None; D] }
     }
 
-    /// A space with the given periods, unit of length of the points; `None` along an axis without one.
+    /// A space with the given periods, unit of length of the points; `None` for an unbounded axis.
     ///
     /// # Errors
     ///
@@ -42,7 +42,7 @@ impl<const D: usize> Domain<D> {
         Ok(Self { periods })
     }
 
-    /// A space with periods that have been found good.
+    /// A space with periods already validated.
     pub(crate) const fn of(periods: [Option<f64>; D]) -> Self {
         Self { periods }
     }
@@ -69,14 +69,14 @@ impl<const D: usize> Domain<D> {
         })
     }
 
-    /// `|x_i - x_j|^2` of the nearest images, summed from axis 0: the same bits whichever point comes first.
+    /// `|x_i - x_j|^2` of the nearest images, summed from axis 0; bitwise symmetric in the points.
     #[inline]
     #[must_use]
     pub fn squared_distance(&self, x_i: &[f64; D], x_j: &[f64; D]) -> f64 {
         square(&self.difference(x_i, x_j))
     }
 
-    /// The image of a coordinate in `[0, L]`, up to one rounding, or the coordinate itself along an axis without end.
+    /// Image of a coordinate in `[0, L]`, up to one rounding; on an unbounded axis the coordinate itself.
     #[inline]
     pub(crate) fn wrap(&self, x: f64, axis: usize) -> f64 {
         match self.periods[axis] {
@@ -85,14 +85,16 @@ impl<const D: usize> Domain<D> {
         }
     }
 
-    /// The images of all coordinates, as [`wrap`](Self::wrap) has them.
+    /// Images of all coordinates, as [`wrap`](Self::wrap) computes them.
     #[inline]
     pub(crate) fn wrap_all(&self, x: &[f64; D]) -> [f64; D] {
         core::array::from_fn(|axis| self.wrap(x[axis], axis))
     }
 
-    /// How far to look along each axis for all that is within a radius: covers the roundings of the squared distance and
-    /// its sum, below `(D + 2)` units of 1.1e-16 each, and those of images, below 4 units of a period.
+    /// Search distance along each axis that covers a radius with all roundings.
+    ///
+    /// It covers the roundings of the squared distance and its sum, below `(D + 2)` units of 1.1e-16 each, and those
+    /// of images, below 4 units of a period.
     #[inline]
     pub(crate) fn reach(&self, radius: f64) -> [f64; D] {
         core::array::from_fn(|axis| {
@@ -118,7 +120,7 @@ impl<const D: usize> Domain<D> {
         })
     }
 
-    /// Refuses periods shorter than two of the largest radius.
+    /// Rejects periods shorter than twice the largest radius.
     pub(crate) fn check(&self, largest: f64) -> Result<(), Error> {
         for (axis, period) in self.periods.iter().enumerate() {
             if let &Some(period) = period
@@ -137,8 +139,10 @@ pub(crate) fn square<const D: usize>(x: &[f64; D]) -> f64 {
     x.iter().fold(0.0, |sum, along| sum + along * along)
 }
 
-/// `a - b - k period` for the whole `k` that brings it closest to zero; of two that do, either, but the opposite one
-/// with `a` and `b` exchanged. Rounded once, in the difference of the rests, which cannot overflow.
+/// `a - b - k period` for the integer `k` that brings it closest to zero.
+///
+/// In a tie either value may result, with the opposite sign if `a` and `b` are exchanged. It is rounded once, in the
+/// difference of the remainders, which cannot overflow.
 #[inline]
 fn nearest_image(a: f64, b: f64, period: f64) -> f64 {
     let along = rest(a, period) - rest(b, period);
@@ -146,10 +150,10 @@ fn nearest_image(a: f64, b: f64, period: f64) -> f64 {
     if along.abs() <= half { along } else { along - period.copysign(along) }
 }
 
-/// The remainder of the sign of `x`, which is exact.
+/// The remainder with the sign of `x`, which is exact.
 #[inline]
 fn rest(x: f64, period: f64) -> f64 {
-    // The remainder is a slow loop, and points mostly lie within a period.
+    // The remainder is a slow loop, and most points lie within a period.
     if x.abs() < period { x } else { x % period }
 }
 
@@ -167,7 +171,7 @@ mod tests {
                 assert!((nearest_image(b, a, 1.0) + expected).abs() == 0.0, "{b} - {a}");
             }
         }
-        // The largest number is even, and 3 divides no power of two: its rest is 1 or 2.
+        // The largest number is even, and 3 divides no power of two: its remainder is 1 or 2.
         assert!((nearest_image(f64::MAX, -f64::MAX, 3.0).abs() - 1.0).abs() == 0.0);
     }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a question.
+//! Errors of a search, a list or a query.
 
 use crate::criterion::{Criterion, MAX_RADIUS, MIN_RADIUS};
 
@@ -30,7 +30,7 @@ pub enum Error {
         /// Its radius.
         value: f64,
     },
-    /// There are not as many radii as points.
+    /// The number of radii differs from the number of points.
     #[error("{radii} radii were given for {points} points")]
     RadiiLength {
         /// Number of points.
@@ -38,7 +38,7 @@ pub enum Error {
         /// Number of radii.
         radii: usize,
     },
-    /// A half list is asked for where a pair may be seen from one side alone.
+    /// A half list requires a symmetric criterion.
     #[error("a half list needs a symmetric criterion, and {criterion:?} is none")]
     NotSymmetric {
         /// The criterion.
@@ -68,7 +68,7 @@ pub enum Error {
         /// The skin.
         value: f64,
     },
-    /// A question is asked about a place that is NaN or infinite.
+    /// The position of a query is NaN or infinite.
     #[error("the place has coordinate {value} along axis {axis}, which is not finite")]
     PlaceNotFinite {
         /// Axis of the coordinate.
@@ -76,15 +76,15 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// A list is read with points that are not those it was built of.
+    /// A list is read with a different number of points than it was built from.
     #[error("a list of {listed} points is read with {points} points")]
     ListLength {
-        /// Number of points the list was built of.
+        /// Number of points that the list was built from.
         listed: usize,
         /// Number of points it is read with.
         points: usize,
     },
-    /// A row of a list names what is no point.
+    /// A row of a list contains an index that is no point.
     #[error("row {i} of a list of {points} points holds {j}")]
     NotAPoint {
         /// The row.
@@ -94,7 +94,7 @@ pub enum Error {
         /// Number of points.
         points: usize,
     },
-    /// There are more points than a 32-bit index counts.
+    /// The number of points exceeds a 32-bit index.
     #[error("{points} points are more than the {} that a list can index", u32::MAX)]
     TooManyPoints {
         /// Number of points.

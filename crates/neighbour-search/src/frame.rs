@@ -1,11 +1,11 @@
-//! What single precision knows of a distance.
+//! Error bounds of distances in single precision.
 
 use crate::domain::{Domain, square};
 
-/// Widest that anything may be in units of the reach, to be compared in single precision at all.
+/// Largest width in units of the reach for which single precision is used at all.
 const WIDEST: f64 = 1_048_576.0;
 
-/// Largest part of a radius that single precision may leave undecided before it is worth counting from a nearer place.
+/// Largest fraction of a radius that single precision may leave undecided before a local frame is used.
 const UNDECIDED: f64 = 1e-3;
 
 /// A box and the largest radius in it.
@@ -16,7 +16,7 @@ pub(crate) struct Bounds<const D: usize> {
     pub(crate) radius: f64,
 }
 
-/// Where coordinates are counted from and in which unit.
+/// Origin and unit of the coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place {
     pub(crate) shift: f64,
@@ -32,30 +32,31 @@ impl Place {
     }
 }
 
-/// Where coordinates are counted from, in which unit, and how well single precision knows a distance then.
+/// Origin and unit of the coordinates, and the resulting accuracy of distances in single precision.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame<const D: usize> {
     pub(crate) origin: [f64; D],
     pub(crate) scale: f64,
-    /// A distance `ρ` is known to `fixed + RELATIVE ρ`, infinite if it is not known at all...
+    /// A distance `ρ` is accurate to `fixed + RELATIVE ρ`, with `fixed` infinite if it is unknown...
     pub(crate) fixed: f64,
-    /// ... where the square of the distance of one of both points from the origin is below this.
+    /// ... where the squared distance of one of the two points from the origin is below this.
     covered: f32,
 }
 
 impl<const D: usize> Default for Frame<D> {
-    /// That of no points.
+    /// The frame of an empty cloud.
     fn default() -> Self {
         Self { origin: [0.0; D], scale: 1.0, fixed: 0.0, covered: 0.0 }
     }
 }
 
 impl<const D: usize> Frame<D> {
-    /// Part of a distance that is not known, whatever the distance.
+    /// Relative error of a distance.
     const RELATIVE: f64 = (D as f64 + 4.0) / 8_388_608.0;
 
-    /// The frame of a box that contains one of any two points that are compared, in units of `reach`; of a period it knows
-    /// the part `displaced`.
+    /// The frame of a box that contains one point of every compared pair, in units of `reach`.
+    ///
+    /// Images along periodic axes are displaced by `displaced` of a period.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a square that overflows covers everything"
@@ -73,7 +74,7 @@ impl<const D: usize> Frame<D> {
         Self { origin, scale, fixed, covered: ((widest + 1.0) * (widest + 1.0)) as f32 }
     }
 
-    /// Whether points of a box, in units of the frame, are known as well as it says.
+    /// Whether points of a box, in units of the frame, have the stated accuracy.
     #[inline(always)]
     pub(crate) fn covers(&self, (low, high, _): &([f32; D], [f32; D], f64)) -> bool {
         let mut sum = 0.0;
@@ -83,20 +84,20 @@ impl<const D: usize> Frame<D> {
         sum <= self.covered && self.fixed.is_finite()
     }
 
-    /// Whether little of a radius is left undecided.
+    /// Whether only a small fraction of a radius is left undecided.
     pub(crate) fn resolves(&self, radius: f64) -> bool {
         self.fixed <= UNDECIDED * radius * self.scale
     }
 
-    /// Beyond this computed distance from a box nothing is within `radius` of a point in it.
+    /// Computed distance from a box beyond which no point is within `radius` of a point in it.
     #[inline(always)]
     pub(crate) fn reach(&self, radius: f64) -> f32 {
         let [_, upper] = self.bounds(radius);
-        // Once for the distance, and once more for that of the box.
+        // Once for the distance, and once for that of the box.
         upper + (upper - self.bounds(radius)[0])
     }
 
-    /// How each axis is placed, everything being displaced by `shift`.
+    /// Origin and scale of each axis, with all points displaced by `shift`.
     #[inline(always)]
     pub(crate) fn places(&self, shift: &[f64; D]) -> [Place; D] {
         core::array::from_fn(|axis| Place {
@@ -106,8 +107,9 @@ impl<const D: usize> Frame<D> {
         })
     }
 
-    /// Bounds on the computed distance: below the first, a point is surely within `radius`; not below the second, surely
-    /// not.
+    /// Bounds on the computed distance.
+    ///
+    /// Below the first bound a point is certainly within `radius`; at or above the second it certainly is not.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "one rounding more, covered by the bounds")]
     pub(crate) fn bounds(&self, radius: f64) -> [f32; 2] {

@@ -1,4 +1,4 @@
-//! Indices as lists store them.
+//! Index type of lists.
 
 /// An index as it is stored.
 #[inline]

@@ -1,4 +1,4 @@
-//! Points sorted into the leaves of a balanced tree.
+//! Sorting of points into the leaves of a balanced tree.
 
 use core::ops::Range;
 
@@ -12,16 +12,16 @@ use crate::radii::Radii;
 use crate::search::check;
 use crate::sorted::{Listed, Near, Order, Rule, Sorted, Stretch, stretches};
 
-/// Points in a leaf: as many as are compared at a time.
+/// Points per leaf: as many as are compared at a time.
 const LEAF: usize = 16;
 
-/// Points below which a subtree is built by one thread.
+/// Number of points below which one thread builds a subtree.
 const GRAIN: usize = 4096;
 
 /// Levels of the largest tree: 2^28 leaves of 2^32 points, and one for the path to either side.
 const DEEPEST: usize = 32;
 
-/// Bits of coordinates are compared with this slack: see [`Domain::reach`].
+/// Relative tolerance of coordinate comparisons: see [`Domain::reach`].
 const SLACK: f64 = 1.0 + 1e-14;
 
 #[derive(Debug, Clone, Copy)]
@@ -32,8 +32,8 @@ struct Item<const D: usize> {
 
 /// A tree that halves its points along the widest axis of their box, down to leaves of 16.
 ///
-/// A node of `m` leaves is followed by its left subtree, of `m/2` leaves, and then by its right one: where a node begins
-/// says all about it. Every node knows the box of its points and the largest of their radii.
+/// A node of `m` leaves is followed by its left subtree, of `m/2` leaves, and then by its right one, so the index of a
+/// node determines its position. Every node stores the box of its points and the largest of their radii.
 #[derive(Debug, Clone)]
 pub(crate) struct Leaves<const D: usize> {
     sorted: Sorted<D>,
@@ -48,7 +48,7 @@ impl<const D: usize> Default for Leaves<D> {
 }
 
 impl<const D: usize> Leaves<D> {
-    /// Leaves in a space.
+    /// An empty tree in a space.
     pub(crate) fn new(domain: Domain<D>) -> Self {
         let sorted = Sorted { domain, ..Sorted::default() };
         Self { sorted, nodes: Vec::new(), items: Vec::new() }
@@ -82,7 +82,7 @@ impl<const D: usize> Leaves<D> {
     }
 }
 
-/// Sorts items into leaves and describes the nodes; both for one subtree.
+/// Sorts items into leaves and fills the nodes, both for one subtree.
 fn divide<const D: usize>(items: &mut [Item<D>], nodes: &mut [Bounds<D>], radii: Radii<'_>) {
     let bounds = bounds_of(items, radii);
     let n_leaves = items.len().div_ceil(LEAF);
@@ -173,7 +173,7 @@ impl<const D: usize> Near<D> for Leaves<D> {
         let low: [f64; D] = core::array::from_fn(|axis| bounds.low[axis] - shift[axis]);
         let high: [f64; D] = core::array::from_fn(|axis| bounds.high[axis] - shift[axis]);
         let slack = self.sorted.domain.reach(0.0);
-        // Node, first leaf and number of leaves of what is still to be seen.
+        // Node, first leaf and number of leaves still to be visited.
         let mut stack = [[0; 3]; DEEPEST];
         stack[0] = [0, 0, n_points.div_ceil(LEAF)];
         let mut height = usize::from(n_points > 0);
@@ -209,7 +209,7 @@ impl<const D: usize> Near<D> for Leaves<D> {
         visit(pending);
     }
 
-    /// The farthest that a point can be in the smallest node toward the place that holds enough.
+    /// Largest possible distance of a point in the smallest node around the position with enough points.
     fn radius_for(&self, place: &[f64; D], wanted: usize) -> f64 {
         let gap = |node: &Bounds<D>| {
             let along: [f64; D] = core::array::from_fn(|axis| {
@@ -218,7 +218,7 @@ impl<const D: usize> Near<D> for Leaves<D> {
             square(&along)
         };
         let (mut at, mut n_leaves) = (0, self.sorted.n_points().div_ceil(LEAF));
-        // All leaves hold 16 but the last one.
+        // All leaves but the last hold 16 points.
         while n_leaves > 1 && (n_leaves / 2).saturating_sub(1) * LEAF >= wanted {
             let n_left = n_leaves / 2;
             let (left, right) = (at + 1, at + 2 * n_left);

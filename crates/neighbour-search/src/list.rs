@@ -1,4 +1,4 @@
-//! The neighbour list, and the visitor that hands out its pairs.
+//! The neighbour list and its pair visitor.
 
 use core::ops::Range;
 
@@ -7,10 +7,10 @@ use crate::error::Error;
 use crate::index::stored;
 use crate::parallel::{self, Part};
 
-/// Rows that share a stretch of memory, and that one thread writes.
+/// Number of rows in one chunk of memory, written by one thread.
 pub(crate) const CHUNK: usize = 1024;
 
-/// Most axes that a search is generic over.
+/// Largest dimension of a search.
 pub(crate) const MAX_DIMENSION: usize = 6;
 
 /// A point and one of its neighbours.
@@ -28,32 +28,32 @@ pub struct Pair<const D: usize> {
 
 /// Neighbours of every point in compressed rows: 32-bit indices, one row per point.
 ///
-/// The entries of a row stand in the order in which the search found them, which points, radii and search determine, not
-/// the number of threads. [`sort_rows`](Self::sort_rows) makes them ascend, and full lists of all searches the same.
+/// The search determines the order of entries in a row from points and radii; the number of threads does not affect
+/// it. [`sort_rows`](Self::sort_rows) sorts each row in ascending order, which makes full lists of all searches equal.
 ///
-/// Memory: 4 bytes per listed neighbour and 12 per point. Rows lie in memory in the order of the search, a thousand at a
-/// time, so that they need not be moved once they are found. A pair that is mutual is listed twice in a full list.
+/// Memory: 4 bytes per listed neighbour and 12 per point. Rows are stored in the order of the search, a thousand in a
+/// chunk, so they are not moved after the search. A full list holds a mutual pair twice.
 #[derive(Debug, Clone, Default)]
 pub struct NeighbourList {
-    /// Where the row of each point stands among the rows; empty if they stand in the order of the points.
+    /// Position of each point's row; empty if rows are in the order of the points.
     slot_of: Vec<u32>,
-    /// Where each row ends in its chunk.
+    /// End of each row in its chunk.
     ends: Vec<usize>,
-    /// Entries of a thousand rows each, as many as there ever were; what is beyond the last row is of no account.
+    /// Entries of a thousand rows each; chunks are never freed, and contents beyond the last row are irrelevant.
     chunks: Vec<Vec<u32>>,
     /// Period along each axis, or zero.
     periods: [f64; MAX_DIMENSION],
 }
 
 impl PartialEq for NeighbourList {
-    /// Whether rows hold the same entries in the same order, and the space is the same.
+    /// Whether rows hold the same entries in the same order, in the same space.
     fn eq(&self, other: &Self) -> bool {
         self.rows().eq(other.rows()) && self.periods == other.periods
     }
 }
 
 impl NeighbourList {
-    /// A list of no points.
+    /// A list without points.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -112,7 +112,7 @@ impl NeighbourList {
         self.rows().map(<[u32]>::len).max().unwrap_or(0)
     }
 
-    /// The list in compressed sparse rows, for those who want it so: row `i` is `indices[offsets[i]..offsets[i + 1]]`.
+    /// The list in compressed sparse rows: row `i` is `indices[offsets[i]..offsets[i + 1]]`.
     #[must_use]
     pub fn to_compressed_rows(&self) -> (Vec<usize>, Vec<u32>) {
         let mut offsets = Vec::with_capacity(self.len() + 1);
@@ -125,7 +125,7 @@ impl NeighbourList {
         (offsets, indices)
     }
 
-    /// Makes the entries of every row ascend.
+    /// Sorts the entries of every row in ascending order.
     pub fn sort_rows(&mut self) {
         let mut nothing = vec![(); self.chunks.len()];
         self.for_each_part(&mut nothing, |Part { indices, ends, .. }| {
@@ -137,8 +137,8 @@ impl NeighbourList {
 
     /// Visits every listed pair, rows in order of the points.
     ///
-    /// The points may have moved since the list was built: distances are those of the points given here, in the space
-    /// that the list was built in.
+    /// The points may have moved since the build: distances are those of the points given here, in the space of the
+    /// build.
     ///
     /// # Errors
     ///
@@ -205,11 +205,11 @@ impl NeighbourList {
         if listed == points { Ok(()) } else { Err(Error::ListLength { listed, points }) }
     }
 
-    /// Fills the list with rows of a search of one's own: `row(i, found)` appends the neighbours of point `i`.
+    /// Fills the list from a user-defined search: `row(i, found)` appends the neighbours of point `i`.
     ///
     /// # Errors
     ///
-    /// [`Error::NotAPoint`] for an entry that is not below `n_points`. The list is then empty.
+    /// [`Error::NotAPoint`] for an entry that is at least `n_points`. The list is then empty.
     pub fn fill<const D: usize>(
         &mut self,
         n_points: usize,
@@ -233,7 +233,7 @@ impl NeighbourList {
         Ok(())
     }
 
-    /// Makes room for as many rows, in the order of `ids` or of the points.
+    /// Reserves a number of rows, in the order of `ids` or of the points.
     pub(crate) fn restart<const D: usize>(
         &mut self,
         n_points: usize,
@@ -256,7 +256,7 @@ impl NeighbourList {
         }
     }
 
-    /// Does `work` for every chunk of rows; `scratch` is one for each chunk.
+    /// Calls `work` for every chunk of rows, with one `scratch` for each chunk.
     pub(crate) fn for_each_part<S: Send>(
         &mut self,
         scratch: &mut [S],
@@ -265,7 +265,7 @@ impl NeighbourList {
         parallel::for_each_part(&mut self.chunks, &mut self.ends, CHUNK, scratch, work);
     }
 
-    /// Keeps the entries that come after their point: of a symmetric list, each pair once.
+    /// Keeps the entries after their own point: each pair of a symmetric list once.
     pub(crate) fn keep_later(&mut self) {
         let Self { slot_of, ends, chunks, .. } = self;
         let mut id_of: Vec<u32> = (0..stored(ends.len())).collect();

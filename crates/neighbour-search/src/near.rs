@@ -1,4 +1,4 @@
-//! Points near a place.
+//! Queries around a position.
 
 use core::ops::ControlFlow;
 
@@ -7,18 +7,18 @@ use crate::frame::Bounds;
 use crate::radii::in_range;
 use crate::sorted::{Near as Order, Rule, for_each_image};
 
-/// A point near a place.
+/// A point near a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Near<const D: usize> {
     /// The point.
     pub j: usize,
-    /// The place less the point, of the nearest images, unit of length of the points.
+    /// The position minus the point, of the nearest images, unit of length of the points.
     pub x_ij: [f64; D],
     /// `|x_ij|`.
     pub r: f64,
 }
 
-/// Visits the points within a radius of a place, until `visit` breaks.
+/// Visits the points within a radius of a position until `visit` breaks.
 pub(crate) fn within<const D: usize, B>(
     order: &impl Order<D>,
     centre: &[f64; D],
@@ -50,7 +50,7 @@ pub(crate) fn within<const D: usize, B>(
     flow
 }
 
-/// The `k` points nearest to a place, nearest first.
+/// The `k` points nearest to a position, nearest first.
 pub(crate) fn nearest<const D: usize>(
     order: &impl Order<D>,
     centre: &[f64; D],
@@ -63,7 +63,8 @@ pub(crate) fn nearest<const D: usize>(
     if wanted == 0 {
         return;
     }
-    // Balls of twice the radius until one holds enough; where squares overflow or a ball meets its image, everyone.
+    // Doubles the radius until the ball holds enough points; searches all points where squares overflow or a ball
+    // meets its image.
     let mut radius = order.radius_for(&sorted.domain.wrap_all(centre), wanted);
     while found.len() < wanted && in_range(radius) && sorted.domain.check(radius).is_ok() {
         found.clear();

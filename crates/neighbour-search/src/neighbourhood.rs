@@ -1,30 +1,32 @@
-//! The neighbourhood of a group of points, and who of it is listed under whom.
+//! Candidates of a group of points, and the neighbours of each of its points.
 //!
-//! Points of one group (a cell, a leaf) have almost the same neighbourhood. So it is gathered once: the coordinates of
-//! every candidate that comes within reach of the group's box, in single precision and one after the other in memory. Then
-//! each point of the group is compared with all of them, sixteen at a time.
+//! Points of one group (a cell, a leaf) have almost the same neighbourhood, so it is gathered once. The coordinates of
+//! every candidate within reach of the group's box are stored contiguously in single precision. Then each point of the
+//! group is compared with all of them, sixteen at a time.
 //!
-//! **Why the answer is exact in double precision.** Let `u = (x - c)/R` be what single precision rounds to
-//! `û = u (1 + δ)`, `|δ| <= 2^-24 (1 + 2^-20)`, the slack being for the few roundings in double precision. Here `c` is the
-//! middle of the cloud and `R` its largest radius: the frame of [`Sorted`]. With the group within `G` of the middle,
-//! `|u_i| <= G`, and a candidate at distance `ρ` (in units of `R`), `|u_j| <= G + ρ`, the difference of both errs by
-//! `2^-24 (2G + ρ)`, the subtraction by `2^-24 ρ`, and the sum of `D` squares by `(D + 1) 2^-24` of itself, which is half of
-//! that in the distance. So the computed distance `ρ̂` satisfies, with room for second order,
+//! **Why the answer is exact in double precision.** Single precision rounds `u = (x - c)/R` to `û = u (1 + δ)`. Here
+//! `|δ| <= 2^-24 (1 + 2^-20)` includes the few roundings in double precision, `c` is the centre of the cloud and `R`
+//! its largest radius: the frame of [`Sorted`]. The group is within `G` of the centre, `|u_i| <= G`. A candidate at
+//! distance `ρ` (in units of `R`) has `|u_j| <= G + ρ`. The error of the difference is `2^-24 (2G + ρ)`, that of the
+//! subtraction `2^-24 ρ`. The relative error of the sum of `D` squares is `(D + 1) 2^-24`, half of which appears in
+//! the distance. With a margin for second order the computed distance `ρ̂` satisfies
 //!
 //! ```text
 //! |ρ̂ - ρ| <= 1.01 * 2^-24 (2G + (D + 5)/2 ρ),
 //! ```
 //!
-//! and with `a(ℓ) = 2^-22 (G + 2) + 2^-23 (D + 4) ℓ + 2^-60`, squares of bounds rounded too, `ρ̂² < (ℓ - a)²` proves `ρ < ℓ`,
-//! and `ρ <= ℓ` proves `ρ̂² < (ℓ + a)²`. Candidates between both bounds are decided by the formula of `NeighbourSearch` in
-//! double precision: few, unless distances tie with the radius. `2^-60` covers underflow; a coordinate that overflows is
-//! infinitely far from every point of a group whose own do not. Images along periodic axes are displaced in single
-//! precision, which adds `2^-22 L/R` to `a` for each period `L`.
+//! With `a(ℓ) = 2^-22 (G + 2) + 2^-23 (D + 4) ℓ + 2^-60`, squares of bounds rounded too, `ρ̂² < (ℓ - a)²` proves
+//! `ρ < ℓ`, and `ρ <= ℓ` proves `ρ̂² < (ℓ + a)²`. The formula of `NeighbourSearch` in double precision decides
+//! candidates between both bounds: few, unless distances tie with the radius.
 //!
-//! A group that lies outside of the cloud's middle part, or for whose radius `a` is no longer small, gets a frame of its
-//! own: `c` is the middle of its box and `R` its own reach, and images are displaced in double precision. If it is
-//! wider than `2^20 R`, which only clouds do that are thinner than their cells, all of its pairs are decided in double
-//! precision.
+//! The term `2^-60` covers underflow. A coordinate that overflows is infinitely far from every point of a group whose
+//! own coordinates do not overflow. Images along periodic axes are displaced in single precision, which adds
+//! `2^-22 L/R` to `a` for each period `L`.
+//!
+//! A group outside of the cloud's middle part, or with a radius for which `a` is not small, gets a frame of its own:
+//! `c` is the centre of its box and `R` its own reach, and images are displaced in double precision. If the group is
+//! wider than `2^20 R`, all of its pairs are decided in double precision; this occurs only in clouds thinner than
+//! their cells.
 
 use core::ops::Range;
 
@@ -39,19 +41,19 @@ use crate::index::stored;
 use crate::radii::Radii;
 use crate::sorted::{Listed, Order, Rule, Sorted, Stretch};
 
-/// Coordinate of what is no candidate: its square overflows to infinity, which is below nothing.
+/// Coordinate of padding: its square overflows to infinity, so every comparison rejects it.
 const NOWHERE: f32 = 1e30;
 
-/// What rows are made of.
+/// Entries of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Entries {
     /// Indices of the points.
     Ids,
-    /// Their slots.
+    /// Slots of the points.
     Slots,
 }
 
-/// What is asked about every group.
+/// Settings common to every group.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Question<'a, const D: usize> {
     pub(crate) points: &'a [[f64; D]],
@@ -65,15 +67,15 @@ pub(crate) struct Question<'a, const D: usize> {
 pub(crate) struct Neighbourhood<const D: usize> {
     /// Coordinates, padded with [`NOWHERE`].
     columns: [Aligned<f32>; D],
-    /// What is listed of each.
+    /// Entry of each candidate.
     entries: Aligned<u32>,
-    /// Bounds on the radius of each, where it matters.
+    /// Bounds on the radius of each candidate, where the criterion uses them.
     lower: Aligned<f32>,
     upper: Aligned<f32>,
-    /// The stretch that each came from, where it matters.
+    /// The stretch that each candidate comes from, where it is needed.
     from: Aligned<u32>,
     stretches: Vec<Stretch<D>>,
-    /// Stretches of own points, and how many these are.
+    /// Number of stretches with points of the group itself, and of these points.
     own_stretches: usize,
     n_own: usize,
     len: usize,
@@ -96,7 +98,7 @@ impl<const D: usize> Default for Neighbourhood<D> {
 }
 
 impl<const D: usize> Neighbourhood<D> {
-    /// Makes room for all candidates there may be.
+    /// Reserves memory for the largest possible number of candidates.
     fn grow(&mut self) {
         let slots: usize = self.stretches.iter().map(|stretch| stretch.slots.len()).sum();
         let needed = slots + 2 * MOST_LANES;
@@ -111,7 +113,7 @@ impl<const D: usize> Neighbourhood<D> {
         }
     }
 
-    /// Asks where the candidates of the group `targets` are: its own points, their images, and all others near it.
+    /// Finds the candidates of the group `targets`: its own points, their images, and all other points near it.
     fn choose(
         &mut self,
         order: &dyn Order<D>,
@@ -126,7 +128,7 @@ impl<const D: usize> Neighbourhood<D> {
         self.grow();
     }
 
-    /// Gathers the candidates of the group `targets`; returns the frame they are in.
+    /// Gathers the candidates of the group `targets`; returns their frame.
     #[inline(always)]
     fn gather<R: Registers<f32>, S: Sight>(
         &mut self,
@@ -158,7 +160,7 @@ impl<const D: usize> Neighbourhood<D> {
         frame
     }
 
-    /// Takes the group's own points and, of the others, those that come within reach of its box.
+    /// Takes the group's own points, and of the others those within reach of its box.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "covered by the bounds of the frame")]
     fn select<R: Registers<f32>, S: Sight>(
@@ -229,7 +231,7 @@ impl<const D: usize> Neighbourhood<D> {
         self.len = len;
     }
 
-    /// Takes all candidates, and places them in a frame of the group's own.
+    /// Takes all candidates and converts them to a frame of the group's own.
     #[cold]
     #[inline(never)]
     fn place_anew(
@@ -245,7 +247,7 @@ impl<const D: usize> Neighbourhood<D> {
             let places = frame.places(shift);
             for slot in slots.clone() {
                 for (axis, &x) in sorted.points[slot].iter().enumerate() {
-                    // Where nothing is known in single precision all are close.
+                    // Where single precision decides nothing, all candidates count as close.
                     let is_known = frame.fixed.is_finite();
                     self.columns[axis][len] = if is_known { places[axis].of(x) } else { 0.0 };
                 }
@@ -277,21 +279,22 @@ impl<const D: usize> Neighbourhood<D> {
         }
     }
 
-    /// Of the candidates `at`, `at + 1`, ..., those that may be listed under the `k`-th point of the group: not itself,
-    /// and in a half list none of the group that comes before it.
+    /// Candidates from `at` on that may be listed under the `k`-th point of the group.
+    ///
+    /// This excludes the point itself, and in a half list the earlier points of the group.
     #[inline(always)]
     fn others(&self, k: usize, listed: Listed, at: usize) -> u32 {
         match listed {
             Listed::Full => !bit(k.wrapping_sub(at)),
             Listed::Half if self.own_stretches == 1 => {
-                // The point and all before it.
+                // The point and all earlier points.
                 if k < at { u32::MAX } else { !first_bits(k + 1 - at) }
             }
             Listed::Half => self.others_with_images(k, at),
         }
     }
 
-    /// In a period so short that a group meets its own images.
+    /// The same in a period so short that a group meets its own images.
     #[cold]
     #[inline(never)]
     fn others_with_images(&self, k: usize, at: usize) -> u32 {
@@ -303,7 +306,7 @@ impl<const D: usize> Neighbourhood<D> {
         listed.fold(of_others, |mask, (candidate, _)| mask | bit(candidate))
     }
 
-    /// Which of the candidates `at + k`, bit `k` of a mask, are within reach of the point in `slot`, in double precision.
+    /// Mask of the candidates `at + k` that are within reach of the point in `slot`, in double precision.
     #[cold]
     #[inline(never)]
     fn decide(
@@ -328,7 +331,7 @@ impl<const D: usize> Neighbourhood<D> {
             } as usize;
             let limit = question.radii.limit(i, j);
             let x_ij = sorted.domain.difference(&question.points[i], &question.points[j]);
-            // Of the images of one point, the nearest.
+            // Of several images of one point, the nearest.
             let is_nearest = !sorted.domain.is_periodic() || {
                 let shift = &self.stretches[self.from[candidate] as usize].shift;
                 let x_j = sorted.domain.wrap_all(&question.points[j]);
@@ -356,26 +359,26 @@ fn exact_bounds<const D: usize>(sorted: &Sorted<D>, targets: &Range<usize>) -> B
     bounds
 }
 
-/// A mask of one bit, or of none if there is no such bit.
+/// A mask with one bit, or zero if there is no such bit.
 #[inline(always)]
 fn bit(k: usize) -> u32 {
     if k < 32 { 1 << k } else { 0 }
 }
 
-/// A mask of the first so many bits.
+/// A mask of the lowest bits.
 #[inline(always)]
 fn first_bits(count: usize) -> u32 {
     if count >= 32 { u32::MAX } else { (1 << count) - 1 }
 }
 
-/// Makes the rows of some slots, group by group, one after the other in `memory`.
+/// Builds the rows of some slots, group by group, contiguously in `memory`.
 pub(crate) struct Scan<'a, const D: usize> {
     pub(crate) order: &'a dyn Order<D>,
     pub(crate) question: Question<'a, D>,
     pub(crate) slots: Range<usize>,
     pub(crate) neighbourhood: &'a mut Neighbourhood<D>,
     pub(crate) memory: &'a mut Vec<u32>,
-    /// Where the row of each slot ends.
+    /// End of the row of each slot.
     pub(crate) ends: &'a mut [usize],
 }
 
@@ -386,7 +389,7 @@ impl<const D: usize> Work<f32> for Scan<'_, D> {
     fn run<R: Registers<f32>>(self, registers: R) {
         match Rule::of(self.question.radii) {
             Rule::Uniform(_) | Rule::PerPoint(Criterion::Gather) => self.scan(registers, Mine),
-            // A point whose own radius is nothing sees as far as it is seen.
+            // A point with radius zero searches as far as the other points' radii.
             Rule::PerPoint(Criterion::Max | Criterion::Scatter) => self.scan(registers, Larger),
             Rule::PerPoint(Criterion::Mean) => self.scan(registers, Middle),
         }

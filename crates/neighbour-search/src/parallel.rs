@@ -1,10 +1,11 @@
-//! Loops over stretches of memory, by threads where there are such: each writes its own stretch, so that nothing depends
-//! on which thread came first.
+//! Parallel loops over stretches of memory.
+//!
+//! Each thread writes its own stretch, so results do not depend on thread scheduling.
 
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-/// A thousand rows: which, their memory, where each ends, and what its thread works with.
+/// A thousand rows: their numbers, memory, ends, and the work data of a thread.
 pub(crate) struct Part<'a, S> {
     pub(crate) chunk: usize,
     pub(crate) indices: &'a mut Vec<u32>,
@@ -12,7 +13,7 @@ pub(crate) struct Part<'a, S> {
     pub(crate) scratch: &'a mut S,
 }
 
-/// Does `work` for every chunk of rows; `scratch` is one for each chunk.
+/// Calls `work` for every chunk of rows, with one `scratch` for each chunk.
 pub(crate) fn for_each_part<S: Send>(
     chunks: &mut [Vec<u32>],
     ends: &mut [usize],
@@ -33,7 +34,7 @@ pub(crate) fn for_each_part<S: Send>(
     chunks.iter_mut().zip(ends.chunks_mut(size)).zip(scratch).enumerate().map(part).for_each(work);
 }
 
-/// Stretches of a column that one thread writes.
+/// Length of the stretch of a column that one thread writes.
 const STRETCH: usize = 4096;
 
 /// `out[k] = value(k)`.
@@ -66,7 +67,7 @@ pub(crate) fn fill_from<S: Sync, T: Send>(
     out.chunks_mut(STRETCH).zip(from.chunks(STRETCH)).for_each(write);
 }
 
-/// Cuts two slices into stretches of the given lengths and does `work(k, stretch, stretch)` for each pair of them.
+/// Divides two slices into stretches of the given lengths and calls `work(k, stretch, stretch)` for each pair.
 pub(crate) fn for_each_pair_of_stretches<A: Send, B: Send>(
     (a, b): (&mut [A], &mut [B]),
     lengths: &[[usize; 2]],
@@ -95,7 +96,7 @@ fn divide<A: Send, B: Send>(
     );
 }
 
-/// Both, by two threads where there are such.
+/// Runs both, on two threads if available.
 pub(crate) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     #[cfg(feature = "rayon")]
     rayon::join(a, b);
@@ -106,7 +107,7 @@ pub(crate) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     }
 }
 
-/// Threads that could work at once.
+/// Number of available threads.
 pub(crate) fn threads() -> usize {
     #[cfg(feature = "rayon")]
     return rayon::current_num_threads();

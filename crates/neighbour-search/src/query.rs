@@ -1,4 +1,4 @@
-//! Questions about a place: who is within a radius of it, and who is nearest.
+//! Queries about a position: points within a radius, and nearest points.
 
 use core::ops::ControlFlow;
 
@@ -12,32 +12,32 @@ use crate::radii::Radii;
 macro_rules! answers_about_places {
     ($search:ident, $order:ident) => {
         impl<const D: usize> $search<D> {
-            /// Sorts points, to be asked by [`for_each_within`](Self::for_each_within) and [`nearest`](Self::nearest). A list
-            /// built by the same search puts its own points in their place.
+            /// Sorts points for the queries [`for_each_within`](Self::for_each_within) and [`nearest`](Self::nearest).
             ///
-            /// `edge` in the unit of the points, best near the radius of the questions: the width of a cell. It changes
-            /// neither the answers nor a tree.
+            /// A list built by the same search replaces these points by its own. `edge` is the cell width in the unit
+            /// of the points, best near the radius of the queries. It affects neither the results nor a tree.
             ///
             /// # Errors
             ///
-            /// Those of [`full_list`](crate::NeighbourSearch::full_list), [`Error::UniformRadius`] for the edge. What was
-            /// built before is then as it was.
+            /// Those of [`full_list`](crate::NeighbourSearch::full_list), and [`Error::UniformRadius`] for the edge.
+            /// The previous build is then unchanged.
             pub fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error> {
                 Radii::Uniform(edge).check(0)?;
                 (searches().$order.build)(&mut self.$order, points, edge)
             }
 
-            /// Number of points at the last build.
+            /// Number of points in the last build.
             #[must_use]
             pub fn n_points(&self) -> usize {
                 self.$order.ids().len()
             }
 
-            /// Visits every point at `r <= radius` of a place, in an order that points and search determine, until
-            /// `visit` breaks. A point at the place itself is among them.
+            /// Visits every point at `r <= radius` of a position until `visit` breaks.
             ///
-            /// `centre` and `radius` in the unit of the points. Decided by the same formula as a list; in a periodic space
-            /// by the images of the points in the first period, which are rounded.
+            /// The order depends on points and search alone. A point at the position itself is included.
+            ///
+            /// `centre` and `radius` are in the unit of the points. The formula is that of a list. In a periodic space
+            /// it is applied to the images of the points in the first period, which are rounded.
             ///
             /// # Errors
             ///
@@ -54,8 +54,10 @@ macro_rules! answers_about_places {
                 Ok(within(&self.$order, centre, radius, visit))
             }
 
-            /// Fills `found` with the `k` points nearest to a place, nearest first, those alike in order of their index;
-            /// with all points if there are fewer. A point at the place itself is among them.
+            /// Fills `found` with the `k` points nearest to a position, nearest first.
+            ///
+            /// Ties are in order of the index; with fewer points all are returned. A point at the position itself is
+            /// included.
             ///
             /// # Errors
             ///

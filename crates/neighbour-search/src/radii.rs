@@ -1,4 +1,4 @@
-//! How far each point sees, and whose sight decides.
+//! Search radii of the points, and the criterion of a pair.
 
 use crate::criterion::{Criterion, MAX_RADIUS, MIN_RADIUS};
 use crate::error::Error;
@@ -14,7 +14,7 @@ pub enum Radii<'a> {
     PerPoint {
         /// `h_i`, one for each point.
         radii: &'a [f64],
-        /// Whose radius decides.
+        /// Criterion of a pair.
         criterion: Criterion,
     },
 }
@@ -37,7 +37,7 @@ impl Radii<'_> {
         }
     }
 
-    /// Refuses radii of which a pair can be seen from one side alone.
+    /// Rejects radii whose criterion is not symmetric.
     pub(crate) fn check_symmetric(&self) -> Result<(), Error> {
         match *self {
             Radii::PerPoint { criterion, .. } if !criterion.is_symmetric() => {

@@ -4,7 +4,7 @@ use crate::domain::square;
 use crate::error::Error;
 use crate::list::NeighbourList;
 
-/// A point and all of its neighbours, for loops over whole rows; `n` neighbours, in an order that the search determines.
+/// A point and all of its `n` neighbours, for loops over whole rows; the search determines their order.
 #[derive(Debug, Clone, Copy)]
 pub struct Row<'a, const D: usize> {
     /// The point.
@@ -17,7 +17,7 @@ pub struct Row<'a, const D: usize> {
     pub squared_distances: &'a [f64],
 }
 
-/// The rows of a list, one by one.
+/// Visits the rows of a list, one by one.
 pub(crate) fn visit_list<const D: usize>(
     list: &NeighbourList,
     points: &[[f64; D]],

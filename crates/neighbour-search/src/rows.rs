@@ -1,4 +1,4 @@
-//! From an order of points to lists and visits.
+//! Lists and visits from an order of the points.
 
 use lanes::SimdLevel;
 
@@ -10,7 +10,7 @@ use crate::radii::Radii;
 use crate::row::Row;
 use crate::sorted::{Listed, Order, Sorted};
 
-/// What searches work with.
+/// Work data of a search.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<const D: usize> {
     level: SimdLevel,
@@ -34,7 +34,7 @@ impl<const D: usize> Default for Rows<D> {
 }
 
 impl<const D: usize> Rows<D> {
-    /// With the given instructions.
+    /// Work data for a SIMD level.
     pub(crate) fn at(level: SimdLevel) -> Self {
         Self { level, ..Self::default() }
     }
@@ -67,7 +67,7 @@ impl<const D: usize> Rows<D> {
         });
     }
 
-    /// Hands every row to `visit`, in the order of the slots: a stretch of rows is found, and then handed out.
+    /// Calls `visit` with every row, in the order of the slots, after finding a stretch of rows at a time.
     pub(crate) fn visit(
         &mut self,
         order: &dyn Order<D>,
@@ -107,12 +107,13 @@ impl<const D: usize> Rows<D> {
     }
 }
 
-/// What every search does that sorts its points into an order.
+/// Common implementation of every search that sorts its points into an order.
 macro_rules! lists_rows {
     ($search:ident, $order:ident, $groups:literal) => {
         impl<const D: usize> $search<D> {
-            /// The same search with only those instructions that every machine has. The lists are the same; it is for
-            /// comparison.
+            /// The same search restricted to instructions that every machine supports.
+            ///
+            /// The lists are the same; use it for comparison.
             #[must_use]
             pub fn with_portable_instructions(self) -> Self {
                 Self { rows: Rows::at(lanes::SimdLevel::PORTABLE), ..self }
@@ -120,8 +121,8 @@ macro_rules! lists_rows {
 
             #[doc = concat!("The order of the ", $groups, ": `order()[slot]` is the point in that slot at the last build.")]
             ///
-            /// Data in this order lie in memory as the points lie in space, which makes loops over pairs several times
-            /// faster.
+            /// Data in this order are as close in memory as the points are in space, which makes loops over pairs
+            /// several times faster.
             #[must_use]
             pub fn order(&self) -> &[u32] {
                 self.$order.ids()
@@ -139,7 +140,7 @@ macro_rules! lists_rows {
                 (searches().$order.list)(search, points, radii, $crate::sorted::Listed::Full, list)
             }
 
-            /// Written directly: half of the full list's memory and candidates.
+            /// Implemented directly: half of the full list's memory and candidates.
             fn half_list(
                 &mut self,
                 points: &[[f64; D]],
@@ -198,7 +199,7 @@ impl<const D: usize> Batch<D> {
             squared_distances[k] = square(&difference);
         };
         if sorted.domain.is_periodic() {
-            // Kept points are images: what a list gives comes from the points themselves.
+            // Stored points are images; the coordinates returned come from the points themselves.
             let x_i = &points[sorted.ids[slot] as usize];
             for (k, &id) in ids.iter().enumerate() {
                 put(k, sorted.domain.difference(x_i, &points[id as usize]));

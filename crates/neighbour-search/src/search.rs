@@ -1,4 +1,4 @@
-//! The seam: what a neighbour search does, and the one test that every search decides by.
+//! The neighbour search trait, and the distance test common to every search.
 
 use core::fmt::Debug;
 
@@ -8,7 +8,7 @@ use crate::list::{MAX_DIMENSION, NeighbourList};
 use crate::radii::Radii;
 use crate::row::{Row, visit_list};
 
-/// Finds which points lie within a radius of which.
+/// Finds all pairs of points within a radius.
 ///
 /// `j` is a neighbour of `i` when
 ///
@@ -16,21 +16,20 @@ use crate::row::{Row, visit_list};
 /// sum over axes of (x_i - x_j)^2  <=  limit(i, j)^2          in f64, axes summed in order from 0
 /// ```
 ///
-/// with the limit of [`Radii`] and `x_i - x_j` of the nearest images ([`Domain::difference`]): inclusive, the point itself
-/// left out, coincident points neighbours of each other. Whether a point at the very radius is inside is therefore decided
-/// by the rounding of that formula. Every implementation finds the same pairs; in which order they stand in a row is its
-/// own, and the same for any number of threads.
+/// with the limit of [`Radii`] and `x_i - x_j` of the nearest images ([`Domain::difference`]). The limit is inclusive,
+/// the point itself is excluded, and coincident points are neighbours. The rounding of that formula decides about a
+/// point exactly at the radius. Every implementation finds the same pairs. The order of a row is specific to the
+/// search and independent of the number of threads.
 pub trait NeighbourSearch<const D: usize>: Debug {
     /// Fills `list` with the neighbours of every point.
     ///
-    /// `points` in any unit of length, `radii` in the same. Buffers, here and in `list`, are kept: a second build of the
-    /// same size allocates nothing. No points, or one, give an empty list.
+    /// `points` and `radii` are in the same unit of length. Buffers, here and in `list`, are kept: a second build of
+    /// the same size allocates nothing. A cloud of no or one point gives an empty list.
     ///
     /// # Errors
     ///
     /// [`Error::TooManyPoints`], [`Error::CoordinateNotFinite`], [`Error::UniformRadius`], [`Error::Radius`],
-    /// [`Error::RadiiLength`] and [`Error::PeriodTooShort`], for the first point that is at fault. The list is then as it
-    /// was.
+    /// [`Error::RadiiLength`] and [`Error::PeriodTooShort`], for the first invalid point. The list is then unchanged.
     fn full_list(
         &mut self,
         points: &[[f64; D]],
@@ -40,7 +39,7 @@ pub trait NeighbourSearch<const D: usize>: Debug {
 
     /// Fills `list` with each pair once, listed under one of its points.
     ///
-    /// Provided as the later half of [`full_list`](Self::full_list), under the smaller index.
+    /// The default keeps the later half of [`full_list`](Self::full_list), under the smaller index.
     ///
     /// # Errors
     ///
@@ -57,14 +56,16 @@ pub trait NeighbourSearch<const D: usize>: Debug {
         Ok(())
     }
 
-    /// Hands every point to `visit` with all of its neighbours at once: what makes a sweep over pairs fast, without a list
-    /// where the search needs none. Points come in an order of the search's own, each once.
+    /// Calls `visit` with every point and all of its neighbours.
     ///
-    /// Provided through a list.
+    /// This is the fast way to traverse pairs, and builds no list where the search needs none. The search determines
+    /// the order of the points; each is visited once.
+    ///
+    /// The default builds a list.
     ///
     /// # Errors
     ///
-    /// Those of [`full_list`](Self::full_list); nobody has been visited then.
+    /// Those of [`full_list`](Self::full_list); `visit` has then not been called.
     fn for_each_row(
         &mut self,
         points: &[[f64; D]],
@@ -77,7 +78,7 @@ pub trait NeighbourSearch<const D: usize>: Debug {
     }
 }
 
-/// What every search asks of its input.
+/// Input checks common to every search.
 pub(crate) fn check<const D: usize>(
     points: &[[f64; D]],
     radii: Radii<'_>,

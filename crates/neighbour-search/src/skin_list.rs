@@ -1,4 +1,4 @@
-//! A list that outlives small movements.
+//! A Verlet list: a list with a skin, reused over small movements.
 
 use crate::cell_grid::CellGrid;
 use crate::criterion::Criterion;
@@ -9,28 +9,32 @@ use crate::list::{NeighbourList, Pair};
 use crate::radii::{Radii, in_range};
 use crate::search::{NeighbourSearch, check};
 
-/// Relative slack on the wide radius: covers the roundings of two distances and two displacements, each below
-/// `(D + 2)` units of 1.1e-16.
+/// Relative tolerance of the enlarged radius.
+///
+/// It covers the roundings of two distances and two displacements, each below `(D + 2)` units of 1.1e-16.
 const SLACK: f64 = 1.0 + 1e-14;
 
-/// What an update did.
+/// Result of an update.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// Points have moved and radii have grown by less than the skin since the last build: the list still holds every pair.
+    /// The list was kept and still holds every pair.
+    ///
+    /// Points moved and radii grew by less than the skin since the last build.
     Reused,
-    /// The list is new.
+    /// The list was rebuilt.
     Rebuilt,
 }
 
-/// The pairs within a radius, found again only when points have moved too far for a skin.
+/// The pairs within a radius, searched again only when points have moved further than a skin allows.
 ///
-/// It lists the pairs within radius and skin, and hands out those within the radius as points and radii stand: the pairs
-/// of a new list. With `d` the largest displacement since the last build and `g` the largest growth of a radius, no pair
-/// is missing while `2 d + g <= skin`. Memory: that of a search and a list with radius and skin, and of points and radii
-/// at the last build. It searches with a [`CellGrid`], and with a [`LeafTree`] where points have radii of their own.
+/// It lists the pairs within radius plus skin, and visits those within the current radius at the current positions:
+/// the pairs of a new list. With `d` the largest displacement since the last build and `g` the largest growth of a
+/// radius, no pair is missing while `2 d + g <= skin`. Memory: that of a search and a list for radius plus skin, and
+/// of points and radii at the last build. It searches with a [`CellGrid`], or with a [`LeafTree`] where points have
+/// individual radii.
 ///
-/// Worth it where the movement of a step is much smaller than the radius: an update without a build is one pass over the
-/// points, but every sweep over the pairs passes over `(1 + skin/radius)^D` times as many.
+/// It pays off where the movement in a step is much smaller than the radius. An update without a build is one pass
+/// over the points, but every loop over the pairs tests `(1 + skin/radius)^D` times as many.
 #[derive(Debug, Clone)]
 pub struct SkinList<const D: usize> {
     skin: f64,
@@ -44,10 +48,10 @@ pub struct SkinList<const D: usize> {
     wide_radii: Vec<f64>,
 }
 
-/// Radii that are kept.
+/// Radii of the last build.
 #[derive(Debug, Clone, Default)]
 struct Held {
-    /// Of every point; one alone without a criterion.
+    /// Radius of every point, or one common radius without a criterion.
     radii: Vec<f64>,
     criterion: Option<Criterion>,
 }
@@ -74,7 +78,7 @@ impl Held {
         }
     }
 
-    /// By how much the radius has grown that has grown most, at least 0; infinite if they are not the same kind of radii.
+    /// Largest growth of a radius, at least 0; infinite if the kinds of radii differ.
     fn growth(&self, radii: Radii<'_>) -> f64 {
         let (criterion, now) = match &radii {
             Radii::Uniform(radius) => (None, core::slice::from_ref(radius)),
@@ -88,7 +92,7 @@ impl Held {
 }
 
 impl<const D: usize> SkinList<D> {
-    /// A list of no points with a skin, unit of length of the points, in a space without end.
+    /// A list without points with a skin, unit of length of the points, in an unbounded space.
     ///
     /// # Errors
     ///
@@ -97,7 +101,7 @@ impl<const D: usize> SkinList<D> {
         Self::in_domain(Domain::unbounded(), skin)
     }
 
-    /// A list of no points with a skin in a space that may be periodic.
+    /// A list without points with a skin, in a space that may be periodic.
     ///
     /// # Errors
     ///
@@ -119,14 +123,14 @@ impl<const D: usize> SkinList<D> {
         })
     }
 
-    /// Makes the list hold every pair within the radii of the points as they stand. Points may be more or fewer than before.
+    /// Updates the list so that it holds every pair within the current radii. The number of points may change.
     ///
     /// Without a build it takes one pass over the points; a build of the same size allocates nothing.
     ///
     /// # Errors
     ///
-    /// Those of [`full_list`](NeighbourSearch::full_list), a radius being refused with its skin where both together are
-    /// too large. The list is then as it was.
+    /// Those of [`full_list`](NeighbourSearch::full_list); a radius is also rejected if it is too large together with
+    /// the skin. The list is then unchanged.
     pub fn update(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<Update, Error> {
         check(points, radii, &self.domain)?;
         let reserve = 0.5 * (self.skin - self.built_with.growth(radii));
@@ -159,7 +163,7 @@ impl<const D: usize> SkinList<D> {
         Ok(Update::Rebuilt)
     }
 
-    /// The pairs within radius and skin at the last build: no pair within the radius is missing, and there are others.
+    /// The pairs within radius plus skin at the last build: a superset of the pairs within the radius.
     #[must_use]
     pub fn candidates(&self) -> &NeighbourList {
         &self.wide

@@ -1,4 +1,4 @@
-//! Points in an order in which near ones are close in memory, and what a search asks of such an order.
+//! Points in an order that preserves locality, and the interface of such an order.
 
 use core::ops::Range;
 
@@ -12,24 +12,24 @@ use crate::index::stored;
 use crate::parallel;
 use crate::radii::Radii;
 
-/// Points in the order of a search: slot by slot, in single precision, padded so that a full vector can be read from any slot.
+/// Points in the order of a search, in single precision, padded so that a full vector can be read from any slot.
 #[derive(Debug, Clone)]
 pub(crate) struct Sorted<const D: usize> {
     pub(crate) domain: Domain<D>,
     /// Point of each slot, padded, and the slots themselves.
     pub(crate) ids: Vec<u32>,
     pub(crate) slots: Vec<u32>,
-    /// Coordinates, in the first period along a periodic axis, as the frame has them.
+    /// Coordinates in the frame, within the first period along a periodic axis.
     pub(crate) columns: [Vec<f32>; D],
     pub(crate) frame: Frame<D>,
     /// Radii, where each point has its own, without padding.
     pub(crate) radii: Vec<f64>,
-    /// Bounds on them in units of the frame, padded.
+    /// Bounds on the radii in units of the frame, padded.
     pub(crate) lower: Vec<f32>,
     pub(crate) upper: Vec<f32>,
-    /// Largest of them.
+    /// Largest radius.
     pub(crate) largest: f64,
-    /// Coordinates in double precision, in the first period along a periodic axis.
+    /// Coordinates in double precision, within the first period along a periodic axis.
     pub(crate) points: Vec<[f64; D]>,
 }
 
@@ -93,7 +93,7 @@ impl<const D: usize> Sorted<D> {
         }
     }
 
-    /// A box around some slots, and the largest of their radii; in units of the frame, and not finite if it is too wide.
+    /// Box around some slots and the largest of their radii, in units of the frame; not finite if it is too wide.
     #[inline(always)]
     pub(crate) fn narrow_bounds(&self, slots: Range<usize>) -> ([f32; D], [f32; D], f64) {
         let (mut low, mut high) = ([0.0; D], [0.0; D]);
@@ -114,7 +114,7 @@ impl<const D: usize> Sorted<D> {
         (low, high, radius)
     }
 
-    /// The box in the unit of the points, a little wider than it need be.
+    /// Box in the unit of the points, slightly enlarged.
     #[inline(always)]
     pub(crate) fn widened(&self, (low, high, radius): ([f32; D], [f32; D], f64)) -> Bounds<D> {
         let Frame { origin, scale, fixed, .. } = self.frame;
@@ -127,7 +127,7 @@ impl<const D: usize> Sorted<D> {
     }
 }
 
-/// Whose radius decides, as in [`Radii`].
+/// Criterion of a pair, as in [`Radii`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rule {
     Uniform(f64),
@@ -142,7 +142,9 @@ impl Rule {
         }
     }
 
-    /// What of the limit is a point's own: the limit is this, or the larger or the mean of this and that of the other.
+    /// Contribution of one point to the search radius.
+    ///
+    /// The search radius is this value, or the larger or the mean of both points' values.
     #[inline(always)]
     pub(crate) fn mine(self, h_i: f64) -> f64 {
         match self {
@@ -152,7 +154,7 @@ impl Rule {
         }
     }
 
-    /// The radius within which a point of radius `h_j` is listed under one of radius `h_i`; grows with both.
+    /// Search radius between a point of radius `h_i` and a point of radius `h_j`; increases with both.
     #[inline(always)]
     pub(crate) fn limit(self, h_i: f64, h_j: f64) -> f64 {
         match self {
@@ -162,34 +164,37 @@ impl Rule {
     }
 }
 
-/// Which pairs are listed.
+/// Pairs to be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Listed {
-    /// All, in both directions where they are mutual.
+    /// All pairs, mutual ones in both directions.
     Full,
-    /// Each once, under the point whose slot comes first.
+    /// Each pair once, under the point with the smaller slot.
     Half,
 }
 
-/// Slots that may hold candidates, and how far their points are displaced.
+/// Slots that may hold candidates, and the displacement of their points.
 #[derive(Debug, Clone)]
 pub(crate) struct Stretch<const D: usize> {
     pub(crate) slots: Range<usize>,
     pub(crate) shift: [f64; D],
 }
 
-/// An order of points in which those near a box are found as stretches of slots.
+/// An order of points in which the points near a box are stretches of slots.
 pub(crate) trait Order<const D: usize>: Sync {
     fn sorted(&self) -> &Sorted<D>;
 
-    /// The group that a slot is in: groups are stretches of slots whose points are near each other.
+    /// Group of a slot: groups are stretches of slots with neighbouring points.
     fn group_of(&self, slot: usize) -> usize;
 
-    /// Where a group ends.
+    /// End of a group.
     fn group_end(&self, group: usize) -> usize;
 
-    /// Appends where the candidates of the group `targets` are: its own points, their images, and all others near it.
-    /// Returns how many stretches are of own points.
+    /// Appends the stretches with candidates of the group `targets`.
+    ///
+    /// These are its own points, their images, and all other points near it.
+    ///
+    /// Returns the number of stretches of its own points.
     fn stretches(
         &self,
         targets: &Range<usize>,
@@ -200,16 +205,17 @@ pub(crate) trait Order<const D: usize>: Sync {
     ) -> usize;
 }
 
-/// How an order is made, and how it finds what is near a box.
+/// Construction of an order, and its search near a box.
 pub(crate) trait Near<const D: usize>: Order<D> {
-    /// Checks the input and sorts the points by what is typical of the radii, and these with them.
+    /// Checks the input and sorts points and radii, by a typical radius.
     fn sort(&mut self, points: &[[f64; D]], radii: Radii<'_>) -> Result<(), Error>;
 
-    /// Checks the points and sorts them for questions within about `edge` of a place.
+    /// Checks the points and sorts them for queries within about `edge` of a position.
     fn build(&mut self, points: &[[f64; D]], edge: f64) -> Result<(), Error>;
 
-    /// Hands `visit` stretches of slots, ascending and each slot once at most, that hold every point to be listed under a
-    /// point of the box by `rule`, when all points are displaced by `shift`.
+    /// Calls `visit` with stretches of slots that hold every neighbour, by `rule`, of a point of the box.
+    ///
+    /// Stretches ascend and contain each slot at most once; all points are displaced by `shift`.
     fn for_each_stretch(
         &self,
         bounds: &Bounds<D>,
@@ -218,11 +224,11 @@ pub(crate) trait Near<const D: usize>: Order<D> {
         visit: impl FnMut(Range<usize>),
     );
 
-    /// A radius that may hold so many points around a place.
+    /// A radius that probably contains a given number of points around a position.
     fn radius_for(&self, place: &[f64; D], wanted: usize) -> f64;
 }
 
-/// [`Order::stretches`] of an order that knows what is near.
+/// Implements [`Order::stretches`] for an order with [`Near`].
 #[inline]
 pub(crate) fn stretches<const D: usize>(
     order: &impl Near<D>,
@@ -261,7 +267,7 @@ pub(crate) fn stretches<const D: usize>(
     own
 }
 
-/// Hands `visit` every displacement by which the points of a periodic space may come within reach of a box.
+/// Calls `visit` with every displacement that may bring points of a periodic space within reach of a box.
 #[inline]
 pub(crate) fn for_each_image<const D: usize>(
     sorted: &Sorted<D>,

@@ -1,4 +1,4 @@
-//! A lattice in the order of its rows and in Morton order: a line joins particles that are next to each other in memory. SVG.
+//! Draws a lattice in row order and in Morton order as SVG; a line joins particles adjacent in memory.
 //!
 //! `cargo run -p particle-store --example memory_order > docs/pictures/particle-store.svg`
 
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 const SIZE: f64 = 190.0;
 const MARGIN: f64 = 30.0;
 
-/// One panel: the line through all points in their order, darker as it goes on, in eight parts.
+/// One panel: a line through all points in order, in eight parts of increasing darkness.
 fn draw(out: &mut impl Write, title: &str, left: f64, points: &[[f64; 2]]) -> io::Result<()> {
     let centre = left + MARGIN + SIZE;
     let baseline = MARGIN - 8.0;
@@ -22,7 +22,7 @@ fn draw(out: &mut impl Write, title: &str, left: f64, points: &[[f64; 2]]) -> io
         ["#9ECAE1", "#6BAED6", "#4292C6", "#2171B5", "#0072B2", "#08519C", "#08306B", "#041C40"];
     let part = points.len().div_ceil(colours.len());
     for (k, colour) in colours.iter().enumerate() {
-        // A part begins where the one before it ended.
+        // A part begins where the previous one ended.
         let from = (k * part).saturating_sub(1);
         let line: Vec<String> = points[from..points.len().min((k + 1) * part)]
             .iter()

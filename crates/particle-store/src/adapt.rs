@@ -1,4 +1,4 @@
-//! Particles added, split and merged: what adaptive methods do.
+//! Particles appended, split and merged, for adaptive methods.
 
 use core::ops::Range;
 
@@ -9,39 +9,39 @@ use crate::rule::Rule;
 use crate::store::{Column, ParticleStore};
 use crate::tensor::SymmetricTensor;
 
-/// Shares of a split add up to one but for the rounding of a few hundred of them.
+/// Tolerance of the sum of shares: rounding of a few hundred of them.
 const SHARES_ROUNDING: f64 = 1e-12;
 
-/// The columns that splitting and merging need to know, and the rule of every other.
+/// The columns required for splitting and merging, and the rules of the others.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a, const D: usize> {
     /// Masses: the weights. Their rule is [`Rule::Sum`].
     pub mass: Handle<f64>,
-    /// Positions. Their rule is [`Rule::Mean`], and children stand off by their offsets.
+    /// Positions. Their rule is [`Rule::Mean`]; children are displaced by their offsets.
     pub position: Handle<[f64; D]>,
-    /// One rule for each other column, by name; if there are two, the first counts.
+    /// One rule for each other column, by name; of duplicates the first counts.
     pub others: &'a [(&'a str, Rule)],
 }
 
-/// One of the particles into which a particle is split.
+/// One of the particles that result from a split.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Child<const D: usize> {
-    /// Where it is, from the parent. If the offsets times shares add up to zero, the centre of mass stays.
+    /// Displacement from the parent. If the offsets times shares sum to zero, the centre of mass is conserved.
     pub offset: [f64; D],
-    /// Its part of the parent's mass.
+    /// Fraction of the parent's mass.
     pub share: f64,
 }
 
 impl<const D: usize> ParticleStore<D> {
-    /// Appends the particles of another store with the same columns, in whatever order, and returns their ids.
+    /// Appends the particles of another store with the same columns, in any order, and returns their ids.
     ///
-    /// They are new particles: their ids in the other store are not looked at, nor are its attributes. The generation
+    /// They are new particles: their ids in the other store are ignored, and so are its attributes. The generation
     /// changes if there are any.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownColumn`] for a column that one store has and the other does not; [`Error::KindMismatch`]. The store
-    /// is then as it was.
+    /// [`Error::UnknownColumn`] for a column that only one store has; [`Error::KindMismatch`]. The store is then
+    /// unchanged.
     pub fn append(&mut self, other: &Self) -> Result<Range<u64>, Error> {
         for Column { name, .. } in &other.columns {
             self.column(name)?;
@@ -64,15 +64,16 @@ impl<const D: usize> ParticleStore<D> {
         Ok(ids)
     }
 
-    /// Splits the particle in a place into children, and returns their ids, which are new: the parent is no more.
+    /// Splits the particle at an index into children and returns their new ids; the parent is removed.
     ///
-    /// The first child takes the parent's place, the others are appended; no other particle moves. The generation changes.
+    /// The first child takes the parent's index, the others are appended; no other particle moves. The generation
+    /// changes.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchPlace`]; [`Error::InvalidShares`] unless the shares are positive and add up to one within 1e-12;
+    /// [`Error::NoSuchPlace`]; [`Error::InvalidShares`] unless the shares are positive and sum to one within 1e-12;
     /// [`Error::NotFinite`] for an offset; for the rules [`Error::NoRule`], [`Error::RuleMismatch`] and
-    /// [`Error::UnknownColumn`]; as [`get`](Self::get) for the handles. The store is then as it was.
+    /// [`Error::UnknownColumn`]; for the handles those of [`get`](Self::get). The store is then unchanged.
     pub fn split(
         &mut self,
         place: usize,
@@ -115,16 +116,16 @@ impl<const D: usize> ParticleStore<D> {
         Ok(ids)
     }
 
-    /// Merges each group of places into one particle, and returns their ids, which are new, one for each group.
+    /// Merges each group of indices into one particle and returns their new ids, one for each group.
     ///
-    /// The new particle takes the place of the first of its group, before the places of the others close up as in
+    /// The new particle takes the index of the first of its group; then the gaps of the others close as in
     /// [`retain`](Self::retain). The generation changes if there is a group.
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchPlace`]; [`Error::NamedTwice`] for a place in two groups or twice in one; [`Error::GroupTooSmall`]
-    /// below two particles; [`Error::InvalidMass`] unless the mass of every group is positive and finite; for the rules
-    /// and the handles as [`split`](Self::split). The store is then as it was.
+    /// [`Error::NoSuchPlace`]; [`Error::NamedTwice`] for an index in two groups or twice in one;
+    /// [`Error::GroupTooSmall`] below two particles; [`Error::InvalidMass`] unless the mass of every group is positive
+    /// and finite; for the rules and the handles those of [`split`](Self::split). The store is then unchanged.
     pub fn merge<G: AsRef<[usize]>>(
         &mut self,
         groups: &[G],
@@ -144,7 +145,7 @@ impl<const D: usize> ParticleStore<D> {
                     Values::Scalar(values) => merge(values, group, &weights, rule),
                     Values::Point(values) => merge(values, group, &weights, rule),
                     Values::Tensor(values) => merge(values, group, &weights, rule),
-                    // The first stays where it is.
+                    // The first value is kept.
                     Values::Integer(_) | Values::Index(_) | Values::Flag(_) | Values::Label(_) => {}
                 }
             }
@@ -154,7 +155,7 @@ impl<const D: usize> ParticleStore<D> {
         Ok(ids)
     }
 
-    /// Mask of the particles that stay.
+    /// Mask of the particles that remain.
     fn check_groups<G: AsRef<[usize]>>(
         &self,
         groups: &[G],
@@ -221,7 +222,7 @@ impl<const D: usize> ParticleStore<D> {
     }
 }
 
-/// Real numbers, which can be shared out and averaged.
+/// Real numbers, which can be split and averaged.
 trait Real: Copy {
     fn times(self, factor: f64) -> Self;
     fn plus(self, other: Self) -> Self;
@@ -269,7 +270,7 @@ fn split<T: Real, const D: usize>(
     }
 }
 
-/// Appends what is missing to `count` copies.
+/// Appends values up to `count` copies.
 fn copy<T: Copy>(values: &mut Vec<T>, place: usize, count: usize) {
     let parent = values[place];
     values.extend(core::iter::repeat_n(parent, count - 1));

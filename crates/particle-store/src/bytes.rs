@@ -1,4 +1,4 @@
-//! Values as little-endian bytes, hashed on their way in and out.
+//! Values as little-endian bytes, hashed on input and output.
 
 use std::hash::Hasher;
 use std::io::{ErrorKind, Read, Write};
@@ -11,10 +11,10 @@ use crate::tensor::SymmetricTensor;
 /// Values moved between buffer and stream at a time.
 const CHUNK: usize = 1024;
 
-/// Values for which memory is taken on the word of a length: what a false one can make the reader allocate.
+/// Largest number of values allocated from an unverified length.
 const BELIEVED: usize = 1 << 16;
 
-/// A value with a fixed number of bytes. Floating point numbers keep every bit, NaN included.
+/// A value with a fixed number of bytes. Floating-point numbers keep every bit, including NaN.
 pub trait Bytes: Copy {
     /// Number of bytes.
     const SIZE: usize;
@@ -63,7 +63,7 @@ impl Bytes for SymmetricTensor {
     }
 }
 
-/// Writes values and hashes what it wrote.
+/// Writes values and hashes the written bytes.
 #[derive(Debug)]
 pub(crate) struct HashingWriter<W> {
     inner: W,
@@ -92,7 +92,7 @@ impl<W: Write> HashingWriter<W> {
         Ok(())
     }
 
-    /// A text, its length first.
+    /// Writes a text after its length.
     pub(crate) fn put_text(&mut self, text: &str) -> Result<(), Error> {
         self.put(text.len() as u64)?;
         self.put_all(text.as_bytes())
@@ -102,7 +102,7 @@ impl<W: Write> HashingWriter<W> {
         self.hash.finish()
     }
 
-    /// Writes the hash of all that came before, and flushes.
+    /// Writes the hash of all preceding bytes, and flushes.
     pub(crate) fn finish(mut self) -> Result<(), Error> {
         let hash = self.hash();
         self.put(hash)?;
@@ -110,7 +110,7 @@ impl<W: Write> HashingWriter<W> {
     }
 }
 
-/// Reads values and hashes what it read.
+/// Reads values and hashes the bytes read.
 #[derive(Debug)]
 pub(crate) struct HashingReader<R> {
     inner: R,
@@ -128,7 +128,7 @@ impl<R: Read> HashingReader<R> {
         Ok(T::take(&self.buffer))
     }
 
-    /// Reads `count` values. Memory grows with what is there, not with what the count promises.
+    /// Reads `count` values. Memory grows with the data present, not with the stated count.
     pub(crate) fn take_all<T: Bytes>(&mut self, count: u64) -> Result<Vec<T>, Error> {
         let mut left = usize::try_from(count).map_err(|_| Error::Truncated)?;
         let mut values = Vec::with_capacity(left.min(BELIEVED));
@@ -147,7 +147,7 @@ impl<R: Read> HashingReader<R> {
             .map_err(|_| Error::Corrupt { what: "a name is not UTF-8" })
     }
 
-    /// Compares the hash of all that came before with the one that follows.
+    /// Compares the hash of all preceding bytes with the stored one.
     pub(crate) fn finish(mut self) -> Result<(), Error> {
         let computed = self.hash.finish();
         let stored = self.take()?;

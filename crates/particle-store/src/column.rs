@@ -1,4 +1,4 @@
-//! Columns, what they hold, and the handles they are reached by.
+//! Columns, their contents, and their handles.
 
 use core::marker::PhantomData;
 
@@ -6,19 +6,20 @@ use crate::bytes::Bytes;
 use crate::kind::Kind;
 use crate::tensor::SymmetricTensor;
 
-/// A type that a column of a store in `D` dimensions can hold: `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`,
-/// `u8` or `u32`.
+/// An element type of a column in `D` dimensions.
 ///
-/// Sealed: a snapshot knows these kinds and no others.
+/// The types are `f64`, `[f64; D]`, [`SymmetricTensor`], `i64`, `[i32; D]`, `u8` and `u32`.
+///
+/// The trait is sealed, because a snapshot supports only these kinds.
 pub trait Element<const D: usize>: sealed::Stored<D> {
-    /// The kind of a column of these.
+    /// Kind of a column with this element type.
     const KIND: Kind;
 }
 
-/// A typed reference to a column: by name once, by handle in every step.
+/// A typed reference to a column: obtained by name once, used in every step.
 ///
-/// It stays valid while the store lives, through reordering, removal of particles and further columns. It belongs to the
-/// store that gave it; another store, a restored one included, is asked by name again.
+/// It stays valid while the store lives, through reordering, removal of particles and new columns. It belongs to its
+/// store; other stores, including restored ones, require a new lookup by name.
 #[derive(Debug)]
 pub struct Handle<T> {
     pub(crate) index: usize,
@@ -53,7 +54,7 @@ pub enum Values<const D: usize> {
     Label(Vec<u32>),
 }
 
-/// The same expression for the values of every kind.
+/// Applies the same expression to values of every kind.
 macro_rules! of_any_kind {
     ($values:expr, $vector:ident => $body:expr) => {
         match $values {
@@ -78,7 +79,7 @@ impl<const D: usize> Values<D> {
     }
 }
 
-/// One buffer of each kind, exchanged with a column when that is put in another order.
+/// One buffer of each kind, swapped with a column when it is reordered.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch<const D: usize> {
     scalars: Vec<f64>,
@@ -91,7 +92,7 @@ pub(crate) struct Scratch<const D: usize> {
 }
 
 impl<const D: usize> Values<D> {
-    /// Entry `k` becomes what entry `order[k]` was.
+    /// Entry `k` becomes the former entry `order[k]`.
     pub(crate) fn permute(&mut self, order: &[u32], scratch: &mut Scratch<D>) {
         match self {
             Self::Scalar(values) => permute(values, order, &mut scratch.scalars),

@@ -1,9 +1,9 @@
-//! What can go wrong with columns, snapshots, files and lattices.
+//! Errors of columns, snapshots, files and lattices.
 
 use crate::kind::Kind;
 use crate::rule::Rule;
 
-/// Why a store, a snapshot, a file or a lattice could not do what was asked.
+/// Error of a store, a snapshot, a file or a lattice.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -13,7 +13,7 @@ pub enum Error {
         /// The name.
         name: String,
     },
-    /// A handle points beyond the columns of this store: it comes from another.
+    /// A handle of another store is out of range.
     #[error("a handle to column {index} is used on a store of {n_columns} columns")]
     UnknownHandle {
         /// The column the handle points to.
@@ -21,29 +21,29 @@ pub enum Error {
         /// Number of columns of the store.
         n_columns: usize,
     },
-    /// A column holds another kind of values.
+    /// A column has another kind of values.
     #[error("column {name:?} holds {found:?} values, not {expected:?}")]
     KindMismatch {
         /// Name of the column.
         name: String,
-        /// What was asked for.
+        /// Requested kind.
         expected: Kind,
-        /// What it holds.
+        /// Kind of the column.
         found: Kind,
     },
-    /// A column of this name exists.
+    /// A column with this name exists already.
     #[error("there is a column named {name:?} already")]
     DuplicateName {
         /// The name.
         name: String,
     },
-    /// One column was asked for twice, both times to be written.
+    /// One column was requested twice for writing.
     #[error("column {name:?} cannot be written through two handles at once")]
     SameColumn {
         /// Name of the column.
         name: String,
     },
-    /// A column, a permutation or a mask does not have one entry for each particle.
+    /// A column, a permutation or a mask has the wrong number of entries.
     #[error("{what} has {length} entries for {n_particles} particles")]
     LengthMismatch {
         /// Name of the column, or `permutation`, or `mask`.
@@ -53,59 +53,59 @@ pub enum Error {
         /// Number of particles.
         n_particles: usize,
     },
-    /// An order names a particle twice, or one that is not there.
+    /// An order contains a duplicate or an index out of range.
     #[error(
         "entry {position} of the order is {value}: out of range of {n_particles} or named before"
     )]
     NotAPermutation {
-        /// Where in the order.
+        /// Position in the order.
         position: usize,
         /// The entry.
         value: u32,
         /// Number of particles.
         n_particles: usize,
     },
-    /// What was made from places, a neighbour list say, is older than the present order of the particles.
+    /// Data derived from indices, such as a neighbour list, are older than the current order of the particles.
     #[error(
         "made for generation {made_for} of the particles, which are in generation {generation}"
     )]
     StaleGeneration {
-        /// The generation it was made for.
+        /// The generation of the data.
         made_for: u64,
         /// The generation of the store.
         generation: u64,
     },
-    /// A place is beyond the particles.
+    /// An index is out of range.
     #[error("there is no place {place} among {n_particles} particles")]
     NoSuchPlace {
-        /// The place.
+        /// The index.
         place: usize,
         /// Number of particles.
         n_particles: usize,
     },
-    /// A particle is to be merged twice.
+    /// A particle occurs twice in the groups.
     #[error("place {place} is named twice in the groups to be merged")]
     NamedTwice {
-        /// The place.
+        /// The index.
         place: usize,
     },
-    /// One particle cannot be merged, nor can none.
+    /// A group has fewer than two particles.
     #[error("group {group} has {length} particles; a merge needs at least two")]
     GroupTooSmall {
-        /// Which group.
+        /// The group.
         group: usize,
         /// Its number of particles.
         length: usize,
     },
-    /// The mass of a group, by which means are taken, is not a positive number.
+    /// The mass of a group, the weight of means, is not positive and finite.
     #[error("group {group} has the mass {mass}, not positive and finite")]
     InvalidMass {
-        /// Which group.
+        /// The group.
         group: usize,
         /// Its mass.
         mass: f64,
     },
-    /// The shares of a split are not positive or do not add up to one.
+    /// The shares of a split are not positive or do not sum to one.
     #[error("the shares of a split are positive and add up to one; here the sum is {sum}")]
     InvalidShares {
         /// Their sum.
@@ -117,7 +117,7 @@ pub enum Error {
         /// Name of the column.
         name: String,
     },
-    /// A rule cannot be followed: the column holds no real numbers, or is the mass or position, whose rules are fixed.
+    /// A rule does not apply: the column has no real numbers, or is the mass or position, whose rules are fixed.
     #[error("column {name:?} cannot follow the rule {rule:?}")]
     RuleMismatch {
         /// Name of the column.
@@ -125,21 +125,21 @@ pub enum Error {
         /// The rule.
         rule: Rule,
     },
-    /// The bytes do not begin as a snapshot does.
+    /// The bytes do not begin with the signature of a snapshot.
     #[error("not a snapshot: it begins with {found:02x?}")]
     NotASnapshot {
         /// The first eight bytes.
         found: [u8; 8],
     },
-    /// The snapshot is of a format this version does not read.
+    /// The snapshot has an unsupported format.
     #[error("snapshot format {found} is not the supported {supported}")]
     UnsupportedVersion {
         /// Format of the snapshot.
         found: u32,
-        /// The format this version reads and writes.
+        /// The supported format.
         supported: u32,
     },
-    /// The snapshot holds particles of another dimension.
+    /// The snapshot has another dimension.
     #[error("a snapshot of {found} dimensions is restored in {expected}")]
     DimensionMismatch {
         /// Dimension of the snapshot.
@@ -147,21 +147,21 @@ pub enum Error {
         /// Dimension of the store.
         expected: usize,
     },
-    /// The bytes end before the snapshot does.
+    /// The snapshot is truncated.
     #[error("the snapshot ends too early")]
     Truncated,
-    /// The snapshot contradicts itself.
+    /// The snapshot is inconsistent.
     #[error("corrupt snapshot: {what}")]
     Corrupt {
-        /// What is wrong.
+        /// Description of the inconsistency.
         what: &'static str,
     },
-    /// The content is not what was written.
+    /// The content does not match its hash.
     #[error("corrupt snapshot: content hash {computed:016x}, {stored:016x} was written")]
     HashMismatch {
         /// Hash in the snapshot.
         stored: u64,
-        /// Hash of what was read.
+        /// Hash of the bytes read.
         computed: u64,
     },
     /// A `.vtu` file holds points of at most three dimensions.
@@ -172,13 +172,13 @@ pub enum Error {
         /// Dimension of the store.
         dimension: usize,
     },
-    /// A position or a time to be drawn, a point to be ordered or an offset is NaN or infinite.
+    /// A position, a time, a point or an offset is not finite.
     #[error("{what} is not finite")]
     NotFinite {
-        /// Which one.
+        /// Name of the quantity.
         what: String,
     },
-    /// A name holds a character that an XML file cannot.
+    /// A name contains a character that XML does not allow.
     #[error("name {name:?} holds a control character and cannot be written as XML")]
     NameNotXml {
         /// The name.
@@ -187,12 +187,12 @@ pub enum Error {
     /// The reader or writer failed.
     #[error("reading or writing failed")]
     Io(#[from] std::io::Error),
-    /// A width, radius or spacing is not a positive number.
+    /// A width, radius or spacing is not positive and finite.
     #[error("{what} along axis {axis} is {value}, not positive and finite")]
     InvalidLength {
         /// `half width`, `radius` or `spacing`.
         what: &'static str,
-        /// The axis; 0 where all axes share the value.
+        /// The axis; 0 for a value common to all axes.
         axis: usize,
         /// The value.
         value: f64,
@@ -203,7 +203,7 @@ pub enum Error {
         /// The axis.
         axis: usize,
     },
-    /// There are more points than a 32-bit index counts, or more along an axis of a lattice than a signed one.
+    /// The number of points exceeds a 32-bit index, or that along an axis a signed one.
     #[error("more than {} points cannot be indexed", u32::MAX)]
     TooManyPoints,
 }

@@ -1,6 +1,6 @@
 //! The kinds of columns.
 
-/// What a column holds, one value for each particle.
+/// Kind of a column, with one value for each particle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Kind {

@@ -1,25 +1,25 @@
-//! Regular lattices to start from.
+//! Regular initial lattices.
 
 use std::collections::HashMap;
 
 use crate::error::Error;
 
-/// A lattice differs from its ideal by rounding; points this near to the surface of a ball, relatively, are in it.
+/// Relative tolerance at the surface of a ball: points within it belong to the ball despite rounding.
 const ON_THE_SURFACE: f64 = 1e-12;
 
 /// Points of a rectangular lattice centred on 0, the first axis fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lattice<const D: usize> {
-    /// The points, unit of length of what the lattice was made of.
+    /// The points, in the unit of length of the construction.
     pub points: Vec<[f64; D]>,
-    /// Steps of each point along each axis: from the lower corner of a box lattice, from the centre of a ball lattice.
+    /// Integer coordinates of each point: from the lower corner of a box lattice, from the centre of a ball lattice.
     pub indices: Vec<[i32; D]>,
     /// Distance of neighbouring points along each axis.
     pub spacing: [f64; D],
 }
 
 impl<const D: usize> Lattice<D> {
-    /// The box `[-half_width, half_width]`, its end points included: `count` points along each axis.
+    /// The box `[-half_width, half_width]` with `count` points along each axis, end points included.
     ///
     /// Point `k` along an axis of `n` points is at `half_width (2k - n + 1) / (n - 1)`, exactly antisymmetric; the spacing is
     /// `2 half_width / (n - 1)`. A single point is at the centre, and its spacing is the whole width.
@@ -67,9 +67,9 @@ impl<const D: usize> Lattice<D> {
         Ok(Self { points, indices, spacing })
     }
 
-    /// The points `k spacing`, `k` whole numbers, at `radius` or less from the centre.
+    /// The points `k spacing` with integer `k` at a distance of at most `radius` from the centre.
     ///
-    /// Points within 1e-12 of the surface, relatively, are in it, so that rounding of `radius / spacing` loses none.
+    /// Points within a relative 1e-12 of the surface are included, so that rounding of `radius / spacing` loses none.
     ///
     /// # Errors
     ///
@@ -78,7 +78,7 @@ impl<const D: usize> Lattice<D> {
         check_length("radius", 0, radius)?;
         check_length("spacing", 0, spacing)?;
         let in_spacings = radius / spacing * (1.0 + ON_THE_SURFACE);
-        // Beyond this the points on one axis alone are too many.
+        // Beyond this one axis alone has too many points.
         if in_spacings >= f64::from(i32::MAX) {
             return Err(Error::TooManyPoints);
         }
@@ -103,15 +103,15 @@ impl<const D: usize> Lattice<D> {
         self.points.is_empty()
     }
 
-    /// Volume that belongs to a point: the product of the spacings.
+    /// Volume of a point: the product of the spacings.
     #[must_use]
     pub fn cell_volume(&self) -> f64 {
         self.spacing.iter().product()
     }
 
-    /// For each point and axis the points one step below and one step above, where there are such.
+    /// For each point and axis the points one step below and one step above, if they exist.
     ///
-    /// Found by the indices, so a lattice from which points were taken, or whose points have moved, keeps its neighbours.
+    /// They are found by integer coordinates, so a lattice with removed or moved points keeps its neighbours.
     #[must_use]
     pub fn axis_neighbours(&self) -> Vec<[[Option<u32>; 2]; D]> {
         let ids: HashMap<[i32; D], u32> = self.indices.iter().copied().zip(0_u32..).collect();
@@ -139,14 +139,14 @@ fn check_total(total: usize) -> Result<(), Error> {
     if u32::try_from(total).is_ok() { Ok(()) } else { Err(Error::TooManyPoints) }
 }
 
-/// Largest `k >= 0` with `k^2 <= squared`; the caller keeps it within range.
+/// Largest `k >= 0` with `k^2 <= squared`; the caller ensures the range.
 #[expect(clippy::cast_possible_truncation, reason = "below i32::MAX by the check on the radius")]
 fn whole_steps(squared: f64) -> i32 {
-    // What is left for the inner axes may be below zero by a rounding.
+    // Rounding may make the remainder for the inner axes slightly negative.
     squared.max(0.0).sqrt() as i32
 }
 
-/// `counted` and the points of the ball over axes 0 to `axis`, given up once they are too many.
+/// `counted` plus the points of the ball over axes 0 to `axis`; stops once they are too many.
 fn count_ball<const D: usize>(axis: usize, squared: f64, counted: usize) -> usize {
     let steps = whole_steps(squared);
     if axis == 0 {
@@ -162,7 +162,7 @@ fn count_ball<const D: usize>(axis: usize, squared: f64, counted: usize) -> usiz
     counted
 }
 
-/// Points of the ball over axes 0 to `axis`, the others as they are in `index`.
+/// Appends the points of the ball over axes 0 to `axis`; the other coordinates are those in `index`.
 fn push_ball<const D: usize>(
     axis: usize,
     squared: f64,

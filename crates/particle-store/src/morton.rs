@@ -1,13 +1,13 @@
-//! An order in which neighbours in space are near in memory.
+//! Morton order, in which neighbours in space are close in memory.
 
 use crate::error::Error;
 
-/// Order of points along the Morton curve (Z order): places to be given to [`permute`](crate::ParticleStore::permute).
+/// Order of points along the Morton curve (Z order): indices for [`permute`](crate::ParticleStore::permute).
 ///
-/// The smallest cube that holds the points, its lower corner theirs, is halved along every axis, and its parts follow each
-/// other, first axis fastest, each part in the same order inside: 32 halvings in one and two dimensions, and `64 / D`,
-/// rounded down, in more. Points that are in the same cell after that stay as they were. Axes share one scale, because
-/// neighbours are found by distance; where axes have different units, scale the points first.
+/// The smallest cube that contains the points, with their lower corner, is halved along every axis. The parts follow
+/// each other, first axis fastest, and each part is ordered in the same way. There are 32 halvings in one and two
+/// dimensions, and `64 / D`, rounded down, in higher ones. Points in the same final cell keep their order. Axes share
+/// one scale, because neighbours are defined by distance; if axes have different units, scale the points first.
 ///
 /// O(n log n). Equal points give equal orders on every machine.
 ///
@@ -24,7 +24,7 @@ use crate::error::Error;
 ///
 /// # Errors
 ///
-/// [`Error::NotFinite`] for a coordinate, [`Error::TooManyPoints`] for more than a `u32` counts.
+/// [`Error::NotFinite`] for a coordinate, [`Error::TooManyPoints`] for more points than a `u32` can index.
 pub fn morton_order<const D: usize>(points: &[[f64; D]]) -> Result<Vec<u32>, Error> {
     const { assert!(D >= 1 && D <= 64, "a key has 64 bits, at least one for each axis") };
     let n = u32::try_from(points.len()).map_err(|_| Error::TooManyPoints)?;
@@ -37,7 +37,7 @@ pub fn morton_order<const D: usize>(points: &[[f64; D]]) -> Result<Vec<u32>, Err
             lower[axis] = lower[axis].min(x[axis]);
         }
     }
-    // Halves, because the whole difference of two finite numbers need not be finite.
+    // Halves, because the difference of two finite numbers may overflow.
     let above = |x: &[f64; D], axis: usize| 0.5 * x[axis] - 0.5 * lower[axis];
     for x in points {
         width = (0..D).map(|axis| above(x, axis)).fold(width, f64::max);

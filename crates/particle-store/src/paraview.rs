@@ -1,4 +1,4 @@
-//! A store as files that ParaView and VTK read.
+//! Files for ParaView and VTK.
 
 use core::fmt::Write as _;
 use std::io::{self, Write};
@@ -8,7 +8,7 @@ use crate::column::{Handle, Values};
 use crate::error::Error;
 use crate::store::{Attribute, ParticleStore};
 
-/// Bytes collected before they are written.
+/// Buffer size in bytes.
 const BLOCK: usize = 1 << 16;
 
 /// Type code of a vertex cell in VTK.
@@ -17,20 +17,21 @@ const VERTEX: u8 = 1;
 impl<const D: usize> ParticleStore<D> {
     /// Writes the particles as a `.vtu` file: VTK's `UnstructuredGrid`, one vertex cell for each particle.
     ///
-    /// Little endian, raw appended data, `UInt64` headers, no compression. The points are the column `positions`; every
-    /// other column is an array of the points under its name, and the ids are the array `id`. Points and indices of fewer
-    /// than three dimensions are padded with zeros. Attributes go to the field data under their names, but for `time`, if it
-    /// is real, which becomes `TimeValue`, the time ParaView shows.
+    /// Format: little endian, raw appended data, `UInt64` headers, no compression. The points are the column
+    /// `positions`; every other column is a point array under its name, and the ids are the array `id`. Points and
+    /// indices in fewer than three dimensions are padded with zeros. Attributes go to the field data under their
+    /// names; a real attribute `time` becomes `TimeValue`, the time that ParaView shows.
     ///
-    /// NaN and infinity in a column or an attribute are written as they are: ParaView has a colour for them, and a picture
-    /// of what went wrong is wanted most when something did. In positions and in the time they are refused, because
-    /// bounds and animations are made of these.
+    /// NaN and infinity in a column or an attribute are written as they are: ParaView colours them, and pictures of
+    /// failed runs need them. In positions and in the time they are rejected, because bounds and animations depend on
+    /// these.
     ///
     /// # Errors
     ///
-    /// [`Error::TooManyDimensions`] beyond three; [`Error::NotFinite`]; [`Error::NameNotXml`] for a name with a control
-    /// character; [`Error::DuplicateName`] for a column `id`, or for an attribute `TimeValue` beside the time; as
-    /// [`get`](Self::get) for the handle; [`Error::Io`] if the writer fails. All but the last before anything is written.
+    /// [`Error::TooManyDimensions`] beyond three; [`Error::NotFinite`]; [`Error::NameNotXml`] for a name with a
+    /// control character; [`Error::DuplicateName`] for a column `id`, or for an attribute `TimeValue` besides the
+    /// time; for the handle those of [`get`](Self::get); [`Error::Io`] if the writer fails. All but the last occur
+    /// before anything is written.
     pub fn write_vtu(&self, positions: Handle<[f64; D]>, mut out: impl Write) -> Result<(), Error> {
         let points = self.get(positions)?;
         if D > 3 {
@@ -106,7 +107,7 @@ impl<const D: usize> ParticleStore<D> {
     }
 }
 
-/// Writes a `.pvd` file: which file shows the particles at which time, in the order given.
+/// Writes a `.pvd` file: the particle file of each time, in the given order.
 ///
 /// The names are relative to the `.pvd` file.
 ///
@@ -120,8 +121,8 @@ impl<const D: usize> ParticleStore<D> {
 ///
 /// # Errors
 ///
-/// [`Error::NotFinite`] for a time, [`Error::NameNotXml`] for a file name with a control character, [`Error::Io`] if the
-/// writer fails. All but the last before anything is written.
+/// [`Error::NotFinite`] for a time, [`Error::NameNotXml`] for a file name with a control character, [`Error::Io`] if
+/// the writer fails. All but the last occur before anything is written.
 pub fn write_pvd<'a>(
     frames: impl IntoIterator<Item = (f64, &'a str)>,
     mut out: impl Write,
@@ -146,7 +147,7 @@ pub fn write_pvd<'a>(
 /// Writes the values of an array.
 type PutAll<'a> = dyn Fn(&mut dyn Write) -> io::Result<()> + 'a;
 
-/// An array of the file: what its tag says, and how its bytes are written.
+/// An array of the file: its tag, and a function that writes its bytes.
 struct Array<'a> {
     name: &'a str,
     vtk_type: &'static str,
@@ -186,7 +187,7 @@ fn padded<T: Copy + Default, const D: usize>(vector: &[T; D]) -> [T; 3] {
     core::array::from_fn(|axis| vector.get(axis).copied().unwrap_or_default())
 }
 
-/// A range of `u64` that knows its length: of what fits a `Vec`, the standard one only knows for smaller numbers.
+/// A range of `u64` with an exact length, which the standard range lacks for this type.
 #[derive(Clone)]
 struct Counted(core::ops::Range<u64>);
 
@@ -216,7 +217,7 @@ fn put_all<T: Bytes>(values: impl Iterator<Item = T>, out: &mut dyn Write) -> io
     out.write_all(&block[..filled])
 }
 
-/// The head of the file, and where the next array begins in the data after it.
+/// Header of the file, and offset of the next array in the data after it.
 #[derive(Default)]
 struct Xml {
     text: String,
@@ -225,7 +226,7 @@ struct Xml {
 
 impl Xml {
     fn line(&mut self, line: core::fmt::Arguments<'_>) {
-        // A string takes everything.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.text, "{line}");
     }
 
@@ -241,7 +242,7 @@ impl Xml {
             self.line(format_args!(
                 "<DataArray type=\"{vtk_type}\" Name=\"{name}\" {shape} format=\"appended\" offset=\"{offset}\"/>"
             ));
-            // Before the data stand their eight bytes of length.
+            // Eight bytes of length precede the data.
             self.offset += 8 + array.n_bytes;
         }
         self.line(format_args!("</{tag}>"));
@@ -249,7 +250,7 @@ impl Xml {
     }
 }
 
-/// A text as it stands between quotation marks.
+/// A text escaped for quotation marks.
 fn escaped(text: &str) -> Result<String, Error> {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -1,4 +1,4 @@
-//! A store as bytes and back, bit for bit.
+//! Snapshots of a store, bitwise exact.
 
 use std::io::{Read, Write};
 
@@ -10,10 +10,10 @@ use crate::tensor::SymmetricTensor;
 
 const MAGIC: [u8; 8] = *b"PARTSTOR";
 
-/// Grows when the layout changes; older layouts are refused, not guessed at.
+/// Format version, incremented when the layout changes; older layouts are rejected.
 const VERSION: u32 = 3;
 
-/// Tags in the stream; a tag is never given another meaning.
+/// Tags in the stream; the meaning of a tag never changes.
 const REAL: u8 = 0;
 const COUNT: u8 = 1;
 const SCALAR: u8 = 0;
@@ -25,11 +25,12 @@ const FLAG: u8 = 5;
 const LABEL: u8 = 6;
 
 impl<const D: usize> ParticleStore<D> {
-    /// Writes ids, columns, attributes, generation and the next id to be given; [`restore`](Self::restore) gives them back bit for bit.
+    /// Writes ids, columns, attributes, generation and the next id; [`restore`](Self::restore) is bitwise exact.
     ///
-    /// Little endian: `PARTSTOR`, version (u32), dimension (u32), generation, next id, number of particles, of attributes, of
-    /// columns (u64 each); the attributes by name: tag (u8), name, 8 bytes; the ids (u64); the columns in their order: tag (u8),
-    /// name, values; XXH64 (seed 0, u64) of all before it. A name is its length in bytes (u64) and UTF-8.
+    /// Little endian: `PARTSTOR`, version (u32), dimension (u32), then generation, next id and the numbers of
+    /// particles, attributes and columns (u64 each). The attributes follow by name: tag (u8), name, 8 bytes; then the
+    /// ids (u64). Then the columns in order: tag (u8), name, values. XXH64 of all preceding bytes (seed 0, u64) is
+    /// last. A name is its length in bytes (u64) and UTF-8.
     ///
     /// # Errors
     ///
@@ -40,13 +41,13 @@ impl<const D: usize> ParticleStore<D> {
         out.finish()
     }
 
-    /// Hash of what a snapshot would hold: two stores of the same bits have the same hash.
+    /// Hash of the contents of a snapshot: bitwise identical stores have the same hash.
     ///
-    /// XXH64: stores that differ by accident share it once in 2^64; it is no proof against intent.
+    /// It is XXH64: different stores collide accidentally once in 2^64; it is no protection against intent.
     #[must_use]
     pub fn content_hash(&self) -> u64 {
         let mut sink = HashingWriter::new(std::io::sink());
-        // A sink takes everything.
+        // Writing to a sink cannot fail.
         let _ = self.put(&mut sink);
         sink.hash()
     }
@@ -86,12 +87,12 @@ impl<const D: usize> ParticleStore<D> {
         Ok(())
     }
 
-    /// Reads a snapshot, and nothing beyond its end.
+    /// Reads a snapshot and stops at its end.
     ///
     /// # Errors
     ///
     /// [`Error::NotASnapshot`], [`Error::UnsupportedVersion`], [`Error::DimensionMismatch`], [`Error::Truncated`],
-    /// [`Error::Corrupt`] and [`Error::HashMismatch`] for what is not a whole snapshot of this dimension; [`Error::Io`] if
+    /// [`Error::Corrupt`] and [`Error::HashMismatch`] for an invalid snapshot or another dimension; [`Error::Io`] if
     /// the reader fails.
     pub fn restore(input: impl Read) -> Result<Self, Error> {
         let mut input = HashingReader::new(input);

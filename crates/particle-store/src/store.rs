@@ -10,9 +10,9 @@ use crate::kind::Kind;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Attribute {
-    /// A real number, kept bit for bit.
+    /// A real number, stored bitwise.
     Real(f64),
-    /// A count or a word of bits.
+    /// A count or a bit pattern.
     Count(u64),
 }
 
@@ -22,11 +22,11 @@ pub(crate) struct Column<const D: usize> {
     pub(crate) values: Values<D>,
 }
 
-/// Named columns of particle data in `D` dimensions, a structure of arrays kept in one order.
+/// Named columns of particle data in `D` dimensions: a structure of arrays in one order.
 ///
-/// Every particle has an id, 0 to n - 1 at first, which stays with it whatever its place and is never given to another.
-/// Reordering, removal, appending, splitting and merging move all columns together and change the
-/// [`generation`](Self::generation), by which a stale neighbour list is known.
+/// Every particle has an id, initially 0 to n - 1, which it keeps at any index and which is never reused. Reordering,
+/// removal, appending, splitting and merging move all columns together. They change the
+/// [`generation`](Self::generation), which identifies stale neighbour lists.
 #[derive(Debug, Clone)]
 pub struct ParticleStore<const D: usize> {
     pub(crate) ids: Vec<u64>,
@@ -40,7 +40,7 @@ pub struct ParticleStore<const D: usize> {
 }
 
 impl<const D: usize> ParticleStore<D> {
-    /// Particles without columns, ids 0 to `n_particles - 1`.
+    /// Particles without columns, with ids 0 to `n_particles - 1`.
     #[must_use]
     pub fn new(n_particles: usize) -> Self {
         Self::of_ids((0..n_particles as u64).collect(), n_particles as u64, 0)
@@ -72,35 +72,35 @@ impl<const D: usize> ParticleStore<D> {
         self.ids.is_empty()
     }
 
-    /// Id of the particle in each place.
+    /// Id of the particle at each index.
     #[must_use]
     pub fn ids(&self) -> &[u64] {
         &self.ids
     }
 
-    /// Place of a particle now, found by looking through all.
+    /// Current index of a particle, by linear search.
     #[must_use]
     pub fn index_of(&self, id: u64) -> Option<usize> {
         self.ids.iter().position(|&other| other == id)
     }
 
-    /// Changes whenever a place may hold another particle than before; never otherwise.
+    /// Changes whenever an index may refer to another particle than before, and never otherwise.
     ///
-    /// Note it beside what is made from places, such as a neighbour list, and ask [`check_generation`](Self::check_generation)
-    /// before that is used.
+    /// Store it with data derived from indices, such as a neighbour list, and call
+    /// [`check_generation`](Self::check_generation) before using them.
     #[must_use]
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// Refuses what was made from places that may hold other particles by now.
+    /// Rejects data derived from indices that may refer to other particles by now.
     ///
-    /// The counter belongs to one store and its history. A clone or a restored store begins a history of its own and may
-    /// come to the same number in another order: make anew what was made before a restore.
+    /// The counter belongs to one store and its history. A clone or a restored store begins a history of its own and
+    /// may reach the same number with another order: recompute derived data after a restore.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleGeneration`] unless `made_for` is the present [`generation`](Self::generation).
+    /// [`Error::StaleGeneration`] unless `made_for` is the current [`generation`](Self::generation).
     ///
     /// ```
     /// use particle_store::{Error, ParticleStore};
@@ -122,7 +122,7 @@ impl<const D: usize> ParticleStore<D> {
         }
     }
 
-    /// Adds a column of any [`Element`] type, one value for each particle in the present order.
+    /// Adds a column of any [`Element`] type, with one value for each particle in the current order.
     ///
     /// # Errors
     ///
@@ -140,14 +140,14 @@ impl<const D: usize> ParticleStore<D> {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownColumn`], and [`Error::KindMismatch`] if it holds something else than `T`.
+    /// [`Error::UnknownColumn`], and [`Error::KindMismatch`] if its type is not `T`.
     pub fn handle<T: Element<D>>(&self, name: &str) -> Result<Handle<T>, Error> {
         let index =
             self.position(name).ok_or_else(|| Error::UnknownColumn { name: name.to_owned() })?;
         self.get(handle(index)).map(|_: &[T]| handle(index))
     }
 
-    /// Values of a column, in the present order.
+    /// Values of a column in the current order.
     ///
     /// # Errors
     ///
@@ -157,21 +157,21 @@ impl<const D: usize> ParticleStore<D> {
         T::of(&column.values).ok_or_else(|| kind_mismatch(column, T::KIND))
     }
 
-    /// Values of a column, to be written.
+    /// Values of a column, mutable.
     ///
     /// # Errors
     ///
-    /// As [`get`](Self::get).
+    /// Those of [`get`](Self::get).
     pub fn get_mut<T: Element<D>>(&mut self, handle: Handle<T>) -> Result<&mut [T], Error> {
         let unknown = self.unknown(handle.index);
         typed_mut(self.columns.get_mut(handle.index).ok_or(unknown)?)
     }
 
-    /// Values of two columns at once, both to be written.
+    /// Values of two columns, both mutable.
     ///
     /// # Errors
     ///
-    /// As [`get`](Self::get); [`Error::SameColumn`] if the handles are one.
+    /// Those of [`get`](Self::get); [`Error::SameColumn`] for equal handles.
     pub fn get_pair_mut<A: Element<D>, B: Element<D>>(
         &mut self,
         a: Handle<A>,
@@ -186,18 +186,18 @@ impl<const D: usize> ParticleStore<D> {
         Ok((typed_mut(first)?, typed_mut(second)?))
     }
 
-    /// Names and kinds of the columns, in the order they were added.
+    /// Names and kinds of the columns, in the order of addition.
     pub fn columns(&self) -> impl ExactSizeIterator<Item = (&str, Kind)> {
         self.columns.iter().map(|column| (column.name.as_str(), column.values.kind()))
     }
 
-    /// Puts the particles in another order: place `k` gets the particle that is now in place `order[k]`.
+    /// Reorders the particles: index `k` gets the particle that is now at index `order[k]`.
     ///
-    /// The generation changes unless the order is the present one. After the first call nothing is allocated.
+    /// The generation changes unless the order is the current one. After the first call nothing is allocated.
     ///
     /// # Errors
     ///
-    /// [`Error::LengthMismatch`] and [`Error::NotAPermutation`]; the store is then as it was.
+    /// [`Error::LengthMismatch`] and [`Error::NotAPermutation`]; the store is then unchanged.
     pub fn permute(&mut self, order: &[u32]) -> Result<(), Error> {
         self.check_length("permutation", order.len())?;
         let n_particles = self.len();
@@ -220,13 +220,13 @@ impl<const D: usize> ParticleStore<D> {
         Ok(())
     }
 
-    /// Keeps the particles whose entry in the mask is true, in their order, and returns how many were removed.
+    /// Keeps the particles whose mask entry is true, in order, and returns the number removed.
     ///
-    /// The generation changes if any was.
+    /// The generation changes if a particle was removed.
     ///
     /// # Errors
     ///
-    /// [`Error::LengthMismatch`]; the store is then as it was.
+    /// [`Error::LengthMismatch`]; the store is then unchanged.
     pub fn retain(&mut self, keep: &[bool]) -> Result<usize, Error> {
         self.check_length("mask", keep.len())?;
         let removed = keep.iter().filter(|&&keep| !keep).count();
@@ -240,7 +240,7 @@ impl<const D: usize> ParticleStore<D> {
         Ok(removed)
     }
 
-    /// Sets a named value of the whole store, and returns what it was.
+    /// Sets a named value of the whole store and returns the previous value.
     pub fn set_attribute(&mut self, name: &str, value: Attribute) -> Option<Attribute> {
         self.attributes.insert(name.to_owned(), value)
     }

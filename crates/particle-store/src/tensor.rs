@@ -1,14 +1,14 @@
 //! Symmetric tensors.
 
-/// A symmetric 3 x 3 tensor, in whatever dimension the particles are: `[xx, yy, zz, xy, yz, xz]`, the order of VTK.
+/// A symmetric 3 x 3 tensor, in any dimension of the particles: `[xx, yy, zz, xy, yz, xz]`, the order of VTK.
 ///
-/// A type of its own, because six bare numbers are a point in six dimensions.
+/// It is a separate type, because six numbers are also a point in six dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(transparent)]
 pub struct SymmetricTensor(pub [f64; 6]);
 
 impl SymmetricTensor {
-    /// From its matrix, of which the upper triangle is read.
+    /// A tensor from its matrix, of which the upper triangle is read.
     ///
     /// ```
     /// use particle_store::SymmetricTensor;
@@ -22,7 +22,7 @@ impl SymmetricTensor {
         Self([m[0][0], m[1][1], m[2][2], m[0][1], m[1][2], m[0][2]])
     }
 
-    /// The whole matrix.
+    /// The full matrix.
     #[must_use]
     pub const fn to_matrix(self) -> [[f64; 3]; 3] {
         let [xx, yy, zz, xy, yz, xz] = self.0;

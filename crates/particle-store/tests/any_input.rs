@@ -1,5 +1,6 @@
-//! Whatever bytes come in, a snapshot is read to the same bytes or refused by a typed error: no panic, no hang, no memory beyond
-//! [`MOST_BYTES`]. `PROPTEST_CASES` says how many are tried.
+//! Any bytes are read as a bitwise identical snapshot or rejected with a typed error.
+//!
+//! There is no panic, no hang, and no memory beyond [`MOST_BYTES`]. `PROPTEST_CASES` sets the number of cases.
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
@@ -11,13 +12,13 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 use twox_hash::XxHash64;
 
-/// An allocation beyond it ends the program.
+/// An allocation beyond it aborts the program.
 const MOST_BYTES: usize = 1 << 30;
 
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, MOST_BYTES);
 
-/// What a snapshot with columns and attributes of every kind holds before its hash.
+/// Contents of a snapshot with columns and attributes of every kind, before its hash.
 pub(crate) fn snapshot() -> Vec<u8> {
     let mut store = ParticleStore::<2>::new(3);
     store.add("scalar", vec![0.5_f64; 3]).unwrap();
@@ -35,7 +36,7 @@ pub(crate) fn snapshot() -> Vec<u8> {
     bytes
 }
 
-/// These bytes, and with the hash that belongs to them.
+/// Reads these bytes, also with a correct hash.
 pub(crate) fn is_read_or_refused(bytes: &[u8]) -> Result<(), TestCaseError> {
     prop_assert!(ParticleStore::<2>::restore(bytes).is_err());
     let hashed = [bytes, &XxHash64::oneshot(0, bytes).to_le_bytes()].concat();

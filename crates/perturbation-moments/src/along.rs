@@ -1,20 +1,20 @@
-//! Derivatives along the directions `L e_k`: what a solver's jets carry.
+//! Derivatives along the directions `L e_k`, as carried by the jets of a solver.
 
 use crate::error::{Error, require_finite, require_positive};
 use crate::jet::{Jet, LANES};
 use crate::random_vector::RandomVector;
 
-/// Value with first and own second derivatives along the `N` independent standard normals $t$ of a random vector.
+/// Value, first and second derivatives along the `N` independent standard normals $t$ of a random vector.
 ///
 /// $$ a_k = \frac{\partial y}{\partial t_k}, \qquad A_{kk} = \frac{\partial^2 y}{\partial t_k^2}, \qquad x = x(L t) $$
 ///
-/// That is enough for the second-order mean, correlated inputs included, since $\operatorname{tr}(H \Sigma) = \sum_k
-/// A_{kk}$. It is not enough for any second-order variance, which needs the mixed $A_{kl}$.
+/// This suffices for the second-order mean, also for correlated inputs, because
+/// $\operatorname{tr}(H \Sigma) = \sum_k A_{kk}$. A second-order variance also requires the mixed $A_{kl}$.
 ///
-/// Probes give them in the mean: along a direction of signs $v_k = \pm 1$ the second derivative is
-/// $\operatorname{tr} A + 2 \sum_{k<l} A_{kl} v_k v_l$, so that
-/// $2 \sum_{k \ne l} A_{kl}^2 = \operatorname{E} (v^T A v - \operatorname{tr} A)^2$ over random signs. Few probes give an
-/// estimate; the $2^{N-1}$ signs with $v_1 = 1$ give it exactly.
+/// Probes estimate the mixed terms: along a direction of signs $v_k = \pm 1$ the second derivative is
+/// $\operatorname{tr} A + 2 \sum_{k<l} A_{kl} v_k v_l$. Therefore
+/// $2 \sum_{k \ne l} A_{kl}^2 = \operatorname{E} (v^T A v - \operatorname{tr} A)^2$ over random signs. A few probes
+/// give an estimate; the $2^{N-1}$ signs with $v_1 = 1$ give the exact value.
 ///
 /// Source of the estimator: Hutchinson 1989, A stochastic estimator of the trace, for the square of the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,13 +25,16 @@ pub struct AlongDirections<const N: usize> {
     pub first: [f64; N],
     /// $A_{kk}$, in the unit of the response.
     pub second: [f64; N],
-    /// An estimate of $\sum_{k \ne l} A_{kl}^2$ by probes, where there is one.
+    /// An estimate of $\sum_{k \ne l} A_{kl}^2$ from probes, if any.
     pub mixed_squares: Option<f64>,
 }
 
 impl<const N: usize> AlongDirections<N> {
-    /// From the jet of a response whose inputs were [`RandomVector::jets`] or [`RandomVector::jets_with_probes`];
-    /// `n_probes` of the lanes after the first `N` are taken for probes.
+    /// Derivatives from the jet of a response, for inputs with or without probes.
+    ///
+    /// The inputs are [`RandomVector::jets`] or [`RandomVector::jets_with_probes`].
+    ///
+    /// The `n_probes` lanes after the first `N` count as probes.
     ///
     /// ```
     /// use perturbation_moments::{AlongDirections, Moments, RandomVector};
@@ -51,12 +54,15 @@ impl<const N: usize> AlongDirections<N> {
         Self::of_passes(std::slice::from_ref(jet), n_probes)
     }
 
-    /// From the jets of one response, of which jet `p` had its inputs from [`RandomVector::jets_of_pass`] of the pass `p`:
-    /// more than eight inputs take more than one pass. Values are those of the first; lanes after the first `N` are probes, as
-    /// for [`from_jet`](Self::from_jet).
+    /// Derivatives from the jets of one response in several passes.
+    ///
+    /// Jet `p` has the inputs [`RandomVector::jets_of_pass`] of pass `p`.
+    ///
+    /// More than eight inputs require several passes. The value is that of the first pass; lanes after the first `N`
+    /// are probes, as in [`from_jet`](Self::from_jet).
     ///
     /// # Errors
-    /// [`Error::TooFew`] where passes are missing.
+    /// [`Error::TooFew`] for missing passes.
     pub fn from_passes(jets: &[Jet], n_probes: usize) -> Result<Self, Error> {
         let (value, limit) = (jets.len() as u64, N.div_ceil(LANES).max(1) as u64);
         if value < limit {
@@ -65,7 +71,7 @@ impl<const N: usize> AlongDirections<N> {
         Ok(Self::of_passes(jets, n_probes))
     }
 
-    /// Lane `k % 8` of pass `k / 8` is direction `k`, and from `N` on a probe.
+    /// Lane `k % 8` of pass `k / 8` is direction `k`, or a probe for `k >= N`.
     fn of_passes(jets: &[Jet], n_probes: usize) -> Self {
         let second_of = |k: usize| jets[k / LANES].second[k % LANES];
         let second: [f64; N] = std::array::from_fn(second_of);
@@ -81,8 +87,9 @@ impl<const N: usize> AlongDirections<N> {
         }
     }
 
-    /// The `2N + 1` points of a star in the independent standard normals: the centre, then `+` and `-` of each direction at
-    /// `distance` deviations.
+    /// The `2N + 1` points of a star in the independent standard normals.
+    ///
+    /// They are the centre, then `+` and `-` of each direction at `distance` deviations.
     #[must_use]
     pub fn star(distance: f64) -> Vec<[f64; N]> {
         let mut points = vec![[0.0; N]];
@@ -96,7 +103,7 @@ impl<const N: usize> AlongDirections<N> {
         points
     }
 
-    /// Central differences from the responses at the points of a [`star`](Self::star), in their order.
+    /// Central differences from the responses at the points of a [`star`](Self::star), in order.
     ///
     /// $$ a_k = \frac{y_k^+ - y_k^-}{2 d}, \qquad A_{kk} = \frac{y_k^+ - 2 y_0 + y_k^-}{d^2} $$
     ///
@@ -134,7 +141,7 @@ impl<const N: usize> AlongDirections<N> {
 }
 
 impl<const N: usize> RandomVector<N> {
-    /// The inputs as jets along the directions `L e_k`, one lane each; the other lanes rest.
+    /// The inputs as jets along the directions `L e_k`, one per lane; the other lanes are zero.
     ///
     /// ```
     /// use perturbation_moments::RandomVector;
@@ -150,16 +157,18 @@ impl<const N: usize> RandomVector<N> {
         self.jets_with_probes(&[])
     }
 
-    /// As [`jets`](Self::jets), and lane `N + p` along the combination `probes[p]` of the directions: signs for
-    /// [`AlongDirections::from_jet`], or any weights. Probes beyond the eighth lane are left out.
+    /// The inputs as in [`jets`](Self::jets), with lane `N + p` along the combination `probes[p]` of the directions.
+    ///
+    /// Use signs for [`AlongDirections::from_jet`], or any weights. Probes beyond the eighth lane are ignored.
     #[must_use]
     pub fn jets_with_probes(&self, probes: &[[f64; N]]) -> [Jet; N] {
         const { assert!(N <= LANES, "a jet has eight lanes") }
         self.jets_of_pass(0, probes)
     }
 
-    /// The inputs as jets along the eight directions `L e_k` that begin at `8 pass`, and after the last of them along probes:
-    /// for any number of inputs, in `ceil(N/8)` passes that [`AlongDirections::from_passes`] joins.
+    /// The inputs as jets along the eight directions `L e_k` from `8 pass` on; probes follow the last direction.
+    ///
+    /// This supports any number of inputs, in `ceil(N/8)` passes that [`AlongDirections::from_passes`] merges.
     ///
     /// ```
     /// use perturbation_moments::{AlongDirections, Moments, RandomVector};
@@ -179,7 +188,7 @@ impl<const N: usize> RandomVector<N> {
         })
     }
 
-    /// The inputs as jets, each lane along a combination of the directions; at rest where there is none.
+    /// The inputs as jets, each lane along a combination of the directions, or zero.
     fn jets_along(&self, of_lane: impl Fn(usize) -> Option<[f64; N]>) -> [Jet; N] {
         let centre = self.centre();
         let (slopes, curvatures, _) = self.marginal_derivatives();

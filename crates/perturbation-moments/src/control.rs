@@ -1,22 +1,23 @@
-//! A control variate with a coefficient of its own, from samples that are already there.
+//! Control variates with fitted coefficients, from existing samples.
 
 use sde_integrators::{Accumulator, Estimate, Noise, Purpose, Stream, Uncertainty};
 
 use crate::error::{Error, require_finite};
 
-/// Samples of a response beside those of a surrogate of known mean and variance.
+/// Samples of a response together with those of a surrogate of known mean and variance.
 ///
-/// With the coefficients $\beta, \gamma$ of regression of `y` on `s` and of $(y - \bar y)^2$ on $(s - \bar s)^2$,
+/// With the regression coefficients $\beta, \gamma$ of `y` on `s` and of $(y - \bar y)^2$ on $(s - \bar s)^2$,
 ///
 /// $$ \bar y_c = \bar y - \beta (\bar s - \operatorname{E} s), \qquad
 ///    V_c = S_y^2 - \gamma (S_s^2 - \operatorname{Var} s). $$
 ///
-/// The samples are split: each half takes the coefficients of the other, so that a coefficient knows nothing of the samples
-/// that it corrects, and the two are averaged; else a fitted coefficient makes small samples biased and their errors too
-/// small. Standard errors are those of a bootstrap within the halves, coefficients included.
+/// The samples are split into halves. Each half uses the coefficients of the other half, so a coefficient is
+/// independent of the samples that it corrects, and the results are averaged. Without the split, a fitted coefficient
+/// biases small samples and underestimates their errors. Standard errors come from a bootstrap within the halves,
+/// including the coefficients.
 ///
-/// Against [`MonteCarlo::judge`](crate::MonteCarlo::judge), whose coefficient is one: a surrogate that is only roughly right
-/// helps too, and one of no worth does no harm.
+/// In [`MonteCarlo::judge`](crate::MonteCarlo::judge) the coefficient is one. Here a roughly correct surrogate reduces
+/// the error too, and a useless one does not increase it.
 ///
 /// Sources: Glasserman 2003, Monte Carlo methods in financial engineering, section 4.1; Efron and Tibshirani 1993, An
 /// introduction to the bootstrap.
@@ -41,7 +42,7 @@ pub struct ControlledSamples<'a> {
     pub surrogate_mean: f64,
     /// The exact variance of the surrogate.
     pub surrogate_variance: f64,
-    /// Of the bootstrap.
+    /// Seed of the bootstrap.
     pub seed: u64,
 }
 
@@ -55,18 +56,19 @@ pub struct SampledMoments {
     pub variance: Estimate,
 }
 
-/// Fewer samples make no halves with coefficients.
+/// Smallest number of samples for two halves with coefficients.
 const FEWEST_SAMPLES: usize = 8;
 
-/// Of the standard error itself the relative error is `1/sqrt(2 * 400)`, 4 %.
+/// The relative error of the standard error itself is `1/sqrt(2 * 400)`, 4 %.
 const N_REPLICATES: u64 = 400;
 
 impl ControlledSamples<'_> {
-    /// Mean and unbiased variance of the response as they were drawn, without the surrogate. The error of the variance is that
-    /// of the mean of $(y - \bar y)^2$.
+    /// Mean and unbiased variance of the response samples without the surrogate.
+    ///
+    /// The error of the variance is that of the mean of $(y - \bar y)^2$.
     ///
     /// # Errors
-    /// As [`estimate`](Self::estimate).
+    /// Those of [`estimate`](Self::estimate).
     pub fn raw(&self) -> Result<SampledMoments, Error> {
         self.check()?;
         let values = || self.samples.iter().map(|[y, _]| *y);
@@ -82,7 +84,7 @@ impl ControlledSamples<'_> {
         })
     }
 
-    /// Mean and variance of the response, controlled.
+    /// Mean and variance of the response with the control variate.
     ///
     /// # Errors
     /// [`Error::TooFew`] below eight samples; [`Error::NotFinite`] for a moment of the surrogate,
@@ -142,7 +144,7 @@ impl ControlledSamples<'_> {
     }
 }
 
-/// Moments of a half, of response and surrogate, and the coefficients it recommends.
+/// Moments of a half, of response and surrogate, and its fitted coefficients.
 struct Half {
     mean: [f64; 2],
     variance: [f64; 2],
@@ -171,7 +173,7 @@ impl Half {
     }
 }
 
-/// The slope of the regression of the first on the second; zero where the second does not vary.
+/// Slope of the regression of the first on the second; zero for a constant second.
 fn slope(pairs: &[[f64; 2]]) -> f64 {
     let n = pairs.len() as f64;
     let centre: [f64; 2] =
@@ -186,7 +188,7 @@ fn slope(pairs: &[[f64; 2]]) -> f64 {
 
 fn resample(from: &[[f64; 2]], into: &mut [[f64; 2]], stream: &mut Stream) {
     for entry in into {
-        // The high word of the product: below the length, and uniform to 1e-16.
+        // The high word of the product is below the length, and uniform to 1e-16.
         let index = (u128::from(stream.next_u64()) * from.len() as u128) >> 64;
         *entry = from[usize::try_from(index).unwrap_or(0)];
     }

@@ -1,21 +1,23 @@
-//! The seam: how derivatives of a response are had.
+//! The trait for derivatives of a response.
 
 use crate::along::AlongDirections;
 use crate::error::Error;
 use crate::expansion::Expansion;
 use crate::random_vector::RandomVector;
 
-/// What is known of a response around the centre of its inputs.
+/// Derivatives of a response at the centre of its inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Known<const N: usize> {
-    /// Derivatives by the inputs.
+    /// Derivatives with respect to the inputs.
     ByInputs(Expansion<N>),
     /// Derivatives along the directions `L e_k`.
     AlongDirections(AlongDirections<N>),
 }
 
-/// A way to have the derivatives of a response. This is where users plug in; a function
-/// `Fn(&[f64; N]) -> Expansion<N>` is one already: derivatives by hand, at the centre it is given.
+/// A method to compute the derivatives of a response.
+///
+/// Users implement it for their own methods. A function `Fn(&[f64; N]) -> Expansion<N>` implements it: derivatives by
+/// hand at the given centre.
 ///
 /// ```
 /// use perturbation_moments::{Expansion, Moments, RandomVector};
@@ -35,7 +37,7 @@ pub trait Derivatives<const N: usize> {
     /// Derivatives at [`RandomVector::centre`], or along its directions.
     ///
     /// # Errors
-    /// Whatever keeps the derivatives from being had. What is not finite may be returned: the moments refuse it by name.
+    /// Any error that prevents the derivatives. Results may be non-finite: the moments reject them by name.
     fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error>;
 }
 

@@ -1,4 +1,4 @@
-//! Derivatives by central differences with an error estimate: for a response that is a program.
+//! Central differences with an error estimate, for a response that is a program.
 
 use crate::derivatives::{Derivatives, Known};
 use crate::error::{Error, require_finite, require_positive};
@@ -6,9 +6,9 @@ use crate::expansion::Expansion;
 use crate::forward::input_scales;
 use crate::random_vector::RandomVector;
 
-/// The ratio of one step to the next smaller one, as in the source.
+/// Ratio of successive steps, as in the source.
 const RATIO: f64 = 1.4;
-/// How many steps are tried; the smallest is `1.4^-9 = 0.05` of the first.
+/// Number of steps; the smallest is `1.4^-9 = 0.05` of the first.
 const LEVELS: usize = 10;
 
 /// Derivatives up to the third by central differences of values, extrapolated to step zero with an error estimate.
@@ -16,51 +16,55 @@ const LEVELS: usize = 10;
 /// $$ \frac{\partial^m y}{\partial x_{i_1} .. \partial x_{i_m}} \approx \frac{1}{2^m h_{i_1} .. h_{i_m}}
 ///    \sum_{s \in \lbrace -1, 1 \rbrace^m} s_1 .. s_m \; y(x + s_1 h_{i_1} e_{i_1} + .. + s_m h_{i_m} e_{i_m}) $$
 ///
-/// One formula for all orders, with an error in even powers of the step. Each derivative takes ten steps, from
-/// `first_step` deviations of its inputs down by factors of 1.4, and Neville's table; the entry with the smallest estimated
-/// error is taken. A derivative whose error exceeds `largest_error` is refused: that is how a kink, a jump or noise shows.
+/// The formula holds for all orders, with an error in even powers of the step. Each derivative takes ten steps, from
+/// `first_step` deviations of its inputs down by factors of 1.4, and Neville's table; the entry with the smallest
+/// estimated error is the result. A derivative whose error exceeds `largest_error` is rejected, which detects kinks,
+/// jumps and noise.
 ///
-/// Cost: `10 (2N + 4N(N+1)/2 + 8N(N+1)(N+2)/6)` values with third derivatives, the last term away without.
-/// What is reached is about 1e-11 of the deviation for gradients, 1e-9 for Hessians, 1e-7 for third derivatives of smooth
-/// responses.
+/// Cost: `10 (2N + 4N(N+1)/2 + 8N(N+1)(N+2)/6)` values with third derivatives, without them the last term is absent.
+/// Relative to the deviation, the accuracy for smooth responses is about 1e-11 for gradients, 1e-9 for Hessians, 1e-7
+/// for third derivatives.
 ///
 /// Source: Ridders 1982, Accurate computation of F'(x) and F'(x) F''(x).
 #[derive(Debug, Clone, Copy)]
 pub struct CentralDifferences<F> {
-    /// What is differentiated: a value at a point.
+    /// The response: a value at a point.
     pub response: F,
-    /// The largest step over the deviation of an input; must leave the response smooth within three steps.
+    /// Largest step over the deviation of an input; the response must be smooth within three steps.
     pub first_step: f64,
-    /// The largest error that is taken: of a derivative times the deviations of its inputs, over the first-order deviation
-    /// of the response.
+    /// Largest accepted error, relative to the first-order deviation of the response.
+    ///
+    /// It is the error of a derivative times the deviations of its inputs.
     pub largest_error: f64,
-    /// Which derivatives.
+    /// Highest order of the derivatives.
     pub order: crate::forward::HighestOrder,
 }
 
-/// Of a value of the response, over its size: a few operations.
+/// Rounding error of a value of the response, over its magnitude: a few operations.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A number and its estimated error.
+/// A value and its estimated error.
 #[derive(Debug, Clone, Copy)]
 struct Settled {
     value: f64,
     error: f64,
 }
 
-/// Derivatives with the largest of their errors.
+/// Derivatives with their largest errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Differenced<const N: usize> {
     /// The derivatives.
     pub expansion: Expansion<N>,
-    /// Estimated errors of the worst first, second and third derivative, each times the deviations of its inputs and over
-    /// the first-order deviation of the response.
+    /// Estimated errors of the worst first, second and third derivative.
+    ///
+    /// Each is multiplied by the deviations of its inputs and divided by the first-order deviation of the response.
     pub largest_errors: [f64; 3],
 }
 
 impl<F> CentralDifferences<F> {
-    /// A first step of half a deviation, derivatives to 1e-4 of the deviation: what leaves moments and trust right to three
-    /// figures.
+    /// Default steps and tolerance, for moments and trust accurate to three digits.
+    ///
+    /// The first step is half a deviation; the tolerance of derivatives is 1e-4 of the deviation.
     pub const fn new(response: F, order: crate::forward::HighestOrder) -> Self {
         Self { response, first_step: 0.5, largest_error: 1e-4, order }
     }
@@ -68,7 +72,7 @@ impl<F> CentralDifferences<F> {
     /// The derivatives at the centre of `inputs`, with their estimated errors.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for `first_step` or `largest_error`, [`Error::NotFinite`] where the response is,
+    /// [`Error::NotPositive`] for `first_step` or `largest_error`, [`Error::NotFinite`] for the response,
     /// [`Error::DifferencesUnsettled`] with the first derivative whose error exceeds the limit.
     pub fn differenced<const N: usize>(
         &self,
@@ -108,7 +112,7 @@ impl<F> CentralDifferences<F> {
         let order = |inputs: &[Option<usize>; 3]| inputs.iter().flatten().count();
         let slopes = entries.iter().filter(|(inputs, _)| order(inputs) == 1);
         let squares: f64 = slopes.map(|(_, slope)| slope.value * slope.value).sum();
-        // Where the response is flat, its own size is all there is to compare with.
+        // For a flat response the only scale is its own magnitude.
         let deviation =
             if squares > 0.0 { squares.sqrt() } else { value.abs().max(f64::MIN_POSITIVE) };
         let mut largest_errors = [0.0_f64; 3];
@@ -147,10 +151,10 @@ struct Along<'a, F, const N: usize> {
 }
 
 impl<F: Fn(&[f64; N]) -> f64, const N: usize> Along<'_, F, N> {
-    /// The derivative by the scaled inputs `by`, by Neville's table over falling steps.
+    /// The derivative with respect to the scaled inputs `by`, from Neville's table over decreasing steps.
     fn settle(&self, by: &[usize], first_step: f64) -> Result<Settled, Error> {
         let mut best = Settled { value: f64::NAN, error: f64::INFINITY };
-        // Values with what rounding may have left in them, which extrapolation amplifies.
+        // Values with their rounding errors, which extrapolation amplifies.
         let mut previous: Vec<Settled> = Vec::new();
         let mut step = first_step;
         for _ in 0..LEVELS {
@@ -161,7 +165,7 @@ impl<F: Fn(&[f64; N]) -> f64, const N: usize> Along<'_, F, N> {
                 let newest = row[row.len() - 1];
                 let value = (factor * newest.value - older.value) / (factor - 1.0);
                 let noise = (factor * newest.error + older.error) / (factor - 1.0);
-                // The distance to both parents, and never less than the noise.
+                // The distance to both parents, and at least the noise.
                 let distance = (value - newest.value).abs().max((value - older.value).abs());
                 if distance.max(noise) < best.error {
                     best = Settled { value, error: distance.max(noise) };

@@ -1,33 +1,33 @@
-//! What can go wrong, with the value and its limit.
+//! Errors, with the value and its limit.
 
-/// Why a random vector, an expansion or a moment could not be had.
+/// Error of a random vector, an expansion or a moment.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A quantity is infinite or not a number.
+    /// A quantity is not finite.
     #[error("{quantity} {index} is {value}, must be finite")]
     NotFinite {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// Its place among its like; entries of a matrix or a tensor count row by row.
+        /// Its index; entries of a matrix or a tensor are counted row by row.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// A quantity is infinite, not a number, or not above zero.
+    /// A quantity is not finite or not positive.
     #[error("{quantity} is {value}, must be finite and positive")]
     NotPositive {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
     },
-    /// A standard deviation or variance is below zero.
+    /// A standard deviation or variance is negative.
     #[error("{quantity} {index} is {value}, must not be negative")]
     Negative {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// Its place.
+        /// Its index.
         index: usize,
         /// Its value.
         value: f64,
@@ -37,18 +37,18 @@ pub enum Error {
         "{matrix} differs by {difference:e} between ({row}, {column}) and ({column}, {row}), the limit is {limit:e}"
     )]
     NotSymmetric {
-        /// Which matrix.
+        /// Name of the matrix.
         matrix: &'static str,
         /// The row of the entry.
         row: usize,
         /// The column of the entry.
         column: usize,
-        /// By how much the two entries differ.
+        /// Difference between the two entries.
         difference: f64,
-        /// By how much they may differ.
+        /// Largest admissible difference.
         limit: f64,
     },
-    /// A correlation with itself is not one, or one with another is beyond one.
+    /// A diagonal entry of a correlation is not one, or another entry exceeds one.
     #[error("correlation ({row}, {column}) is {value}, {requirement}")]
     Correlation {
         /// The row of the entry.
@@ -57,81 +57,81 @@ pub enum Error {
         column: usize,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Requirement for the entry.
         requirement: &'static str,
     },
-    /// No random vector has this correlation.
+    /// The correlation is impossible for a random vector.
     #[error(
         "the correlation of the normal coordinates has the eigenvalue {eigenvalue:e} (number {index} from the smallest), must be at least {limit:e}"
     )]
     NotPositiveSemidefinite {
-        /// Which eigenvalue, counted from the smallest.
+        /// Index of the eigenvalue, from the smallest.
         index: usize,
         /// The eigenvalue.
         eigenvalue: f64,
-        /// The smallest that roundoff excuses.
+        /// Smallest value explained by roundoff.
         limit: f64,
     },
-    /// A lognormal input has a mean that is not above zero.
+    /// A lognormal input has a mean that is not positive.
     #[error("lognormal input {index} has mean {value}, must be above zero")]
     LognormalMean {
-        /// Which input.
+        /// Index of the input.
         index: usize,
         /// Its mean.
         value: f64,
     },
-    /// The first-order variance is zero: nothing to compare a correction with, and no importance factors.
+    /// The first-order variance is zero, so corrections have no scale and importance factors are undefined.
     #[error(
         "the first-order variance is {value:e}, must exceed {limit:e}: the response is flat where it is expanded"
     )]
     NoFirstOrderVariance {
-        /// What was found.
+        /// The variance.
         value: f64,
-        /// What it must exceed: its own roundoff.
+        /// Its roundoff, which it must exceed.
         limit: f64,
     },
-    /// A moment needs second derivatives that were not given.
+    /// A moment requires second derivatives that are missing.
     #[error("{moment} needs {needed}, {given} given")]
     CurvatureIncomplete {
-        /// Which moment.
+        /// Name of the moment.
         moment: &'static str,
-        /// What it needs.
+        /// Required derivatives.
         needed: &'static str,
-        /// What there is.
+        /// Available derivatives.
         given: &'static str,
     },
-    /// A moment needs third derivatives that were not given.
+    /// A moment requires third derivatives that are missing.
     #[error("{moment} needs third derivatives, none given")]
     ThirdDerivativesMissing {
-        /// Which moment.
+        /// Name of the moment.
         moment: &'static str,
     },
-    /// Differences do not settle: the response is not smooth on their scale, or too noisy.
+    /// Differences do not converge: the response is not smooth on their scale, or too noisy.
     #[error(
         "derivative by {inputs:?} from differences has error {error:e}, the limit is {limit:e} (both over the first-order deviation)"
     )]
     DifferencesUnsettled {
-        /// By which inputs, as many as the order.
+        /// Inputs of the derivative, as many as its order.
         inputs: [Option<usize>; 3],
-        /// The estimated error, of the derivative times its inputs' deviations.
+        /// Estimated error of the derivative times its inputs' deviations.
         error: f64,
-        /// The largest that is taken.
+        /// Largest accepted error.
         limit: f64,
     },
-    /// There are fewer of something than its least number.
+    /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {
-        /// Of what.
+        /// Kind of items.
         quantity: &'static str,
-        /// How many there are.
+        /// Number given.
         value: u64,
-        /// How many there must be.
+        /// Minimum.
         limit: u64,
     },
     /// The response of a sample is not finite.
     #[error("response of sample {realisation} is {value}, must be finite")]
     NonFiniteSample {
-        /// The lowest sample that failed.
+        /// Lowest sample that failed.
         realisation: u64,
         /// Its response.
         value: f64,

@@ -2,25 +2,28 @@
 
 use crate::error::{Error, require_finite};
 
-/// Value and derivatives of a response by its inputs, at the centre of a [`RandomVector`](crate::RandomVector).
+/// Value and derivatives of a response with respect to its inputs.
 ///
-/// Symbols: `value` $y_0$, `gradient` $g_i = \partial y/\partial x_i$, `hessian` $H_{ij}$, `third` $T_{ijk}$; each in the
-/// unit of the response over those of its inputs. What is not known is `None`.
+/// They are evaluated at the centre of a [`RandomVector`](crate::RandomVector).
+///
+/// Symbols: `value` $y_0$, `gradient` $g_i = \partial y/\partial x_i$, `hessian` $H_{ij}$, `third` $T_{ijk}$; each in
+/// the unit of the response over those of its inputs. Unknown derivatives are `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Expansion<const N: usize> {
     /// $y_0$.
     pub value: f64,
     /// $g$, `N` entries.
     pub gradient: [f64; N],
-    /// $H$, symmetric `N x N`; all of it, not a diagonal with zeros around it.
+    /// $H$, symmetric `N x N`, complete: not a diagonal with zeros around it.
     pub hessian: Option<[[f64; N]; N]>,
     /// $T$, symmetric `N x N x N`.
     pub third: Option<[[[f64; N]; N]; N]>,
 }
 
 impl<const N: usize> Expansion<N> {
-    /// From a function that gives any derivative up to the third by the list of its inputs: `[]` is the value, `[i, j]` an
-    /// entry of the Hessian. It is asked once for each entry that symmetry leaves.
+    /// An expansion from a function that returns any derivative up to the third, given the list of its inputs.
+    ///
+    /// `[]` is the value, `[i, j]` an entry of the Hessian. It is called once for each entry of the symmetric tensors.
     ///
     /// ```
     /// use perturbation_moments::Expansion;
@@ -56,7 +59,7 @@ impl<const N: usize> Expansion<N> {
         }
     }
 
-    /// Every entry finite, every tensor symmetric to roundoff.
+    /// Checks that every entry is finite and every tensor symmetric within roundoff.
     pub(crate) fn check(&self) -> Result<(), Error> {
         require_finite("value of the response", 0, self.value)?;
         for (index, &value) in self.gradient.iter().enumerate() {
@@ -78,7 +81,7 @@ impl<const N: usize> Expansion<N> {
     }
 }
 
-/// One entry and its images under permutation of the indices.
+/// Sets one entry and its images under permutation of the indices.
 pub(crate) fn set_symmetric<const N: usize>(
     tensor: &mut [[[f64; N]; N]; N],
     [i, j, k]: [usize; 3],
@@ -89,8 +92,9 @@ pub(crate) fn set_symmetric<const N: usize>(
     }
 }
 
-/// Symmetric to 1e-9 of the larger of the two entries: a transposed or forgotten entry is far beyond, roundoff of any
-/// automatic differentiation far below.
+/// Checks symmetry to 1e-9 of the larger of two entries.
+///
+/// A transposed or missing entry is far above this limit, the roundoff of automatic differentiation far below.
 pub(crate) fn check_symmetric<const N: usize>(
     matrix: &'static str,
     entries: &[[f64; N]; N],

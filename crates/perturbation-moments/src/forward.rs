@@ -1,4 +1,4 @@
-//! Derivatives by forward automatic differentiation: exact to roundoff.
+//! Forward automatic differentiation: derivatives exact within roundoff.
 
 use num_dual::{HyperDual64, HyperHyperDual64};
 
@@ -10,19 +10,19 @@ use crate::jet::{Jet, LANES};
 use crate::random_vector::RandomVector;
 use crate::response::Response;
 
-/// The highest derivatives that are computed.
+/// Highest order of the derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HighestOrder {
     /// Up to the Hessian: `N(N+1)/2` evaluations over hyper-dual numbers.
     Second,
-    /// Up to all third derivatives: `N(N+1)(N+2)/6` evaluations over numbers of eight parts.
+    /// Up to all third derivatives: `N(N+1)(N+2)/6` evaluations over numbers with eight parts.
     Third,
 }
 
 /// All derivatives of a response by the dual numbers of num-dual.
 ///
-/// Exact to roundoff, also where differences would fail. Needs the response as a [`Response`]; a branch is followed as it is
-/// at the centre, so a kink beside it is not seen.
+/// They are exact within roundoff, also where differences fail. The response must be a [`Response`]. A branch is
+/// evaluated as at the centre, so a nearby kink is not detected.
 ///
 /// Source: Fike and Alonso 2011, The development of hyper-dual numbers for exact second-derivative calculations.
 ///
@@ -44,9 +44,9 @@ pub enum HighestOrder {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct ForwardDifferentiation<R> {
-    /// What is differentiated.
+    /// The response.
     pub response: R,
-    /// How far.
+    /// Highest order of the derivatives.
     pub order: HighestOrder,
 }
 
@@ -111,25 +111,26 @@ fn empty<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion
     Expansion { value: response.value(x), gradient: [0.0; N], hessian: None, third: None }
 }
 
-/// Which second derivatives jets compute.
+/// Second derivatives that jets compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JetCurvature {
-    /// Those along the directions `L e_k`: one evaluation, enough for the second-order mean.
+    /// Along the directions `L e_k`: one evaluation, enough for the second-order mean.
     Diagonal,
     /// All, by polarisation: `N(N+1)/2` directions, eight per evaluation.
     Full,
 }
 
-/// Second derivatives of a response by [`Jet`]s, for at most eight inputs. Exact to roundoff; no third derivatives.
+/// Second derivatives of a response by [`Jet`]s, for at most eight inputs; exact within roundoff.
 ///
-/// A solver carries jets through its own step instead and uses [`AlongDirections::from_jet`].
+/// There are no third derivatives. A solver instead carries jets through its own step and uses
+/// [`AlongDirections::from_jet`].
 ///
 /// $$ H_{ij} = \tfrac12 (q(e_i + e_j) - q(e_i) - q(e_j)), \qquad q(v) = v^T H v $$
 #[derive(Debug, Clone, Copy)]
 pub struct JetDifferentiation<R> {
-    /// What is differentiated.
+    /// The response.
     pub response: R,
-    /// Which second derivatives.
+    /// Second derivatives to compute.
     pub curvature: JetCurvature,
 }
 
@@ -185,7 +186,7 @@ fn polarised<const N: usize>(
     Expansion { hessian: Some(hessian), ..out }
 }
 
-/// How far the inputs go: their deviations, or for certain inputs their size.
+/// Scales of the inputs: their deviations, or for certain inputs their magnitude.
 pub(crate) fn input_scales<const N: usize>(inputs: &RandomVector<N>) -> [f64; N] {
     let centre = inputs.centre();
     std::array::from_fn(|i| match (inputs.deviations()[i], centre[i].abs()) {

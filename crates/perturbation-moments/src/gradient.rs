@@ -1,4 +1,4 @@
-//! A number with its first derivatives along eight directions.
+//! Numbers with first derivatives along eight directions.
 
 #![allow(
     clippy::inline_always,
@@ -10,12 +10,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::jet::{LANES, lanes, pair};
 use crate::scalar::Scalar;
 
-/// A value with its first derivatives along up to eight directions at once: a [`Jet`](crate::Jet) without its second ones.
+/// A value with first derivatives along up to eight directions: a [`Jet`](crate::Jet) without second derivatives.
 ///
 /// $$ \left( y, \; \frac{d y}{d t_k} \right)_{k = 1..8} $$
 ///
-/// Enough for a variance of first order, at a part of the cost; the mean then lacks its term of second order, and nothing says
-/// how far the Taylor series can be trusted. Value and derivatives have the bits of those of the jet.
+/// It suffices for a first-order variance, at a fraction of the cost. The mean then lacks its second-order term, and
+/// the Taylor series has no trust indicators. Value and derivatives are bitwise identical to those of the jet.
 ///
 /// ```
 /// use perturbation_moments::{Gradient, Scalar};
@@ -34,14 +34,14 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// Input number `lane` of a response; for `lane >= 8` no lane is set: the number is a constant.
+    /// Input number `lane` of a response; for `lane >= 8` the number is a constant.
     #[must_use]
     #[inline(always)]
     pub fn variable(value: f64, lane: usize) -> Self {
         Self { first: std::array::from_fn(|k| if k == lane { 1.0 } else { 0.0 }), value }
     }
 
-    /// A function of this number from its value and its derivative there.
+    /// A function of this number, from its value and its derivative.
     #[inline(always)]
     fn compose(self, value: f64, derivative: f64) -> Self {
         Self { first: lanes(|k| derivative * pair(&self.first, k)), value }

@@ -1,4 +1,4 @@
-//! A number with its derivatives along eight directions.
+//! Numbers with derivatives along eight directions.
 
 #![allow(
     clippy::inline_always,
@@ -11,19 +11,20 @@ use wide::f64x2;
 
 use crate::scalar::Scalar;
 
-/// How many directions a [`Jet`] has.
+/// Number of directions of a [`Jet`].
 pub const LANES: usize = 8;
 
-/// A value with its first and its own second derivatives along up to eight directions at once.
+/// A value with its first and second derivatives along up to eight directions.
 ///
 /// $$ \left( y, \; \frac{d y}{d t_k}, \; \frac{d^2 y}{d t_k^2} \right)_{k = 1..8}, \qquad x(t) = x_0 + \sum_k t_k v_k $$
 ///
-/// Each direction is a curve of its own: mixed derivatives are not carried. What is needed of them comes from a direction
-/// that mixes inputs: `q(u + v) = q(u) + q(v) + 2 u^T H v`.
+/// Each direction is a separate curve, so mixed derivatives are not carried. They follow from directions that mix
+/// inputs: `q(u + v) = q(u) + q(v) + 2 u^T H v`.
 ///
-/// An operation costs one calculation on the value (`exp`, `ln`, `powf` are taken once, not once per lane) and a few
-/// lane-wise multiplications. Everything is `#[inline(always)]`: inside the closure of `lanes::dispatch` it is compiled for the
-/// widest registers of the machine. Nothing is fused, so that all machines give the same bits where the value's own functions do.
+/// An operation costs one evaluation on the value (`exp`, `ln`, `powf` are evaluated once, not once per lane) and a
+/// few lane-wise multiplications. Everything is `#[inline(always)]`: inside the closure of `lanes::dispatch` it is
+/// compiled for the widest registers of the machine. No operations are fused, so all machines give bitwise identical
+/// results where the functions of the value do.
 ///
 /// Domain: that of the same operation on the value. `powf`, `ln` and `sqrt` of zero have infinite derivatives.
 ///
@@ -47,8 +48,9 @@ pub struct Jet {
     pub value: f64,
 }
 
-/// Every lane by the same formula, two at a time: `formula(k)` is of the lanes `2 k` and `2 k + 1`. As single numbers the
-/// compiler would pack them across jets, and shuffle.
+/// Applies one formula to every lane, two at a time: `formula(k)` computes lanes `2 k` and `2 k + 1`.
+///
+/// For single numbers the compiler would pack them across jets, with shuffles.
 #[inline(always)]
 pub(crate) fn lanes(formula: impl Fn(usize) -> f64x2) -> [f64; LANES] {
     let mut out = [0.0; LANES];
@@ -66,23 +68,24 @@ pub(crate) fn pair(lanes: &[f64; LANES], k: usize) -> f64x2 {
 }
 
 impl Jet {
-    /// A number that moves along straight lines: its first derivatives, no curvature.
+    /// A number that moves along straight lines: first derivatives and zero curvature.
     #[must_use]
     #[inline(always)]
     pub const fn new(value: f64, first: [f64; LANES]) -> Self {
         Self { first, second: [0.0; LANES], value }
     }
 
-    /// Input number `lane` of a response, to be differentiated by itself.
+    /// Input number `lane` of a response.
     ///
-    /// For `lane >= 8` no lane is set: the number is a constant.
+    /// For `lane >= 8` the number is a constant.
     #[must_use]
     #[inline(always)]
     pub fn variable(value: f64, lane: usize) -> Self {
         Self::new(value, std::array::from_fn(|k| if k == lane { 1.0 } else { 0.0 }))
     }
 
-    /// A function of this number from its value `y` and its derivatives `d` and `c` at this value:
+    /// A function of this number, from its value `y` and its derivatives `d` and `c` at this value.
+    ///
     /// `y' = d x'`, `y'' = d x'' + c x'^2`.
     #[must_use]
     #[inline(always)]
@@ -175,7 +178,7 @@ impl Scalar for Jet {
             let derivative = p * y * inverse;
             return self.compose(y, derivative, (p - 1.0) * derivative * inverse);
         }
-        // No power below zero: at x = 0 it would be infinite times nothing.
+        // No negative power: at x = 0 it would be infinity times zero.
         let power = |below: i32, factor: f64| {
             if exponent < below { 0.0 } else { factor * self.value.powi(exponent - below) }
         };
@@ -249,7 +252,7 @@ impl Div for Jet {
     /// `q = a/b`: `q' = (a' - q b')/b`, `q'' = (a'' - q b'' - 2 q' b')/b`.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        // The value by its own division: the bits of the same formula over `f64`.
+        // The value by its own division: bitwise identical to the same formula over `f64`.
         let (value, inverse) = (self.value / other.value, 1.0 / other.value);
         let first = lanes(|k| (pair(&self.first, k) - value * pair(&other.first, k)) * inverse);
         let second = lanes(|k| {

@@ -21,9 +21,9 @@ use crate::trust::Trust;
 /// | [`third_central_moment`](Self::third_central_moment) | $3 g^T \Sigma H \Sigma g + \operatorname{tr} (H\Sigma)^3$ | quadratic; to $O(\sigma^4)$ for all |
 /// | [`fourth_cumulant`](Self::fourth_cumulant) | $12 g^T \Sigma H \Sigma H \Sigma g + 3 \operatorname{tr} (H\Sigma)^4$ | quadratic |
 ///
-/// The variance with curvature alone is **not** of fourth order: it leaves out a term as large as the one it adds, and can be
-/// worse than the first-order one. See [`trust`](Self::trust).
-/// For lognormal inputs the same formulas hold in normal coordinates; see [`RandomVector`].
+/// The variance with curvature alone is **not** of fourth order: it omits a term as large as the one it adds, and can
+/// be worse than the first-order variance. See [`trust`](Self::trust). For lognormal inputs the same formulas hold in
+/// normal coordinates; see [`RandomVector`].
 ///
 /// Sources: Ang and Tang 2007 (first order); the cumulants of a quadratic form in Gaussian variables, Mathai and Provost
 /// 1992, chapter 3; the third-derivative term by the same expansion carried to $O(\sigma^4)$.
@@ -49,11 +49,11 @@ pub struct Moments<const N: usize> {
     third: Option<[f64; N]>,
     /// `g_i (Sigma g)_i`.
     shares: Option<[f64; N]>,
-    /// Below this the first-order variance is roundoff.
+    /// Level below which the first-order variance is roundoff.
     roundoff: f64,
 }
 
-/// What is known of the Hessian by `t`.
+/// Known part of the Hessian with respect to `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Second<const N: usize> {
     None,
@@ -62,10 +62,10 @@ enum Second<const N: usize> {
 }
 
 impl<const N: usize> Moments<N> {
-    /// From derivatives by the inputs at the centre of `inputs`.
+    /// Moments from derivatives with respect to the inputs at the centre of `inputs`.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] and [`Error::NotSymmetric`] for derivatives that cannot be.
+    /// [`Error::NotFinite`] and [`Error::NotSymmetric`] for invalid derivatives.
     pub fn new(inputs: &RandomVector<N>, expansion: &Expansion<N>) -> Result<Self, Error> {
         expansion.check()?;
         let by_t = inputs.standardise(expansion);
@@ -85,7 +85,7 @@ impl<const N: usize> Moments<N> {
         moments.check()
     }
 
-    /// From derivatives along the directions `L e_k`.
+    /// Moments from derivatives along the directions `L e_k`.
     ///
     /// # Errors
     /// [`Error::NotFinite`].
@@ -104,7 +104,7 @@ impl<const N: usize> Moments<N> {
         moments.check()
     }
 
-    /// From whatever a way to differentiate finds out.
+    /// Moments from the derivatives that a method computes.
     ///
     /// # Errors
     /// Those of [`Derivatives::know`], [`new`](Self::new) and [`along`](Self::along).
@@ -115,7 +115,7 @@ impl<const N: usize> Moments<N> {
         }
     }
 
-    /// Squares of finite derivatives may still overflow.
+    /// Squares of finite derivatives may overflow.
     fn check(self) -> Result<Self, Error> {
         let squares = self.second_squares("curvature", "").unwrap_or(0.0);
         crate::error::require_finite("first-order variance", 0, self.variance_first_order())?;
@@ -148,7 +148,7 @@ impl<const N: usize> Moments<N> {
         Ok(self.value + 0.5 * diagonal.iter().sum::<f64>())
     }
 
-    /// The derivatives by the independent standard normals of the inputs, $L^T D g$.
+    /// Derivatives with respect to the independent standard normals of the inputs, $L^T D g$.
     #[must_use]
     pub const fn slopes(&self) -> &[f64; N] {
         &self.first
@@ -160,18 +160,20 @@ impl<const N: usize> Moments<N> {
         dot(&self.first, &self.first)
     }
 
-    /// $g^T \Sigma g + \tfrac12 \operatorname{tr} H\Sigma H\Sigma$; from a diagonal with a probe, an estimate of it.
+    /// $g^T \Sigma g + \tfrac12 \operatorname{tr} H\Sigma H\Sigma$; an estimate of it from a diagonal with a probe.
     ///
     /// # Errors
-    /// [`Error::CurvatureIncomplete`] from a diagonal without a probe, or without second derivatives.
+    /// [`Error::CurvatureIncomplete`] for a diagonal without a probe, or without second derivatives.
     pub fn variance_with_curvature(&self) -> Result<f64, Error> {
         let squares =
             self.second_squares("the variance with curvature", "the full Hessian or a probe")?;
         Ok(self.variance_first_order() + 0.5 * squares)
     }
 
-    /// $g^T \Sigma g + \tfrac12 \operatorname{tr} H\Sigma H\Sigma + \sum g_i T_{jkl} \Sigma_{ij} \Sigma_{kl}$: all terms to
-    /// $O(\sigma^4)$. It may be negative where the series has failed; [`trust`](Self::trust) warns long before.
+    /// Variance with all terms to $O(\sigma^4)$:
+    ///
+    /// $g^T \Sigma g + \tfrac12 \operatorname{tr} H\Sigma H\Sigma + \sum g_i T_{jkl} \Sigma_{ij} \Sigma_{kl}$. It may
+    /// be negative where the series fails; [`trust`](Self::trust) warns long before.
     ///
     /// # Errors
     /// [`Error::ThirdDerivativesMissing`]; [`Error::CurvatureIncomplete`] as for the variance with curvature.
@@ -195,8 +197,9 @@ impl<const N: usize> Moments<N> {
         Ok(3.0 * dot(&self.first, &once) + cube)
     }
 
-    /// $12 g^T \Sigma H \Sigma H \Sigma g + 3 \operatorname{tr} (H\Sigma)^4$: the fourth central moment less three times the
-    /// square of the variance.
+    /// $12 g^T \Sigma H \Sigma H \Sigma g + 3 \operatorname{tr} (H\Sigma)^4$, the fourth cumulant.
+    ///
+    /// It equals the fourth central moment minus three times the square of the variance.
     ///
     /// # Errors
     /// [`Error::CurvatureIncomplete`] without the full Hessian.
@@ -211,15 +214,15 @@ impl<const N: usize> Moments<N> {
         Ok(12.0 * dot(&once, &once) + 3.0 * fourth)
     }
 
-    /// The share of each input in the first-order variance, $g_i (\Sigma g)_i / g^T \Sigma g$.
+    /// Share of each input in the first-order variance, $g_i (\Sigma g)_i / g^T \Sigma g$.
     ///
-    /// They sum to one. Where inputs are correlated **a share may be negative** or above one: an input that moves against
-    /// another takes away what the other brings. It is then not to be read as a part of a whole.
-    /// For lognormal inputs $g$ and $\Sigma$ are those of the normal coordinates.
+    /// The shares sum to one. For correlated inputs **a share may be negative** or above one: an input with opposite
+    /// effect cancels part of another's contribution. A share is then no fraction of a whole. For lognormal inputs $g$
+    /// and $\Sigma$ are those of the normal coordinates.
     ///
     /// # Errors
-    /// [`Error::NoFirstOrderVariance`]; [`Error::CurvatureIncomplete`] from derivatives along the directions of a singular
-    /// correlation, which do not give the gradient by the inputs.
+    /// [`Error::NoFirstOrderVariance`]; [`Error::CurvatureIncomplete`] for derivatives along the directions of a
+    /// singular correlation, which do not determine the gradient with respect to the inputs.
     pub fn importance_factors(&self) -> Result<[f64; N], Error> {
         let variance = self.first_order_variance()?;
         let shares = self.shares.ok_or(incomplete(
@@ -230,10 +233,10 @@ impl<const N: usize> Moments<N> {
         Ok(shares.map(|share| share / variance))
     }
 
-    /// Whether a Taylor series should be believed here.
+    /// Trust indicators of the Taylor series.
     ///
     /// # Errors
-    /// [`Error::NoFirstOrderVariance`] where there is nothing to compare with.
+    /// [`Error::NoFirstOrderVariance`] if the first-order variance is zero.
     pub fn trust(&self) -> Result<Trust, Error> {
         let variance = self.first_order_variance()?;
         let squares = self.second_squares("", "").ok();
@@ -244,8 +247,10 @@ impl<const N: usize> Moments<N> {
         })
     }
 
-    /// The quadratic surrogate at independent standard normals `t`, with [`surrogate_mean`](Self::surrogate_mean) and
-    /// [`surrogate_variance`](Self::surrogate_variance) exactly; linear where no second derivatives are known.
+    /// The quadratic surrogate at independent standard normals `t`; linear without second derivatives.
+    ///
+    /// Its exact moments are [`surrogate_mean`](Self::surrogate_mean) and
+    /// [`surrogate_variance`](Self::surrogate_variance).
     #[must_use]
     pub fn surrogate(&self, t: &[f64; N]) -> f64 {
         let quadratic = match &self.second {
@@ -256,13 +261,13 @@ impl<const N: usize> Moments<N> {
         self.value + dot(&self.first, t) + 0.5 * quadratic
     }
 
-    /// The exact mean of the surrogate.
+    /// Exact mean of the surrogate.
     #[must_use]
     pub fn surrogate_mean(&self) -> f64 {
         self.mean_second_order().unwrap_or(self.value)
     }
 
-    /// The exact variance of the surrogate; without mixed derivatives, of one that has none.
+    /// Exact variance of the surrogate; without mixed derivatives, of a surrogate that has none.
     #[must_use]
     pub fn surrogate_variance(&self) -> f64 {
         let squares = match &self.second {
@@ -328,14 +333,13 @@ fn shares<const N: usize>(
     std::array::from_fn(|i| terms[i] * dot(&inputs.lower_factor()[i], first))
 }
 
-/// The square of what rounding may leave of a sum that should be zero: of terms that cancel, or of derivatives that were
-/// themselves rounded.
+/// Square of the possible roundoff of a sum that should be zero, from terms that cancel or from rounded derivatives.
 fn roundoff<const N: usize>(terms: &[f64; N]) -> f64 {
     let sum: f64 = terms.iter().map(|term| term.abs()).sum();
     (16.0 * f64::EPSILON * sum).powi(2)
 }
 
-/// `L^T h = a`; nothing where `L` is singular.
+/// Solves `L^T h = a`; none for a singular `L`.
 fn solve_transposed<const N: usize>(l: &[[f64; N]; N], a: &[f64; N]) -> Option<[f64; N]> {
     let mut h = [0.0; N];
     for k in (0..N).rev() {

@@ -1,4 +1,4 @@
-//! The judge: Monte Carlo, raw and with the Taylor surrogate as control variate.
+//! Monte Carlo reference, raw and with the Taylor surrogate as control variate.
 
 use sde_integrators::{Accumulator, Estimate, Noise, Purpose, reduce_blocks};
 
@@ -7,13 +7,15 @@ use crate::error::Error;
 use crate::moments::Moments;
 use crate::random_vector::RandomVector;
 
-/// How a response is sampled. Sample `r` is realisation `r` of the noise that belongs to the seed, for the purpose
-/// [`Purpose::Field`]: the same on any number of threads.
+/// Sampling of a response.
+///
+/// Sample `r` is realisation `r` of the noise of the seed, for the purpose [`Purpose::Field`]; it does not depend on
+/// the number of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MonteCarlo {
-    /// Everything that is drawn follows from it.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// How many samples, at least two.
+    /// Number of samples, at least two.
     pub n_samples: u64,
 }
 
@@ -21,24 +23,26 @@ pub struct MonteCarlo {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct Judgement {
-    /// The mean of the samples.
+    /// Mean of the samples.
     pub raw_mean: Estimate,
-    /// The unbiased variance of the samples.
+    /// Unbiased variance of the samples.
     pub raw_variance: Estimate,
-    /// The mean with control.
+    /// Mean with control variate.
     pub controlled_mean: Estimate,
-    /// The variance with control.
+    /// Variance with control variate.
     pub controlled_variance: Estimate,
-    /// By how many of its standard errors the sampled mean of the surrogate misses its exact one; so far raw and controlled
-    /// mean are apart.
+    /// Deviation of the surrogate's sampled mean from its exact mean, in standard errors.
+    ///
+    /// Raw and controlled mean differ by that many standard errors.
     pub surrogate_mean_miss: f64,
     /// The same for the variance.
     pub surrogate_variance_miss: f64,
 }
 
 impl Judgement {
-    /// Raw over controlled standard error of the mean: the root of the factor by which samples are saved. Infinite where
-    /// the surrogate is the response.
+    /// Raw over controlled standard error of the mean: the square root of the factor by which samples are saved.
+    ///
+    /// It is infinite where the surrogate equals the response.
     #[must_use]
     pub fn mean_reduction(&self) -> f64 {
         ratio(&self.raw_mean, &self.controlled_mean)
@@ -52,8 +56,10 @@ impl Judgement {
 }
 
 impl MonteCarlo {
-    /// The independent standard normals of a sample; its inputs are [`RandomVector::point`] of them. For responses that a
-    /// closure cannot give one by one: [`ControlledSamples`](crate::ControlledSamples) takes what was gathered.
+    /// Independent standard normals of a sample; its inputs are [`RandomVector::point`] of them.
+    ///
+    /// For responses that a closure cannot compute one by one, [`ControlledSamples`](crate::ControlledSamples) takes
+    /// the collected values.
     #[must_use]
     pub fn normals<const N: usize>(&self, realisation: u64) -> [f64; N] {
         normals_of(Noise::new(self.seed), realisation)
@@ -63,10 +69,10 @@ impl MonteCarlo {
     ///
     /// $$ \bar y_c = \bar y - \bar s + \operatorname{E} s, \qquad V_c = S_y^2 - S_s^2 + \operatorname{Var} s $$
     ///
-    /// with sample means and unbiased sample variances $S^2$; mean and variance of $s$ are known in closed form, so both
-    /// estimates are unbiased whatever the surrogate is worth. Their standard errors are those of the means of $y - s$ and of
-    /// $(y - \bar y)^2 - (s - \bar s)^2$; for heavy tails, such as a pole near the inputs, they are as unreliable as those of
-    /// any sample. The random numbers are those of `sde-integrators`; 16 bytes are kept per sample.
+    /// with sample means and unbiased sample variances $S^2$. Mean and variance of $s$ are known in closed form, so
+    /// both estimates are unbiased for any surrogate. Their standard errors are those of the means of $y - s$ and of
+    /// $(y - \bar y)^2 - (s - \bar s)^2$; for heavy tails, such as a pole near the inputs, they are as unreliable as
+    /// those of any sample. The random numbers are those of `sde-integrators`; 16 bytes are stored per sample.
     ///
     /// Source: Glasserman 2003, Monte Carlo methods in financial engineering, section 4.1, with the coefficient one.
     ///
@@ -87,7 +93,8 @@ impl MonteCarlo {
     /// ```
     ///
     /// # Errors
-    /// [`Error::TooFew`] below two samples, [`Error::NonFiniteSample`] with the lowest that fails: none is ever dropped.
+    /// [`Error::TooFew`] below two samples, [`Error::NonFiniteSample`] with the lowest sample that fails: none is ever
+    /// dropped.
     pub fn judge<const N: usize>(
         &self,
         inputs: &RandomVector<N>,
@@ -170,7 +177,7 @@ fn ratio(raw: &Estimate, controlled: &Estimate) -> f64 {
     }
 }
 
-/// How many standard errors; nothing where both are zero.
+/// A deviation in standard errors; zero where both are zero.
 fn over(miss: f64, standard_error: f64) -> f64 {
     if miss == 0.0 { 0.0 } else { miss.abs() / standard_error }
 }

@@ -1,23 +1,24 @@
-//! The inputs: means, covariance, marginal laws.
+//! Random inputs: means, covariance, marginal distributions.
 
 use crate::error::{Error, require_finite};
 use crate::expansion::{Expansion, check_symmetric, set_symmetric};
 use crate::symmetric::{eigenvalues, factor, roundoff};
 
-/// The law of one input by itself.
+/// Marginal distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Marginal {
     /// Gaussian.
     #[default]
     Normal,
-    /// The logarithm is Gaussian; for what cannot be negative. The mean must be above zero.
+    /// The logarithm is Gaussian, for quantities that cannot be negative. The mean must be positive.
     Lognormal,
 }
 
 /// `N` random inputs: mean, standard deviations, correlation, marginals.
 ///
-/// Inputs are joined through normal coordinates: with independent standard normals $t$ and $C = L L^T$,
+/// The joint distribution is defined through normal coordinates: with independent standard normals $t$ and
+/// $C = L L^T$,
 ///
 /// $$ u = L t, \qquad x_i = \mu_i + \sigma_i u_i \quad\text{or}\quad x_i = e^{m_i + s_i u_i}, \qquad
 ///    s_i^2 = \ln\left(1 + \sigma_i^2/\mu_i^2\right), \quad m_i = \ln \mu_i - s_i^2/2 . $$
@@ -27,11 +28,12 @@ pub enum Marginal {
 /// $C_{ij} = \ln(1 + \rho_{ij} \delta_i \delta_j)/(s_i s_j)$ between lognormals,
 /// $C_{ij} = \rho_{ij} \delta_i/s_i$ between lognormal $i$ and normal $j$, with $\delta = \sigma/\mu$.
 ///
-/// A lognormal input therefore enters Taylor moments as the exponential of a Gaussian one: derivatives by $x$ are carried
-/// over to $u$ by the chain rule. The other way, third and fourth central moments of $x$ in the series, is not taken: it
-/// needs joint moments of all inputs, and would make each formula depend on the marginals.
-/// Derivatives are asked for at [`centre`](Self::centre), where $u = 0$: the mean of a normal and the **median** of a
-/// lognormal input. What is called first order is first order about the median; the second-order mean has the rest.
+/// A lognormal input enters the Taylor moments as the exponential of a Gaussian input: the chain rule transforms
+/// derivatives with respect to $x$ to $u$. The alternative, third and fourth central moments of $x$ in the series,
+/// would require joint moments of all inputs and formulas that depend on the marginals.
+///
+/// Derivatives are evaluated at [`centre`](Self::centre), where $u = 0$: the mean of a normal and the **median** of a
+/// lognormal input. First order means first order about the median; the second-order mean contains the rest.
 ///
 /// ```
 /// use perturbation_moments::{Marginal, RandomVector};
@@ -64,8 +66,8 @@ impl<const N: usize> RandomVector<N> {
     /// A deviation of zero makes an input certain.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::Negative`] (deviation), [`Error::NotSymmetric`], [`Error::Correlation`] (a diagonal
-    /// entry not one, another beyond one), [`Error::NotPositiveSemidefinite`] with the failing eigenvalue.
+    /// [`Error::NotFinite`], [`Error::Negative`] (deviation), [`Error::NotSymmetric`], [`Error::Correlation`] (a
+    /// diagonal entry not one, another above one), [`Error::NotPositiveSemidefinite`] with the invalid eigenvalue.
     pub fn new(
         mean: [f64; N],
         deviations: [f64; N],
@@ -77,7 +79,7 @@ impl<const N: usize> RandomVector<N> {
     /// Uncorrelated normal inputs.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn independent(mean: [f64; N], deviations: [f64; N]) -> Result<Self, Error> {
         Self::new(mean, deviations, identity())
     }
@@ -85,7 +87,7 @@ impl<const N: usize> RandomVector<N> {
     /// Normal inputs from means and the covariance matrix.
     ///
     /// # Errors
-    /// As [`new`](Self::new); a negative variance is [`Error::Negative`]. A certain input that covaries with another is
+    /// Those of [`new`](Self::new); a negative variance is [`Error::Negative`]. A certain input with a covariance is
     /// [`Error::Correlation`].
     pub fn from_covariance(mean: [f64; N], covariance: [[f64; N]; N]) -> Result<Self, Error> {
         for (index, &value) in covariance.iter().flatten().enumerate() {
@@ -109,11 +111,11 @@ impl<const N: usize> RandomVector<N> {
         Self::new(mean, deviations, correlation)
     }
 
-    /// The same means, deviations and correlation with other marginal laws.
+    /// The same means, deviations and correlation with other marginal distributions.
     ///
     /// # Errors
-    /// [`Error::LognormalMean`] for a mean that is not above zero; [`Error::Correlation`] and
-    /// [`Error::NotPositiveSemidefinite`] where no such vector exists: lognormals cannot have every correlation.
+    /// [`Error::LognormalMean`] for a mean that is not positive; [`Error::Correlation`] and
+    /// [`Error::NotPositiveSemidefinite`] for a correlation that is impossible for these marginals.
     pub fn with_marginals(self, marginals: [Marginal; N]) -> Result<Self, Error> {
         Self::checked(self.mean, self.deviations, self.correlation, marginals)
     }
@@ -171,13 +173,13 @@ impl<const N: usize> RandomVector<N> {
         std::array::from_fn(|i| std::array::from_fn(|j| self.correlation[i][j] * s[i] * s[j]))
     }
 
-    /// Where the response is expanded: the mean of normal, the median of lognormal inputs.
+    /// Expansion point: the mean of normal, the median of lognormal inputs.
     #[must_use]
     pub fn centre(&self) -> [f64; N] {
         self.point(&[0.0; N])
     }
 
-    /// The inputs that belong to independent standard normals `t`.
+    /// The inputs for independent standard normals `t`.
     #[must_use]
     pub fn point(&self, t: &[f64; N]) -> [f64; N] {
         std::array::from_fn(|i| {
@@ -185,13 +187,13 @@ impl<const N: usize> RandomVector<N> {
         })
     }
 
-    /// The quantile at $\Phi(u)$ of every input by itself.
+    /// The quantile at $\Phi(u)$ of every input separately.
     #[must_use]
     pub fn quantiles(&self, u: f64) -> [f64; N] {
         std::array::from_fn(|i| self.marginal_point(i, u))
     }
 
-    /// Input `i` where its normal coordinate is `u`.
+    /// Input `i` at the normal coordinate `u`.
     fn marginal_point(&self, i: usize, u: f64) -> f64 {
         let (mean, s) = (self.mean[i], self.scales[i]);
         match self.marginals[i] {
@@ -200,7 +202,7 @@ impl<const N: usize> RandomVector<N> {
         }
     }
 
-    /// An expansion by the inputs, carried over to the independent standard normals `t`.
+    /// Transforms an expansion from the inputs to the independent standard normals `t`.
     ///
     /// $$ \frac{\partial y}{\partial t} = L^T D g, \qquad \frac{\partial^2 y}{\partial t^2} = L^T (D H D + \ldots) L $$
     pub(crate) fn standardise(&self, given: &Expansion<N>) -> Expansion<N> {
@@ -240,7 +242,7 @@ impl<const N: usize> RandomVector<N> {
         self.rotate(&Expansion { value: given.value, gradient, hessian, third })
     }
 
-    /// From the correlated normal coordinates `u` to the independent `t`.
+    /// Transforms from the correlated normal coordinates `u` to the independent `t`.
     fn rotate(&self, given: &Expansion<N>) -> Expansion<N> {
         let l = &self.factor;
         let along = |v: &[f64; N]| -> [f64; N] {
@@ -272,7 +274,7 @@ impl<const N: usize> RandomVector<N> {
         }
     }
 
-    /// First, second and third derivative of each input by its normal coordinate at the centre.
+    /// First, second and third derivative of each input with respect to its normal coordinate at the centre.
     pub(crate) fn marginal_derivatives(&self) -> ([f64; N], [f64; N], [f64; N]) {
         let (mut d, mut c, mut b) = (self.scales, [0.0; N], [0.0; N]);
         let centre = self.centre();
@@ -322,7 +324,7 @@ fn check_inputs<const N: usize>(
     check_symmetric("correlation", correlation)
 }
 
-/// The correlation of the normal coordinates behind that of two inputs.
+/// Correlation of the normal coordinates for a correlation of two inputs.
 fn normal_correlation<const N: usize>(
     i: usize,
     j: usize,

@@ -1,11 +1,11 @@
-//! What the moments are asked of.
+//! The trait of a differentiable response.
 
 use crate::scalar::Scalar;
 
-/// A response $y(x_1, .., x_N)$ written once over every number type.
+/// A response $y(x_1, .., x_N)$ written once for every number type.
 ///
-/// Rust has no generic closures, so this is a trait with one method. What serves it serves all ways of differentiating:
-/// dual numbers, jets, differences, sigma points, Monte Carlo.
+/// Rust has no generic closures, so this is a trait with one method. It serves all ways of differentiation: dual
+/// numbers, jets, differences, sigma points, Monte Carlo.
 ///
 /// ```
 /// use perturbation_moments::{Response, Scalar};

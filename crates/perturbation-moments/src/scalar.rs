@@ -1,16 +1,16 @@
-//! The number type of a response: one text for values, jets and dual numbers.
+//! The number type of a response: values, jets or dual numbers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::{Dual2_64, DualNum, HyperDual64, HyperHyperDual64};
 
-/// A real number, or one that carries derivatives with it.
+/// A real number, possibly with derivatives.
 ///
-/// A [`Response`](crate::Response) is written once over this trait. With [`f64`] it gives a value, with
-/// [`Jet`](crate::Jet) a value with derivatives along eight directions, with the dual numbers of num-dual, which
-/// [`ForwardDifferentiation`](crate::ForwardDifferentiation) uses inside, mixed second and third derivatives.
+/// A [`Response`](crate::Response) is written once for this trait. With [`f64`] it computes a value, with
+/// [`Jet`](crate::Jet) a value with derivatives along eight directions. With the dual numbers of num-dual, used inside
+/// [`ForwardDifferentiation`](crate::ForwardDifferentiation), it computes mixed second and third derivatives.
 ///
-/// Outside the domain of a function the value is NaN or infinite, as for [`f64`]; who asked for it returns an error.
+/// Outside the domain of a function the value is NaN or infinite, as for [`f64`]; the caller returns an error.
 pub trait Scalar:
     Copy
     + Add<Output = Self>
@@ -23,13 +23,13 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// A number that depends on nothing.
+    /// A constant.
     fn constant(value: f64) -> Self;
-    /// The number without its derivatives: what a branch looks at.
+    /// The number without its derivatives, for branches.
     fn value(self) -> f64;
     /// `1/x`.
     fn recip(self) -> Self;
-    /// The square root, for `x > 0`; at zero it has no derivative.
+    /// The square root, for `x > 0`; not differentiable at zero.
     fn sqrt(self) -> Self;
     /// The exponential.
     fn exp(self) -> Self;
@@ -39,12 +39,12 @@ pub trait Scalar:
     fn sin(self) -> Self;
     /// The cosine of an angle in radians.
     fn cos(self) -> Self;
-    /// A whole power.
+    /// An integer power.
     fn powi(self, exponent: i32) -> Self;
     /// A constant real power, for `x > 0`.
     fn powf(self, exponent: f64) -> Self;
 
-    /// `exp(factor x)`; with `factor = ln b` the power `b^x` of a base that is certain.
+    /// `exp(factor x)`; with `factor = ln b` the power `b^x` of a certain base.
     #[must_use]
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]
@@ -61,7 +61,7 @@ pub trait Scalar:
     }
 }
 
-/// Each by the functions that the type brings: those of num-dual stay a judge that shares nothing with ours.
+/// Uses the functions of the type itself: those of num-dual stay an independent reference.
 macro_rules! scalar {
     ($type:ty, $constant:expr, $value:expr) => {
         #[allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]

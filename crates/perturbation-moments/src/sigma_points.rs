@@ -7,7 +7,7 @@ use crate::moments::Moments;
 use crate::random_vector::RandomVector;
 use crate::trust::Trust;
 
-/// How far the points lie from the centre, in deviations: the spread that gives the fourth moment of a normal.
+/// Distance of the points from the centre, in deviations: matches the fourth moment of a normal distribution.
 pub const SIGMA_POINT_DISTANCE: f64 = 1.732_050_807_568_877_2;
 
 /// Moments from the response at the centre and at $\pm\sqrt3$ deviations along each direction `L e_k`.
@@ -15,10 +15,11 @@ pub const SIGMA_POINT_DISTANCE: f64 = 1.732_050_807_568_877_2;
 /// $$ a_k = \frac{y_k^+ - y_k^-}{2\sqrt3}, \quad q_k = \frac{y_k^+ - 2 y_0 + y_k^-}{3}, \qquad
 ///    \operatorname{E} y \approx y_0 + \tfrac12 \sum q_k, \quad \operatorname{Var} y \approx \sum a_k^2 + \tfrac12 \sum q_k^2 $$
 ///
-/// The fallback where nothing can be differentiated: `2N + 1` values, no smoothness assumed. It looks three deviations wide
-/// and so **notices a kink** beside the centre, which derivatives at the centre cannot: [`judge`](Self::judge).
-/// The mean is that of the unscented transform with $\kappa = 3 - N$; the variance, a sum of squares, cannot become
-/// negative as that one can. Mixed terms are not seen: `x1 x2` at zero mean has none of its variance here.
+/// Use it where nothing can be differentiated: `2N + 1` values, without a smoothness assumption. It samples up to
+/// three deviations and so **detects a kink** near the centre, which derivatives at the centre cannot:
+/// [`judge`](Self::judge). The mean is that of the unscented transform with $\kappa = 3 - N$; the variance is a sum of
+/// squares and, unlike that transform's, cannot become negative. Mixed terms are not included: `x1 x2` at zero mean
+/// has zero variance here.
 ///
 /// Sources: Julier and Uhlmann 2004, Unscented filtering and nonlinear estimation; Nørgaard, Poulsen and Ravn 2000, New
 /// developments in state estimation for nonlinear systems, the variance.
@@ -43,10 +44,10 @@ pub struct SigmaPoints<const N: usize> {
 }
 
 impl<const N: usize> SigmaPoints<N> {
-    /// Asks the response at the `2N + 1` points.
+    /// Evaluates the response at the `2N + 1` points.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] where the response is not finite; points count the centre, then `+` and `-` of each direction.
+    /// [`Error::NotFinite`] if the response is not finite; points are the centre, then `+` and `-` of each direction.
     pub fn new(
         inputs: &RandomVector<N>,
         response: impl Fn(&[f64; N]) -> f64,
@@ -56,11 +57,14 @@ impl<const N: usize> SigmaPoints<N> {
         Self::from_values(&values)
     }
 
-    /// From the responses at the points of a [star](AlongDirections::star) of the distance [`SIGMA_POINT_DISTANCE`]: for many
-    /// responses of one run.
+    /// Sigma points from the responses at the points of a star.
+    ///
+    /// The [star](AlongDirections::star) has the distance [`SIGMA_POINT_DISTANCE`].
+    ///
+    /// Use it for several responses of one run.
     ///
     /// # Errors
-    /// As [`AlongDirections::from_star`].
+    /// Those of [`AlongDirections::from_star`].
     pub fn from_values(values: &[f64]) -> Result<Self, Error> {
         Ok(Self { known: AlongDirections::from_star(SIGMA_POINT_DISTANCE, values)? })
     }
@@ -78,13 +82,13 @@ impl<const N: usize> SigmaPoints<N> {
         squares(&self.known.first) + 0.5 * squares(&self.known.second)
     }
 
-    /// The slopes and curvatures as seen from three deviations away.
+    /// Slopes and curvatures over the distance of the points.
     #[must_use]
     pub const fn along(&self) -> &AlongDirections<N> {
         &self.known
     }
 
-    /// The trust in Taylor moments with the sigma points as a witness.
+    /// Trust in Taylor moments, with the sigma points as a further indicator.
     ///
     /// # Errors
     /// [`Error::NoFirstOrderVariance`].
@@ -95,7 +99,7 @@ impl<const N: usize> SigmaPoints<N> {
     }
 }
 
-/// The sigma points of a response as a way to have slopes and curvatures along `L e_k`.
+/// Sigma points of a response as slopes and curvatures along `L e_k`.
 #[derive(Debug, Clone, Copy)]
 pub struct BySigmaPoints<F>(
     /// The response: a value at a point.

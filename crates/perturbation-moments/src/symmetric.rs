@@ -1,7 +1,8 @@
-//! Symmetric matrices: eigenvalues and a factor, of positive semidefinite ones too.
+//! Symmetric matrices: eigenvalues and factor, also of positive semidefinite ones.
 
-/// Sweeps over all pairs after which the rotations end. Convergence is quadratic; six are typical, so this is never
-/// reached by a finite matrix.
+/// Largest number of sweeps over all pairs.
+///
+/// Convergence is quadratic and typically takes six, so a finite matrix never reaches the limit.
 const MOST_SWEEPS: usize = 60;
 
 /// The eigenvalues of a symmetric matrix in ascending order, by cyclic Jacobi rotations.
@@ -48,7 +49,7 @@ fn rotate<const N: usize>(a: &mut [[f64; N]; N], p: usize, q: usize) {
 
 /// A lower triangular `L` with `S = L L^T` for a positive semidefinite `S` of unit diagonal.
 ///
-/// Where a pivot is roundoff, the row is a combination of those before it: its column of the factor is zero.
+/// If a pivot is roundoff, the row depends on those before it, and its column of the factor is zero.
 pub(crate) fn factor<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
     let mut l = [[0.0; N]; N];
     for j in 0..N {
@@ -65,7 +66,7 @@ pub(crate) fn factor<const N: usize>(matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
     l
 }
 
-/// Below this, in size, an eigenvalue or pivot of a matrix of unit diagonal is taken for zero.
+/// Magnitude below which an eigenvalue or pivot of a matrix with unit diagonal counts as zero.
 pub(crate) const fn roundoff(n: usize) -> f64 {
     16.0 * f64::EPSILON * n as f64
 }

@@ -1,6 +1,6 @@
-//! The factor of a covariance.
+//! Cholesky factor of a covariance.
 
-/// The lower triangular `L` with `L L^T = C`, or the row of the first pivot that is not positive, with its value.
+/// The lower triangular `L` with `L L^T = C`, or the first pivot that is not positive, with its row.
 pub(crate) fn cholesky<const D: usize>(
     covariance: &[[f64; D]; D],
 ) -> Result<[[f64; D]; D], (usize, f64)> {

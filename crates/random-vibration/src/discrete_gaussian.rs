@@ -1,12 +1,13 @@
-//! The sum of a value in cells and an independent normal.
+//! Convolution of cell masses with a Gaussian.
 
-/// Convolves a row of masses with a discrete Gaussian of the given variance in cells; what would leave the row stays in
-/// its outermost cells.
+/// Convolves a row of masses with a discrete Gaussian of the given variance in cells.
+///
+/// Mass that would leave the row stays in its outermost cells.
 pub(crate) fn spread_gaussian(row: &mut [f64], variance: f64, scratch: &mut [f64]) {
     if variance >= 1.0 {
         sampled_gaussian(row, variance, scratch);
     } else if variance > 0.0 {
-        // The variance of a walk is the number of its steps times twice the chance of one to either side.
+        // The variance of a random walk is its number of steps times twice the probability of a step to one side.
         let walks = (variance / MOST_WALK_VARIANCE).ceil();
         let chance = 0.5 * variance / walks;
         let mut done = 0.0;
@@ -72,7 +73,7 @@ mod tests {
             assert!((moment(0) - 2.0).abs() < 1e-14);
             // Aliasing of a Gaussian sampled at a spacing of one deviation: 4 pi^2 exp(-2 pi^2).
             assert!((moment(2) / (2.0 * variance) - 1.0).abs() < 4e-7, "{variance}: {}", moment(2));
-            // At the end of the row nothing is lost either.
+            // No mass is lost at the end of the row either.
             let mut end = vec![1.0, 0.0, 0.0, 0.0];
             spread_gaussian(&mut end, variance, &mut [0.0; 4]);
             assert!((end.iter().sum::<f64>() - 1.0).abs() < 1e-14 && end.iter().all(|&m| m >= 0.0));

@@ -2,15 +2,18 @@
 //!
 //! One step of length `tau` is `Q(tau/2) K D Q(tau/2)` on even and `Q(tau/2) D K Q(tau/2)` on odd steps, with
 //!
-//! - `Q`: `q' = v`, the rows of the grid move past each other,
-//! - `K`: `v' = a(t, q, v)`, the columns flow along the acceleration,
+//! - `Q`: `q' = v`, the rows of the grid shift relative to each other,
+//! - `K`: `v' = a(t, q, v)`, the columns move with the acceleration,
 //! - `D`: the noise, a discrete Gaussian along `v`.
 //!
-//! Two steps are a symmetric composition, of order 2. The times of `Q` and of the elastic part of `K` are those of the
-//! three shears that make up a rotation, so that an undamped linear oscillator at the reference frequency turns exactly.
-//! `Q` and `K` carry cell masses by conservative semi-Lagrangian remapping: the mass between the departure points of a
-//! cell's edges, from the distribution along the line, interpolated with degree 5. The grid is a square in `(q, v/omega)`
-//! that follows the mean and the covariance, so that it neither clips a tail nor wastes cells.
+//! Two steps are a symmetric composition of order 2. The durations of `Q` and of the elastic part of `K` are those of
+//! the three shears that compose a rotation, so an undamped linear oscillator at the reference frequency rotates
+//! exactly.
+//!
+//! `Q` and `K` transport cell masses by conservative semi-Lagrangian remapping. The new mass is the mass between the
+//! departure points of a cell's edges; it follows from the cumulative distribution along the line, interpolated with
+//! degree 5. The grid is a square in `(q, v/omega)` that follows mean and covariance, so it neither clips a tail nor
+//! wastes cells.
 //!
 //! Sources: Strang 1968, On the construction and comparison of difference schemes; conservative remapping Zerroukat, Wood
 //! and Staniforth 2002, SLICE, a semi-Lagrangian inherently conserving and efficient scheme; limited fluxes Filbet,
@@ -25,9 +28,9 @@ use crate::remap::{Axis, Line};
 
 /// The density of an oscillator `(q, v)` on a grid.
 ///
-/// Mass is conserved to roundoff, for what lies beyond the grid is kept in its outermost cells; the cells are never
-/// negative, for a remapped mass lies between nothing and what there was. No cell is lost to roundoff either: only
-/// neighbouring masses are added, so that a tail is as accurate in relative terms as the interpolation.
+/// Mass is conserved within roundoff, because mass beyond the grid is kept in its outermost cells. Cells are never
+/// negative, because a remapped mass lies between zero and the available mass. No cell is lost in roundoff either:
+/// only neighbouring masses are added, so the relative accuracy of a tail is that of the interpolation.
 pub struct GridDensity<'a> {
     system: &'a dyn Sde<2, 1, Noise = Additive>,
     config: GridConfig,
@@ -35,12 +38,12 @@ pub struct GridDensity<'a> {
     steps: u64,
     q: Axis,
     v: Axis,
-    /// Masses of the cells; the velocity runs fastest.
+    /// Masses of the cells; the velocity is the fastest index.
     masses: Vec<f64>,
     scratch: Scratch,
 }
 
-/// Buffers of a step.
+/// Work arrays of a step.
 #[derive(Debug)]
 struct Scratch {
     line: Line,
@@ -50,10 +53,10 @@ struct Scratch {
 }
 
 impl<'a> GridDensity<'a> {
-    /// Lays the grid over the initial law, at `t = 0`; the masses are made to sum to 1.
+    /// Creates the grid for the initial distribution at `t = 0`; the masses are normalised to 1.
     ///
     /// # Errors
-    /// [`GridError::OutOfRange`], naming the parameter.
+    /// [`GridError::OutOfRange`] with the name of the parameter.
     pub fn new(
         system: &'a dyn Sde<2, 1, Noise = Additive>,
         law: &GaussianMixture<2>,
@@ -86,7 +89,7 @@ impl<'a> GridDensity<'a> {
         Ok(Self { system, config, time: 0.0, steps: 0, q, v, masses, scratch })
     }
 
-    /// Steps to a time, in an even number of steps of equal length.
+    /// Advances to a time in an even number of equal steps.
     ///
     /// # Errors
     /// [`GridError`].
@@ -99,11 +102,11 @@ impl<'a> GridDensity<'a> {
             return Ok(());
         }
         let pairs = 0.5 * span * self.config.steps_per_period / self.config.period;
-        // The slack keeps roundoff from adding a pair.
+        // The tolerance prevents roundoff from adding a pair.
         let pairs = (pairs - 1e-9).ceil().max(1.0);
         let (from, tau) = (self.time, 0.5 * span / pairs);
         let omega = self.config.frequency();
-        // The shears of a rotation by omega tau.
+        // The shears of a rotation by `omega tau`.
         let half_drift = (0.5 * omega * tau).tan() / omega;
         self.drift(half_drift)?;
         let mut done = 0.0;
@@ -127,7 +130,7 @@ impl<'a> GridDensity<'a> {
         Ok(())
     }
 
-    /// `q' = v` over a time, onto an axis that fits what comes of it.
+    /// Integrates `q' = v` over a time, onto an axis that fits the result.
     fn drift(&mut self, tau: f64) -> Result<(), GridError> {
         let Spread { mean, qq, qv, vv } = self.spread();
         let moved = Spread {
@@ -156,11 +159,13 @@ impl<'a> GridDensity<'a> {
         Ok(())
     }
 
-    /// `v' = a(t, q, v)` over a step, by Runge-Kutta 4 backward from the edges of an axis that fits what comes of it.
+    /// Integrates `v' = a(t, q, v)` over a step by Runge-Kutta 4.
+    ///
+    /// The integration is backward from the cell edges of an axis that fits the result.
     fn kick(&mut self, t: f64, tau: f64) -> Result<(), GridError> {
         let n = self.config.cells;
         let omega = self.config.frequency();
-        // The elastic force acts for sin(omega tau)/omega only, as in the rotation.
+        // The elastic force acts only for `sin(omega tau)/omega`, as in the rotation.
         let spared = omega * omega * (1.0 - (omega * tau).sin() / (omega * tau));
         let to = self.kicked_axis(t, tau, spared)?;
         let Scratch { line, column, departures, .. } = &mut self.scratch;
@@ -186,11 +191,11 @@ impl<'a> GridDensity<'a> {
         Ok(())
     }
 
-    /// An axis for the velocities after a step, by `v + tau a` at the cells.
+    /// The velocity axis after a step, from `v + tau a` at the cells.
     fn kicked_axis(&self, t: f64, tau: f64, spared: f64) -> Result<Axis, GridError> {
         let n = self.config.cells;
         let Spread { mean, qq, qv, .. } = self.spread();
-        // Every fourth cell is enough to place a grid.
+        // Every fourth cell suffices to position a grid.
         let (mut weight, mut first, mut second) = (0.0, 0.0, 0.0);
         for i in (0..n).step_by(4) {
             let q = self.q.centre_of(i);
@@ -211,8 +216,10 @@ impl<'a> GridDensity<'a> {
         Ok(self.config.axes(&moved, t)?.1)
     }
 
-    /// Adds an independent normal to the velocities: a Gaussian sampled at the cells, whose variance is right to
-    /// `1e-6` from a standard deviation of one cell on, and below it a random walk between neighbours.
+    /// Adds an independent normal variable to the velocities.
+    ///
+    /// The kernel is a Gaussian sampled at the cells, whose variance is accurate to `1e-6` for a standard deviation of
+    /// at least one cell. For smaller deviations it is a random walk between neighbours.
     fn diffuse(&mut self, t: f64, tau: f64) -> Result<(), GridError> {
         let mut mean_diffusion = 0.0;
         for (part, weight) in [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)] {
@@ -223,7 +230,7 @@ impl<'a> GridDensity<'a> {
             }
             mean_diffusion += weight * 0.5 * on_v * on_v;
         }
-        // A kick amid the shears moves the energy by 1/cos^2 of what it does amid the rotation.
+        // A kick between the shears changes the energy by 1/cos^2 of its change within the rotation.
         let spared = (0.5 * self.config.frequency() * tau).cos().powi(2);
         let variance = 2.0 * mean_diffusion * tau * spared / (self.v.width * self.v.width);
         let n = self.config.cells;
@@ -246,25 +253,25 @@ impl std::fmt::Debug for GridDensity<'_> {
 }
 
 impl GridDensity<'_> {
-    /// The present time.
+    /// Current time.
     #[must_use]
     pub const fn time(&self) -> f64 {
         self.time
     }
 
-    /// Steps so far.
+    /// Number of steps so far.
     #[must_use]
     pub const fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// The sum of all masses.
+    /// Sum of all masses.
     #[must_use]
     pub fn total_mass(&self) -> f64 {
         self.masses.chunks_exact(self.config.cells).map(|row| row.iter().sum::<f64>()).sum()
     }
 
-    /// The smallest mass of a cell.
+    /// Smallest mass of a cell.
     #[must_use]
     pub fn smallest_mass(&self) -> f64 {
         self.masses.iter().copied().fold(f64::INFINITY, f64::min)
@@ -291,7 +298,7 @@ impl GridDensity<'_> {
         Ok(moment)
     }
 
-    /// `P(|q| > T)`, the cell that `T` cuts divided by the interpolated distribution.
+    /// `P(|q| > T)`; the cell that `T` cuts is divided by the interpolated distribution.
     #[must_use]
     pub fn exceedance(&self, threshold: f64) -> f64 {
         let n = self.config.cells;
@@ -331,10 +338,10 @@ impl GridDensity<'_> {
     }
 }
 
-/// What the sum of a few terms loses, with room.
+/// Bound on the roundoff of a sum of a few terms, with margin.
 const ROUNDOFF: f64 = 1e-12;
 
-/// The mass of a cell under a law, by the product of two rules of Gauss and Legendre with three nodes.
+/// Mass of a cell under a density, by the product of two Gauss-Legendre rules with three nodes.
 fn cell_mass(law: &GaussianMixture<2>, q: &Axis, v: &Axis, (i, j): (usize, usize)) -> f64 {
     let rule = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
     let mut mass = 0.0;

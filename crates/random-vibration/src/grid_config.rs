@@ -1,17 +1,17 @@
-//! How the grid solver is set up, and what it refuses.
+//! Configuration and errors of the grid solver.
 
 use crate::remap::Axis;
 
-/// How fine the grid is, and how far it goes.
+/// Resolution and extent of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridConfig {
     /// Cells along each axis.
     pub cells: usize,
     /// Half the edge of the square, in standard deviations along the widest direction.
     pub reach: f64,
-    /// `2 pi/omega`: the period at which the oscillator turns exactly (time).
+    /// `2 pi/omega`: period at which the oscillator rotates exactly (time).
     pub period: f64,
-    /// Steps per period at the least.
+    /// Minimum number of steps per period.
     pub steps_per_period: f64,
 }
 
@@ -20,54 +20,54 @@ const FEWEST_CELLS: usize = 16;
 /// Most cells along an axis: the grid then takes half a gigabyte.
 const MOST_CELLS: usize = 8_192;
 
-/// Why there is no density.
+/// Error of the grid solver.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum GridError {
     /// A parameter is out of its range.
     #[error("{name} is {value}; it must be {limit}")]
     OutOfRange {
-        /// Which.
+        /// Name of the parameter.
         name: &'static str,
-        /// What was given.
+        /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The admissible range.
         limit: &'static str,
     },
-    /// The scheme knows noise on the velocity alone.
+    /// Noise acts on the displacement; the scheme supports noise on the velocity alone.
     #[error("the noise has an entry {value} on the displacement at t = {time}; it must be 0")]
     NoiseOnDisplacement {
-        /// When.
+        /// Time of the evaluation.
         time: f64,
         /// The entry.
         value: f64,
     },
-    /// The scheme knows oscillators alone.
+    /// The system is no oscillator: `q' = v` does not hold.
     #[error(
         "the drift of the displacement is {value} at t = {time}; it must be the velocity {limit}"
     )]
     NoOscillator {
-        /// When.
+        /// Time of the evaluation.
         time: f64,
-        /// What it is.
+        /// The drift found.
         value: f64,
-        /// What it must be.
+        /// The velocity, which it must equal.
         limit: f64,
     },
-    /// Time goes forward.
+    /// An output time is before the current time.
     #[error("the output time {value} is before the present time {limit}")]
     Time {
-        /// What was asked.
+        /// The requested time.
         value: f64,
-        /// The present time.
+        /// The current time.
         limit: f64,
     },
-    /// A moment of the density or a path is no number, or the width is zero.
+    /// A moment of the density or a path is not finite, or the width is zero.
     #[error(
         "at t = {time} the {what} of the density is {value}; it must be finite, and a variance positive"
     )]
     Collapsed {
-        /// When.
+        /// Time of the evaluation.
         time: f64,
         /// Mean, variance or path.
         what: &'static str,
@@ -97,7 +97,7 @@ impl GridConfig {
                 return refuse(name, value, "greater than 0 and finite");
             }
         }
-        // A rotation by three shears must stay below half a turn.
+        // A rotation by three shears must be less than half a turn.
         if !(steps_per_period >= 4.0 && steps_per_period.is_finite()) {
             return refuse("steps_per_period", steps_per_period, "at least 4 and finite");
         }
@@ -108,7 +108,7 @@ impl GridConfig {
         std::f64::consts::TAU / self.period
     }
 
-    /// Axes that reach as far as asked along the widest direction, in the coordinates in which the oscillator turns.
+    /// Axes with the requested extent along the widest direction, in the coordinates in which the oscillator rotates.
     pub(crate) fn axes(&self, spread: &Spread, time: f64) -> Result<(Axis, Axis), GridError> {
         let omega = self.frequency();
         let Spread { mean, qq, qv, vv } = *spread;

@@ -1,4 +1,4 @@
-//! Moments by statistical linearisation.
+//! Moments by statistical linearisation (Gaussian closure).
 
 use sde_integrators::{Additive, GaussianMixture, Sde};
 
@@ -16,89 +16,92 @@ pub struct GaussianLaw<const D: usize> {
     pub covariance: [[f64; D]; D],
 }
 
-/// How expectations over one state are taken, given the states before it.
+/// Quadrature over one state, conditional on the states before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quadrature {
-    /// The rule of Gauss and Hermite with three nodes: exact for polynomials of degree 5.
+    /// Gauss-Hermite rule with three nodes: exact for polynomials of degree 5.
     Hermite,
-    /// The rule of Gauss and Legendre with 16 nodes on either side of zero, for a drift that has a kink or a root there.
+    /// Gauss-Legendre rule with 16 nodes on either side of zero, for a drift with a kink or a root at zero.
     SplitAtZero,
-    /// The same on either side of the value of a state that comes before it in the order: for a kink where two are equal.
+    /// The same rule on either side of the value of an earlier state, for a kink where both are equal.
     SplitAt(usize),
 }
 
-/// Why there are no moments.
+/// Error of the linearisation.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum LinearisationError {
-    /// The step is no positive number.
+    /// The step is not positive.
     #[error("the step is {value}; it must be greater than 0")]
     Step {
-        /// What was given.
+        /// The step given.
         value: f64,
     },
-    /// Output times must increase from zero.
+    /// The output times do not increase from zero.
     #[error("the output time {value} does not exceed the one before it, {limit}")]
     Times {
         /// The time.
         value: f64,
-        /// The one before it, or zero.
+        /// The previous time, or zero.
         limit: f64,
     },
     /// The order of the states is no permutation.
     #[error(
-        "the state {value} stands twice in the order of the quadrature, or is none of {limit} states"
+        "the state {value} occurs twice in the order of the quadrature, or is none of {limit} states"
     )]
     Order {
         /// The state.
         value: usize,
-        /// How many there are.
+        /// Number of states.
         limit: usize,
     },
-    /// A rule splits at a state that has no value yet.
+    /// A rule splits at a state that comes later in the order.
     #[error("the rule of state {state} splits at state {at}, which does not come before it")]
     Split {
         /// The state of the rule.
         state: usize,
-        /// Where it splits.
+        /// The state at which it splits.
         at: usize,
     },
-    /// The closure made a covariance that is none.
+    /// The computed covariance is not positive definite.
     #[error(
         "at t = {time} the pivot of the covariance at state {state} is {value}; it must be positive"
     )]
     NotACovariance {
-        /// When.
+        /// Time of the evaluation.
         time: f64,
-        /// At which state.
+        /// Index of the state.
         state: usize,
         /// The pivot.
         value: f64,
     },
 }
 
-/// Statistical linearisation (Gaussian closure): the drift is replaced by its linear regression on the state under the
-/// present normal distribution,
+/// Statistical linearisation (Gaussian closure).
+///
+/// The drift is replaced by its linear regression on the state under the current normal distribution,
 ///
 /// $$ \dot m = E f(X), \qquad \dot P = E[f (X - m)^T] + E[(X - m) f^T] + 2 D, \qquad X \sim \mathcal N(m, P) . $$
 ///
-/// Letters: $m$ = [`GaussianLaw::mean`] and $P$ = [`GaussianLaw::covariance`] (units of the states), $f$ the drift and $D$ the
-/// diffusion matrix of the system. Exact for a linear system; otherwise its error is that of the normal distribution, and no
-/// parameter makes it smaller. Runge-Kutta 4 in time: the error of a linear system falls with the fourth power of the step.
+/// Letters: $m$ = [`GaussianLaw::mean`] and $P$ = [`GaussianLaw::covariance`] (units of the states), $f$ the drift and
+/// $D$ the diffusion matrix of the system. The method is exact for a linear system. Otherwise its error is that of the
+/// normal approximation, and no parameter reduces it. Time integration is Runge-Kutta 4: for a linear system the error
+/// decreases with the fourth power of the step.
 ///
-/// Sources: Roberts and Spanos 1990, Random vibration and statistical linearization; that both are the same Atalik and
-/// Utku 1976, Stochastic linearization of multi-degree-of-freedom non-linear systems.
+/// Sources: Roberts and Spanos 1990, Random vibration and statistical linearization; equivalence of both formulations:
+/// Atalik and Utku 1976, Stochastic linearization of multi-degree-of-freedom non-linear systems.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearisation<const D: usize> {
-    /// The states in the order in which expectations are nested, with their rules; those with kinks first, so that a kink
-    /// is where a variable vanishes.
+    /// States in the order in which expectations are nested, with their rules.
+    ///
+    /// States with kinks come first, so that a kink is where a variable is zero.
     pub order: [(usize, Quadrature); D],
     /// Longest step (time).
     pub step: f64,
 }
 
 impl<const D: usize> Linearisation<D> {
-    /// The distributions at the times, which increase from zero.
+    /// Distributions at the given times, which increase from zero.
     ///
     /// # Errors
     /// [`LinearisationError`].
@@ -149,7 +152,7 @@ impl<const D: usize> Linearisation<D> {
     }
 }
 
-/// The rates of the moments.
+/// Rates of change of the moments.
 struct Closure<'a, const D: usize, const M: usize> {
     system: &'a dyn Sde<D, M, Noise = Additive>,
     order: [(usize, Quadrature); D],
@@ -177,7 +180,7 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
         Ok(next)
     }
 
-    /// The rates of mean and covariance.
+    /// Rates of change of mean and covariance.
     fn rate(&self, law: &GaussianLaw<D>) -> Result<GaussianLaw<D>, LinearisationError> {
         let factor = self.factor(law)?;
         let mut sums = Expectations { drift: [0.0; D], products: [[0.0; D]; D] };
@@ -203,7 +206,7 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
         })
     }
 
-    /// Sums over the nodes of the states from `depth` on; `normals` and `x` hold what was chosen before.
+    /// Sums over the nodes of the states from `depth` on; `normals` and `x` hold the earlier choices.
     fn visit(
         &self,
         depth: usize,
@@ -255,8 +258,9 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
 }
 
 impl<const D: usize> GaussianLaw<D> {
-    /// The raw moment `E[X_1^a_1 .. X_D^a_D]` of the normal distribution, for powers `a` of low order: its cost grows with the
-    /// number of pairings of the factors (764 of eight).
+    /// The raw moment `E[X_1^a_1 .. X_D^a_D]` of the normal distribution, for powers `a` of low order.
+    ///
+    /// The cost grows with the number of pairings of the factors (764 for eight).
     ///
     /// Source: Isserlis 1918, On a formula for the product-moment coefficient of any order of a normal frequency distribution.
     #[must_use]
@@ -300,12 +304,12 @@ impl<const D: usize> GaussianLaw<D> {
     }
 }
 
-/// Where the integration of a normal density ends: 5e-14 of its mass lies beyond.
+/// Limit of the integration of a normal density: 5e-14 of its mass lies beyond.
 const FAR: f64 = 7.5;
 /// Nodes on either side of zero.
 const HALF_NODES: usize = 16;
 
-/// Nodes and weights over `[0, 1]` by `y = u^2` from the rule of Gauss and Legendre, which takes a root at zero well.
+/// Nodes and weights over `[0, 1]`: the Gauss-Legendre rule with `y = u^2`, which is accurate for a root at zero.
 fn half_line_rule() -> [(f64, f64); HALF_NODES] {
     let mut rule = [(0.0, 0.0); HALF_NODES];
     let n = HALF_NODES as f64;

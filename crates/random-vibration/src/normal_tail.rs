@@ -1,7 +1,9 @@
 //! The tail of the standard normal distribution.
 
-/// `P(Z > z)` of a standard normal, to full relative precision: `e^(-z^2/2)/sqrt(2 pi)` times the integral of
-/// `e^(-z t - t^2/2)` over `t > 0`, by the trapezoidal rule in `u` with `t = exp(pi/2 sinh u)`.
+/// `P(Z > z)` of a standard normal variable, to full relative precision.
+///
+/// It is `e^(-z^2/2)/sqrt(2 pi)` times the integral of `e^(-z t - t^2/2)` over `t > 0`, by the trapezoidal rule in `u`
+/// with `t = exp(pi/2 sinh u)`.
 #[must_use]
 pub fn upper_tail(z: f64) -> f64 {
     use std::f64::consts::{FRAC_PI_2, TAU};

@@ -13,22 +13,22 @@ impl Axis {
         Self { centre, width: 2.0 * half / cells as f64, cells }
     }
 
-    /// The lower edge of a cell.
+    /// Lower edge of a cell.
     pub(crate) fn edge(&self, cell: usize) -> f64 {
         self.centre + (cell as f64 - 0.5 * self.cells as f64) * self.width
     }
 
-    /// The middle of a cell.
+    /// Centre of a cell.
     pub(crate) fn centre_of(&self, cell: usize) -> f64 {
         self.centre + (cell as f64 + 0.5 - 0.5 * self.cells as f64) * self.width
     }
 
-    /// A place, counted in cells from the first edge.
+    /// Position in cells from the first edge.
     pub(crate) fn in_cells(&self, x: f64) -> f64 {
         (x - self.centre) / self.width + 0.5 * self.cells as f64
     }
 
-    /// The power of a cell's middle, corrected for the width of the cell after Sheppard.
+    /// Power of a cell's centre with Sheppard's correction for the cell width.
     pub(crate) fn sheppard(&self, cell: usize, power: u32) -> f64 {
         let (x, h) = (self.centre_of(cell), self.width);
         match power {
@@ -41,16 +41,16 @@ impl Axis {
     }
 }
 
-/// A line of masses between two empty cells at either end, for remapping.
+/// A line of masses with two empty cells at either end, for remapping.
 #[derive(Debug)]
 pub(crate) struct Line {
     padded: Vec<f64>,
 }
 
-/// Empty cells at either end, as far as the interpolation looks.
+/// Empty cells at either end, the half-width of the interpolation stencil.
 const PADDING: usize = 2;
 
-/// A place on the line: how far into which cell, and the mass of that cell up to it.
+/// A position on the line: cell, offset in the cell, and the mass of that cell up to it.
 #[derive(Debug, Clone, Copy)]
 struct Cut {
     cell: usize,
@@ -62,11 +62,12 @@ impl Line {
         Self { padded: vec![0.0; cells + 2 * PADDING] }
     }
 
-    /// The masses between consecutive cuts, which increase and are counted in cells from the first edge. The first cut is
-    /// taken at the very beginning and the last at the very end, so that nothing is lost.
+    /// The masses between consecutive cuts, which increase and are counted in cells from the first edge.
     ///
-    /// Within a cell the distribution is interpolated with degree 5 at the six nearest edges, held between nothing and
-    /// the mass of the cell, and never falls: the masses are not negative and their sum stays.
+    /// The first cut is moved to the beginning of the line and the last to its end, so no mass is lost. Within a cell
+    /// the cumulative distribution is interpolated with degree 5 at the six nearest edges. It is limited to the range
+    /// from zero to the mass of the cell and never decreases, so the masses are not negative and their sum is
+    /// conserved.
     pub(crate) fn remap(&mut self, masses: &[f64], cuts: &[f64], moved: &mut [f64]) {
         let n = masses.len();
         self.padded[PADDING..PADDING + n].copy_from_slice(masses);
@@ -80,7 +81,7 @@ impl Line {
         }
     }
 
-    /// The mass between two cuts, and the second, moved up to the first where it lies before it.
+    /// The mass between two cuts, and the second cut, moved up to the first if it lies before it.
     fn between(&self, from: Cut, to: Cut) -> (Cut, f64) {
         if to.cell < from.cell || (to.cell == from.cell && to.mass <= from.mass) {
             return (from, 0.0);
@@ -105,7 +106,7 @@ impl Line {
         let x = place - cell as f64;
         let [m_2, m_1, m, m1, m2] = [0, 1, 2, 3, 4].map(|k| self.padded[cell + k]);
         let (a, b, c, d, e) = (x + 2.0, x + 1.0, x - 1.0, x - 2.0, x - 3.0);
-        // Lagrange's polynomials at the edges -2, -1, 1, 2, 3, with the distribution counted from the edge 0.
+        // Lagrange polynomials at the edges -2, -1, 1, 2, 3; the distribution is counted from edge 0.
         let far_left = b * x * c * d * e / 120.0;
         let left = -a * x * c * d * e / 24.0;
         let right = a * b * x * d * e / 12.0;
@@ -144,7 +145,7 @@ mod tests {
 
     #[test]
     fn rough_masses_stay_positive_and_keep_their_sum() {
-        // Spikes between empty cells, where the interpolant rings.
+        // Spikes between empty cells, where the interpolant oscillates.
         let masses = [0.0, 1.0, 0.0, 0.0, 7.0, 1e-9, 0.0, 3.0, 0.0];
         for shift in 0..40 {
             let shift = 0.1 * f64::from(shift) - 2.0;
@@ -158,7 +159,7 @@ mod tests {
 
     #[test]
     fn sheppard_takes_the_width_of_the_cells_out_of_a_normal_law() {
-        // Masses of a standard normal in cells of one deviation: density times the sinc is what is left, below 1e-7.
+        // Masses of a standard normal in cells of one deviation: the remainder of density times sinc is below 1e-7.
         let axis = Axis::new(0.1, 10.0, 40);
         let mass = |k: usize| {
             let upper = crate::normal_tail::upper_tail;

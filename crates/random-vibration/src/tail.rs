@@ -1,4 +1,4 @@
-//! Exceedance probabilities of sampled paths: importance sampling at a design point, and subset simulation.
+//! Exceedance probabilities from sampled paths: importance sampling at a design point, and subset simulation.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -9,11 +9,13 @@ use sde_integrators::{
 
 use crate::cholesky::cholesky;
 
-/// The state at the end of a path, from its start and the normals that drive it.
+/// The state at the end of a path, as a function of its start and of the driving normals.
 type PathEnd<'a, const D: usize> = dyn Fn([f64; D], &[f64]) -> Result<[f64; D], Error> + Sync + 'a;
 
-/// `P(|y| > T)` of a demand `y = w . X(t)` at one time, from paths as functions of independent standard normals: first those
-/// of the initial distribution, then those of the steps.
+/// `P(|y| > T)` of a demand `y = w . X(t)` at one time.
+///
+/// Paths are functions of independent standard normals: first those of the initial distribution, then those of the
+/// steps.
 ///
 /// Source: Der Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
 pub struct TailPaths<'a, const D: usize> {
@@ -25,40 +27,42 @@ pub struct TailPaths<'a, const D: usize> {
     followed: AtomicU64,
 }
 
-/// Which tails importance sampling samples.
+/// The tails that importance sampling covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tails {
-    /// The upper tail, doubled: for distributions that are symmetric about zero.
+    /// The upper tail, doubled: for distributions symmetric about zero.
     Doubled,
-    /// Both, each at a design point of its own. They share their noise, so that the sum of their standard errors is a bound.
+    /// Both tails, each at its own design point.
+    ///
+    /// They share their noise, so the sum of their standard errors is a bound.
     Both,
 }
 
-/// Why there is no probability.
+/// Error of a tail probability.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TailError {
-    /// A mixture is no function of as many normals as there are states.
+    /// The initial distribution is a mixture, which is no function of one normal for each state.
     #[error("the initial distribution has {value} components; it must be one normal distribution")]
     Mixture {
-        /// How many.
+        /// Number of components.
         value: usize,
     },
-    /// The covariance of the initial distribution has no factor.
+    /// The initial covariance is not positive definite.
     #[error("the pivot of the initial covariance at state {state} is {value}; it must be positive")]
     NotACovariance {
-        /// At which state.
+        /// Index of the state.
         state: usize,
         /// The pivot.
         value: f64,
     },
-    /// A path or a method failed.
+    /// A path or a sampling method failed.
     #[error(transparent)]
     Sampling(#[from] Error),
 }
 
 impl<'a, const D: usize> TailPaths<'a, D> {
-    /// Paths from a normal distribution to a time, and the first state as the demand.
+    /// Paths from a normal distribution to a time; the demand is the first state.
     ///
     /// # Errors
     /// [`TailError::Mixture`], [`TailError::NotACovariance`].
@@ -90,13 +94,13 @@ impl<'a, const D: usize> TailPaths<'a, D> {
         Self { weights, ..self }
     }
 
-    /// How many paths have been followed so far.
+    /// Number of paths evaluated so far.
     #[must_use]
     pub fn n_followed(&self) -> u64 {
         self.followed.load(Ordering::Relaxed)
     }
 
-    /// The demand at the end of the path that the normals make.
+    /// The demand at the end of the path that the normals define.
     fn demand(&self, normals: &[f64]) -> Result<f64, Error> {
         self.followed.fetch_add(1, Ordering::Relaxed);
         let (first, rest) = normals.split_at(D);

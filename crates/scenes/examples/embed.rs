@@ -1,4 +1,4 @@
-//! A scene from a text to its quantities, each with its error.
+//! Solves a scene given as text and prints its quantities, each with its error.
 
 #![allow(clippy::print_stdout, reason = "an example shows its result")]
 

@@ -1,7 +1,8 @@
-//! The cheapest method and size for a tolerance on a user's own scene, from short trial runs.
+//! The cheapest method and size for a tolerance on a user's scene, from short trial runs.
 //!
-//! Every method climbs its ladder of sizes as far as the budget goes. A trial's error is what the run tells of itself, or what other
-//! trials contradict it by, whichever is more; from there error and cost are carried on to the size that the tolerance needs.
+//! Every method climbs its ladder of sizes as far as the budget allows. The error of a trial is its own estimate, or
+//! its deviation from other trials, whichever is larger. Error and cost are extrapolated to the size that the
+//! tolerance requires.
 
 mod curve;
 mod judgement;
@@ -19,77 +20,77 @@ use crate::kind::{Progress, RunError, SceneKind, kind_of};
 use crate::ladder::{self, Ladder, LadderError, Outcome, Rung, Trial};
 use crate::scene::SceneFile;
 
-/// Sizes are told for so much of the tolerance: an error that is carried on is itself not certain.
+/// Sizes are chosen for this fraction of the tolerance, because an extrapolated error is itself uncertain.
 const MARGIN: f64 = 0.8;
 
-/// What is asked.
+/// Options of the advice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// The largest error that is allowed, over the scale of each quantity.
+    /// Largest admissible error, relative to the scale of each quantity.
     pub tolerance: f64,
-    /// No trial run is begun that is expected to cost more (CPU s); the first of each method always is.
+    /// Largest expected cost of a trial run (CPU s); the first trial of each method always runs.
     pub budget: f64,
-    /// Beginnings of ids of quantities; none asks for all.
+    /// Prefixes of ids of quantities; an empty list selects all.
     pub quantities: Vec<String>,
 }
 
 impl Options {
-    /// The dearest trial, where nothing else is said (CPU s).
+    /// Default budget of a trial (CPU s).
     pub const BUDGET: f64 = 5.0;
 }
 
-/// Why there is no advice.
+/// Error of the advice.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum AdviseError {
-    /// The scene is wrong.
+    /// The scene is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
-    /// A trial could not be made.
+    /// A trial could not be started.
     #[error(transparent)]
     Ladder(#[from] LadderError),
-    /// A tolerance that is none.
+    /// The tolerance is out of range.
     #[error("the tolerance is {tolerance}; it must lie between 0 and 1")]
     Tolerance {
-        /// What was given.
+        /// The tolerance given.
         tolerance: f64,
     },
-    /// A budget that is none.
+    /// The budget is not positive.
     #[error("the budget of a trial is {budget} s; it must be greater than 0")]
     Budget {
-        /// What was given.
+        /// The budget given.
         budget: f64,
     },
-    /// No trial has an answer.
-    #[error("no trial run came to an end; the first ended in: {reason}")]
+    /// No trial has a result.
+    #[error("no trial run finished; the first failed: {reason}")]
     NoAnswer {
-        /// Why the first did not.
+        /// Error of the first trial.
         reason: String,
     },
     /// The scene's own method does not reach the tolerance.
-    #[error("{method} is not seen to reach {tolerance}: {reason}")]
+    #[error("{method} does not reach {tolerance} in the trials: {reason}")]
     #[diagnostic(help(
-        "`advise` tells what other methods of this scene do; --budget sees further, --quantity asks for less"
+        "run `advise` for the other methods of this scene, raise --budget, or select fewer quantities by --quantity"
     ))]
     NotReached {
         /// The method.
         method: String,
-        /// What was asked.
+        /// The tolerance.
         tolerance: f64,
-        /// Which quantity it misses, and by what.
+        /// The quantity that misses it, and its error.
         reason: String,
     },
-    /// The scene has no such quantity.
-    #[error("the scene has no quantity that begins with `{prefix}`")]
+    /// No quantity has this prefix.
+    #[error("no quantity of the scene begins with `{prefix}`")]
     NoQuantity {
-        /// What was asked.
+        /// The prefix given.
         prefix: String,
-        /// Those that there are.
+        /// Existing ids.
         #[help]
         help: String,
     },
-    /// The terminal could not be written.
+    /// Standard output could not be written.
     #[error("cannot write the advice")]
     Write(#[source] std::io::Error),
 }
@@ -100,39 +101,39 @@ impl From<crate::scene::SceneError> for AdviseError {
     }
 }
 
-/// What is advised, and what it rests on.
+/// Advice, with the trials behind it.
 #[derive(Debug)]
 pub struct Advice {
-    /// What was asked.
+    /// Options given.
     pub options: Options,
     /// The scene and its methods.
     pub ladder: Arc<Ladder>,
-    /// What was tried.
+    /// Trial runs.
     pub trials: Vec<Trial>,
-    /// What the trials know of each quantity.
+    /// Combined result of the trials for each quantity.
     pub judgements: Vec<Judgement>,
-    /// For each quantity that is known well enough: what each method needs.
+    /// For each quantity known well enough: the size that each method requires.
     pub needs: Vec<Vec<Result<Needed, Unreached>>>,
 }
 
-/// A method at the size that it needs.
+/// A method at the size that it requires.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Its place in [`Ladder::methods`].
+    /// Index in [`Ladder::methods`].
     pub method: usize,
-    /// Size, cost and error that are expected.
+    /// Expected size, cost and error.
     pub needed: Needed,
 }
 
 impl Advice {
-    /// Whether the trials know a quantity to within itself: of others nothing is advised.
+    /// Whether the error of a quantity is smaller than its scale; otherwise there is no advice for it.
     #[must_use]
     pub fn is_known(&self, quantity: usize) -> bool {
         let judgement = &self.judgements[quantity];
         judgement.error < judgement.scale
     }
 
-    /// Methods that reach the tolerance for one quantity, the cheapest first.
+    /// Methods that reach the tolerance for one quantity, cheapest first.
     #[must_use]
     pub fn candidates(&self, quantity: usize) -> Vec<Candidate> {
         let needed = self.needs[quantity].iter().enumerate();
@@ -141,7 +142,7 @@ impl Advice {
         by_cost(candidates.collect())
     }
 
-    /// Methods that reach the tolerance for every known quantity, the cheapest first.
+    /// Methods that reach the tolerance for every known quantity, cheapest first.
     #[must_use]
     pub fn candidates_for_all(&self) -> Vec<Candidate> {
         let known: Vec<usize> = (0..self.judgements.len()).filter(|&q| self.is_known(q)).collect();
@@ -154,7 +155,7 @@ impl Advice {
         by_cost((0..self.ladder.methods.len()).filter_map(of).collect())
     }
 
-    /// The scene solved by a candidate.
+    /// The scene with the method and size of a candidate.
     #[must_use]
     pub fn rung(&self, candidate: &Candidate) -> Option<Rung> {
         (self.ladder.methods[candidate.method].rung)(candidate.needed.size)
@@ -166,12 +167,12 @@ fn by_cost(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     candidates
 }
 
-/// Which methods are tried.
+/// Methods to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tried {
-    /// Every one that solves the scene.
+    /// Every method that solves the scene.
     All,
-    /// The scene's own.
+    /// The scene's own method.
     Own,
 }
 
@@ -189,7 +190,7 @@ pub fn advise(
     advise_on(kind_of(table, &file)?, &file, options, Tried::All, progress)
 }
 
-/// As [`advise`], on a scene that was read.
+/// Advises on a parsed scene, as [`advise`] does on a file.
 ///
 /// # Errors
 /// [`AdviseError`].
@@ -220,7 +221,7 @@ pub fn advise_on(
     from_trials(Arc::new(ladder), trials, options)
 }
 
-/// What trials say.
+/// Derives advice from trials.
 ///
 /// # Errors
 /// [`AdviseError::NoAnswer`], [`AdviseError::NoQuantity`].
@@ -232,7 +233,7 @@ pub fn from_trials(
     let ids = ids(&trials)?;
     for prefix in &options.quantities {
         if !ids.iter().any(|id| id.starts_with(prefix)) {
-            let (prefix, help) = (prefix.clone(), format!("there are: {}", ids.join(", ")));
+            let (prefix, help) = (prefix.clone(), format!("available: {}", ids.join(", ")));
             return Err(AdviseError::NoQuantity { prefix, help });
         }
     }
@@ -249,7 +250,7 @@ pub fn from_trials(
     Ok(Advice { options: options.clone(), ladder, trials, judgements, needs })
 }
 
-/// The ids of all quantities, in the order of the results.
+/// Ids of all quantities, in the order of the results.
 fn ids(trials: &[Trial]) -> Result<Vec<String>, AdviseError> {
     let mut ids: Vec<String> = Vec::new();
     for quantity in trials.iter().filter_map(Trial::answer).flat_map(|answer| &answer.quantities) {

@@ -1,9 +1,11 @@
-//! The kinds of scene that this build knows.
+//! Scene kinds of this build.
 
 use crate::kind::SceneKind;
 
-/// Every kind of scene, by the features of the build. A static: what a constant names is compiled again with each program.
-/// Empty in unit tests, which name the kind that they run: else all solvers would be compiled with them.
+/// Every scene kind, according to the features of the build.
+///
+/// It is a static because constants are compiled again with each program. It is empty in unit tests, which name their
+/// kind; otherwise all solvers would be compiled with them.
 pub static ALL: &[SceneKind] = if cfg!(test) {
     &[]
 } else {

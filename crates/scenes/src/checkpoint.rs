@@ -1,7 +1,8 @@
-//! What is kept of a run while it goes, so that it goes on to the same bits after it was killed.
+//! Checkpoints of a run: an interrupted run resumes with bitwise identical results.
 //!
-//! Two files take turns in the folder of the results, so that one of them is whole at any moment. Each has a head that says whose
-//! it is, and ends in a hash of all that stands before. A kind of scene keeps parts in it, by name; what it keeps after the run has
+//! Two files alternate in the folder of the results, so one of them is always complete. Each has a head that
+//! identifies its run, and ends in a hash of the preceding bytes. A scene kind stores named parts in it. Parts stored
+//! after the end of a run serve a longer run of the same scene.
 //! ended serves a longer run of the same scene.
 
 mod error;
@@ -20,21 +21,21 @@ pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
 use self::file::{Content, Parts, Stage, Survives};
 
-/// Between two checkpoints lie at least so many times the time that writing one takes.
+/// Minimum interval between two checkpoints, in multiples of the time to write one.
 const LEAST_SHARE: u32 = 50;
 
-/// How a run begins.
+/// How a run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// From nothing, unless the last checkpoint in its folder is of a run that has not come to its end.
+    /// From the beginning, unless the last checkpoint in its folder belongs to an unfinished run.
     Anew,
-    /// From nothing, whatever is in its folder.
+    /// From the beginning, whatever the folder contains.
     Overwrite,
-    /// From the last checkpoint in its folder; from nothing where there is none.
+    /// From the last checkpoint in its folder; from the beginning if there is none.
     GoOn,
 }
 
-/// The checkpoint of a run.
+/// Checkpoint of a run.
 #[derive(Debug)]
 pub struct Checkpoint {
     folder: PathBuf,
@@ -46,30 +47,30 @@ pub struct Checkpoint {
 #[derive(Debug)]
 struct Kept {
     parts: Parts,
-    /// How many files were written, by all runs into the folder.
+    /// Number of files written by all runs into the folder.
     sequence: u64,
     stage: Stage,
     last: Instant,
-    /// How long the last took to write.
+    /// Time to write the last file.
     took: Duration,
 }
 
-/// What was found at the start.
+/// Files found at the start.
 #[derive(Debug)]
 pub struct Found {
-    /// The file that the run goes on from.
+    /// The file from which the run resumes.
     pub file: Option<PathBuf>,
-    /// The files that were not taken, and why.
+    /// Files that were rejected, with reasons.
     pub refused: Vec<Refusal>,
 }
 
 impl Checkpoint {
-    /// The checkpoint of the run that `head` names, in the folder of its results, written every so often.
+    /// Opens the checkpoint of the run identified by `head`, in its result folder; `interval` limits its writes.
     ///
     /// # Errors
-    /// [`CheckpointError::Refused`] where files are there to go on from and none can be taken: one that is cut off or damaged, is of
-    /// another scene, version or instruction set, or is no checkpoint; [`CheckpointError::Unfinished`] where a run would start anew
-    /// over one that has not come to its end; those of the file system.
+    /// [`CheckpointError::Refused`] if files exist but none can be resumed: truncated or damaged files, files of
+    /// another scene, version or instruction set, and files that are no checkpoints. [`CheckpointError::Unfinished`]
+    /// if a run would restart over an unfinished one. Errors of the file system.
     pub fn open(
         folder: &Path,
         head: Head,
@@ -80,7 +81,7 @@ impl Checkpoint {
         let mut last: Option<(PathBuf, Content)> = None;
         for path in file::names(folder) {
             let Some(read) = file::read(&path)? else { continue };
-            // What is not gone on from may be whosever it is.
+            // A checkpoint that is not resumed may belong to any run.
             let read = if start == Start::GoOn { read.and_then(|it| it.of(&head)) } else { read };
             match read {
                 Ok(content)
@@ -104,7 +105,7 @@ impl Checkpoint {
                 Kept::new(parts, sequence, stage)
             }
             (Start::Anew | Start::Overwrite, last) => {
-                // A file that nothing can be read from is no loss.
+                // An unreadable file is no loss.
                 found.refused.clear();
                 let sequence = last.map_or(0, |(_, content)| content.sequence);
                 Kept::new(Parts::new(), sequence, Stage::Ended)
@@ -114,7 +115,7 @@ impl Checkpoint {
         Ok((Self { folder: folder.to_owned(), head, every, kept: Mutex::new(kept) }, found))
     }
 
-    /// A part that an earlier run kept.
+    /// Loads a part stored by an earlier run.
     ///
     /// # Errors
     /// [`CheckpointError::Part`] for a part that is not a `T`.
@@ -123,17 +124,17 @@ impl Checkpoint {
         kept.parts.get(name).map(|bytes| from_bytes(name, bytes)).transpose()
     }
 
-    /// Whether the last checkpoint was long enough ago.
+    /// Whether the interval since the last checkpoint has elapsed.
     #[must_use]
     pub fn is_due(&self) -> bool {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.last.elapsed() >= self.every.max(LEAST_SHARE * kept.took)
     }
 
-    /// Keeps a part, in place of what stood under its name, and writes the checkpoint.
+    /// Stores a part, replacing any part of the same name, and writes the checkpoint.
     ///
     /// # Errors
-    /// [`CheckpointError::Part`] for what has no form in bytes, and those of the file system.
+    /// [`CheckpointError::Part`] if the part cannot be serialised, and errors of the file system.
     pub fn keep<T: Serialize>(&self, name: &str, part: &T) -> Result<(), CheckpointError> {
         let start = Instant::now();
         let bytes = to_bytes(name, part)?;
@@ -145,11 +146,12 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Says that the results of the run are written, so that another may start anew in its folder. What was kept stays, for a longer
-    /// run of the same scene.
+    /// Marks the run as finished, so that another run may start from the beginning in its folder.
+    ///
+    /// Stored parts remain, for a longer run of the same scene.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn end(&self) -> Result<(), CheckpointError> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if kept.stage == Stage::UnderWay {
@@ -159,7 +161,7 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Over the older of the two files.
+    /// Overwrites the older of the two files.
     fn write(&self, kept: &mut Kept) -> Result<(), CheckpointError> {
         kept.sequence += 1;
         let path = &file::names(&self.folder)[usize::from(kept.sequence % 2 == 1)];
@@ -176,10 +178,10 @@ impl Kept {
     }
 }
 
-/// What a file that holds one part calls it.
+/// Name of the part in a file with a single part.
 const ONLY: &str = "part";
 
-/// Writes a file that holds one part, in the form of a checkpoint.
+/// Writes a file with one part, in the format of a checkpoint.
 ///
 /// # Errors
 /// As [`Checkpoint::keep`].
@@ -187,8 +189,10 @@ pub fn write_file<T: Serialize>(path: &Path, head: &Head, part: &T) -> Result<()
     write_one(path, head, part, Survives::Machine)
 }
 
-/// The same for one of many that are soon made again: it does not wait for the disk, so that a machine that ends, but no process that is
-/// killed, may leave it cut off.
+/// Writes a file as [`write_file`] does, without waiting for the disk.
+///
+/// Use it for one of many files that are cheap to recompute. A crash of the machine may leave it truncated; a killed
+/// process does not.
 ///
 /// # Errors
 /// As [`Checkpoint::keep`].
@@ -210,10 +214,11 @@ fn write_one<T: Serialize>(
     file::write(path, head, (1, Stage::Ended), &parts, survives)
 }
 
-/// Reads what [`write_file`] or [`write_block`] has written.
+/// Reads a file written by [`write_file`] or [`write_block`].
 ///
 /// # Errors
-/// [`CheckpointError::Refused`] for a file that is cut off, damaged, of another run, or none; those of the file system.
+/// [`CheckpointError::Refused`] for a file that is truncated, damaged, of another run, or no checkpoint; errors of the
+/// file system.
 pub fn read_file<T: DeserializeOwned>(path: &Path, head: &Head) -> Result<T, CheckpointError> {
     let missing = || CheckpointError::Io {
         path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! The command line of scenes: words to options, errors to exit codes.
+//! Command line of scenes: options and exit codes.
 
 mod paths;
 mod ranks;
@@ -17,7 +17,7 @@ use crate::checkpoint::Start;
 use crate::kind::{self, Options, Part, Place, Progress};
 use crate::{advise, schema};
 
-/// Exit code of a program whose reader went away.
+/// Exit code when the reader of the output has exited.
 const BROKEN_PIPE: u8 = 141;
 
 #[derive(Debug, Parser)]
@@ -32,7 +32,7 @@ struct Cli {
     command: Command,
 }
 
-/// What is done with scenes.
+/// Commands on scenes.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a scene file
@@ -45,7 +45,7 @@ pub enum Command {
     Schema(Schema),
 }
 
-/// How a scene is run.
+/// Options of `run`.
 #[derive(Debug, Args)]
 pub struct Run {
     /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
@@ -60,30 +60,29 @@ pub struct Run {
     /// A seed in place of that of the scene
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Go on from the last checkpoint in DIR, to the same bits; its end may have been earlier
+    /// Continue the interrupted run in DIR, bitwise identical; its end time may have been earlier
     #[arg(long)]
     resume: bool,
-    /// Start from the beginning over the checkpoint in DIR of a run that has not come to its end, which is refused otherwise
+    /// Start from the beginning although DIR holds the checkpoint of an unfinished run, which is an error otherwise
     #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
-    /// The least time between two checkpoints
+    /// Minimum interval between two checkpoints
     #[arg(long, value_name = "SECONDS", default_value_t = Options::CHECKPOINT_EVERY.as_secs())]
     checkpoint_every: u64,
     /// Run shard K of N of an ensemble, which `merge` joins
     #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
     shard: Option<Place>,
-    /// Run an ensemble block by block as ranks of mpirun do, in this process: each block is kept in a file, and job.json tells what
-    /// it took
+    /// Run an ensemble block by block in this process, with a file for each block; job.json holds the timings
     #[arg(long, conflicts_with_all = ["shard", "tolerance"])]
     blocks: bool,
-    /// The largest error over the value, e.g. 1e-2: the scene's own method, at the size that short trial runs say it needs
+    /// Run the scene's own method with this error relative to the value, e.g. 1e-2, from short trial runs
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
     #[command(flatten)]
     wanted: Wanted,
 }
 
-/// For which scene, and how exactly.
+/// Options of `advise`.
 #[derive(Debug, Args)]
 pub struct Advise {
     /// A scene, e.g. tests/scenes/fpk/viscous_damper.json
@@ -91,18 +90,18 @@ pub struct Advise {
     scene: PathBuf,
     #[command(flatten)]
     wanted: Wanted,
-    /// The largest error over the value, e.g. 1e-2
+    /// Largest error relative to the value, e.g. 1e-2
     #[arg(long, value_name = "T")]
     tolerance: f64,
 }
 
-/// What is asked of trial runs.
+/// Options of trial runs.
 #[derive(Debug, Args)]
 struct Wanted {
-    /// CPU seconds that no trial run may be expected to exceed; the first of each method is always made
+    /// Largest expected cost of a trial run in CPU seconds; the first trial of each method always runs
     #[arg(long, value_name = "SECONDS", default_value_t = advise::Options::BUDGET)]
     budget: f64,
-    /// The beginning of the id of a quantity, e.g. moment/ or exceedance/1; may be repeated; none asks for all
+    /// Prefix of the id of a quantity, e.g. moment/ or exceedance/1; may be repeated; all if not given
     #[arg(long = "quantity", value_name = "ID")]
     quantities: Vec<String>,
 }
@@ -114,27 +113,27 @@ impl Wanted {
     }
 }
 
-/// Which shards are joined.
+/// Options of `merge`.
 #[derive(Debug, Args)]
 pub struct Merge {
     /// The scene that the shards are of
     #[arg(value_name = "SCENE.json")]
     scene: PathBuf,
-    /// Files that `run --shard` has left, all of them, in any order
+    /// Files written by `run --shard`, all of them, in any order
     #[arg(value_name = "SHARD", required = true)]
     shards: Vec<PathBuf>,
     /// Where the results go
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// The seed that the shards were run with, where it is not that of the scene
+    /// The seed of the shards, if it is not that of the scene
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
 }
 
-/// Where the schemas go.
+/// Options of `schema`.
 #[derive(Debug, Args)]
 pub struct Schema {
-    /// The folder of the built-in scenes, from which examples are taken
+    /// The folder of the built-in scenes, the source of the examples
     #[arg(long, value_name = "DIR", default_value = "tests/scenes")]
     scenes: PathBuf,
     /// Where the schemas and the page go
@@ -142,7 +141,7 @@ pub struct Schema {
     out: PathBuf,
 }
 
-/// Reads the command line, runs it, and returns the exit code.
+/// Parses the command line, runs the command, and returns the exit code.
 pub fn main() -> ExitCode {
     exit_code(execute(Cli::parse().command, &mut io::stdout().lock()))
 }
@@ -153,7 +152,7 @@ pub fn exit_code(result: miette::Result<ExitCode>) -> ExitCode {
         Ok(code) => code,
         Err(report) if is_broken_pipe(&report) => ExitCode::from(BROKEN_PIPE),
         Err(report) => {
-            // Without a standard error the exit code still reports it.
+            // Without standard error the exit code still reports it.
             let _ = writeln!(io::stderr(), "{report:?}");
             ExitCode::FAILURE
         }
@@ -184,7 +183,7 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
 
 fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
     let started = ranks::started();
-    // Ranks are as many as there are cores.
+    // There are as many ranks as cores.
     let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));
     if let Some(threads) = threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
@@ -204,7 +203,7 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
     if let Some(n_ranks) = started {
         if arguments.tolerance.is_some() {
             return Err(miette::miette!(
-                "--tolerance tries sizes in one process: leave out mpirun"
+                "--tolerance tries sizes in one process: run it without mpirun"
             ));
         }
         return ranks::run_scene(n_ranks, &arguments.scene, &options, output);
@@ -221,7 +220,7 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
     }
 }
 
-/// Fails where the run itself tells a larger error than was asked for.
+/// Fails if the run's own error estimate exceeds the tolerance.
 fn run_within(
     scene: &Path,
     options: &Options,

@@ -1,24 +1,24 @@
-//! CPU time of what runs here, also beside other work of the process.
+//! CPU time of a computation, also next to other work of the process.
 
 use std::time::Duration;
 
 use cpu_time::{ProcessTime, ThreadTime};
 
-/// CPU time since a moment (s): of this thread where the parallel loops have no other, else of the whole process.
+/// CPU time since a start (s): of this thread where parallel loops have no other thread, else of the process.
 ///
-/// In a pool of one thread all parallel loops run on the thread that reads the clock, so that what other pools of the process
-/// compute meanwhile is not counted.
+/// In a pool of one thread all parallel loops run on the thread that reads the clock, so computation of other pools of
+/// the process is not counted.
 #[derive(Debug, Clone, Copy)]
 pub struct CpuClock(Duration);
 
 impl CpuClock {
-    /// Starts now.
+    /// Starts the clock.
     #[must_use]
     pub fn start() -> Self {
         Self(now())
     }
 
-    /// CPU time since the start (s). To be asked in the pool of threads in which it was started.
+    /// CPU time since the start (s). Call it in the thread pool in which the clock was started.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         now().saturating_sub(self.0).as_secs_f64()

@@ -1,4 +1,4 @@
-//! Density scenes: their types, the systems and methods that they name, and how they are run.
+//! Density scenes: scene types, their systems and methods, and their execution.
 
 mod checks;
 pub mod density;

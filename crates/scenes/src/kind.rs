@@ -1,7 +1,7 @@
-//! The kinds of scene that can be run.
+//! Kinds of scene.
 //!
-//! A kind is a folder of its solver with its scene types and a `const KIND`, and one line in [`ALL`](crate::ALL).
-//! A scene names its kind by the key `solver` at the top, which its type declares too.
+//! A kind is a folder for its solver with its scene types and a `const KIND`, and one line in [`ALL`](crate::ALL). A
+//! scene names its kind by the top-level key `solver`, which its type declares too.
 
 mod blocks;
 mod blocks_left;
@@ -43,15 +43,15 @@ pub struct SceneKind {
     pub solver: &'static str,
     /// The schema of its scenes, by `schemars::schema_for!`.
     pub schema: fn() -> Schema,
-    /// Reads the scene as its type and asks what it means, and does not run it.
+    /// Parses and checks a scene without running it.
     pub check: fn(&SceneFile) -> Result<(), SceneError>,
-    /// Reads the scene as its type, runs it, writes into the folder and returns what it wrote.
+    /// Parses and runs a scene, writes its results into the folder and returns the paths of the files.
     pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
-    /// The methods that solve a scene, its own first.
+    /// Methods that solve a scene, its own first.
     pub ladder: fn(&SceneFile) -> Result<Ladder, RunError>,
-    /// What of its `result.json` methods are compared by.
+    /// Quantities of its `result.json` by which methods are compared.
     pub quantities: fn(&serde_json::Value) -> Vec<Quantity>,
-    /// What can be left out of a scene.
+    /// Ingredients that can be left out of a scene.
     pub ingredients: fn(&serde_json::Map<String, serde_json::Value>) -> Vec<Ingredient>,
 }
 
@@ -101,11 +101,13 @@ pub fn run(
     kind_of(table, &file)?.run_file(&file, options, progress)
 }
 
-/// Runs a scene file as one of the ranks of a job, which share an ensemble block by block: the bits are those of [`run`]. All of them call it
-/// with the same arguments; rank 0 writes the results, and the others return the paths of none.
+/// Runs a scene file as one rank of a job; results are bitwise identical to those of [`run`].
+///
+/// The ranks share an ensemble block by block. All of them call it with the same arguments; rank 0 writes the results
+/// and returns their paths.
 ///
 /// # Errors
-/// As [`run`]; [`RunError::Job`], after which the job must be ended from outside; [`RunError::PartOnRanks`].
+/// Those of [`run`]; [`RunError::Job`], after which the caller must abort the job; [`RunError::PartOnRanks`].
 pub fn run_on_ranks(
     table: &[SceneKind],
     scene: &Path,
@@ -117,7 +119,7 @@ pub fn run_on_ranks(
     kind_of(table, &file)?.run_file_on(&file, options, progress, Some(ranks))
 }
 
-/// Reads a scene as its kind and asks what it means; nothing is run.
+/// Parses and checks a scene without running it.
 ///
 /// # Errors
 /// [`RunError::Scene`], [`RunError::NoKinds`].
@@ -125,7 +127,7 @@ pub fn check(table: &[SceneKind], file: &SceneFile) -> Result<(), RunError> {
     Ok((kind_of(table, file)?.check)(file)?)
 }
 
-/// The kind of a scene.
+/// Looks up the kind of a scene.
 ///
 /// # Errors
 /// [`RunError::Scene`] for a solver that is not in the table.
@@ -138,7 +140,7 @@ pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a Scene
         let known: Vec<&str> = table.iter().map(|kind| kind.solver).collect();
         let hint = match nearest(&solver, known.iter().copied()) {
             Some(nearest) => format!("did you mean `{nearest}`?"),
-            None => format!("there are: {}", known.join(", ")),
+            None => format!("known solvers: {}", known.join(", ")),
         };
         file.object_to(
             &Objection::new(KIND_KEY, format!("there is no solver `{solver}`")).with_help(hint),

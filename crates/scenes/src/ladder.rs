@@ -1,6 +1,9 @@
-//! A scene by every method that solves it, each at any size: what `advise`, `run --tolerance` and the charts of scenes run.
+//! Ladders: a scene by every method that solves it, at any size.
 //!
-//! A kind of scene says how its methods are written into a scene and what a result holds; nothing here knows a solver.
+//! `advise`, `run --tolerance` and the charts of scenes use them.
+//!
+//! A scene kind defines how its methods are written into a scene and which quantities a result contains; this module
+//! knows no solver.
 
 mod built_in;
 mod trial;
@@ -18,7 +21,7 @@ pub use self::trial::{
 pub struct Ladder {
     /// The scene's own method comes first.
     pub methods: Vec<Method>,
-    /// What no figure of the trials has in it, one sentence.
+    /// Errors that the trials do not include, in one sentence.
     pub left_out: &'static str,
 }
 
@@ -26,13 +29,13 @@ pub struct Ladder {
 pub struct Method {
     /// Its name in tables and legends.
     pub name: String,
-    /// How error and cost go with its size.
+    /// Growth of error and cost with its size.
     pub growth: Growth,
-    /// Whether it may contradict others.
+    /// Whether its results can refute those of others.
     pub standing: Standing,
-    /// The smallest size that is worth a run.
+    /// Smallest useful size.
     pub first: f64,
-    /// The rung of that size or the next that exists; none where the method has none so large.
+    /// The rung of that size or the next existing one; none if the method has no such size.
     pub rung: Box<dyn Fn(f64) -> Option<Rung> + Send + Sync>,
 }
 
@@ -41,67 +44,67 @@ pub struct Method {
 pub struct Rung {
     /// Its size.
     pub size: f64,
-    /// The size in words, e.g. `29 x 29`; empty where there is one size.
+    /// Label of the size, e.g. `29 x 29`; empty for a method with one size.
     pub label: String,
     /// The whole scene, solved by the method at this size.
     pub scene: Map<String, Value>,
-    /// The scene that trials run: without what only looks at the result.
+    /// The scene for trials, without output keys.
     pub trial: Map<String, Value>,
-    /// The keys of the scene that set the method and its size.
+    /// Keys of the scene that set the method and its size.
     pub choice: Map<String, Value>,
 }
 
-/// How error and cost of a method go with its size, before anything was measured.
+/// Expected growth of error and cost with the size, before measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Growth {
-    /// The size counts intervals along a length of a lattice in so many dimensions; errors fall with its square.
+    /// The size is the number of intervals along a length of a lattice; errors decrease with its square.
     Lattice {
         /// Dimensions of the lattice.
         dimensions: usize,
     },
-    /// The size counts samples; errors fall with its root.
+    /// The size is the number of samples; errors decrease with its square root.
     Samples,
-    /// There is one size.
+    /// The method has one size.
     Fixed,
 }
 
-/// Whether what a method says is held against others.
+/// Whether a method's results can refute those of others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// It samples, and what is left beside its standard error is small: what it contradicts is wrong.
+    /// A sampling method with negligible bias: results that it contradicts are wrong.
     Judge,
-    /// It is judged by others and by itself.
+    /// A method compared with others and with itself.
     Judged,
 }
 
-/// A number that a result holds, at the last time.
+/// A quantity of a result at the last time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// e.g. `moment/2-0`.
+    /// Id, e.g. `moment/2-0`.
     pub id: String,
-    /// In the words of the field, e.g. `E[q^2]`.
+    /// Symbol or description, e.g. `E[q^2]`.
     pub words: String,
     /// The value.
     pub value: f64,
-    /// How far off it may be as the run itself tells: two standard errors of what was sampled.
+    /// Error estimate of the run: two standard errors of sampled values.
     pub error: Option<f64>,
-    /// What errors of it are related to: its size, or that of the terms which cancel in it.
+    /// Scale of its errors: its magnitude, or that of terms that cancel in it.
     pub scale: f64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// CPU time of all threads (s).
     pub cpu_seconds: f64,
-    /// The numbers.
+    /// Quantities.
     pub quantities: Vec<Quantity>,
 }
 
-/// A scene as the keys at its top.
+/// A scene as its top-level keys.
 ///
 /// # Errors
-/// Those of its `Serialize`.
+/// Those of its `Serialize` implementation.
 pub fn keys(scene: &impl Serialize) -> Result<Map<String, Value>, serde_json::Error> {
     match serde_json::to_value(scene)? {
         Value::Object(keys) => Ok(keys),
@@ -109,15 +112,15 @@ pub fn keys(scene: &impl Serialize) -> Result<Map<String, Value>, serde_json::Er
     }
 }
 
-/// Rounded to two digits, as one would write a size.
+/// Rounds to two digits, as a user would write a size.
 #[must_use]
 pub fn two_digits(value: f64) -> f64 {
     let unit = 10f64.powf(value.log10().floor() - 1.0);
-    // Through text, so that 0.7 is 0.7.
+    // Through text, so that 0.7 is exactly 0.7.
     format!("{:.6}", (value / unit).round() * unit).parse().unwrap_or(value)
 }
 
-/// A size that counts, to the nearest whole number.
+/// A size that is a count, rounded to the nearest integer.
 #[must_use]
 #[allow(
     clippy::cast_possible_truncation,
@@ -128,11 +131,11 @@ pub fn whole(size: f64) -> u64 {
     size.round().max(1.0) as u64
 }
 
-/// One rung costs about so many times the one below.
+/// Approximate cost of a rung over that of the one below.
 const COST_FACTOR: f64 = 3.0;
 
 impl Growth {
-    /// `p` in error `~ size^-p`; no method here does better.
+    /// `p` in error `~ size^-p`; no method here has a higher order.
     #[must_use]
     pub const fn order(self) -> f64 {
         match self {
@@ -151,7 +154,7 @@ impl Growth {
         }
     }
 
-    /// The size of a rung over that of the one below.
+    /// Ratio of the sizes of successive rungs.
     #[must_use]
     pub fn factor(self) -> f64 {
         COST_FACTOR.powf(1.0 / self.cost_exponent())
@@ -159,7 +162,7 @@ impl Growth {
 }
 
 impl Method {
-    /// Its name with a size in words.
+    /// Its name with the label of a size.
     #[must_use]
     pub fn at(&self, label: &str) -> String {
         if label.is_empty() { self.name.clone() } else { format!("{}, {label}", self.name) }
@@ -167,7 +170,9 @@ impl Method {
 }
 
 impl Rung {
-    /// A rung from the scene at this size, the scene that trials run, and the part that sets the method; `None` where one is not JSON.
+    /// A rung from the full scene, the scene for trials, and the keys that set the method.
+    ///
+    /// `None` if one of them is not JSON.
     pub fn new(
         (size, label): (f64, String),
         scene: &impl Serialize,

@@ -1,10 +1,10 @@
-//! The machine, its load and the commit: what a published number must be read with.
+//! Machine, load and commit: the conditions of a measurement.
 
 use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
-/// Where a run took place; unknown entries are `null`, never guessed.
+/// Conditions of a run; unknown entries are `null`, never guessed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
@@ -23,7 +23,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Asks the operating system.
+    /// Reads them from the operating system.
     #[must_use]
     pub fn read() -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Machine {
         }
     }
 
-    /// One line for the foot of a chart: processor, threads, load, commit.
+    /// One line for the caption of a chart: processor, threads, load, commit.
     #[must_use]
     pub fn caption(&self) -> String {
         format!("{}, {}", self.hardware(), commit_words(commit().as_deref()))
@@ -60,7 +60,7 @@ impl Machine {
 
 /// The commit of the working tree, with `-dirty` if a tracked file outside `docs` differs from it; `None` outside git.
 ///
-/// Documents decide no number, and those that are recorded change while others are still being made.
+/// Documents do not affect results, and recorded ones change while others are still being produced.
 #[must_use]
 pub fn commit() -> Option<String> {
     let hash = git(&["rev-parse", "HEAD"])?;
@@ -68,7 +68,7 @@ pub fn commit() -> Option<String> {
     Some(if is_clean { hash } else { format!("{hash}-dirty") })
 }
 
-/// The files outside `docs` that are not as committed, untracked ones too; `None` outside git.
+/// Modified or untracked files outside `docs`; `None` outside git.
 #[must_use]
 pub fn uncommitted() -> Option<Vec<String>> {
     Some(differing(&status()?).map(|file| file.path.to_owned()).collect())
@@ -82,26 +82,26 @@ fn git(arguments: &[&str]) -> Option<String> {
     answer("git", arguments)
 }
 
-/// Whether git knows a file.
+/// Whether git tracks a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Tracked,
     Untracked,
 }
 
-/// A file that is not as committed.
+/// A modified or untracked file.
 #[derive(Debug, PartialEq, Eq)]
 struct Differing<'a> {
     state: State,
     path: &'a str,
 }
 
-/// Reads what `git status --porcelain` says, less documents.
+/// Parses the output of `git status --porcelain`, without documents.
 fn differing(status: &str) -> impl Iterator<Item = Differing<'_>> {
     status.lines().filter_map(differing_line)
 }
 
-/// A line is two letters, a space and a path, or the two paths of a file that was moved.
+/// A line is two letters, a space and a path, or the two paths of a moved file.
 fn differing_line(line: &str) -> Option<Differing<'_>> {
     let (letters, paths) = line.trim_start().split_once(' ')?;
     let state = if letters == "??" { State::Untracked } else { State::Tracked };
@@ -110,19 +110,19 @@ fn differing_line(line: &str) -> Option<Differing<'_>> {
     Some(Differing { state, path })
 }
 
-/// `commit 0123456789ab`, or that there is none.
+/// `commit 0123456789ab`, or `no commit`.
 #[must_use]
 pub fn commit_words(commit: Option<&str>) -> String {
     commit.map_or_else(|| "no commit".to_owned(), |commit| format!("commit {}", short(commit)))
 }
 
-/// Today, as `2026-11-21` in Greenwich; `None` where the system does not say.
+/// Current date in UTC, as `2026-11-21`; `None` if the system does not report it.
 #[must_use]
 pub fn date() -> Option<String> {
     answer("date", &["-u", "+%Y-%m-%d"])
 }
 
-/// Twelve digits of a commit, and whether it was dirty.
+/// The first twelve digits of a commit, with its dirty flag.
 #[must_use]
 pub fn short(commit: &str) -> String {
     let dirty = if commit.ends_with("-dirty") { "-dirty" } else { "" };
@@ -153,7 +153,7 @@ fn os_name() -> String {
     name.unwrap_or_else(|| std::env::consts::OS.to_owned())
 }
 
-/// The value behind the first `key` in lines of the form `key <separator> value`.
+/// The value after the first `key` in lines of the form `key <separator> value`.
 fn value_of(text: &str, key: &str, separator: char) -> Option<String> {
     let line = text.lines().find(|line| line.starts_with(key))?;
     let (_, value) = line.split_once(separator)?;

@@ -1,6 +1,7 @@
-//! Scenes without one of their ingredients: which of them the answers need.
+//! Ablation study: a scene without each of its ingredients.
 //!
-//! A kind of scene says what can be left out; the scene is run with and without, and every quantity compared.
+//! A scene kind lists the ingredients that can be left out. The scene runs with and without each, and all quantities
+//! are compared.
 
 pub mod edit;
 mod ingredient;
@@ -8,51 +9,52 @@ mod ingredient;
 pub use self::ingredient::Ingredient;
 use crate::ladder::{Answer, BuiltIn, LadderError, Outcome, Trial, climb, try_scene};
 
-/// What leaving out an ingredient does.
+/// Effect of leaving out an ingredient.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Effect {
-    /// Some quantity changes by more than the tolerance, beyond both errors.
+    /// A quantity changes by more than the tolerance and by more than both errors.
     Needed(Change),
-    /// No quantity changes by more than the tolerance, errors included, or none in any digit.
+    /// No quantity changes by more than the tolerance including errors, or all are identical.
     NotNeeded(Change),
-    /// The change is within the errors, and these are beyond the tolerance.
-    Untold(Change),
-    /// The scene without it does not run.
+    /// The change is within the errors, and the errors exceed the tolerance.
+    Undecided(Change),
+    /// The scene without the ingredient does not run.
     Fails {
-        /// Why.
+        /// Error text.
         reason: String,
     },
 }
 
-/// The quantity that an ingredient changes most.
+/// The quantity with the largest change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// In words.
+    /// Description of the quantity.
     pub quantity: String,
     /// Change over scale.
     pub relative: f64,
-    /// Errors of both runs together, over scale.
+    /// Sum of the errors of both runs, over scale.
     pub error: f64,
     /// CPU time without the ingredient, over that with it.
     pub cost_ratio: f64,
 }
 
-/// A scene and what each of its ingredients does.
+/// A scene and the effects of its ingredients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// What was run: the method and its size.
+    /// Method and size of the runs.
     pub base: String,
-    /// CPU time of it (s).
+    /// CPU time of the full scene (s).
     pub cost: f64,
-    /// Each ingredient by its name.
+    /// Effect of each ingredient, by name.
     pub effects: Vec<(String, Effect)>,
 }
 
-/// Runs a built-in scene by its own method, at the largest size that costs no more than `budget` (CPU s), with and without each of
-/// its ingredients.
+/// Runs a built-in scene by its own method with and without each ingredient.
+///
+/// The size is the largest that costs no more than `budget` (CPU s).
 ///
 /// # Errors
-/// [`LadderError`]. A scene whose own method has no answer has no study.
+/// [`LadderError`]. A scene whose own method has no result has no study.
 pub fn study(
     scene: &BuiltIn,
     budget: f64,
@@ -84,7 +86,7 @@ fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: 
         let id = id_without(&quantity.id, ingredient.states_lost)?;
         let other = without.get(&id)?;
         let error = quantity.error.unwrap_or(0.0) + other.error.unwrap_or(0.0);
-        // What is not known to within itself tells nothing.
+        // A quantity with an error as large as its scale is not compared.
         (quantity.scale > 0.0 && quantity.error.unwrap_or(0.0) < quantity.scale).then(|| Change {
             quantity: quantity.words.clone(),
             relative: (other.value - quantity.value).abs() / quantity.scale,
@@ -99,20 +101,20 @@ fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: 
         return Effect::Fails { reason: "no quantity is left to compare".to_owned() };
     };
     if changes.iter().all(|change| change.relative == 0.0) {
-        // The runs are the same: their errors are, too.
+        // Both runs are identical, and so are their errors.
         return Effect::NotNeeded(Change { error: 0.0, ..seen });
     }
     if seen.relative - seen.error > tolerance {
         return Effect::Needed(seen);
     }
     match largest(|change| change.relative + change.error) {
-        Some(bound) if bound.relative + bound.error > tolerance => Effect::Untold(bound),
+        Some(bound) if bound.relative + bound.error > tolerance => Effect::Undecided(bound),
         Some(bound) => Effect::NotNeeded(bound),
         None => Effect::NotNeeded(seen),
     }
 }
 
-/// The id of the same quantity with fewer states; none where it is a moment of a lost state.
+/// The id of the same quantity with fewer states; none for a moment of a removed state.
 fn id_without(id: &str, states_lost: usize) -> Option<String> {
     let Some(powers) = id.strip_prefix("moment/").filter(|_| states_lost > 0) else {
         return Some(id.to_owned());
@@ -159,7 +161,7 @@ mod tests {
         let without = [("a", 1.001, 0.001), ("b", 2.002, 0.001)];
         assert!(matches!(effect_of(&with, &without, 0), Effect::NotNeeded(_)));
         let rough = [("a", 1.001, 0.1), ("b", 2.002, 0.001)];
-        assert!(matches!(effect_of(&with, &rough, 0), Effect::Untold(_)));
+        assert!(matches!(effect_of(&with, &rough, 0), Effect::Undecided(_)));
         let same = [("a", 1.0, 0.1), ("b", 2.0, 0.1)];
         assert!(matches!(
             effect_of(&same, &same, 0),

@@ -1,9 +1,9 @@
-//! The word somebody probably meant.
+//! Suggestions for misspelt names.
 
-/// The candidate most like `word`, if one is like enough to be worth naming.
+/// The candidate most similar to `word`, if its similarity suffices.
 #[must_use]
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // Below this similarity a suggestion misleads more often than it helps.
+    // Similarity below which a suggestion misleads more often than it helps.
     const LIKE_ENOUGH: f64 = 0.6;
     let scored = candidates.into_iter().map(|candidate| (similarity(word, candidate), candidate));
     let best = scored.reduce(|best, next| if next.0 > best.0 { next } else { best })?;

@@ -1,4 +1,4 @@
-//! Files that a run leaves behind.
+//! Output files of a run.
 
 use std::fs::File;
 use std::io::{self, BufWriter, IntoInnerError};
@@ -8,42 +8,42 @@ use figures::finite::{self, JsonError};
 use figures::{Drawing, Face};
 use serde::Serialize;
 
-/// A result that could not be written.
+/// A result could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// It holds a number that is not finite.
+    /// A number is not finite.
     #[error("cannot write {}", .path.display())]
     Json {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which number.
+        /// The number.
         source: JsonError,
     },
-    /// The system refused.
+    /// The file system returned an error.
     #[error("cannot write {}", .path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: io::Error,
     },
 }
 
-/// Writes `value` as JSON, numbers checked to be finite; missing folders are made.
+/// Writes `value` as JSON after checking that its numbers are finite; creates missing folders.
 ///
 /// # Errors
-/// [`OutputError`], naming the file.
+/// [`OutputError`] with the name of the file.
 pub fn write_json<T: Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), OutputError> {
     let text =
         finite::to_json(value).map_err(|source| OutputError::Json { path: path.into(), source })?;
     write_text(path, &text).map_err(|source| OutputError::Io { path: path.into(), source })
 }
 
-/// Writes `text`, making missing folders.
+/// Writes `text`; creates missing folders.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)?;
@@ -51,10 +51,10 @@ pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// Writes a file that a checkpoint says is there: when this returns it is on the disk, and not cut off by a machine that ends.
+/// Writes a file that a checkpoint refers to, and waits until it is on disk, so a crash cannot truncate it.
 ///
 /// # Errors
-/// Those of `write`, and of the file system.
+/// Those of `write`, and errors of the file system.
 pub fn write_to_disk<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
@@ -65,10 +65,10 @@ pub fn write_to_disk<E: From<io::Error>>(
     Ok(())
 }
 
-/// Writes `<name>.svg`, or `<name>.md` for a page, and `<name>.json` into `folder` and returns the path of the first.
+/// Writes `<name>.svg`, or `<name>.md` for a page, and `<name>.json` into `folder`; returns the path of the first.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub fn write_drawing(drawing: &Drawing, folder: &Path) -> io::Result<PathBuf> {
     let (ending, text) = match &drawing.face {
         Face::Picture(svg) => ("svg", svg),

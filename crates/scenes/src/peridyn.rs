@@ -1,4 +1,4 @@
-//! Scenes of cracks: their types, and how they are run.
+//! Crack scenes: their types and their execution.
 
 mod named;
 pub mod points;

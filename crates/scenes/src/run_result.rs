@@ -1,4 +1,4 @@
-//! `result.json`: what every run writes, whatever solved the scene.
+//! `result.json`: the output common to all scene kinds.
 
 use std::path::{Path, PathBuf};
 
@@ -8,14 +8,14 @@ use serde::Serialize;
 use crate::machine::{Machine, commit};
 use crate::output::{OutputError, write_json};
 
-/// The fields that every result begins with, then those of its schema.
+/// Common fields of every result, followed by those of its schema.
 #[derive(Debug, Serialize)]
 pub struct RunResult<'a, S, C> {
     schema: &'static str,
     version: &'static str,
     commit: Option<String>,
     machine: Machine,
-    /// The scene as it was understood.
+    /// The parsed scene.
     scene: &'a S,
     #[serde(flatten)]
     content: C,
@@ -40,22 +40,22 @@ impl<'a, S: Serialize, C: Serialize> RunResult<'a, S, C> {
     }
 }
 
-/// What a run does not know, and why.
+/// An unknown error or quantity, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unknown {
-    /// The quantities, and from when on.
+    /// The quantities, and from which time on.
     pub what: String,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
-/// Where an error comes from.
+/// Source of an error estimate.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorOrigin {
-    /// Runs at a coarser resolution, and the order of the method.
+    /// Runs at a coarser resolution, with the order of the method.
     TwoResolutions,
-    /// The spread of samples.
+    /// Scatter of samples.
     StandardError,
     /// A bound.
     Bound,
@@ -65,7 +65,7 @@ pub enum ErrorOrigin {
     Unknown,
 }
 
-/// The error of an estimate, and where it comes from.
+/// Error of an estimate, and its source.
 #[must_use]
 pub const fn error_of(estimate: &Estimate) -> (Option<f64>, ErrorOrigin) {
     match estimate.uncertainty {

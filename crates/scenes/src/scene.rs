@@ -1,8 +1,8 @@
-//! Scenes: JSON files whose every mistake is shown at its line and column.
+//! Scenes: JSON files whose errors are reported with line and column.
 //!
-//! A scene type derives `Deserialize` with `deny_unknown_fields`; its enums stay externally tagged
-//! (`{"viscous_damper": {...}}`), for tagged ones lose the place of what they hold.
-//! Keys are checked while reading, meanings afterwards by [`Scene::check`].
+//! A scene type derives `Deserialize` with `deny_unknown_fields`. Its enums stay externally tagged
+//! (`{"viscous_damper": {...}}`), because tagged ones lose the positions of their contents. Keys are checked during
+//! parsing, values afterwards by [`Scene::check`].
 
 mod error;
 mod keys;
@@ -24,29 +24,30 @@ pub use self::objection::Objection;
 
 /// A type of scene.
 pub trait Scene: Sized {
-    /// What the check builds and a run needs again.
+    /// Value that the check builds and a run uses.
     type Built;
 
-    /// Reads the keys, by [`read_keys`]: written by each type, so that its reading is compiled where the type is and
-    /// not with each program that reads one.
+    /// Parses the keys by [`read_keys`].
+    ///
+    /// Each type implements it, so that its parsing is compiled with the type and not with each program.
     ///
     /// # Errors
     /// [`WrongKey`] for an unknown, missing or ill-typed key.
     fn from_keys(keys: &Value) -> Result<Self, WrongKey>;
 
-    /// Refuses what the types allow and the problem does not, e.g. a negative diffusion.
+    /// Rejects values that the types allow but the problem does not, e.g. a negative diffusion.
     ///
     /// # Errors
-    /// An [`Objection`] that names the key.
+    /// An [`Objection`] with the name of the key.
     fn check(&self) -> Result<Self::Built, Objection>;
 
-    /// The seed of what it draws at random; `None` where it draws nothing.
+    /// Seed of the random numbers; `None` without random numbers.
     fn seed(&mut self) -> Option<&mut u64> {
         None
     }
 }
 
-/// The text of a scene that is well-formed JSON: no key twice, no number out of range.
+/// The text of a scene: well-formed JSON without duplicate keys or numbers out of range.
 #[derive(Debug, Clone)]
 pub struct SceneFile {
     origin: Origin,
@@ -58,7 +59,7 @@ impl SceneFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`SceneError`] for a missing file, bytes that are not UTF-8, and all that [`SceneFile::from_text`] refuses.
+    /// [`SceneError`] for a missing file, bytes that are not UTF-8, and all errors of [`SceneFile::from_text`].
     pub fn read(path: &Path) -> Result<Self, SceneError> {
         let bytes = std::fs::read(path).map_err(|source| SceneError::Unreadable {
             path: path.display().to_string(),
@@ -72,11 +73,11 @@ impl SceneFile {
         Ok(Self { folder, ..Self::from_text(&path.display().to_string(), text)? })
     }
 
-    /// Takes a text under a name for messages.
+    /// Parses a text; messages refer to it by name.
     ///
     /// # Errors
-    /// [`SceneError`] for an empty text, a syntax error, text behind the end, a key given twice, a number beyond
-    /// the range of a double.
+    /// [`SceneError`] for an empty text, a syntax error, trailing text, a duplicate key, or a number beyond the range
+    /// of a double.
     pub fn from_text(name: &str, text: String) -> Result<Self, SceneError> {
         let origin = Origin { name: name.to_owned(), text };
         if origin.text.trim().is_empty() {
@@ -86,29 +87,29 @@ impl SceneFile {
         Ok(Self { origin, keys, folder: PathBuf::new() })
     }
 
-    /// Other keys in place of these, under the same name and in the same folder.
+    /// Replaces the keys and keeps name and folder.
     #[must_use]
     pub fn with_keys(&self, keys: Value) -> Self {
         let origin = Origin { name: self.origin.name.clone(), text: keys.to_string() };
         Self { origin, keys, folder: self.folder.clone() }
     }
 
-    /// All that the text says.
+    /// All keys of the text.
     #[must_use]
     pub fn keys(&self) -> &Value {
         &self.keys
     }
 
-    /// The folder of the file, from which paths in it are taken; that of the process for a text.
+    /// Folder of the file, from which its relative paths start; for a text, that of the process.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The value of a text key at the top, e.g. `solver`, which names the kind of scene.
+    /// The value of a top-level text key, e.g. `solver`, which names the scene kind.
     ///
     /// # Errors
-    /// [`SceneError`] if the key is missing or no text.
+    /// [`SceneError`] if the key is missing or not a text.
     pub fn text_at_top(&self, key: &str) -> Result<String, SceneError> {
         match self.keys.get(key) {
             Some(Value::String(text)) => Ok(text.clone()),
@@ -118,18 +119,18 @@ impl SceneFile {
         }
     }
 
-    /// Reads the scene as a `T` and checks what it means.
+    /// Parses the scene as a `T` and checks its values.
     ///
     /// # Errors
-    /// [`SceneError`] for an unknown, missing or ill-typed key, and for what [`Scene::check`] refuses.
+    /// [`SceneError`] for an unknown, missing or ill-typed key, and for the objections of [`Scene::check`].
     pub fn parse<T: Scene>(&self) -> Result<T, SceneError> {
         Ok(self.build::<T>()?.0)
     }
 
-    /// Reads the scene as a `T`, checks what it means, and returns what the check built.
+    /// Parses the scene as a `T`, checks its values, and returns the result of the check.
     ///
     /// # Errors
-    /// As [`SceneFile::parse`].
+    /// Those of [`SceneFile::parse`].
     pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
         let read = T::from_keys(&self.keys);
         let scene = read.map_err(|wrong| place::locate(&self.origin, &wrong))?;
@@ -137,7 +138,7 @@ impl SceneFile {
         Ok((scene, built))
     }
 
-    /// Shows an objection at the line and column of the value it names, or of the nearest one around it.
+    /// Reports an objection at the line and column of its value, or of the nearest enclosing one.
     #[must_use]
     pub fn object_to(&self, objection: &Objection) -> SceneError {
         place::object_to(&self.origin, objection)

@@ -1,7 +1,7 @@
-//! What may stand in a scene: a JSON schema for each solver, and the page that lists every key.
+//! Documentation of scenes: a JSON schema for each solver, and the page of all keys.
 //!
-//! Both are made from the scene types: their doc comments are the descriptions, and those of numbers state the unit in
-//! parentheses. The examples of the page are found in the built-in scenes; what none of them shows has an example in its type,
+//! Both are generated from the scene types: their doc comments are the descriptions, and those of numbers state the
+//! unit in parentheses. Examples on the page come from built-in scenes, or else from the type,
 //! `#[schemars(example = ...)]`.
 
 mod error;
@@ -28,19 +28,19 @@ use self::tree::Tree;
 use crate::kind::{KIND_KEY, SceneKind};
 use crate::output::{OutputError, write_text};
 
-/// A file of the documents.
+/// A generated file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Document {
-    /// Where it goes, from the folder of documents on.
+    /// Its path relative to the folder of documents.
     pub path: PathBuf,
-    /// What it says.
+    /// Its contents.
     pub text: String,
 }
 
-/// The schema of every solver and the page of all keys, with examples from the scenes in a folder.
+/// Generates the schema of every solver and the page of all keys, with examples from the scenes in a folder.
 ///
 /// # Errors
-/// [`SchemaError`] for a number without unit, a key without example, a scene that does not fit its schema.
+/// [`SchemaError`] for a number without unit, a key without example, or a scene that violates its schema.
 pub fn documents(table: &[SceneKind], scenes: &Path) -> Result<Vec<Document>, SchemaError> {
     let scenes = example::built_in(scenes)?;
     let (mut documents, mut described) = (Vec::new(), Vec::new());
@@ -54,7 +54,7 @@ pub fn documents(table: &[SceneKind], scenes: &Path) -> Result<Vec<Document>, Sc
     Ok(documents)
 }
 
-/// Writes [`documents`] into a folder and says what it wrote.
+/// Writes [`documents`] into a folder and prints the paths.
 ///
 /// # Errors
 /// [`SchemaError`].
@@ -73,7 +73,7 @@ pub fn write(
     Ok(())
 }
 
-/// The defaults that the schema of a type tells, as an object.
+/// Defaults in the schema of a type, as an object.
 #[cfg(test)]
 pub(crate) fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Value> {
     let schema = schemars::schema_for!(T);
@@ -82,7 +82,7 @@ pub(crate) fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Val
     given.map(|(key, default)| (key.clone(), default.clone())).collect()
 }
 
-/// The schema of a kind of scene; the key `solver` has one value.
+/// Schema of a scene kind; the key `solver` has one value.
 fn schema_of(kind: &SceneKind) -> Value {
     let mut schema = Value::from((kind.schema)());
     schema["title"] = json!(format!("Scene of {}", kind.solver));
@@ -106,7 +106,7 @@ fn describe(
             if row.needs_unit() && unit::split(row.about).is_none() {
                 without_unit.push(path());
             }
-            // A word alone is an example of itself.
+            // A single word is its own example.
             if row.holds.is_some() && examples.of(&named.name, &row.path).is_none() {
                 without_example.push(path());
             }

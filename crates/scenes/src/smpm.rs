@@ -1,4 +1,4 @@
-//! Scenes of explosions and impacts: their types, and how they are run.
+//! Scenes of explosions and impacts: their types and their execution.
 
 mod coordinates;
 pub mod experiment;

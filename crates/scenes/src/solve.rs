@@ -1,19 +1,19 @@
-//! A scene from its text to its quantities, for programs that embed one.
+//! Solves a scene from its text, for programs that embed one.
 
 use crate::built_in::ALL;
 use crate::kind::{Options, Progress, RunError, kind_of};
 use crate::ladder::{Answer, LadderError, read_answer};
 use crate::scene::SceneFile;
 
-/// Why a scene has no answer.
+/// Error of [`solve`].
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// The scene is wrong, or its run ended in an error.
+    /// The scene is invalid, or its run ended in an error.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
-    /// There is no temporary folder, or the result cannot be read.
+    /// No temporary folder is available, or the result cannot be read.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Result(#[from] LadderError),
@@ -22,7 +22,7 @@ pub enum SolveError {
 /// Runs a scene in a temporary folder and returns its quantities at the last time, each with its error.
 ///
 /// # Errors
-/// [`SolveError`]; a mistake in the scene is [`RunError::Scene`], with line and column.
+/// [`SolveError`]; an invalid scene is [`RunError::Scene`], with line and column.
 pub fn solve(scene: &SceneFile) -> Result<Answer, SolveError> {
     let kind = kind_of(ALL, scene)?;
     let folder = tempfile::tempdir().map_err(LadderError::Folder)?;

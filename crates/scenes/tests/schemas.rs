@@ -1,5 +1,4 @@
-//! The recorded schemas of scenes, held to the scenes by a validator that others wrote: what is built in fits, and what is written
-//! wrongly does not.
+//! Recorded schemas checked against scenes by an external validator: built-in scenes fit, invalid ones do not.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -87,7 +86,7 @@ fn every_built_in_scene_fits_the_schema_of_its_solver_and_of_no_other() -> Outco
     Ok(())
 }
 
-/// Every schema inside of a schema that says `key`, with what it says; names of properties are no such keys.
+/// Every schema inside a schema with the keyword `key`, with its value; property names do not count.
 fn saying<'a>(schema: &'a Value, key: &str, found: &mut Vec<(&'a Map<String, Value>, &'a Value)>) {
     match schema {
         Value::Object(object) => {
@@ -118,7 +117,7 @@ fn every_example_and_default_of_a_schema_fits_where_it_stands() -> Outcome {
             .flat_map(|(of, said)| said.iter().map(move |example| (of, example)))
             .chain(defaults.into_iter().filter(|(_, default)| !default.is_null()))
             .collect();
-        assert!(told.len() > 5, "{solver} tells {}", told.len());
+        assert!(told.len() > 5, "{solver} has {} defaults", told.len());
         for (of, value) in told {
             let mut alone = of.clone();
             alone.insert("$defs".to_owned(), schema["$defs"].clone());
@@ -145,7 +144,7 @@ fn pointers(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// A scene with something else at a place.
+/// A scene with another value at a JSON pointer.
 fn with(scene: &Value, pointer: &str, other: Value) -> Value {
     let mut changed = scene.clone();
     if let Some(place) = changed.pointer_mut(pointer) {
@@ -154,8 +153,9 @@ fn with(scene: &Value, pointer: &str, other: Value) -> Value {
     changed
 }
 
-/// Each built-in scene with one value made wrong, each of them in every way that there is for it, must be refused; there must be so
-/// many of them.
+/// Every built-in scene with one value made invalid, in every applicable way, must be rejected.
+///
+/// At least `at_least` such changes exist.
 fn are_refused(at_least: usize, wrong: impl Fn(&str, &Value) -> Vec<Value>) -> Outcome {
     let validators = validators()?;
     let mut n_tried = 0;
@@ -180,7 +180,7 @@ fn a_key_that_there_is_not_and_one_that_is_misspelt_are_refused_wherever_they_st
         let Some(object) = value.as_object() else { return vec![] };
         let mut more = object.clone();
         more.insert("no_such_key".to_owned(), Value::Null);
-        // Materials and levels have names of the scene's own.
+        // Materials and levels have user-defined names.
         let is_free = ["/materials", "/levels"].contains(&pointer);
         let keys = object.keys().filter(|_| !is_free);
         let misspelt = keys.map(|key| {

@@ -1,4 +1,4 @@
-//! Steps that adapt to the path, on a tree that shows the same path whatever is accepted.
+//! Adaptive time steps on a Brownian tree: the path does not depend on which steps are accepted.
 
 use crate::bridge::BrownianTree;
 use crate::diagonal::DiagonalSde;
@@ -15,11 +15,10 @@ use crate::sriw1::Sriw1;
 use crate::stratonovich::StratonovichSde;
 use crate::system::{Additive, Sde};
 
-/// A method that converges on every path when its steps are chosen by looking at the path: one of strong order 1 at
-/// least.
+/// A method that converges on every path when steps are chosen from the path: strong order at least 1.
 ///
-/// A step that is rejected has been looked at. Steps chosen so may break a method of strong order 1/2: Euler-Maruyama
-/// with noise that depends on the state then converges to another equation. Here it does not compile:
+/// A rejected step has used information about the path. With such steps a method of strong order 1/2 can fail:
+/// Euler-Maruyama with state-dependent noise then converges to another equation. Here it does not compile:
 ///
 /// ```compile_fail
 /// use sde_integrators::{AdaptivePath, DiagonalNoise, DiagonalSde, EulerMaruyama, Noise, StepControl};
@@ -48,7 +47,7 @@ impl<S: DiagonalSde<D> + ?Sized, const D: usize> Pathwise<S, D, D> for Milstein 
 impl<S: DiagonalSde<D> + ?Sized, const D: usize> Pathwise<S, D, D> for Sriw1 {
     const STRONG_ORDER: f64 = 1.5;
 }
-/// One motion commutes with itself.
+/// A single motion commutes with itself.
 impl<S: StratonovichSde<D, 1> + ?Sized, const D: usize> Pathwise<S, D, 1> for Heun {
     const STRONG_ORDER: f64 = 1.0;
 }
@@ -69,16 +68,16 @@ pathwise_for_additive! {
     Shark => 1.5;
 }
 
-/// How long the steps of an [`AdaptivePath`] may be.
+/// Step control of an [`AdaptivePath`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
-    /// The longest step (time): the root of the tree.
+    /// Longest step (time): the root of the tree.
     pub longest: f64,
-    /// The error of a step that is let pass whatever the state (unit of the state).
+    /// Absolute tolerance of a step (unit of the state).
     pub absolute: f64,
-    /// The error that is let pass besides, relative to the state.
+    /// Relative tolerance of a step.
     pub relative: f64,
-    /// How often the longest step may be halved: 0 to [`BrownianTree::MAX_DEPTH`] - 1.
+    /// Largest number of halvings of the longest step: 0 to [`BrownianTree::MAX_DEPTH`] - 1.
     pub halvings: u32,
 }
 
@@ -106,39 +105,41 @@ impl StepControl {
     }
 }
 
-/// A step that was accepted.
+/// An accepted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceptedStep {
-    /// The time at its start.
+    /// Time at its start.
     pub t: f64,
     /// Its length.
     pub dt: f64,
-    /// The estimate of its error over what is let pass: at most 1.
+    /// Error estimate over the tolerance: at most 1.
     pub error: f64,
-    /// How many longer steps from here were rejected before it.
+    /// Number of longer steps rejected from the same state.
     pub rejected: u32,
 }
 
 const DEEPEST: u32 = 20;
-/// The share of the error let pass that is aimed at, by its effect on the step length.
+/// Safety factor of the step length.
 const SAFETY: f64 = 0.9;
-/// The largest and smallest change of the step length at once.
+/// Smallest and largest factor of a change of the step length.
 const CHANGE: (f64, f64) = (0.2, 5.0);
 
-/// One path with steps that adapt to it.
+/// One path with adaptive steps.
 ///
-/// A step of length `h` is taken at once and in two halves, of the same path; the halves are kept. The error is
+/// A step of length `h` is computed once as a whole and once as two halves along the same path; the result of the
+/// halves is kept. The error is
 ///
 /// $$ e = \max_i \frac{|x_i^{(h/2, h/2)} - x_i^{(h)}|}{\varepsilon_a + \varepsilon_r \max(|x_i|, |x_i^{(h/2, h/2)}|)} $$
 ///
-/// and the step is accepted for `e <= 1`. The next length is `0.9 h e^(-0.7/k) e_b^(0.4/k)`, where `e_b` is the error of
-/// the step before and `k = gamma + 1/2` (a proportional and integral controller), rounded down to the tree: a power
-/// of 1/2 of the longest step, at a place where such a step begins.
+/// and the step is accepted for `e <= 1`. The next length is `0.9 h e^(-0.7/k) e_b^(0.4/k)`, where `e_b` is the error
+/// of the previous step and `k = gamma + 1/2` (a proportional-integral controller). It is rounded down to the tree: a
+/// power of 1/2 of the longest step, at a time where such a step begins.
 ///
-/// A rejected step is halved, and the noise of its halves is that of the [`BrownianTree`]: a function of its place. No
-/// increment is drawn anew, so that acceptance does not bias the law; the path does not depend on the tolerances.
+/// A rejected step is halved, and the noise of its halves comes from the [`BrownianTree`] as a function of position.
+/// No increment is redrawn, so acceptance does not bias the distribution, and the path does not depend on the
+/// tolerances.
 ///
-/// Cost: three steps of the method a trial, and some 100 ns for every halving to look up the noise.
+/// Cost: three steps of the method per trial, and about 100 ns per halving to look up the noise.
 ///
 /// Sources: Gaines and Lyons 1997; the controller: Gustafsson 1991, Control theoretic techniques for stepsize selection.
 ///
@@ -171,7 +172,7 @@ pub struct AdaptivePath<'a, S: ?Sized, I: Integrator<S, D, M>, const D: usize, c
     tree: BrownianTree<M>,
     control: StepControl,
     realisation: u64,
-    /// Longest steps that are done, and how far the path is into the next, in units of its last halving.
+    /// Completed longest steps, and the position in the next one in units of its last halving.
     root: u64,
     place: u64,
     depth: u32,
@@ -182,7 +183,7 @@ pub struct AdaptivePath<'a, S: ?Sized, I: Integrator<S, D, M>, const D: usize, c
     memory: I::Memory,
 }
 
-/// A step tried: the state after its two halves, and its error.
+/// A trial step: state after its two halves, and error.
 struct Trial<Memory, const D: usize> {
     state: [f64; D],
     memory: Memory,
@@ -194,7 +195,7 @@ where
     S: ?Sized,
     I: Pathwise<S, D, M>,
 {
-    /// A path from `start` at time 0, that tries the longest step first.
+    /// A path from `start` at time 0; its first trial is the longest step.
     ///
     /// # Errors
     /// [`Error::NotPositive`] (`longest`, `absolute`), [`Error::OutOfRange`] (`relative`), [`Error::TooMany`]
@@ -240,22 +241,22 @@ where
         (self.root as f64 + self.place as f64 / self.places() as f64) * self.control.longest
     }
 
-    /// How many steps were accepted.
+    /// Number of accepted steps.
     #[must_use]
     pub const fn accepted(&self) -> u64 {
         self.accepted
     }
 
-    /// How many steps were rejected.
+    /// Number of rejected steps.
     #[must_use]
     pub const fn rejected(&self) -> u64 {
         self.rejected
     }
 
-    /// Steps until as many of the longest steps are done as `n_longest` says, from time 0 on.
+    /// Advances to the end of the longest step number `n_longest`, counted from time 0.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// Those of [`step`](Self::step).
     pub fn run(&mut self, n_longest: u64) -> Result<(), Error> {
         while self.root < n_longest {
             let _step = self.step()?;
@@ -263,11 +264,11 @@ where
         Ok(())
     }
 
-    /// One accepted step. What fails leaves the path as it was after the last accepted one.
+    /// Advances by one accepted step. After an error the path is in its state after the last accepted step.
     ///
     /// # Errors
-    /// Of the shortest step: [`Error::StepUnderflow`] where its error is too large, [`Error::NonFiniteState`] where it
-    /// leaves the numbers, [`Error::Step`] where the method cannot take it.
+    /// Errors of the shortest step: [`Error::StepUnderflow`] if its error is too large, [`Error::NonFiniteState`] if
+    /// the state is not finite, [`Error::Step`] if the method fails.
     pub fn step(&mut self) -> Result<AcceptedStep, Error> {
         let (t, mut rejected) = (self.time(), 0);
         loop {
@@ -294,10 +295,10 @@ where
         }
     }
 
-    /// The error of a step is of this order.
+    /// Order of the local error.
     const K: f64 = I::STRONG_ORDER + 0.5;
 
-    /// The whole step, and its halves.
+    /// Computes the whole step and its halves.
     fn try_step(&self, t: f64, dt: f64) -> Result<Trial<I::Memory, D>, Error> {
         let (whole, halves) = self.increments();
         let mut coarse = (self.state, self.memory.clone());
@@ -332,7 +333,7 @@ where
         Ok(Trial { state, memory, error })
     }
 
-    /// The noise of the step at hand and of its halves, from the tree.
+    /// Noise of the current step and of its halves, from the tree.
     fn increments(&self) -> (Increment<M>, [Increment<M>; 2]) {
         let mut halves = [0_u8; DEEPEST as usize];
         let depth = self.depth as usize;
@@ -351,23 +352,23 @@ where
         if self.place == self.places() {
             (self.root, self.place) = (self.root + 1, 0);
         }
-        // An error of zero asks for the largest change; it is not divided by.
+        // An error of zero requests the largest change, and must not be divided by.
         let error = trial.error.max(1e-10);
         let factor = SAFETY * error.powf(-0.7 / Self::K) * self.error_before.powf(0.4 / Self::K);
         self.error_before = error;
         let wanted = self.depth_of(dt * factor.clamp(CHANGE.0, CHANGE.1));
-        // The longest step that begins at this place.
+        // The longest step that begins at this position.
         let begins = self.control.halvings - self.place.trailing_zeros().min(self.control.halvings);
         let begins = if self.place == 0 { 0 } else { begins };
         self.depth = wanted.max(begins);
     }
 
-    /// Shortest steps in a longest one.
+    /// Number of shortest steps in a longest one.
     const fn places(&self) -> u64 {
         1 << self.control.halvings
     }
 
-    /// The longest step of the tree that is not longer than `dt`.
+    /// Depth of the longest step of the tree that does not exceed `dt`.
     fn depth_of(&self, dt: f64) -> u32 {
         (0..self.control.halvings)
             .find(|&depth| self.control.length(depth) <= dt)

@@ -1,10 +1,10 @@
-//! BAOAB: the Langevin splitting whose positions are right.
+//! BAOAB: a Langevin splitting with accurate positions.
 
 use crate::integrator::{apply, integrate_second_order};
 use crate::noise::Increment;
 use crate::system::SecondOrder;
 
-/// The splitting BAOAB of Langevin dynamics, for systems of second order with additive noise.
+/// BAOAB splitting of Langevin dynamics, for second-order systems with additive noise.
 ///
 /// With `h` = `dt`, one step from `t` to `t + h` is
 ///
@@ -16,32 +16,31 @@ use crate::system::SecondOrder;
 ///
 /// $$ O(h): v \leftarrow e^{-ch} v + s \sqrt{\frac{1 - e^{-2ch}}{2ch}} w . $$
 ///
-/// Solves `q'' + c q' + omega^2 q = r(t, q, q') + s(t) W`; state `(q_1.., v_1..)`. Symbols: `w` = `dw.brownian`. In
-/// Langevin's terms the noise is `s = sqrt(2 c kT/m)`: the friction `c` damps and is balanced by `s`, nothing else is
-/// implied.
+/// Solves `q'' + c q' + omega^2 q = r(t, q, q') + s(t) W`; state `(q_1.., v_1..)`. Symbols: `w` = `dw.brownian`. For
+/// Langevin dynamics the noise is `s = sqrt(2 c kT/m)`, which balances the friction `c`; other noise is allowed.
 ///
-/// Order (additive noise): strong 1, weak 2. Of a linear oscillator (`r = 0`, constant `s`) the stationary `E[q^2]` is
-/// exact at every stable step; the velocity at the ends of a step is too small, `E[v^2] = (1 - (h omega)^2/4) kT/m`,
-/// and that of the half step is exact: [`HalfStep`] keeps it.
+/// Order (additive noise): strong 1, weak 2. For a linear oscillator (`r = 0`, constant `s`) the stationary `E[q^2]`
+/// is exact at every stable step. The velocity at the ends of a step is too small,
+/// `E[v^2] = (1 - (h omega)^2/4) kT/m`; that of the half step is exact, and [`HalfStep`] stores it.
 ///
-/// Stable for: `h omega < 2`, whatever the damping.
+/// Stable for: `h omega < 2`, for any damping.
 ///
 /// Cost: two flows of `r` and one intensity per step.
 ///
-/// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling
-///. Reporting the velocity of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
+/// Source: Leimkuhler and Matthews 2013, Rational construction of stochastic numerical methods for molecular sampling.
+/// Velocity of the half step of the half step: Zhang, Liu, Yan, Tuckerman and Liu 2019, Unified
 /// efficient thermostat scheme for the canonical ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Baoab;
 
-/// The velocity in the middle of the last step, after the noise: report temperatures from it.
+/// The velocity at the half step, after the noise: compute temperatures from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfStep<const N: usize> {
     velocity: [f64; N],
 }
 
 impl<const N: usize> HalfStep<N> {
-    /// `v` in the middle of the last step; zero before the first.
+    /// `v` at the middle of the last step; zero before the first.
     #[must_use]
     pub const fn velocity(&self) -> [f64; N] {
         self.velocity

@@ -1,4 +1,4 @@
-//! Sums over realisations whose bits do not depend on the number of threads.
+//! Parallel sums over realisations that are bitwise independent of the number of threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,15 +6,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Realisations per block: block `b` holds the numbers from `4096 b` to `4096 (b + 1)`.
 pub const BLOCK_LENGTH: u64 = 4096;
 
-/// Compute a result per block of realisation numbers and merge them pairwise, in a tree whose shape depends on
-/// `n_realisations` alone.
+/// Computes a result for each block of realisations and merges the results pairwise.
 ///
-/// `block` gets a range of at most [`BLOCK_LENGTH`] numbers; `merge(earlier, later)` joins neighbours. With the feature
-/// `rayon` the blocks run in parallel on the current pool, without it in order; the bits are the same.
-/// Returns `None` where there is nothing to do.
+/// The shape of the merge tree depends on `n_realisations` alone. `block` gets a range of at most [`BLOCK_LENGTH`]
+/// numbers; `merge(earlier, later)` joins neighbours. With the feature `rayon` the blocks run in parallel on the
+/// current pool, otherwise in order; results are bitwise identical. Returns `None` for no realisations.
 ///
 /// # Errors
-/// The error of the lowest block that failed. Blocks above it may be left out.
+/// The error of the lowest block that failed. Blocks above it may be skipped.
 pub fn reduce_blocks<T, E, B, M>(n_realisations: u64, block: B, merge: M) -> Result<Option<T>, E>
 where
     T: Send,
@@ -26,7 +25,7 @@ where
     match tree.reduce(0, n_realisations.div_ceil(BLOCK_LENGTH)) {
         Ok(result) => Ok(result),
         Err(Failure::Block(error)) => Err(error),
-        // A block is left out only above one that failed, whose error is then found first.
+        // A block is skipped only above one that failed, whose error is found first.
         Err(Failure::LeftOut) => unreachable!("a block was left out, but none below it failed"),
     }
 }
@@ -45,7 +44,7 @@ struct Tree<B, M> {
 }
 
 impl<B, M> Tree<B, M> {
-    /// Blocks `from..to`, split where the lower half is the largest power of two.
+    /// Reduces blocks `from..to`, split where the lower half is the largest power of two.
     fn reduce<T, E>(&self, from: u64, to: u64) -> Result<Option<T>, Failure<E>>
     where
         T: Send,
@@ -81,7 +80,7 @@ impl<B, M> Tree<B, M> {
     }
 }
 
-/// A result for each block of a range, in order.
+/// Results of all blocks of a range, in order.
 #[cfg(feature = "rayon")]
 pub(crate) fn map_blocks<T: Send>(
     n_realisations: u64,
@@ -93,7 +92,7 @@ pub(crate) fn map_blocks<T: Send>(
     blocks.into_par_iter().map(|b| block(realisations(n_realisations, b))).collect()
 }
 
-/// A result for each block of a range, in order.
+/// Results of all blocks of a range, in order.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn map_blocks<T: Send>(
     n_realisations: u64,
@@ -108,7 +107,7 @@ fn realisations(n_realisations: u64, block: u64) -> Range<u64> {
     start..n_realisations.min(start.saturating_add(BLOCK_LENGTH))
 }
 
-/// Merge results of all blocks in the tree of [`reduce_blocks`].
+/// Merges the results of all blocks in the tree of [`reduce_blocks`].
 pub(crate) fn reduce_in_tree<B, T>(
     blocks: &[B],
     result: &impl Fn(&B) -> T,

@@ -1,16 +1,18 @@
-//! A path seen more finely: the increments of parts of a step, given that of the whole.
+//! Refinement of a path: increments over parts of a step, given that of the whole step.
 
 use crate::noise::{Increment, Noise, Purpose, Stream, WORDS_PER_PAIR};
 
 impl<const M: usize> Increment<M> {
-    /// The increments over the two halves of a step of length `dt`, given that over the whole: a Brownian bridge with its
-    /// area. `normals` are two independent standard normals per motion.
+    /// Increments over the two halves of a step of length `dt`, given that over the whole step.
+    ///
+    /// This is a Brownian bridge with its space-time area. `normals` are two independent standard normals per motion.
     ///
     /// $$ a = \tfrac34 H + \tfrac18 \sqrt h  z_1, \quad w_{1,2} = \tfrac12 w \pm 2a, \quad
     ///    H_{1,2} = (H - a) \pm \tfrac12 \sqrt{h/12}  z_2 $$
     ///
-    /// They have the law of two fresh steps, and [`from_halves`](Self::from_halves) gives the whole back. It follows from
-    /// that formula: `H` is the sum of `(w_1 - w_2)/4 ~ N(0, h/16)` and `(H_1 + H_2)/2 ~ N(0, h/48)`.
+    /// The halves have the distribution of two independent steps, and [`from_halves`](Self::from_halves) recovers the
+    /// whole step. Derivation: in that formula `H` is the sum of `(w_1 - w_2)/4 ~ N(0, h/16)` and
+    /// `(H_1 + H_2)/2 ~ N(0, h/48)`.
     #[must_use]
     pub fn halves(&self, dt: f64, normals: &[[f64; 2]; M]) -> [Self; 2] {
         let (mut first, mut second) = (Self::ZERO, Self::ZERO);
@@ -28,10 +30,11 @@ impl<const M: usize> Increment<M> {
     }
 }
 
-/// The path of one realisation at every dyadic part of its steps, each a pure function of its place.
+/// The path of one realisation at every dyadic part of its steps, as a pure function of position.
 ///
-/// Steps that adapt to the path must see the **same** path after a rejected step: drawing afresh conditions the accepted
-/// steps on being accepted, which biases every statistic. Here a rejected step is halved, and its halves are looked up.
+/// Adaptive steps must use the **same** path after a rejected step: redrawing conditions the accepted steps on
+/// acceptance, which biases every statistic. Here a rejected step is halved, and the increments of its halves are
+/// looked up.
 ///
 /// ```
 /// use sde_integrators::{BrownianTree, Increment, Noise};
@@ -52,23 +55,24 @@ pub struct BrownianTree<const M: usize> {
 }
 
 impl<const M: usize> BrownianTree<M> {
-    /// How often a step can be halved.
+    /// Largest number of halvings of a step.
     pub const MAX_DEPTH: usize = 20;
 
-    /// The path of a realisation, with steps of length `dt > 0` at its root.
+    /// The path of a realisation, with steps of length `dt > 0` at the root.
     #[must_use]
     pub const fn new(noise: Noise, realisation: u64, dt: f64) -> Self {
         Self { noise, realisation, dt }
     }
 
-    /// The increment over a part of a step: `halves` says which half to take, time after time, 0 for the first. Steps and
-    /// halves beyond [`MAX_DEPTH`](Self::MAX_DEPTH) are not followed. Costs a draw per halving.
+    /// Increment over a part of a step: `halves` selects the half at each level, 0 for the first.
+    ///
+    /// Entries beyond [`MAX_DEPTH`](Self::MAX_DEPTH) are ignored. The cost is one draw per halving.
     #[must_use]
     pub fn increment(&self, step: u64, halves: &[u8]) -> Increment<M> {
         self.descend(step, halves).increment
     }
 
-    /// The increments over a part of a step, as [`increment`](Self::increment), and over its two halves.
+    /// Increments over a part of a step, as in [`increment`](Self::increment), and over its two halves.
     #[must_use]
     pub fn parts(&self, step: u64, halves: &[u8]) -> (Increment<M>, [Increment<M>; 2]) {
         let mut node = self.descend(step, halves);
@@ -95,7 +99,7 @@ impl<const M: usize> BrownianTree<M> {
     }
 }
 
-/// A part of a step. Its number in the tree: the whole is 1, the halves of `k` are `2k` and `2k + 1`.
+/// A part of a step and its number in the tree: the whole is 1, the halves of `k` are `2k` and `2k + 1`.
 struct Node<const M: usize> {
     stream: Stream,
     step: u64,

@@ -1,4 +1,4 @@
-//! ChaCha with 8 rounds, many blocks side by side: one lane per stream, or one per block of a stream.
+//! ChaCha with 8 rounds, vectorised over blocks: one lane per stream, or one per block of a stream.
 
 #![allow(
     clippy::inline_always,
@@ -11,7 +11,7 @@ pub(crate) const BLOCK_WORDS: usize = 16;
 /// "expand 32-byte k", the constants of the cipher.
 const CONSTANTS: [u32; 4] = [0x6170_7865, 0x3320_646e, 0x7962_2d32, 0x6b20_6574];
 
-/// The key of a seed and a purpose: both little endian, then zeros.
+/// Key of a seed and a purpose: both little endian, then zeros.
 pub(crate) const fn key(seed: u64, purpose: u64) -> [u32; 8] {
     [low(seed), high(seed), low(purpose), high(purpose), 0, 0, 0, 0]
 }
@@ -27,7 +27,7 @@ const fn high(x: u64) -> u32 {
     (x >> 32) as u32
 }
 
-/// Block `counters[lane]` of stream `streams[lane]`, word by word. A loop that compilers turn into lanes.
+/// Block `counters[lane]` of stream `streams[lane]`, word by word, in a loop that compilers vectorise.
 ///
 /// Source: Bernstein 2008, ChaCha, a variant of Salsa20.
 #[inline(always)]
@@ -37,7 +37,7 @@ pub(crate) fn blocks<const L: usize>(
     counters: &[u64; L],
     words: &mut [[u32; L]; BLOCK_WORDS],
 ) {
-    // Halved first: a loop that holds numbers of 64 bits besides would be given half the lanes.
+    // Split into halves first: a loop that also holds 64-bit numbers would get half the lanes.
     let mut addresses = [[0; L]; 4];
     for lane in 0..L {
         let (stream, counter) = (streams[lane], counters[lane]);

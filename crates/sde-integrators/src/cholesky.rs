@@ -1,6 +1,6 @@
-//! The Cholesky factor of a small symmetric matrix.
+//! Cholesky factor of a small symmetric matrix.
 
-/// A pivot that is not above roundoff.
+/// A pivot that does not exceed roundoff.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BadPivot {
     pub(crate) row: usize,
@@ -8,7 +8,7 @@ pub(crate) struct BadPivot {
     pub(crate) limit: f64,
 }
 
-/// The lower triangle `L` with `A = L L^T`; reads the lower triangle of `A` alone.
+/// The lower triangle `L` with `A = L L^T`; reads only the lower triangle of `A`.
 ///
 /// A pivot must exceed `D eps A_ii`, below which it is roundoff.
 /// Source: Higham 2002, Accuracy and stability of numerical algorithms, algorithm 10.2.

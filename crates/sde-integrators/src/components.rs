@@ -1,18 +1,24 @@
-//! Factors applied to several fields whose values lie side by side: `[unknown][component]`, with motions
-//! `[motion][component]`. Each field has the same factor and motions of its own.
+//! Noise factors applied to several fields in interleaved storage.
+//!
+//! Fields are stored as `[unknown][component]`, motions as `[motion][component]`.
+//!
+//! The fields share a factor and have independent motions.
 
-/// What [`NoiseFactor`](crate::NoiseFactor) does, for several fields at once. In blocks of components that fit in
-/// registers, so that the factor is read once for eight.
+/// Applies a [`NoiseFactor`](crate::NoiseFactor) to several fields at once.
+///
+/// It works in blocks of components that fit in registers, so that the factor is read once for eight.
 macro_rules! for_components {
     () => {
-        /// `L z` for several fields side by side: `z` is `[motion][component]`, `result` is `[unknown][component]`. What
-        /// [`NoiseFactor::apply`] gives for each of them alone.
+        /// `L z` for several interleaved fields: `z` is `[motion][component]`, `result` is `[unknown][component]`.
+        ///
+        /// The result is that of [`NoiseFactor::apply`] for each field alone.
         pub fn apply_to_components(&self, components: usize, z: &[f64], result: &mut [f64]) {
             $crate::components::in_blocks!(self.apply_block(components, z, result));
         }
 
-        /// `L^T x` for several fields side by side: `x` is `[unknown][component]`, `result` is `[motion][component]`. What
-        /// [`NoiseFactor::apply_transposed`] gives for each of them alone.
+        /// `L^T x` for several interleaved fields: `x` is `[unknown][component]`, `result` is `[motion][component]`.
+        ///
+        /// The result is that of [`NoiseFactor::apply_transposed`] for each field alone.
         pub fn apply_transposed_to_components(
             &self,
             components: usize,
@@ -42,10 +48,10 @@ macro_rules! in_blocks {
 pub(crate) use for_components;
 pub(crate) use in_blocks;
 
-/// A block: its first component, and all there are.
+/// A block: its first component, and the total number.
 pub(crate) type Block = (usize, usize);
 
-/// `A x` of `C` components for a matrix `A` by its rows, each as its columns and values.
+/// `A x` for `C` components, with the rows of `A` given as columns and values.
 pub(crate) fn multiply<const C: usize>(
     rows: impl Iterator<Item = impl Iterator<Item = (usize, f64)>>,
     block: Block,
@@ -62,7 +68,7 @@ pub(crate) fn multiply<const C: usize>(
     C
 }
 
-/// `A^T x`, the same by the columns of `A^T`, of `n` entries.
+/// `A^T x`, computed from the columns of `A^T`, of `n` entries.
 pub(crate) fn multiply_transposed<const C: usize>(
     n: usize,
     rows: impl Iterator<Item = impl Iterator<Item = (usize, f64)>>,
@@ -82,7 +88,7 @@ pub(crate) fn multiply_transposed<const C: usize>(
     C
 }
 
-/// Each entry of `x` times that of the diagonal.
+/// Multiplies each entry of `x` by that of the diagonal.
 pub(crate) fn multiply_diagonal<const C: usize>(
     diagonal: &[f64],
     block: Block,
@@ -96,12 +102,12 @@ pub(crate) fn multiply_diagonal<const C: usize>(
     C
 }
 
-/// The entries of a full row.
+/// Entries of a dense row.
 pub(crate) fn entries(row: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     row.iter().copied().enumerate()
 }
 
-/// `C` components of an unknown or a motion, from the `first` of `all` on.
+/// `C` components of an unknown or a motion, starting at `first` of `all`.
 #[inline]
 fn load<const C: usize>(values: &[f64], index: usize, (first, all): Block) -> [f64; C] {
     let start = index * all + first;
@@ -110,7 +116,7 @@ fn load<const C: usize>(values: &[f64], index: usize, (first, all): Block) -> [f
     block
 }
 
-/// Where they go.
+/// The same, mutable.
 #[inline]
 fn block_of<const C: usize>(values: &mut [f64], index: usize, (first, all): Block) -> &mut [f64] {
     let start = index * all + first;

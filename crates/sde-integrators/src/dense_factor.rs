@@ -1,20 +1,21 @@
-//! A noise factor from a full covariance.
+//! Noise factor of a full covariance.
 
 use crate::components::{Block, entries, for_components, multiply, multiply_transposed};
 use crate::error::Error;
 use crate::noise_factor::{NoiseFactor, require_finite, require_length};
 
-/// The Cholesky factor of a full covariance: `O(n^3)` once, `O(n^2)` per step. For a few thousand unknowns.
+/// Cholesky factor of a full covariance, for a few thousand unknowns: `O(n^3)` once, `O(n^2)` per step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DenseFactor {
     n: usize,
-    /// Row after row, each up to its diagonal.
+    /// Rows in sequence, each up to its diagonal.
     rows: Vec<f64>,
 }
 
 impl DenseFactor {
-    /// From the covariance per unit of time, row after row; it must be symmetric to `1e-12` of its diagonal, and
-    /// positive definite.
+    /// Factorises the covariance per unit of time, given row by row.
+    ///
+    /// It must be positive definite, and symmetric to `1e-12` of its diagonal.
     ///
     /// # Errors
     /// [`Error::Length`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
@@ -47,10 +48,10 @@ impl DenseFactor {
     /// Row `i` of the triangle, up to its diagonal.
     ///
     /// # Panics
-    /// If there is no such row, as a slice does.
+    /// If there is no such row, as in slice indexing.
     #[must_use]
     pub fn row(&self, i: usize) -> &[f64] {
-        // Before row i there are 1 + 2 + .. + i entries.
+        // Number of entries before row i: 1 + 2 + .. + i.
         &self.rows[i * (i + 1) / 2..(i + 1) * (i + 2) / 2]
     }
 

@@ -1,15 +1,16 @@
-//! Systems whose every state has a Brownian motion of its own.
+//! Systems with diagonal noise.
 
 use crate::stratonovich::StratonovichSde;
 use crate::system::{General, Sde};
 
-/// A system in the sense of Ito with diagonal noise: state `i` is driven by motion `i` alone, with an intensity that
-/// depends on `x_i` alone,
+/// An Ito system with diagonal noise.
+///
+/// Motion `i` drives state `i` alone, with an intensity that depends on `x_i` alone,
 ///
 /// $$ dX_i = f_i(t, X) dt + b_i(t, X_i) dB_i . $$
 ///
-/// Its noise commutes, so that methods of strong order above one half need no area between two motions. As an [`Sde`]
-/// it is [`DiagonalNoise`], as a [`StratonovichSde`] it is [`StratonovichForm`].
+/// Its noise commutes, so methods of strong order above one half need no Lévy area between motions. As an [`Sde`] it
+/// is [`DiagonalNoise`], as a [`StratonovichSde`] it is [`StratonovichForm`].
 pub trait DiagonalSde<const D: usize>: Sync {
     /// `f(t, x)`, per unit of time.
     fn drift(&self, t: f64, x: &[f64; D]) -> [f64; D];
@@ -41,7 +42,7 @@ where
     }
 }
 
-/// A [`DiagonalSde`] as an [`Sde`] with as many motions as states; it is still a [`DiagonalSde`].
+/// A [`DiagonalSde`] as an [`Sde`] with as many motions as states; it also implements [`DiagonalSde`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DiagonalNoise<S>(
     /// The system with diagonal noise.
@@ -91,12 +92,12 @@ where
     }
 }
 
-/// The same process as a [`DiagonalSde`], written in the sense of Stratonovich: the drift is `f - b b'/2`.
+/// The same process as a [`DiagonalSde`] in Stratonovich form: the drift is `f - b b'/2`.
 ///
 /// Source: Kloeden and Platen 1992, eq 4.9.11.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StratonovichForm<S>(
-    /// The system in the sense of Ito.
+    /// The system in Ito form.
     pub S,
 );
 
@@ -129,8 +130,9 @@ fn diagonal<const D: usize>(entries: [f64; D]) -> [[f64; D]; D] {
     matrix
 }
 
-/// How far a system is from what [`DiagonalSde`] promises, over the given states: the largest difference between
-/// `db_i/dx_j` by central differences and the derivative it gives (`j = i`) or zero (`j != i`).
+/// Largest deviation of a system from the definition of [`DiagonalSde`] over the given states.
+///
+/// It compares `db_i/dx_j` by central differences with the system's derivative (`j = i`) or zero (`j != i`).
 #[must_use]
 pub fn check_diagonal_noise<S, const D: usize>(system: &S, t: f64, states: &[[f64; D]]) -> f64
 where

@@ -1,4 +1,4 @@
-//! Ensembles: many paths of one system, and what is observed of them.
+//! Ensembles: many paths of one system, and estimates of observables.
 
 use std::ops::Range;
 
@@ -14,54 +14,54 @@ use crate::law::InitialLaw;
 use crate::schedule::{EnsembleConfig, Leg, schedule};
 use crate::tally::{Observable, Sampling, Seen, Tally};
 
-/// What an ensemble came to.
+/// Results of an ensemble.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Ensemble {
-    /// The output times, as asked for.
+    /// The requested output times.
     pub times: Vec<f64>,
     /// Per output time, per observable.
     pub estimates: Vec<Vec<Estimate>>,
-    /// How many paths were followed.
+    /// Number of paths.
     pub n_paths: u64,
-    /// The work: steps taken, over all paths.
+    /// Number of steps over all paths.
     pub path_steps: u128,
 }
 
-/// An ensemble with all its choices: what [`simulate`] does with the usual ones.
+/// An ensemble with all its options; [`simulate`] uses the default options.
 ///
-/// [`run`](Self::run) follows all paths, [`shard`](Self::shard) a part of them.
+/// [`run`](Self::run) computes all paths, [`shard`](Self::shard) a part of them.
 #[derive(Debug)]
 pub struct Study<'a, S: ?Sized, I, L: ?Sized, const D: usize> {
-    /// Its name: shards of studies of different names are not merged.
+    /// Name of the study: shards of studies with different names are not merged.
     pub name: &'a str,
     /// The system.
     pub system: &'a S,
     /// The method.
     pub integrator: &'a I,
-    /// The law of the initial state.
+    /// Distribution of the initial state.
     pub law: &'a L,
-    /// How many paths, how finely, until when.
+    /// Number of paths, step and output times.
     pub config: &'a EnsembleConfig,
-    /// What is observed.
+    /// Observables.
     pub observables: &'a [Observable<'a, D>],
-    /// How the paths belong together.
+    /// Dependence between the paths.
     pub sampling: Sampling,
-    /// The instructions used; the bits are the same at every level.
+    /// SIMD level; results are bitwise identical at every level.
     pub level: SimdLevel,
 }
 
-/// Follow `n_paths` paths of a system and estimate the observables at the output times.
+/// Simulates `n_paths` paths of a system and estimates the observables at the output times.
 ///
-/// The result is a function of its arguments alone: the same bits for any number of threads, at every level of vector
-/// instructions, and with or without the feature `rayon`. Each path is realisation number `0, 1, ..` of
-/// [`Noise::new`](crate::Noise::new)`(config.seed)`. Paths move in groups of [`LANES`]; nothing is allocated per step.
+/// The result is a function of the arguments alone: bitwise identical for any number of threads, at every SIMD level,
+/// and with or without the feature `rayon`. Each path is realisation `0, 1, ..` of
+/// [`Noise::new`](crate::Noise::new)`(config.seed)`. Paths advance in groups of [`LANES`]; a step allocates nothing.
 ///
 /// # Errors
-/// A bad configuration: [`Error::NotPositive`] (`dt`), [`Error::OutputTime`], [`Error::TooFew`] (paths, times,
-/// observables), [`Error::TooMany`] (steps). A failed path: [`Error::Step`], [`Error::NonFiniteState`],
-/// [`Error::NonFiniteObservable`], always that of the lowest path that fails. No path is ever dropped; to count those
-/// that fail use [`Study::run`].
+/// Invalid configuration: [`Error::NotPositive`] (`dt`), [`Error::OutputTime`], [`Error::TooFew`] (paths, times,
+/// observables), [`Error::TooMany`] (steps). Failed path: [`Error::Step`], [`Error::NonFiniteState`],
+/// [`Error::NonFiniteObservable`], always that of the lowest path that fails. No path is ever dropped; [`Study::run`]
+/// counts failed paths.
 pub fn simulate<S, I, L, const D: usize, const M: usize>(
     system: &S,
     integrator: &I,
@@ -88,7 +88,7 @@ where
     study.ensemble(&tallies.unwrap_or_default())
 }
 
-/// What the paths of one block came to.
+/// Results of the paths of one block.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     pub(crate) tallies: Vec<Tally>,
@@ -96,10 +96,10 @@ pub(crate) struct Block {
     pub(crate) first_failure: Option<(u64, Error)>,
 }
 
-/// What happens when a path fails.
+/// Handling of a failed path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Failing {
-    /// Paths of higher numbers need not be followed.
+    /// It stops the ensemble: paths of higher numbers need not run.
     Stops,
     /// It is counted.
     Counts,
@@ -122,7 +122,7 @@ where
         schedule(self.config)
     }
 
-    /// The tallies of a block of paths, observable by observable for each output time.
+    /// Tallies of a block of paths, observable by observable for each output time.
     pub(crate) fn block<const M: usize>(
         &self,
         legs: &[Leg],
@@ -184,7 +184,7 @@ pub(crate) fn merge_tallies(mut earlier: Vec<Tally>, later: Vec<Tally>) -> Vec<T
     earlier
 }
 
-/// Looks at the output times.
+/// Observes the output times.
 struct Observer<'a, const D: usize> {
     observables: &'a [Observable<'a, D>],
     sampling: Sampling,

@@ -1,43 +1,43 @@
-//! What can go wrong, with the value and its limit.
+//! Errors, with the value and its limit.
 
-/// Why a step could not be taken. Explicit methods never fail; what they return is checked by the caller.
+/// Error of a step. Explicit methods never fail; the caller checks their results.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// An implicit equation was not solved.
+    /// The solver of an implicit equation did not converge.
     #[error("residual {residual:e} after {iterations} iterations, the limit is {limit:e}")]
     NotConverged {
-        /// How many iterations were made.
+        /// Number of iterations.
         iterations: usize,
-        /// What was left: the last correction of the state.
+        /// The last correction of the state.
         residual: f64,
-        /// What would have been accepted.
+        /// Largest accepted correction.
         limit: f64,
     },
-    /// The method cannot take a step of this length.
+    /// The step length exceeds the limit of the method.
     #[error("step length {dt} exceeds its limit {limit}")]
     StepTooLong {
-        /// The step length asked for.
+        /// Requested step length.
         dt: f64,
-        /// The largest one.
+        /// Largest step length.
         limit: f64,
     },
-    /// A linear system within an implicit step has no unique solution.
+    /// A linear system within an implicit step is singular.
     #[error("pivot {pivot:e} in row {row}, must exceed {limit:e}")]
     Singular {
-        /// The row where the elimination failed.
+        /// Row where the elimination failed.
         row: usize,
-        /// The pivot found there.
+        /// Pivot in that row.
         pivot: f64,
-        /// What its size must exceed: roundoff.
+        /// Roundoff level that its magnitude must exceed.
         limit: f64,
     },
-    /// The operator of an implicit step does not fit the field.
+    /// The operator of an implicit step has another size than the field.
     #[error("the operator has {value} unknowns, the field {expected}")]
     OperatorLength {
-        /// Those of the operator.
+        /// Number of unknowns of the operator.
         value: usize,
-        /// Those of the field.
+        /// Number of unknowns of the field.
         expected: usize,
     },
     /// The operator of an implicit step is not symmetric negative semidefinite.
@@ -50,74 +50,74 @@ pub enum StepError {
     },
 }
 
-/// Why a law, an estimate or an ensemble could not be made.
+/// Error of a distribution, an estimate or an ensemble.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// There are fewer of something than its least number.
+    /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {
-        /// Of what.
+        /// Kind of items.
         quantity: &'static str,
-        /// How many there are.
+        /// Number given.
         value: u64,
-        /// How many there must be.
+        /// Minimum.
         limit: u64,
     },
-    /// There are more of something than can be.
+    /// A number of items exceeds its maximum.
     #[error("{value} {quantity}, at most {limit} possible")]
     TooMany {
-        /// Of what.
+        /// Kind of items.
         quantity: &'static str,
-        /// How many there would be.
+        /// Number required.
         value: f64,
-        /// How many there may be.
+        /// Maximum.
         limit: f64,
     },
-    /// A quantity is infinite, not a number, or not above zero.
+    /// A quantity is not finite or not positive.
     #[error("{quantity} is {value}, must be finite and positive")]
     NotPositive {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
     },
-    /// A quantity is not a number.
+    /// A quantity is NaN.
     #[error("the {quantity} is NaN, must be a number")]
     NotANumber {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
     },
-    /// A quantity is infinite or not a number.
+    /// A quantity is not finite.
     #[error("{quantity} {index} is {value}, must be finite")]
     NotFinite {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// Its place among its like.
+        /// Its index.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// A quantity lies outside its range.
+    /// A quantity is out of range.
     #[error("{quantity} is {value}, must lie in {from}..={to}")]
     OutOfRange {
-        /// Which one.
+        /// Name of the quantity.
         quantity: &'static str,
         /// Its value.
         value: f64,
-        /// The least value.
+        /// Lower limit.
         from: f64,
-        /// The largest value.
+        /// Upper limit.
         to: f64,
     },
-    /// A slice has not the length that belongs to another.
+    /// The length of a slice does not match that of another.
     #[error("{value} {quantity}, {expected} expected")]
     Length {
-        /// Of what.
+        /// Kind of entries.
         quantity: &'static str,
-        /// How many there are.
+        /// Number given.
         value: usize,
-        /// How many there must be.
+        /// Number required.
         expected: usize,
     },
     /// The covariance of a field's noise is not symmetric.
@@ -129,9 +129,9 @@ pub enum Error {
         row: usize,
         /// The column of the entry.
         column: usize,
-        /// By how much the two entries differ.
+        /// Difference between the two entries.
         difference: f64,
-        /// By how much they may differ.
+        /// Largest admissible difference.
         limit: f64,
     },
     /// The covariance of a field's noise is not positive definite.
@@ -139,39 +139,39 @@ pub enum Error {
         "covariance of the noise is not positive definite: the pivot of row {row} is not positive"
     )]
     CovarianceNotPositiveDefinite {
-        /// The row where the factorisation failed.
+        /// Row where the factorisation failed.
         row: usize,
     },
-    /// The start of a compressed row is out of order.
+    /// The starts of compressed rows are not in order.
     #[error(
         "compressed row {row} starts at entry {start}, must lie in {from}..={to} and the last at the end"
     )]
     SparseRow {
-        /// Which row.
+        /// The row.
         row: usize,
-        /// Where it starts.
+        /// Its start.
         start: usize,
-        /// The start of the row before it.
+        /// Start of the previous row.
         from: usize,
-        /// The largest start.
+        /// Largest possible start.
         to: usize,
     },
-    /// A compressed row has an entry in a column that does not exist.
+    /// A compressed row has an entry in a nonexistent column.
     #[error("entry {entry} lies in column {column}, of {n_motions}")]
     SparseColumn {
-        /// Which entry.
+        /// The entry.
         entry: usize,
         /// Its column.
         column: usize,
-        /// How many columns there are.
+        /// Number of columns.
         n_motions: usize,
     },
-    /// The weights of a mixture do not add up to one.
+    /// The weights of a mixture do not sum to one.
     #[error("weights of the components sum to {sum}, must be 1 within {tolerance:e}")]
     WeightSum {
         /// Their sum.
         sum: f64,
-        /// How far it may be from 1.
+        /// Largest admissible deviation from 1.
         tolerance: f64,
     },
     /// A covariance is not symmetric.
@@ -179,15 +179,15 @@ pub enum Error {
         "covariance of component {component} differs by {difference:e} between ({row}, {column}) and ({column}, {row}), the limit is {limit:e}"
     )]
     NotSymmetric {
-        /// Which component of the mixture.
+        /// Component of the mixture.
         component: usize,
         /// The row of the entry.
         row: usize,
         /// The column of the entry.
         column: usize,
-        /// By how much the two entries differ.
+        /// Difference between the two entries.
         difference: f64,
-        /// By how much they may differ.
+        /// Largest admissible difference.
         limit: f64,
     },
     /// A covariance is not positive definite.
@@ -195,40 +195,40 @@ pub enum Error {
         "covariance of component {component} is not positive definite: pivot {pivot:e} in row {row}, must exceed {limit:e}"
     )]
     NotPositiveDefinite {
-        /// Which component of the mixture.
+        /// Component of the mixture.
         component: usize,
-        /// The row where the factorisation failed.
+        /// Row where the factorisation failed.
         row: usize,
-        /// The pivot found there: the variance of this state given those before it.
+        /// Pivot in that row: the variance of this state given those before it.
         pivot: f64,
-        /// What it must exceed: roundoff.
+        /// Roundoff level that it must exceed.
         limit: f64,
     },
-    /// An output time is before the start, not after the one before it, or not a number.
+    /// An output time is negative, not increasing, or not finite.
     #[error("output time {index} is {value}, must be finite and {relation} {limit}")]
     OutputTime {
-        /// Which one.
+        /// Index of the output time.
         index: usize,
         /// Its value.
         value: f64,
-        /// How it must compare: "at least" or "above".
+        /// Required relation: "at least" or "above".
         relation: &'static str,
-        /// With what.
+        /// Limit of the relation.
         limit: f64,
     },
-    /// A method could not take a step.
+    /// A method failed in a step.
     #[error("path {realisation}, step {step}, time {t}: no step was possible")]
     Step {
-        /// The realisation with the lowest number that failed.
+        /// Lowest realisation that failed.
         realisation: u64,
         /// The step, counted from 0.
         step: u64,
         /// The time at its start.
         t: f64,
-        /// Why.
+        /// Cause.
         source: StepError,
     },
-    /// The shortest step of an adaptive path is too long for its tolerances.
+    /// The error of the shortest adaptive step exceeds the tolerance.
     #[error(
         "path {realisation}, time {t}: the shortest step {dt:e} has {error:e} times the error let pass"
     )]
@@ -237,23 +237,23 @@ pub enum Error {
         realisation: u64,
         /// The time at the start of the step.
         t: f64,
-        /// Its length.
+        /// Step length.
         dt: f64,
-        /// The estimate of its error, over what is let pass.
+        /// Error estimate over the tolerance.
         error: f64,
     },
-    /// A path left the numbers.
+    /// The state of a path is not finite.
     #[error(
         "path {realisation} is non-finite after {steps} steps, at time {t}: state {component} is {value}"
     )]
     NonFiniteState {
-        /// The realisation with the lowest number that failed.
+        /// Lowest realisation that failed.
         realisation: u64,
-        /// How many steps it had taken; none where the initial law is to blame.
+        /// Number of steps before the failure; 0 if the initial distribution caused it.
         steps: u64,
         /// The time after them.
         t: f64,
-        /// Which component of the state.
+        /// Index of the component.
         component: usize,
         /// Its value.
         value: f64,
@@ -261,94 +261,94 @@ pub enum Error {
     /// An observable of a finite state is not finite.
     #[error("observable {observable} of path {realisation} at time {t} is {value}, must be finite")]
     NonFiniteObservable {
-        /// Which observable.
+        /// Index of the observable.
         observable: usize,
-        /// The realisation with the lowest number that failed.
+        /// Lowest realisation that failed.
         realisation: u64,
         /// The output time.
         t: f64,
         /// Its value.
         value: f64,
     },
-    /// A number must be even.
+    /// A number is odd but must be even.
     #[error("{value} {quantity}, must be even")]
     NotEven {
-        /// Of what.
+        /// Kind of items.
         quantity: &'static str,
-        /// How many there are.
+        /// Number given.
         value: u64,
     },
-    /// Some paths of a study failed: those that are left are not a sample of the law.
+    /// Some paths of a study failed, so the remaining ones are no sample of the distribution.
     #[error("{n_failed} of {n_paths} paths failed, the first of them {realisation}: {message}")]
     PathsFailed {
-        /// How many failed.
+        /// Number of failed paths.
         n_failed: u64,
-        /// Of how many.
+        /// Number of paths.
         n_paths: u64,
-        /// The lowest realisation that failed.
+        /// Lowest realisation that failed.
         realisation: u64,
-        /// Why it failed.
+        /// Error text.
         message: String,
     },
-    /// There is no shard of this number.
+    /// The shard number is out of range.
     #[error("shard {shard} of {n_shards}: they are counted from 0")]
     NoSuchShard {
-        /// The number asked for.
+        /// Requested number.
         shard: u64,
-        /// How many shards there are.
+        /// Number of shards.
         n_shards: u64,
     },
-    /// A shard was not given.
+    /// A shard is missing.
     #[error("shard {shard} of {n_shards} is missing")]
     MissingShard {
-        /// Which one: the lowest that is missing.
+        /// Lowest missing shard.
         shard: u64,
-        /// How many there must be.
+        /// Number of shards.
         n_shards: u64,
     },
     /// A shard was given twice.
     #[error("shard {shard} was given twice")]
     DoubledShard {
-        /// Which one.
+        /// Number of the shard.
         shard: u64,
     },
-    /// A shard belongs to another study than the first one given.
+    /// A shard belongs to another study than the first shard.
     #[error(
         "shard {shard} is of another study: its {field} is {value}, that of the first is {expected}"
     )]
     ForeignShard {
-        /// Which one.
+        /// Number of the shard.
         shard: u64,
-        /// What differs first.
+        /// The first field that differs.
         field: &'static str,
-        /// What the shard has.
+        /// Value in the shard.
         value: String,
-        /// What the first has.
+        /// Value in the first shard.
         expected: String,
     },
-    /// A record does not hold the blocks of its shard.
+    /// A record has the wrong number of blocks for its shard.
     #[error(
         "shard {shard} holds {n_blocks} blocks, must hold {expected}, each with all its results"
     )]
     BrokenShard {
-        /// Which one.
+        /// Number of the shard.
         shard: u64,
-        /// How many blocks it holds.
+        /// Number of blocks in the record.
         n_blocks: u64,
-        /// How many it must hold.
+        /// Required number.
         expected: u64,
     },
-    /// A block of a record holds what no block of its study can.
+    /// A block of a record has impossible contents.
     #[error(
         "shard {shard}: block {block} of it holds more paths than a block has, or other results"
     )]
     BrokenBlock {
-        /// Which shard.
+        /// Number of the shard.
         shard: u64,
-        /// Which block of it, from 0.
+        /// Index of the block.
         block: usize,
     },
-    /// A sample whose mean or variance is beyond the range of a double.
+    /// Mean or variance of a sample exceeds the range of a double.
     #[error("a sample of mean {mean} and variance {variance}, both must be finite")]
     NonFiniteSample {
         /// The mean.
@@ -359,27 +359,27 @@ pub enum Error {
     /// The state has no such component.
     #[error("component {component} of the state, must be below {limit}")]
     NoSuchComponent {
-        /// The one asked for.
+        /// Requested component.
         component: usize,
-        /// How many there are.
+        /// Number of components.
         limit: usize,
     },
-    /// A step turns an oscillator too far for the arc between its ends to be known.
+    /// The rotation of an oscillator in a step is too large to determine the arc between its ends.
     #[error("a step turns the oscillator by {angle} rad, must be below {limit}")]
     ArcTooLong {
-        /// By how much.
+        /// Rotation angle.
         angle: f64,
         /// Half a turn.
         limit: f64,
     },
-    /// A slice has another length than it must have.
+    /// A slice has the wrong length.
     #[error("{value} {quantity}, must be {expected}")]
     WrongLength {
-        /// Of what.
+        /// Kind of entries.
         quantity: &'static str,
-        /// How many there are.
+        /// Number given.
         value: usize,
-        /// How many there must be.
+        /// Number required.
         expected: usize,
     },
     /// The iteration found no design point.
@@ -387,15 +387,15 @@ pub enum Error {
         "no design point after {iterations} iterations; square of the gradient: {gradient_square:e}"
     )]
     NoDesignPoint {
-        /// How many iterations were made.
+        /// Number of iterations.
         iterations: usize,
-        /// Zero where the response does not depend on the noise, not a number where the iterations ran out.
+        /// Zero where the response does not depend on the noise, NaN where the iterations ran out.
         gradient_square: f64,
     },
     /// Subset simulation did not reach its threshold.
     #[error("threshold {threshold} not reached after {limit} levels")]
     TooManyLevels {
-        /// How many levels were tried.
+        /// Number of levels.
         limit: u32,
         /// The threshold.
         threshold: f64,

@@ -1,42 +1,42 @@
-//! Numbers with their errors.
+//! Estimates with their errors.
 
 use std::fmt;
 
 use crate::error::Error;
 
-/// A number and what is known of its error.
+/// A value with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The number.
+    /// The value.
     pub value: f64,
-    /// What is known of its error.
+    /// Its uncertainty.
     pub uncertainty: Uncertainty,
 }
 
-/// What is known of the error of a number.
+/// Uncertainty of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Uncertainty {
-    /// One standard deviation of the estimate over repetitions of the whole study.
+    /// Standard deviation of the estimate over repetitions of the study.
     StandardError(f64),
-    /// The largest distance to the true value, certain or at a confidence that the source of the number states.
+    /// Largest distance to the true value, certain or at a confidence stated by the source of the value.
     Bound(f64),
-    /// Nothing is known: whoever uses the number must bring a reference.
+    /// Unknown: the user of the value must supply a reference.
     Unknown,
 }
 
 impl Estimate {
-    /// The probability of an event that happened in `hits` of `trials` independent trials.
+    /// Probability of an event with `hits` in `trials` independent trials.
     ///
     /// $$ \hat p = \frac kn, \qquad \text{s.e.} = \sqrt{\frac{\hat p (1 - \hat p)}{n}} $$
     ///
-    /// If it happened never, or always, that formula would say that the error is zero. The error is then the
-    /// [`Uncertainty::Bound`] `3/n`, the "rule of three": were `p` above it (below `1 - 3/n`), the outcome would have
-    /// had a probability below `exp(-3)`, 5 %.
+    /// For zero hits, or only hits, that formula gives an error of zero. The error is then the [`Uncertainty::Bound`]
+    /// `3/n`, the "rule of three": for `p` above it (below `1 - 3/n`), the probability of the outcome is below
+    /// `exp(-3)`, 5 %.
     ///
     /// Source: Hanley and Lippman-Hand 1983, If nothing goes wrong, is everything all right?
     ///
     /// # Errors
-    /// [`Error::TooFew`] without a trial, [`Error::TooMany`] for more hits than trials.
+    /// [`Error::TooFew`] for no trials, [`Error::TooMany`] for more hits than trials.
     pub fn probability(hits: u64, trials: u64) -> Result<Self, Error> {
         if trials == 0 {
             return Err(Error::TooFew { quantity: "trials", value: 0, limit: 1 });
@@ -54,7 +54,7 @@ impl Estimate {
         Ok(Self { value, uncertainty })
     }
 
-    /// The standard error, where that is what is known.
+    /// The standard error, if that is the known uncertainty.
     #[must_use]
     pub const fn standard_error(&self) -> Option<f64> {
         match self.uncertainty {
@@ -74,10 +74,9 @@ impl fmt::Display for Estimate {
     }
 }
 
-/// Mean and variance of a sample, taken in one value after the other or one block after the other.
+/// Mean and variance of a sample, accumulated by values or by blocks.
 ///
-/// Combining blocks in a fixed order gives the same bits whoever computed them; see
-/// [`reduce_blocks`](crate::reduce_blocks).
+/// Merging blocks in a fixed order is bitwise reproducible; see [`reduce_blocks`](crate::reduce_blocks).
 ///
 /// Sources: Welford 1962, Note on a method for calculating corrected sums of squares and products; Chan, Golub and
 /// LeVeque 1983, Algorithms for computing the sample variance, eq 2.1.
@@ -86,12 +85,12 @@ impl fmt::Display for Estimate {
 pub struct Accumulator {
     count: u64,
     mean: f64,
-    /// The sum of the squared distances to the mean.
+    /// Sum of the squared deviations from the mean.
     squares: f64,
 }
 
 impl Accumulator {
-    /// Take in one value.
+    /// Adds one value.
     #[inline]
     pub fn push(&mut self, value: f64) {
         self.count += 1;
@@ -100,7 +99,7 @@ impl Accumulator {
         self.squares += distance * (value - self.mean);
     }
 
-    /// Take in the sample of another, which comes after this one.
+    /// Adds a later sample.
     pub fn merge(&mut self, later: &Self) {
         if later.count == 0 {
             return;
@@ -113,19 +112,19 @@ impl Accumulator {
         self.squares += later.squares + distance * distance * (n_a * (n_b / n));
     }
 
-    /// How many values were taken in.
+    /// Number of values.
     #[must_use]
     pub const fn count(&self) -> u64 {
         self.count
     }
 
-    /// The mean of the sample; 0 where it is empty.
+    /// Mean of the sample; 0 if it is empty.
     #[must_use]
     pub const fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// The unbiased variance of the sample.
+    /// Unbiased variance of the sample.
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two values, [`Error::NonFiniteSample`] for values too large to be squared or summed.
@@ -141,10 +140,10 @@ impl Accumulator {
         }
     }
 
-    /// The mean of the law the sample was drawn from, with its standard error.
+    /// Mean of the sampled distribution, with its standard error.
     ///
     /// # Errors
-    /// As [`variance`](Self::variance).
+    /// Those of [`variance`](Self::variance).
     pub fn estimate(&self) -> Result<Estimate, Error> {
         let standard_error = (self.variance()? / self.count as f64).sqrt();
         Ok(Estimate { value: self.mean, uncertainty: Uncertainty::StandardError(standard_error) })
@@ -157,7 +156,7 @@ impl Accumulator {
 pub(crate) struct ControlledAccumulator {
     values: Accumulator,
     controls: Accumulator,
-    /// The sum of the products of the distances to the means.
+    /// Sum of the products of the deviations from the means.
     products: f64,
 }
 
@@ -181,12 +180,12 @@ impl ControlledAccumulator {
         self.controls.merge(&later.controls);
     }
 
-    /// How many pairs were taken in, if both of each were.
+    /// Number of pairs, if both samples have the same size.
     pub(crate) fn count(&self) -> Option<u64> {
         (self.values.count == self.controls.count).then_some(self.values.count)
     }
 
-    /// The mean of `y`, given that of `c`; the standard error is that of the residual of the regression on `c`.
+    /// Mean of `y`, given that of `c`; the standard error is that of the regression residual.
     pub(crate) fn estimate(&self, expected: f64) -> Result<Estimate, Error> {
         let n = self.values.count;
         if n < 3 {

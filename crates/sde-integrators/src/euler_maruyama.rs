@@ -1,4 +1,4 @@
-//! The method of Euler and Maruyama.
+//! Euler-Maruyama method.
 
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
@@ -7,19 +7,19 @@ use crate::lane_increments::{LANES, LaneIncrements};
 use crate::noise::Increment;
 use crate::system::{NoiseClass, Sde};
 
-/// Euler and Maruyama's method, for any system.
+/// Euler-Maruyama method, for any system.
 ///
 /// $$ X_{n+1} = X_n + h f(t_n, X_n) + g(t_n, X_n) w_n $$
 ///
-/// Solves `dX = f dt + g dB` in the sense of Ito. Symbols: `h` = `dt`, `w` = `dw.brownian`.
+/// Solves the Ito equation `dX = f dt + g dB`. Symbols: `h` = `dt`, `w` = `dw.brownian`.
 ///
 /// Order: strong 1/2 and weak 1 for general noise, strong 1 and weak 1 for additive noise.
 ///
 /// Stable for: `|1 + h l| < 1` with every eigenvalue `l` of the linearised drift. For an oscillator with damping ratio
-/// `xi <= 1` that is `h omega < 2 xi`: a lightly damped one needs tiny steps, and inside the limit the stationary
+/// `xi <= 1` the limit is `h omega < 2 xi`: light damping requires very small steps. Within the limit the stationary
 /// variance is too large by a factor of `1/(1 - h omega/(2 xi))` to leading order. Use
-/// [`SemiImplicitEuler`](crate::SemiImplicitEuler) at the same price or [`StrangOscillator`](crate::StrangOscillator)
-/// there. For a drift that grows faster than linearly some path explodes at any step length.
+/// [`SemiImplicitEuler`](crate::SemiImplicitEuler) at the same cost or [`StrangOscillator`](crate::StrangOscillator)
+/// there. For a drift that grows superlinearly some path explodes at any step length.
 ///
 /// Sources: Maruyama 1955, Continuous Markov processes and stochastic equations; orders: Kloeden and Platen 1992,
 /// theorems 10.2.2 and 14.1.5. It is the Monte Carlo method of Canor and Denoël 2013, section 4.
@@ -66,7 +66,7 @@ where
         _memory: &mut [(); LANES],
         _failed: &mut dyn FnMut(usize, StepError),
     ) {
-        // Noise that is the same for every state is asked for once.
+        // State-independent noise is evaluated once.
         let common = system.noise(t, &std::array::from_fn(|i| x[i][0]));
         for lane in 0..LANES {
             let state = std::array::from_fn(|i| x[i][lane]);

@@ -1,4 +1,4 @@
-//! Fields: states of many unknowns, in slices, with additive noise that is correlated over them.
+//! Fields: states of many unknowns in slices, with additive noise correlated over the unknowns.
 
 use crate::error::{Error, StepError};
 use crate::noise::{Noise, Purpose, Stream, WORDS_PER_PAIR};
@@ -8,8 +8,8 @@ use crate::noise_factor::NoiseFactor;
 ///
 /// $$ dX = f(t, X) dt + a(t) L dB, $$
 ///
-/// with `L` a [`NoiseFactor`] that does not change. Ito and Stratonovich agree. Its methods are those of
-/// [`FieldIntegrator`]; one for noise that depends on the state does not compile.
+/// with a constant [`NoiseFactor`] `L`. Ito and Stratonovich agree. Its methods implement [`FieldIntegrator`];
+/// state-dependent noise does not compile.
 ///
 /// ```compile_fail
 /// use sde_integrators::{DiagonalFactor, FieldPath, FieldSde, Milstein, Noise};
@@ -28,23 +28,23 @@ use crate::noise_factor::NoiseFactor;
 /// FieldPath::new(&heat, &Milstein, &Noise::new(1), 0, vec![0.0; 4]);
 /// ```
 pub trait FieldSde: Sync {
-    /// How the noise is correlated.
+    /// Type of the noise factor.
     type Factor: NoiseFactor;
 
-    /// `f(t, x)` into `drift`; both have as many entries as the factor has rows. Every entry is to be written.
+    /// Writes `f(t, x)` into `drift`; both have as many entries as the factor has rows. Every entry must be written.
     fn drift(&self, t: f64, x: &[f64], drift: &mut [f64]);
 
     /// `L`.
     fn factor(&self) -> &Self::Factor;
 
-    /// `a(t)`; 1 unless given.
+    /// `a(t)`; 1 by default.
     fn intensity(&self, t: f64) -> f64 {
         let _ = t;
         1.0
     }
 }
 
-/// The increments of a field over one step, correlated already: `L w` and `L H`, entry by entry of the state.
+/// Correlated increments of a field over one step: `L w` and `L H`, entry by entry of the state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldIncrement<'a> {
     /// `L w`.
@@ -53,16 +53,18 @@ pub struct FieldIncrement<'a> {
     pub space_time_area: &'a [f64],
 }
 
-/// A method that takes one step of a field. As [`Integrator`](crate::Integrator), it owns no clock, storage or
-/// randomness; buffers come from the [`Workspace`], so that after the first step nothing is allocated.
+/// A method that takes one step of a field.
+///
+/// Like an [`Integrator`](crate::Integrator) it owns no clock, storage or random numbers. Its buffers come from the
+/// [`Workspace`], so after the first step nothing is allocated.
 pub trait FieldIntegrator: Sync {
-    /// What the method keeps of a path between steps, other than its state.
+    /// Data of a path kept between steps, other than its state.
     type Memory: Default + Clone + Send;
 
-    /// Move `x` from `t` to `t + dt`, along the increment `dw` over that step.
+    /// Advances `x` from `t` to `t + dt` along the increment `dw` over that step.
     ///
     /// # Errors
-    /// Where the method cannot take the step. A non-finite result is no error here; [`FieldPath`] checks.
+    /// If the method cannot take the step. A non-finite result is no error here; [`FieldPath`] checks.
     #[allow(clippy::too_many_arguments, reason = "the seven parts of a step, as in Integrator")]
     fn step<S: FieldSde + ?Sized>(
         &self,
@@ -76,7 +78,7 @@ pub trait FieldIntegrator: Sync {
     ) -> Result<(), StepError>;
 }
 
-/// Buffers that a method may use during a step. What they hold between steps is undefined.
+/// Buffers for use during a step. Their contents between steps are undefined.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
     values: Vec<f64>,
@@ -102,10 +104,10 @@ impl Workspace {
     }
 }
 
-/// One path of a field: its state, its time, and the noise that drives it.
+/// One path of a field: its state, its time, and its noise.
 ///
-/// The increments are a function of seed, realisation and step, as those of [`PathNoise`](crate::PathNoise): a field of
-/// `M` motions sees the same noise as a small state of `M` motions.
+/// The increments are a function of seed, realisation and step, like those of [`PathNoise`](crate::PathNoise): a field
+/// of `M` motions has the same noise as a small state of `M` motions.
 ///
 /// ```
 /// use sde_integrators::{DiagonalFactor, FieldPath, FieldSde, Noise, Shark};
@@ -141,7 +143,7 @@ pub struct FieldPath<'a, S: ?Sized, I: FieldIntegrator> {
     t: f64,
     steps: u64,
     state: Vec<f64>,
-    /// The state before the step, which a failed step leaves.
+    /// State before the step, restored after a failed step.
     before: Vec<f64>,
     normals: Vec<f64>,
     increments: Vec<f64>,
@@ -157,7 +159,7 @@ where
     /// A path from `start` at time 0.
     ///
     /// # Errors
-    /// [`Error::Length`] where `start` has not as many entries as the factor has rows, [`Error::NotFinite`].
+    /// [`Error::Length`] if `start` has not as many entries as the factor has rows, [`Error::NotFinite`].
     pub fn new(
         system: &'a S,
         integrator: &'a I,
@@ -202,19 +204,19 @@ where
         self.t
     }
 
-    /// How many steps were taken.
+    /// Number of steps taken.
     #[must_use]
     pub const fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// What the method remembers of the path.
+    /// Memory of the method for the path.
     #[must_use]
     pub const fn memory(&self) -> &I::Memory {
         &self.memory
     }
 
-    /// One step of length `dt`. A step that fails leaves the state as it was.
+    /// Advances by one step of length `dt`. A failed step leaves the state unchanged.
     ///
     /// # Errors
     /// [`Error::NotPositive`] (`dt`), [`Error::Step`], [`Error::NonFiniteState`] with step, time, path and unknown.
@@ -247,12 +249,13 @@ where
         Ok(())
     }
 
-    /// The increments of the step that comes next. Normal number `k M + m` belongs to step `k` and motion `m`, as for a small
-    /// state.
+    /// Draws the increments of the next step.
+    ///
+    /// Normal number `k M + m` belongs to step `k` and motion `m`, as for a small state.
     fn draw(&mut self, dt: f64) {
         let n_motions = self.system.factor().n_motions();
         let first = u128::from(self.steps) * n_motions as u128;
-        // Normals come in pairs, of which the first may belong to the step before.
+        // Normals come in pairs, of which the first may belong to the previous step.
         let before = usize::from(!first.is_multiple_of(2));
         let (w, area) = self.normals.split_at_mut(n_motions + 1);
         for (stream, normals, deviation) in [

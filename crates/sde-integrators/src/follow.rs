@@ -1,4 +1,4 @@
-//! Paths followed side by side, one in each lane.
+//! Simulation of paths in SIMD lanes, one path per lane.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::tally::Sampling;
 /// The states of [`LANES`] paths, component by component.
 pub(crate) type LaneStates<const D: usize> = [[f64; LANES]; D];
 
-/// Everything the paths share.
+/// Data common to all paths.
 pub(crate) struct Follow<'a, S: ?Sized, I, L: ?Sized> {
     pub(crate) system: &'a S,
     pub(crate) integrator: &'a I,
@@ -26,22 +26,22 @@ pub(crate) struct Follow<'a, S: ?Sized, I, L: ?Sized> {
     pub(crate) level: SimdLevel,
 }
 
-/// Who looks at the paths while they are followed.
+/// Observer of the paths during a simulation.
 pub(crate) trait Watch<const D: usize> {
-    /// Whether [`step`](Self::step) is to be called.
+    /// Whether [`step`](Self::step) is called.
     const EVERY_STEP: bool;
 
-    /// A group begins: its first realisation and its states.
+    /// Called at the start of a group, with its first realisation and its states.
     fn start(&mut self, first: u64, x: &LaneStates<D>);
 
-    /// A step has been taken, from `before` at `t` to `after` at `t + dt`; `time` is both.
+    /// Called after a step from `before` at `t` to `after` at `t + dt`; `time` contains both times.
     fn step(&mut self, time: (f64, f64), before: &LaneStates<D>, after: &LaneStates<D>);
 
-    /// An output time has come.
+    /// Called at an output time.
     fn output(&mut self, leg: usize, t: f64, x: &LaneStates<D>, lives: &mut Lives);
 }
 
-/// Which lanes are in use, and which path has failed, with its first error.
+/// Lanes in use, and failed paths with their first errors.
 pub(crate) struct Lives {
     pub(crate) first: u64,
     pub(crate) n_active: usize,
@@ -69,7 +69,7 @@ impl Lives {
         }
     }
 
-    /// Who is not finite has failed, and is set to zero lest it be found again.
+    /// Marks paths with a non-finite state as failed, and sets them to zero so that each is found once.
     #[cold]
     #[inline(never)]
     fn bury<const D: usize>(&mut self, x: &mut LaneStates<D>, steps: u64, t: f64) {
@@ -99,14 +99,14 @@ impl Lives {
     }
 }
 
-#[allow(clippy::inline_always, reason = "it stands in a dispatched function")]
+#[allow(clippy::inline_always, reason = "used in a dispatched function")]
 #[allow(clippy::eq_op, reason = "what is not finite less itself is not zero")]
 #[inline(always)]
 fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
     let mut bits = 0_u64;
     for row in x {
         for lane in 0..LANES {
-            // Zero, or not a number. Cheaper than to compare each.
+            // Zero for finite values, NaN otherwise; cheaper than a comparison of each.
             bits |= (row[lane] - row[lane]).to_bits();
         }
     }
@@ -118,7 +118,7 @@ where
     S: Sync + ?Sized,
     L: ?Sized,
 {
-    /// Follow at most [`LANES`] paths over the whole time.
+    /// Simulates at most [`LANES`] paths over the whole time.
     pub(crate) fn group<const D: usize, const M: usize, W>(
         &self,
         ids: &Range<u64>,

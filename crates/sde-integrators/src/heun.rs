@@ -1,4 +1,4 @@
-//! Heun's method, for the sense of Stratonovich.
+//! Heun's method, for Stratonovich equations.
 
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
@@ -6,26 +6,25 @@ use crate::integrator::{Integrator, apply};
 use crate::noise::Increment;
 use crate::stratonovich::StratonovichSde;
 
-/// Heun's method: an Euler step as predictor, then drift and noise averaged over both ends.
+/// Heun's method: an Euler predictor, then drift and noise averaged over both ends.
 ///
 /// $$ \bar X = X_n + h f(t_n, X_n) + g(t_n, X_n) w, $$
 /// $$ X_{n+1} = X_n + \frac h2 \left(f(t_n, X_n) + f(t_{n+1}, \bar X)\right) +
 ///    \frac12 \left(g(t_n, X_n) + g(t_{n+1}, \bar X)\right) w $$
 ///
-/// Solves `dX = f dt + g o dB` in the sense of Stratonovich. Symbols: `h` = `dt`, `w` = `dw.brownian`.
+/// Solves the Stratonovich equation `dX = f dt + g o dB`. Symbols: `h` = `dt`, `w` = `dw.brownian`.
 ///
-/// Order: strong 1 and weak 1 for additive, diagonal and other commuting noise, strong 1/2 for general noise; without
-/// noise 2.
+/// Order: strong 1 and weak 1 for additive, diagonal and other commuting noise, strong 1/2 for general noise; 2
+/// without noise.
 ///
 /// Stable for: in the mean square of `dX = l X dt + m X dB` (Ito) where `E (1 + z + z^2/2)^2 < 1` with
-/// `z = (l - m^2/2) h + m w`: less than Milstein for little noise, more than Euler-Maruyama for
-/// much. For a lightly
-/// damped oscillator about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
+/// `z = (l - m^2/2) h + m w`: less than Milstein for weak noise, more than Euler-Maruyama for strong noise. For a
+/// lightly damped oscillator the limit is about `(8 xi)^(1/3)`: 0.445, 0.80, 1.40 for `xi` = 0.01, 0.05, 0.2.
 ///
 /// Source: Rümelin 1982, Numerical treatment of stochastic differential equations; Kloeden and Platen 1992, section
 /// 15.5.
 ///
-/// An Ito equation with noise that depends on the state does not compile:
+/// An Ito equation with state-dependent noise does not compile:
 ///
 /// ```compile_fail
 /// use sde_integrators::{General, Heun, Increment, Integrator, Sde};

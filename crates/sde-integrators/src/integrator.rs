@@ -1,36 +1,36 @@
-//! The seam of the methods: one step.
+//! The integrator trait: one step of a method.
 
 use crate::error::StepError;
 use crate::lane_increments::{LANES, LaneIncrements};
 use crate::noise::Increment;
 
-/// Which ends of a step meet another step of the same length, with nobody looking at the state between them.
+/// Which ends of a step adjoin another step of the same length, with the state between them unobserved.
 ///
-/// A method whose step ends as the next begins may leave that end open and do both at once.
+/// A method whose step ends as the next begins may leave that end open and combine both parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Joints {
-    /// The step before this one was taken with `after` set.
+    /// The previous step was taken with `after` set.
     pub before: bool,
-    /// The step after this one will be taken with `before` set.
+    /// The next step will be taken with `before` set.
     pub after: bool,
 }
 
 /// A method that takes one step of a system with `D` states and `M` Brownian motions.
 ///
-/// A step owns no clock, no storage and no randomness: time, increment and memory come from outside. The bound that an
-/// implementation puts on `S` names what it needs: any [`Sde`](crate::Sde), one with additive noise, or the parts of a
+/// A step owns no clock, storage or random numbers: time, increment and memory are arguments. The bound of an
+/// implementation on `S` states its requirements: any [`Sde`](crate::Sde), additive noise, or the parts of a
 /// [`SecondOrder`](crate::SecondOrder) system.
 pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
-    /// What the method keeps of a path between steps, other than its state: the last normal, the last iterate.
+    /// Data of a path kept between steps, other than its state: the last normal, the last iterate.
     type Memory: Default + Clone + Send;
 
-    /// Whether the method looks at [`Increment::space_time_area`]. Where it does not, an ensemble does not draw it.
+    /// Whether the method uses [`Increment::space_time_area`]. Otherwise an ensemble does not draw it.
     const USES_AREA: bool = true;
 
-    /// Move `x` from `t` to `t + dt`, along the increment `dw` over that step.
+    /// Advances `x` from `t` to `t + dt` along the increment `dw` over that step.
     ///
     /// # Errors
-    /// Where the method cannot take the step. A non-finite result is no error here; whoever drives the steps checks.
+    /// If the method cannot take the step. A non-finite result is no error here; the caller checks.
     fn step(
         &self,
         system: &S,
@@ -41,11 +41,13 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
         memory: &mut Self::Memory,
     ) -> Result<(), StepError>;
 
-    /// Move [`LANES`] paths of an ensemble, whose memories have seen the same steps: to the bit what [`step`](Self::step)
-    /// does with each. A step that is not possible is told to `failed`, with its lane.
+    /// Advances [`LANES`] paths of an ensemble, whose memories have taken the same steps.
     ///
-    /// Provided: a loop over the lanes, which the compiler turns into vector instructions where step and system are
-    /// inlined and have no branch. A method that does something once for all lanes does it here.
+    /// The result is bitwise identical to [`step`](Self::step) on each path. If a step fails, `failed` receives its
+    /// lane and error.
+    ///
+    /// The default loops over the lanes; the compiler vectorises the loop if step and system are inlined and have no
+    /// branch. A method overrides it to do common work once for all lanes.
     #[allow(
         clippy::inline_always,
         reason = "what is not inlined into a dispatched function is not compiled for its registers"
@@ -74,10 +76,11 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
         }
     }
 
-    /// The same for a step whose ends may meet others: to roundoff what [`step_lanes`](Self::step_lanes) does, once all
-    /// joints are closed.
+    /// The same for a step whose ends may adjoin other steps.
     ///
-    /// Provided: [`step_lanes`](Self::step_lanes), for a method that has nothing to join.
+    /// It equals [`step_lanes`](Self::step_lanes) within roundoff once all joints are closed.
+    ///
+    /// The default calls [`step_lanes`](Self::step_lanes), for a method without joints.
     #[allow(
         clippy::inline_always,
         reason = "what is not inlined into a dispatched function is not compiled for its registers"
@@ -99,7 +102,9 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
     }
 }
 
-/// Make a method that advances `(q, v)` an integrator of the state `(q_1.., v_1..)`, for 1, 2 and 3 degrees of freedom.
+/// Implements `Integrator` for a method that advances `(q, v)`.
+///
+/// The states are `(q_1.., v_1..)` with 1, 2 and 3 degrees of freedom.
 macro_rules! integrate_second_order {
     ($method:ty { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
         impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method
@@ -130,9 +135,11 @@ macro_rules! integrate_second_order {
 }
 pub(crate) use integrate_second_order;
 
-/// The same for a method that does part of a step once for all paths of an ensemble: `prepare(system, t, dt, joints,
-/// memory)` gives what `advance` needs of time, step length and system, whatever the path. Where no step has come before,
-/// `open(system, t, dt, q, v)` does first what `advance` leaves to do at such a joint.
+/// The same for a method that does part of a step once for all paths of an ensemble.
+///
+/// `prepare(system, t, dt, joints, memory)` computes what `advance` needs of time, step length and system, independent
+/// of the path. Without a previous step, `open(system, t, dt, q, v)` first performs the part that `advance` omits at
+/// such a joint.
 macro_rules! integrate_second_order_lanes {
     ($method:ty, uses_area: $uses_area:literal { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
         impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method
@@ -198,9 +205,9 @@ macro_rules! integrate_second_order_lanes {
                 memory: &mut [Self::Memory; $crate::lane_increments::LANES],
                 _failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
-                // All have seen the same steps: the first memory is that of every lane.
+                // All lanes have taken the same steps: the first memory is that of every lane.
                 let prepared = Self::prepare::<S, $n, M>(system, (t, dt), joints, &mut memory[0]);
-                // A loop of its own: within the other, it would be computed and thrown away where there is a joint.
+                // A separate loop: inside the other one it would be computed and discarded at joints.
                 if !joints.before {
                     for lane in 0..$crate::lane_increments::LANES {
                         let mut q = std::array::from_fn(|k| x[k][lane]);
@@ -228,8 +235,8 @@ macro_rules! integrate_second_order_lanes {
 }
 pub(crate) use integrate_second_order_lanes;
 
-/// `g w`: the increments of the Brownian motions as they act on each row.
-#[allow(clippy::inline_always, reason = "it stands in loops over lanes")]
+/// `g w`: contribution of the Brownian increments to each row.
+#[allow(clippy::inline_always, reason = "used in loops over lanes")]
 #[inline(always)]
 pub(crate) fn apply<const R: usize, const M: usize>(g: &[[f64; M]; R], w: &[f64; M]) -> [f64; R] {
     let mut sum = [0.0; R];

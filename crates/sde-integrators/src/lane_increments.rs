@@ -1,4 +1,4 @@
-//! Paths side by side: their increments, made together.
+//! Increments of paths in SIMD lanes, generated together.
 
 #![allow(
     clippy::inline_always,
@@ -11,7 +11,7 @@ use crate::chacha::key;
 use crate::noise::{Increment, Purpose};
 use crate::normal::{BLOCK_NORMALS, ROW, normal_rows};
 
-/// Paths that an ensemble moves together, one in each lane.
+/// Number of paths that an ensemble advances together, one per lane.
 pub const LANES: usize = ROW;
 
 /// The increments of [`LANES`] paths over one step.
@@ -19,12 +19,12 @@ pub const LANES: usize = ROW;
 pub struct LaneIncrements<const M: usize> {
     /// `w`, per motion and lane (square root of time).
     pub brownian: [[f64; LANES]; M],
-    /// `H`, per motion and lane (square root of time); zero where the method does not ask for it.
+    /// `H`, per motion and lane (square root of time); zero where the method does not use it.
     pub space_time_area: [[f64; LANES]; M],
 }
 
 impl<const M: usize> LaneIncrements<M> {
-    /// No noise at all.
+    /// Zero noise.
     pub const ZERO: Self = Self { brownian: [[0.0; LANES]; M], space_time_area: [[0.0; LANES]; M] };
 
     /// The increment of one path. `lane` is below [`LANES`].
@@ -40,7 +40,7 @@ impl<const M: usize> LaneIncrements<M> {
     }
 }
 
-/// Normals for one purpose, in lanes: row after row, eight rows to a block of the cipher.
+/// Normals for one purpose in lanes, row by row, eight rows per block of the cipher.
 #[derive(Debug, Clone)]
 struct Rows {
     key: [u32; 8],
@@ -57,7 +57,7 @@ impl Rows {
     }
 }
 
-/// The noise of [`LANES`] paths, step after step.
+/// The noise of [`LANES`] paths, step by step.
 #[derive(Debug, Clone)]
 pub(crate) struct LaneNoise<const M: usize> {
     level: SimdLevel,
@@ -73,7 +73,7 @@ pub(crate) struct LaneNoise<const M: usize> {
     block: u64,
 }
 
-/// The standard deviations of the increments over a step, with the sign of the path.
+/// Standard deviations of the increments over a step, with the sign of the path.
 pub(crate) struct Deviations {
     brownian: [f64; LANES],
     area: [f64; LANES],

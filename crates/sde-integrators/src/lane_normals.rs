@@ -1,4 +1,4 @@
-//! Normals of fields that move side by side.
+//! Normals of fields in SIMD lanes.
 
 use std::ops::Range;
 
@@ -8,11 +8,13 @@ use crate::chacha::key;
 use crate::noise::{Noise, Purpose};
 use crate::normal::{BLOCK_NORMALS, normal_blocks};
 
-/// Blocks of the cipher made together, over all lanes.
+/// Blocks of the cipher generated together, over all lanes.
 const BLOCKS: usize = 32;
 
-/// The normals that drive `L` realisations of a field, one in each lane: those of [`FieldPath`](crate::FieldPath), normal
-/// `k M + m` of the realisation's stream for step `k` and motion `m` of `M`.
+/// Normals that drive `L` realisations of a field, one per lane.
+///
+/// They are those of [`FieldPath`](crate::FieldPath): normal `k M + m` of the realisation's stream for step `k` and
+/// motion `m` of `M`.
 ///
 /// ```
 /// use sde_integrators::{LaneNormals, Noise, Purpose};
@@ -32,7 +34,7 @@ pub struct LaneNormals<const L: usize> {
 }
 
 impl<const L: usize> LaneNormals<L> {
-    /// Those of realisations, for a purpose. `L` is 1, 2, 4, 8, 16 or 32; another number does not compile.
+    /// Normals of realisations for a purpose. `L` is 1, 2, 4, 8, 16 or 32; another number does not compile.
     #[must_use]
     pub fn new(noise: &Noise, purpose: Purpose, realisations: [u64; L]) -> Self {
         const { assert!(BLOCKS.is_multiple_of(L), "lanes divide the blocks made together") };
@@ -40,8 +42,9 @@ impl<const L: usize> LaneNormals<L> {
         Self { key, realisations, level: SimdLevel::best() }
     }
 
-    /// The normals of the motions in `range`, of `n_motions` in all, at a step: lane `l` of motion `m` goes to
-    /// `normals[(m - range.start) L + l]`. What `normals` holds beyond is left.
+    /// Writes the normals of the motions in `range`, of `n_motions` in all, at a step.
+    ///
+    /// Lane `l` of motion `m` goes to `normals[(m - range.start) L + l]`. Further entries of `normals` are unchanged.
     pub fn fill(&self, step: u64, n_motions: usize, range: Range<usize>, normals: &mut [f64]) {
         let first = u128::from(step) * n_motions as u128 + range.start as u128;
         let wanted = range.len().min(normals.len() / L);
@@ -51,7 +54,7 @@ impl<const L: usize> LaneNormals<L> {
 
 struct Fill<'a, const L: usize> {
     lanes: &'a LaneNormals<L>,
-    /// The number of the first normal.
+    /// Number of the first normal.
     first: u128,
     normals: &'a mut [f64],
 }
@@ -72,7 +75,7 @@ impl<const L: usize> Work<f64> for Fill<'_, L> {
         let (out, _) = self.normals.as_chunks_mut::<L>();
         let mut rows = [[0.0; BLOCKS]; BLOCK_NORMALS];
         let mut block = low(self.first / BLOCK_NORMALS as u128);
-        // How many normals of the first block come before those asked for.
+        // Normals of the first block that precede those requested.
         let mut skip = (self.first % BLOCK_NORMALS as u128) as usize;
         let mut done = 0;
         while done < out.len() {

@@ -1,4 +1,4 @@
-//! The law of the state a path starts from.
+//! Distributions of the initial state.
 
 use std::f64::consts::TAU;
 
@@ -6,14 +6,15 @@ use crate::cholesky::{BadPivot, factor, solve_lower};
 use crate::error::Error;
 use crate::noise::{Noise, Purpose};
 
-/// The law of the initial state. Implement it for a law that is not here; a plain point `[f64; D]` is one too.
+/// Distribution of the initial state. Implement it for further distributions; a point `[f64; D]` is one too.
 pub trait InitialLaw<const D: usize>: Sync {
-    /// The initial state of a realisation: a pure function of the noise and the realisation, drawn from
-    /// [`Purpose::InitialLaw`].
+    /// The initial state of a realisation: a pure function of noise and realisation.
+    ///
+    /// It is drawn from [`Purpose::InitialLaw`].
     fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D];
 }
 
-/// Every path starts from this point.
+/// Deterministic start at this point.
 impl<const D: usize> InitialLaw<D> for [f64; D] {
     fn sample(&self, _noise: &Noise, _realisation: u64) -> [f64; D] {
         *self
@@ -23,7 +24,7 @@ impl<const D: usize> InitialLaw<D> for [f64; D] {
 /// One component of a [`GaussianMixture`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianComponent<const D: usize> {
-    /// The share of the probability, above 0.
+    /// Its probability, above 0.
     pub weight: f64,
     /// The mean.
     pub mean: [f64; D],
@@ -31,7 +32,7 @@ pub struct GaussianComponent<const D: usize> {
     pub covariance: [[f64; D]; D],
 }
 
-/// A weighted sum of normal laws,
+/// A mixture of normal distributions,
 ///
 /// $$ p(x) = \sum_k w_k  \mathcal N(x; \mu_k, C_k), \qquad w_k > 0, \quad \sum_k w_k = 1 . $$
 ///
@@ -48,7 +49,7 @@ pub struct GaussianMixture<const D: usize> {
     components: Vec<Factored<D>>,
 }
 
-/// A component that passed the checks.
+/// A validated component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Factored<const D: usize> {
     component: GaussianComponent<D>,
@@ -59,20 +60,20 @@ struct Factored<const D: usize> {
 }
 
 impl<const D: usize> GaussianMixture<D> {
-    /// How far the sum of the weights may be from 1.
+    /// Largest admissible deviation of the sum of weights from 1.
     pub const WEIGHT_TOLERANCE: f64 = 1e-12;
-    /// By how much `C_ij` and `C_ji` may differ, in units of `sqrt(C_ii C_jj)`.
+    /// Largest admissible difference of `C_ij` and `C_ji`, in units of `sqrt(C_ii C_jj)`.
     pub const SYMMETRY_TOLERANCE: f64 = 1e-12;
 
-    /// One normal law.
+    /// A single normal distribution.
     ///
     /// # Errors
-    /// As [`mixture`](Self::mixture).
+    /// Those of [`mixture`](Self::mixture).
     pub fn gaussian(mean: [f64; D], covariance: [[f64; D]; D]) -> Result<Self, Error> {
         Self::mixture(&[GaussianComponent { weight: 1.0, mean, covariance }])
     }
 
-    /// Independent normals.
+    /// Independent normal components.
     ///
     /// # Errors
     /// [`Error::NotPositive`] for a standard deviation that is not; otherwise as [`mixture`](Self::mixture).
@@ -85,11 +86,11 @@ impl<const D: usize> GaussianMixture<D> {
         Self::gaussian(mean, covariance)
     }
 
-    /// A weighted sum of normal laws.
+    /// A mixture of normal distributions.
     ///
     /// # Errors
-    /// [`Error::TooFew`] without components; [`Error::NotPositive`] for a weight; [`Error::NotFinite`] for an entry of
-    /// a mean or covariance; [`Error::WeightSum`] where the weights miss 1 by more than
+    /// [`Error::TooFew`] for no components; [`Error::NotPositive`] for a weight; [`Error::NotFinite`] for an entry of
+    /// a mean or covariance; [`Error::WeightSum`] if the weights differ from 1 by more than
     /// [`WEIGHT_TOLERANCE`](Self::WEIGHT_TOLERANCE); [`Error::NotSymmetric`] and [`Error::NotPositiveDefinite`] for a
     /// covariance, with the entry or pivot and its limit.
     pub fn mixture(components: &[GaussianComponent<D>]) -> Result<Self, Error> {
@@ -108,7 +109,7 @@ impl<const D: usize> GaussianMixture<D> {
         Ok(Self { components })
     }
 
-    /// The components, as given.
+    /// Components of the mixture.
     pub fn components(&self) -> impl ExactSizeIterator<Item = &GaussianComponent<D>> {
         self.components.iter().map(|k| &k.component)
     }
@@ -119,20 +120,20 @@ impl<const D: usize> GaussianMixture<D> {
         self.log_density(x).exp()
     }
 
-    /// `ln p(x)`, finite as long as the distance to the means, in standard deviations, can be squared.
+    /// `ln p(x)`, finite unless the squared distance to the means, in standard deviations, overflows.
     #[must_use]
     pub fn log_density(&self, x: &[f64; D]) -> f64 {
         let largest =
             self.components.iter().map(|k| k.log_density(x)).fold(f64::NEG_INFINITY, f64::max);
         if largest.is_infinite() {
-            // Infinitely far from every mean, or not a number.
+            // Infinitely far from every mean, or NaN.
             return self.components.iter().map(|k| k.log_density(x)).sum();
         }
         let sum: f64 = self.components.iter().map(|k| (k.log_density(x) - largest).exp()).sum();
         largest + sum.ln()
     }
 
-    /// The mean of the whole law.
+    /// Mean of the mixture.
     #[must_use]
     pub fn mean(&self) -> [f64; D] {
         let mut mean = [0.0; D];
@@ -144,7 +145,7 @@ impl<const D: usize> GaussianMixture<D> {
         mean
     }
 
-    /// The covariance of the whole law: within the components and between their means.
+    /// Covariance of the mixture: within the components and between their means.
     #[must_use]
     pub fn covariance(&self) -> [[f64; D]; D] {
         let centre = self.mean();
@@ -160,7 +161,7 @@ impl<const D: usize> GaussianMixture<D> {
         covariance
     }
 
-    /// The initial state of a realisation. Takes `2 + 4 ceil(D/2)` words, whatever the component.
+    /// The initial state of a realisation. It takes `2 + 4 ceil(D/2)` words, whichever component is drawn.
     #[must_use]
     pub fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D] {
         let mut stream = noise.stream(Purpose::InitialLaw, realisation);

@@ -1,4 +1,4 @@
-//! Leimkuhler and Matthews' method for overdamped sampling.
+//! Leimkuhler-Matthews method for overdamped sampling.
 
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
@@ -6,19 +6,19 @@ use crate::integrator::{Integrator, apply};
 use crate::noise::Increment;
 use crate::system::{Additive, Sde};
 
-/// Leimkuhler and Matthews' method: Euler with the noise averaged over two steps, for overdamped sampling.
+/// Leimkuhler-Matthews method: Euler with noise averaged over two steps, for overdamped sampling.
 ///
 /// $$ X_{n+1} = X_n + h f(t_n, X_n) + \frac12 g (w_{n-1} + w_n) $$
 ///
-/// Solves `dX = f dt + g dB` with noise that depends neither on the state nor on time; Ito and Stratonovich agree. With
-/// `f = -grad V` and `g = sqrt(2 kT)` it samples `exp(-V/kT)`. Symbols: `h` = `dt`, `w` = `dw.brownian`; the kick
-/// `g w` of the step before is the memory. Before the first step it is `sqrt(12) g H` of that step, which has the law
-/// of a kick and is independent of `w`.
+/// Solves `dX = f dt + g dB` with noise independent of state and time; Ito and Stratonovich agree. With `f = -grad V`
+/// and `g = sqrt(2 kT)` it samples `exp(-V/kT)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. The memory is the kick
+/// `g w` of the previous step. Before the first step it is `sqrt(12) g H` of that step, which has the distribution of
+/// a kick and is independent of `w`.
 ///
-/// Order: weak 1 in the transient, but 2 for the stationary law, at the price of Euler-Maruyama; strong 1/2, since the
-/// path carries half a kick too much and half a kick too little. The stationary law of a linear drift is exact;
-/// in the potential `x^4/4` the stationary `E[x^2]` errs by -1.6e-3, -3.5e-4, -8.2e-5 at `h` = 0.1, 0.05, 0.025, where
-/// Euler-Maruyama errs by 1.6e-2, 7.2e-3, 3.5e-3.
+/// Order: weak 1 in the transient, 2 for the stationary distribution, at the cost of Euler-Maruyama; strong 1/2,
+/// because the kicks at both ends of the path are halved. The stationary distribution of a linear drift is exact. In
+/// the potential `x^4/4` the error of the stationary `E[x^2]` is -1.6e-3, -3.5e-4, -8.2e-5 at `h` = 0.1, 0.05, 0.025;
+/// that of Euler-Maruyama is 1.6e-2, 7.2e-3, 3.5e-3.
 ///
 /// Stable for: as [`EulerMaruyama`](crate::EulerMaruyama), `|1 + h l| < 1` with every eigenvalue `l` of the drift.
 ///
@@ -27,10 +27,10 @@ use crate::system::{Additive, Sde};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeimkuhlerMatthews;
 
-/// `sqrt(12)`: what makes `H` as large as `w`.
+/// `sqrt(12)`: scales `H` to the variance of `w`.
 const AREA_TO_KICK: f64 = 3.4641016151377544;
 
-/// The kick of the step before; none before the first step.
+/// Kick of the previous step; none before the first step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LastKick<const D: usize> {
     kick: Option<[f64; D]>,

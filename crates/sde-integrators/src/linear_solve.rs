@@ -1,11 +1,11 @@
-//! The solution of a small linear system.
+//! Solution of a small linear system.
 
 use crate::error::StepError;
 
 /// `A^-1 b` by Gaussian elimination with row interchanges.
 ///
 /// # Errors
-/// [`StepError::Singular`], where no pivot of a column is above roundoff.
+/// [`StepError::Singular`] if no pivot of a column exceeds roundoff.
 pub(crate) fn solve<const D: usize>(
     mut a: [[f64; D]; D],
     mut b: [f64; D],

@@ -4,15 +4,17 @@ use crate::error::{Error, StepError};
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::noise_factor::{DiagonalFactor, NoiseFactor, SparseFactor};
 
-/// A symmetric, negative semidefinite linear map of a field: the stiff part of its drift, such as a discrete Laplacian.
+/// A symmetric, negative semidefinite linear operator on a field.
 ///
-/// Implement it for a map without a matrix. A [`SparseFactor`] with as many columns as rows and a [`DiagonalFactor`] are
-/// ones by their entries.
+/// It is the stiff part of the drift, such as a discrete Laplacian.
+///
+/// Implement it for a matrix-free operator. A [`SparseFactor`] with as many columns as rows and a [`DiagonalFactor`]
+/// implement it with their entries.
 pub trait LinearOperator: Sync {
-    /// How many rows and columns it has.
+    /// Number of rows and columns.
     fn n_unknowns(&self) -> usize;
 
-    /// `A x` into `result`.
+    /// Writes `A x` into `result`.
     fn apply(&self, x: &[f64], result: &mut [f64]);
 }
 
@@ -41,17 +43,17 @@ impl LinearOperator for DiagonalFactor {
 /// $$ (1 - \theta h A)(X_{n+1} - X_n) = h f(t_n, X_n) + a(t_n) L w $$
 ///
 /// Solves `dX = f dt + a L dB` with additive noise. Symbols: `h` = `dt`, `f` = drift, `a` = intensity, `L w` =
-/// `dw.brownian`. Where `f = A x` it is the theta method itself; where `f = A x + r` the rest `r` is taken explicitly. `A`
-/// need not be the linear part of `f`: the order does not depend on it, stability does (a W method).
+/// `dw.brownian`. For `f = A x` it is the theta method itself; for `f = A x + r` the rest `r` is explicit. `A` need
+/// not be the linear part of `f`: it affects stability but not the order (a W method).
 ///
-/// Order: strong 1, weak 1; where `f = A x`, weak 2 and noise-free 2 at `theta = 1/2`.
+/// Order: strong 1, weak 1; for `f = A x`, weak 2 and noise-free 2 at `theta = 1/2`.
 ///
-/// Stable for: where `f = A x`, every `h` for `theta >= 1/2`, and then on the eigenvalue `-l` of `A` a stationary variance of
-/// `1/(2 l)` times `1/(1 + (theta - 1/2) h l)`: exact for the trapezoidal rule. That rule damps stiff modes by a factor
-/// that tends to -1: what the start puts into them is slow to go.
+/// Stable for: with `f = A x`, every `h` for `theta >= 1/2`. The stationary variance on the eigenvalue `-l` of `A` is
+/// then `1/(2 l)` times `1/(1 + (theta - 1/2) h l)`: exact for the trapezoidal rule. That rule damps stiff modes by a
+/// factor that tends to -1, so their initial values decay slowly.
 ///
-/// The equation is solved by conjugate gradients to a residual of [`TOLERANCE`](Self::TOLERANCE) of the right side: about
-/// `11 sqrt(1 + theta h |A|)` products with `A` at most.
+/// Conjugate gradients solve the equation to a residual of [`TOLERANCE`](Self::TOLERANCE) relative to the right side,
+/// in at most about `11 sqrt(1 + theta h |A|)` products with `A`.
 ///
 /// Sources: Kloeden and Platen 1992, eq 12.2.2; the linearly implicit form: Hairer and Wanner 1996, section IV.7 (W
 /// methods); the solver: Hestenes and Stiefel 1952.
@@ -99,9 +101,9 @@ pub struct LinearTheta<A> {
 }
 
 impl<A: LinearOperator> LinearTheta<A> {
-    /// The residual at which the iteration ends, relative to the right side.
+    /// Residual that ends the iteration, relative to the right side.
     pub const TOLERANCE: f64 = 1e-10;
-    /// How many iterations are made at most.
+    /// Largest number of iterations.
     pub const MAX_ITERATIONS: usize = 10_000;
 
     /// A method with `0 <= theta <= 1`.
@@ -161,7 +163,7 @@ impl<A: LinearOperator> FieldIntegrator for LinearTheta<A> {
 }
 
 impl<A: LinearOperator> LinearTheta<A> {
-    /// `change` of `(1 - tau A) change = residual`, by conjugate gradients from the right side itself as first direction.
+    /// Solves `(1 - tau A) change = residual` by conjugate gradients; the right side is the first direction.
     fn solve(
         &self,
         tau: f64,
@@ -176,7 +178,7 @@ impl<A: LinearOperator> LinearTheta<A> {
         let mut square = dot(residual, residual);
         let limit = Self::TOLERANCE * square.sqrt();
         for _ in 0..Self::MAX_ITERATIONS {
-            // A right side that is not finite is for the driver to find: it goes into the state.
+            // A right side that is not finite goes into the state, where the caller detects it.
             if !square.is_finite() {
                 change.copy_from_slice(residual);
                 return Ok(());
@@ -235,7 +237,7 @@ mod tests {
         Springs { rates, factor: DiagonalFactor::new(vec![1.0; 3]).unwrap() }
     }
 
-    /// On the eigenvalue `-l` a step is `x + (-l h x + w)/(1 + theta h l)`; the solver leaves 1e-10.
+    /// On the eigenvalue `-l` a step is `x + (-l h x + w)/(1 + theta h l)`; the solver error is 1e-10.
     #[test]
     fn a_step_is_that_of_the_theta_method_on_each_eigenvalue() {
         let (system, dt) = (springs([-1.0, -30.0, -1000.0]), 0.1);

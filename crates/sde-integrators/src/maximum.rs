@@ -1,4 +1,4 @@
-//! The largest response of a path up to a time, between the steps as well: first passage and its law.
+//! Maximum response of a path up to a time, including between steps: first-passage probability.
 
 #![allow(
     clippy::inline_always,
@@ -20,50 +20,52 @@ use crate::samples::Samples;
 use crate::schedule::{EnsembleConfig, schedule};
 use crate::tally::Sampling;
 
-/// What is watched.
+/// Response whose maximum is computed.
 #[derive(Debug, Clone, Copy)]
 pub struct Response<'a, const D: usize> {
-    /// The component of the state, below `D`.
+    /// Component of the state, below `D`.
     pub component: usize,
-    /// Which of its values are large.
+    /// Side on which values are large.
     pub side: Side,
-    /// Where it is between the ends of a step.
+    /// Model of the response between the ends of a step.
     pub between: Between<'a, D>,
 }
 
-/// Which values of a response are large.
+/// Side on which values of a response are large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Those far above zero.
+    /// Values above a level.
     Above,
-    /// Those far from zero.
+    /// Magnitudes above a level.
     Magnitude,
 }
 
-/// Where a response is between the ends of a step. Its bias is the error of the law of the maximum.
+/// Model of a response between the ends of a step. Its bias is the error of the maximum's distribution.
 #[derive(Clone, Copy)]
 pub enum Between<'a, const D: usize> {
-    /// Nowhere: the ends alone count. Too small always, by `0.58 s sqrt(h)` for a component with its own diffusion.
+    /// Ends only. The maximum is always too small, by `0.58 s sqrt(h)` for a component with its own diffusion.
     Endpoints,
-    /// A Brownian bridge, for a component with its own diffusion `s dB`. Its maximum is drawn from its law,
+    /// A Brownian bridge, for a component with its own diffusion `s dB`. Its maximum is drawn from its distribution,
     ///
     /// $$ M = \frac12 \left( x_0 + x_1 + \sqrt{(x_1 - x_0)^2 - 2 s^2 h \ln U} \right), $$
     ///
     /// so that `P(M > b) = exp(-2 (b - x_0)(b - x_1)/(s^2 h))` (Karatzas and Shreve 1991, eq 4.3.40; Glasserman 2003,
-    /// section 6.4). Exact where drift and `s` are constant. With [`Side::Magnitude`] maximum and minimum are drawn apart:
-    /// each has its law, both in one step are as if independent. **Wrong for the position of an oscillator**, which has no
-    /// diffusion of its own.
+    /// section 6.4). It is exact for constant drift and `s`. With [`Side::Magnitude`] maximum and minimum are drawn
+    /// separately: each has its distribution, and both in one step count as independent. **Wrong for the position of
+    /// an oscillator**, which has no diffusion of its own.
     BrownianBridge {
         /// `s` at the start of the step: the norm of the row of `g` that belongs to the component.
         intensity: &'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync),
     },
-    /// The cubic through position and velocity at both ends, for the position of a system of second order.
+    /// The cubic through position and velocity at both ends, for the position of a second-order system.
     CubicHermite {
-        /// The component that is the velocity.
+        /// Index of the velocity component.
         velocity: usize,
     },
-    /// The arc `q'' = -omega^2 q` through the positions at both ends, for an oscillator and `0 < omega h < pi`: for a
-    /// linear one the path that [`StrangOscillator`](crate::StrangOscillator) takes between its kicks.
+    /// The arc `q'' = -omega^2 q` through the positions at both ends, for an oscillator and `0 < omega h < pi`.
+    ///
+    /// For a linear oscillator this is the path that [`StrangOscillator`](crate::StrangOscillator) takes between its
+    /// kicks.
     RotationArc {
         /// `omega` (rad per unit of time).
         natural_frequency: f64,
@@ -83,15 +85,15 @@ impl<const D: usize> fmt::Debug for Between<'_, D> {
     }
 }
 
-/// The largest response of every path from the start to each output time, one sample per time.
+/// The maximum response of every path from the start to each output time, one sample per time.
 ///
-/// `P(first passage of b before t) = P(maximum over [0, t] > b)`: [`Samples::exceedance`] gives it for every `b`,
+/// `P(first passage of b before t) = P(maximum over [0, t] > b)`: [`Samples::exceedance`] computes it for every `b`,
 /// [`Samples::quantile`] the quantiles of the maximum.
 ///
 /// # Errors
-/// As [`simulate`](crate::simulate); [`Error::NoSuchComponent`]; [`Error::NotPositive`] for the frequency of an arc,
-/// [`Error::ArcTooLong`] where a step is half a turn or more; [`Error::NotFinite`] for the sample that is, as for an intensity
-/// which is not a number.
+/// Those of [`simulate`](crate::simulate); [`Error::NoSuchComponent`]; [`Error::NotPositive`] for the frequency of an
+/// arc, [`Error::ArcTooLong`] if a step is half a turn or more; [`Error::NotFinite`] for a sample that is not finite,
+/// as with an intensity of NaN.
 pub fn maxima<S, I, L, const D: usize, const M: usize>(
     system: &S,
     integrator: &I,
@@ -151,7 +153,7 @@ impl<const D: usize> Response<'_, D> {
     }
 }
 
-/// Keeps the largest response of each lane.
+/// Stores the maximum response of each lane.
 struct Maximum<'a, const D: usize> {
     response: &'a Response<'a, D>,
     noise: Noise,
@@ -207,7 +209,7 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
                 let (mut spreads, mut others) = ([0.0; LANES], [0.0; LANES]);
                 for lane in 0..LANES {
                     let s = intensity(t, &std::array::from_fn(|i| before[i][lane]));
-                    // 1 - U is in (0, 1], so that its logarithm is finite. Two draws, whichever side is asked for.
+                    // 1 - U is in (0, 1], so its logarithm is finite. Two numbers are drawn for either side.
                     let mut draw =
                         || -2.0 * s * s * dt * (1.0 - self.bridges[lane].next_uniform()).ln();
                     (spreads[lane], others[lane]) = (draw(), draw());
@@ -241,13 +243,13 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
     }
 }
 
-/// The larger of two; not a number where one is not, so that a maximum that is not known is refused with the samples.
+/// The larger of two values; NaN if either is NaN, so an unknown maximum is rejected with the samples.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// The maximum over `[0, 1]` of the cubic with these values and slopes at its ends; not a number where they are too large to tell.
+/// Maximum over `[0, 1]` of the cubic with these end values and slopes; NaN if they are too large to evaluate.
 #[inline(always)]
 fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
     let drop = q[0] - q[1];
@@ -259,7 +261,7 @@ fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
     if !discriminant.is_finite() {
         return f64::NAN;
     }
-    // The two roots without cancellation; where there is none, a root is not a number and its value not taken.
+    // The two roots without cancellation; if there is none, a root is NaN and its value is ignored.
     let t = -0.5 * (b + discriminant.sqrt().copysign(b));
     let value = |s: f64| {
         let inside = s > 0.0 && s < 1.0;
@@ -269,7 +271,7 @@ fn hermite_maximum(q: [f64; 2], slope: [f64; 2]) -> f64 {
     q[0].max(q[1]).max(value(t / a)).max(value(c / t))
 }
 
-/// The maximum of the arc `q'' = -q` through `start` and, an angle of this sine and cosine later, `end`.
+/// Maximum of the arc `q'' = -q` through `start` and `end`, which is an angle of this sine and cosine later.
 #[inline(always)]
 fn arc_maximum(start: f64, end: f64, sin: f64, cos: f64) -> f64 {
     // Velocities over omega at both ends.
@@ -283,7 +285,8 @@ fn arc_maximum(start: f64, end: f64, sin: f64, cos: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against 2,000 points of each cubic: a parabola near its top lies 1e-6 of its curvature above the nearest point.
+    /// Compared with 2,000 points of each cubic: near its top a parabola exceeds the nearest point by 1e-6 of its
+    /// curvature.
     #[test]
     fn the_maximum_of_a_cubic_is_that_of_its_points() {
         let mut stream = Noise::new(4).stream(Purpose::Field, 0);

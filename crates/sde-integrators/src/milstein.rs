@@ -9,14 +9,15 @@ use crate::noise::Increment;
 ///
 /// $$ X_{n+1} = X_n + h f(t_n, X_n) + b w + \frac12 b b' (w^2 - h) $$
 ///
-/// per state, with `b` and its derivative at `(t_n, X_n)`. Solves `dX_i = f_i dt + b_i(t, X_i) dB_i` in the sense of
-/// Ito. Symbols: `h` = `dt`, `w` = `dw.brownian`.
+/// per state, with `b` and its derivative at `(t_n, X_n)`. Solves the Ito equation `dX_i = f_i dt + b_i(t, X_i) dB_i`.
+/// Symbols: `h` = `dt`, `w` = `dw.brownian`.
 ///
-/// Order: strong 1 and weak 1 for diagonal noise. (For additive noise it is Euler-Maruyama; for noise that does not
-/// commute it would need the area between two motions, and does not compile.)
+/// Order: strong 1 and weak 1 for diagonal noise. For additive noise it equals Euler-Maruyama. Noise that does not
+/// commute would require the Lévy area between motions, and does not compile.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + l h)^2 + q + q^2/2 < 1` with `q = m^2 h`. That
-/// is less than Euler-Maruyama: it is more accurate on a path and yet explodes sooner.
+/// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + l h)^2 + q + q^2/2 < 1` with `q = m^2 h`. The
+/// region is smaller than that of Euler-Maruyama: the method is more accurate on a path, but explodes at smaller
+/// steps.
 ///
 /// Source: Milstein 1975, Approximate integration of stochastic differential equations; Kloeden and Platen 1992,
 /// eq 10.3.12.

@@ -7,36 +7,36 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use crate::chacha::{BLOCK_WORDS, blocks, key};
 use crate::normal::{BLOCK_NORMALS, normal_blocks, normal_pair};
 
-/// Words of 32 bits that one pair of normals takes, always.
+/// 32-bit words taken by one pair of normals, always.
 pub const WORDS_PER_PAIR: u128 = 4;
 
-/// What a draw is for. Draws for different purposes never share a word, whatever the seed.
+/// Purpose of a draw. Draws for different purposes never share a word, for any seed.
 ///
-/// The numbers are part of the reproducibility guarantee: they are never changed or used again.
+/// The numbers are part of the reproducibility guarantee: they are never changed or reused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u64)]
 pub enum Purpose {
     /// The Brownian motion that drives a path: its increments `w`.
     Path = 0,
-    /// The state a path starts from.
+    /// The initial state of a path.
     InitialLaw = 1,
-    /// What happens between the ends of a step: bridges, first passage.
+    /// Values between the ends of a step: bridges, first passage.
     Bridge = 2,
     /// A random field or the parameters of a realisation.
     Field = 3,
-    /// Resampling of finished results.
+    /// Resampling of results.
     Bootstrap = 4,
-    /// The space-time areas `H` of the Brownian motion that drives a path, which only some methods look at.
+    /// Space-time areas `H` of the Brownian motion of a path, which only some methods use.
     PathArea = 5,
-    /// Proposals and decisions of a Markov chain.
+    /// Proposals and acceptances of a Markov chain.
     MarkovChain = 6,
     /// Parts of a step, given its increment.
     Refinement = 7,
 }
 
 impl Purpose {
-    /// Every purpose there is.
+    /// All purposes.
     pub const ALL: [Self; 8] = [
         Self::Path,
         Self::InitialLaw,
@@ -66,13 +66,14 @@ pub struct Increment<const M: usize> {
 }
 
 impl<const M: usize> Increment<M> {
-    /// No noise at all: what turns an integrator into its method for ordinary differential equations.
+    /// Zero noise: reduces an integrator to its method for ordinary differential equations.
     pub const ZERO: Self = Self { brownian: [0.0; M], space_time_area: [0.0; M] };
 
-    /// The increment over a whole step from those over its two equal halves, exactly:
+    /// Increment over a step from those over its two equal halves, exactly.
+    ///
     /// `w = w_1 + w_2` and `H = (w_1 - w_2)/4 + (H_1 + H_2)/2`.
     ///
-    /// The same path is thereby seen at every step size, which is what a study of strong order needs.
+    /// It represents the same path at every step size, as studies of strong order require.
     #[must_use]
     pub fn from_halves(first: &Self, second: &Self) -> Self {
         let mut whole = Self::ZERO;
@@ -86,11 +87,12 @@ impl<const M: usize> Increment<M> {
     }
 }
 
-/// The noise of a whole study: everything that is drawn follows from its seed.
+/// The noise of a study: all random numbers follow from its seed.
 ///
 /// It is ChaCha with 8 rounds used as a function. Key: seed (8 bytes, little endian), purpose (8 bytes), zeros;
-/// stream: realisation; word: number of the normal times two. Every draw takes a fixed number of words, and the normals
-/// are computed without the platform's mathematics library, so that the same address gives the same bits everywhere.
+/// stream: realisation; word: number of the normal times two. Every draw takes a fixed number of words. The normals
+/// are computed without the platform's mathematics library, so the same address gives bitwise identical numbers on
+/// every platform.
 ///
 /// Source of the cipher: Bernstein 2008, ChaCha, a variant of Salsa20.
 ///
@@ -108,19 +110,19 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise that belongs to a seed. Neighbouring seeds are as independent as distant ones.
+    /// The noise of a seed. Neighbouring seeds are as independent as distant ones.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self { seed }
     }
 
-    /// The seed it was made from.
+    /// The seed.
     #[must_use]
     pub const fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// The words of one realisation for one purpose, from the first on.
+    /// The words of one realisation for one purpose, from the first one.
     #[must_use]
     pub fn stream(&self, purpose: Purpose, realisation: u64) -> Stream {
         let mut key = [0; 32];
@@ -132,7 +134,7 @@ impl Noise {
         Stream { generator, key, realisation, level: SimdLevel::best() }
     }
 
-    /// The `M` Brownian motions that drive one realisation, from step 0 on.
+    /// The `M` Brownian motions of one realisation, from step 0.
     #[must_use]
     pub fn path<const M: usize>(&self, realisation: u64) -> PathNoise<M> {
         PathNoise::new(self.seed, realisation)
@@ -149,13 +151,13 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Make many normals at once with the instructions of this level; the bits are the same at every one.
+    /// Sets the SIMD level for generating many normals; results are bitwise identical at every level.
     #[must_use]
     pub fn at_level(self, level: SimdLevel) -> Self {
         Self { level, ..self }
     }
 
-    /// Move to a word of 32 bits, counted from the start of the stream modulo `2^68`. Costs about 100 ns.
+    /// Moves to a 32-bit word, counted from the start of the stream modulo `2^68`. Costs about 100 ns.
     pub fn seek(&mut self, word: u128) {
         self.generator.set_word_pos(word);
     }
@@ -183,14 +185,16 @@ impl Stream {
         normal_pair(radial, angular)
     }
 
-    /// Independent standard normals: four words for each two, the last pair taken whole also where one is left over.
+    /// Fills a slice with independent standard normals: four words for each two.
     ///
-    /// The values are those of [`next_normal_pair`](Self::next_normal_pair), made many at a time: it pays from about 50
-    /// numbers on.
+    /// The last pair is taken whole even if one is left over.
+    ///
+    /// The values are those of [`next_normal_pair`](Self::next_normal_pair), generated many at a time: it pays off
+    /// from about 50 numbers.
     pub fn fill_normal(&mut self, normals: &mut [f64]) {
         let mut rest = normals;
         if rest.len() > FIELD_NORMALS / 2 {
-            // Up to the next block of the cipher one pair after the other; off the grid of pairs, all of them.
+            // Pair by pair up to the next block of the cipher; all of them if not aligned with the pairs.
             while !rest.is_empty()
                 && !self.generator.get_word_pos().is_multiple_of(BLOCK_WORDS as u128)
             {
@@ -223,7 +227,7 @@ const fn low_u64(x: u128) -> u64 {
     x as u64
 }
 
-/// Blocks of one stream that are made side by side.
+/// Blocks of one stream generated together.
 const FIELD_BLOCKS: usize = 16;
 /// Normals of these blocks.
 const FIELD_NORMALS: usize = FIELD_BLOCKS * BLOCK_NORMALS;
@@ -263,31 +267,31 @@ impl Work<f64> for FillField<'_> {
     }
 }
 
-/// The increments of one path, step after step (fast) or at any step (a block of the cipher for each number).
+/// Increments of one path, step by step (fast) or at any step (one block of the cipher per number).
 ///
-/// Normal number `k M + m` of [`Purpose::Path`] belongs to step `k` and motion `m`, that of [`Purpose::PathArea`] to its
-/// space-time area.
+/// Normal number `k M + m` of [`Purpose::Path`] belongs to step `k` and motion `m`; that of [`Purpose::PathArea`]
+/// belongs to its space-time area.
 #[derive(Debug, Clone)]
 pub struct PathNoise<const M: usize> {
     brownian: Ahead,
     area: Ahead,
     level: SimdLevel,
-    /// The number of the next normal.
+    /// Number of the next normal.
     next: u128,
-    /// Whether the normals drawn ahead are those around the next one.
+    /// Whether the buffered normals surround the next one.
     is_ahead: bool,
 }
 
-/// Blocks of a path that are drawn ahead.
+/// Blocks of a path generated ahead.
 const AHEAD_BLOCKS: usize = 8;
 const AHEAD_NORMALS: u128 = (AHEAD_BLOCKS * BLOCK_NORMALS) as u128;
 
-/// Normals drawn ahead for one purpose.
+/// Normals generated ahead for one purpose.
 #[derive(Debug, Clone)]
 struct Ahead {
     key: [u32; 8],
     stream: u64,
-    /// Row per normal of a block, column per block.
+    /// One row per normal of a block, one column per block.
     rows: [[f64; AHEAD_BLOCKS]; BLOCK_NORMALS],
 }
 
@@ -371,7 +375,7 @@ impl<const M: usize> PathNoise<M> {
         increment
     }
 
-    /// The normals around the next one.
+    /// Generates the normals around the next one.
     #[inline(never)]
     fn draw_ahead(&mut self) {
         let block = low_u64(self.next / AHEAD_NORMALS * AHEAD_BLOCKS as u128);

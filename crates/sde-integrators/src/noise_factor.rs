@@ -1,4 +1,4 @@
-//! How the noise of a field is correlated: a factor `L` of its covariance `L L^T`.
+//! Correlation of a field's noise: a factor `L` of its covariance `L L^T`.
 
 use crate::components::{
     Block, entries, for_components, multiply, multiply_diagonal, multiply_transposed,
@@ -7,19 +7,21 @@ use crate::error::Error;
 
 /// A factor `L` of the covariance of a field's noise, with a row per unknown and a column per Brownian motion.
 ///
-/// Implement it for a factor that is not here, such as one by Fourier transforms.
+/// Implement it for further factors, such as one by Fourier transforms.
 pub trait NoiseFactor: Sync {
-    /// How many rows it has.
+    /// Number of rows.
     fn n_unknowns(&self) -> usize;
 
-    /// How many columns it has.
+    /// Number of columns.
     fn n_motions(&self) -> usize;
 
-    /// `L z` into `result`: [`n_motions`](Self::n_motions) values to [`n_unknowns`](Self::n_unknowns).
+    /// Writes `L z` into `result`: [`n_motions`](Self::n_motions) values to [`n_unknowns`](Self::n_unknowns).
     fn apply(&self, z: &[f64], result: &mut [f64]);
 
-    /// `L^T x` into `result`: [`n_unknowns`](Self::n_unknowns) values to [`n_motions`](Self::n_motions). With it the
-    /// covariance itself can be applied, `L (L^T x)`: a drift `L L^T f` and a noise `L z` then come from one factor.
+    /// Writes `L^T x` into `result`: [`n_unknowns`](Self::n_unknowns) values to [`n_motions`](Self::n_motions).
+    ///
+    /// It allows products with the covariance, `L (L^T x)`: a drift `L L^T f` and a noise `L z` then come from one
+    /// factor.
     fn apply_transposed(&self, x: &[f64], result: &mut [f64]);
 }
 
@@ -38,14 +40,14 @@ pub(crate) fn require_length(
     if value == expected { Ok(()) } else { Err(Error::Length { quantity, value, expected }) }
 }
 
-/// Each unknown has a motion of its own: `O(n)`.
+/// Independent motions for each unknown: `O(n)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagonalFactor {
     deviations: Vec<f64>,
 }
 
 impl DiagonalFactor {
-    /// From the standard deviations per square root of time.
+    /// A factor from the standard deviations per square root of time.
     ///
     /// # Errors
     /// [`Error::NotFinite`].
@@ -96,20 +98,19 @@ impl NoiseFactor for DiagonalFactor {
     }
 }
 
-/// A few motions for many unknowns, as of a truncated Karhunen-Loève expansion: `O(n k)`.
+/// A few motions for many unknowns, such as a truncated Karhunen-Loève expansion: `O(n k)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowRankFactor {
     n: usize,
-    /// Column after column.
+    /// Column by column.
     columns: Vec<f64>,
 }
 
 impl LowRankFactor {
-    /// From the columns, one after the other, of `n_unknowns` entries each.
+    /// A factor from its columns in sequence, with `n_unknowns` entries each.
     ///
     /// # Errors
-    /// [`Error::TooFew`] without an unknown, [`Error::Length`] where the last column is not whole,
-    /// [`Error::NotFinite`].
+    /// [`Error::TooFew`] for no unknowns, [`Error::Length`] if the last column is incomplete, [`Error::NotFinite`].
     pub fn new(n_unknowns: usize, columns: Vec<f64>) -> Result<Self, Error> {
         if n_unknowns == 0 {
             return Err(Error::TooFew { quantity: "unknowns", value: 0, limit: 1 });
@@ -176,14 +177,16 @@ pub struct SparseFactor {
 }
 
 impl SparseFactor {
-    /// The largest number of motions: a path draws a normal for each, whether or not a row has it.
+    /// Largest number of motions: a path draws a normal for each, used or not.
     pub const MAX_MOTIONS: usize = u32::MAX as usize;
 
-    /// From compressed rows: row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and `values`.
+    /// A factor from compressed rows.
+    ///
+    /// Row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and `values`.
     ///
     /// # Errors
-    /// [`Error::Length`] (`values` against `columns`), [`Error::SparseRow`] where `row_starts` does not begin at 0,
-    /// ascend and end at the number of entries, [`Error::SparseColumn`] for a column that does not exist,
+    /// [`Error::Length`] (`values` against `columns`), [`Error::SparseRow`] if `row_starts` does not begin at 0,
+    /// ascend and end at the number of entries, [`Error::SparseColumn`] for a nonexistent column,
     /// [`Error::NotFinite`], [`Error::TooMany`] for more than [`MAX_MOTIONS`](Self::MAX_MOTIONS).
     pub fn new(
         n_motions: usize,
@@ -216,10 +219,10 @@ impl SparseFactor {
         Ok(Self { n_motions, row_starts, columns, values })
     }
 
-    /// Row `i` as its columns and its values, in the order they were given.
+    /// Row `i` as its columns and its values, in the given order.
     ///
     /// # Panics
-    /// If there is no such row, as a slice does.
+    /// If there is no such row, as in slice indexing.
     #[must_use]
     pub fn row(&self, i: usize) -> (&[usize], &[f64]) {
         let row = self.row_starts[i]..self.row_starts[i + 1];

@@ -1,7 +1,7 @@
-//! Standard normals from uniform words, with the same bits on every platform.
+//! Standard normals from uniform words, bitwise identical on every platform.
 //!
-//! The logarithm, sine and cosine are our own, because the platform's are not the same everywhere. Only `+ - * /` and
-//! `sqrt` are used, which IEEE 754 fixes to the bit, and no fused multiply-add.
+//! Logarithm, sine and cosine are implemented here, because those of platforms differ. Only `+ - * /` and `sqrt` are
+//! used, whose results IEEE 754 defines exactly, and no fused multiply-add.
 
 #![allow(
     clippy::inline_always,
@@ -14,25 +14,25 @@ use lanes::{Registers, SimdLevel, Work, minus_twice_ln, sin_cos};
 
 use crate::chacha::{BLOCK_WORDS, blocks};
 
-/// Normals made of one block of the cipher: four pairs, each of four words.
+/// Normals from one block of the cipher: four pairs, each of four words.
 pub(crate) const BLOCK_NORMALS: usize = 8;
 
 /// `2^-53`, half the spacing of the uniforms.
 const HALF_SPACING: f64 = 1.0 / (1_u64 << 53) as f64;
 
-/// The bits of one.
+/// Bit pattern of one.
 const ONE: u64 = 1.0_f64.to_bits();
 
-/// The sign of a double.
+/// Sign bit of a double.
 const SIGN: u64 = 1 << 63;
 
-/// Two independent standard normals from two words, by Box and Muller,
+/// Two independent standard normals from two words, by the Box-Muller transform,
 ///
 /// $$ z_0 = \sqrt{-2 \ln u} \cos\theta, \qquad z_1 = \sqrt{-2 \ln u} \sin\theta . $$
 ///
-/// `u` has 52 bits, lies in `(0, 1]` and so is never zero; `theta` has 54 bits and is symmetric about both axes, so that
-/// the mean of each normal over all words is exactly zero. The largest value is `sqrt(104 ln 2) = 8.49`: a tail of 2e-17
-/// is missing.
+/// `u` has 52 bits and lies in `(0, 1]`, so it is never zero. `theta` has 54 bits and is symmetric about both axes, so
+/// the mean of each normal over all words is exactly zero. The largest value is `sqrt(104 ln 2) = 8.49`: a tail of
+/// 2e-17 is missing.
 ///
 /// Source: Box and Muller 1958, A note on the generation of random normal deviates.
 #[inline(always)]
@@ -46,9 +46,9 @@ pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
 /// Each stage is a loop of its own over all `K`, which the compiler vectorises on its own.
 #[inline(always)]
 fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> ([f64; K], [f64; K]) {
-    // The highest 52 bits as the mantissa of a number in [1, 2): no conversion, and exact.
+    // The highest 52 bits as the mantissa of a number in [1, 2): exact and without conversion.
     let u = lanes::map(radial, |word| 2.0 - f64::from_bits(ONE | word >> 12));
-    // The two highest bits choose the quadrant, the next 52 the angle within it, from -pi/4 to pi/4.
+    // The two highest bits select the quadrant, the next 52 the angle within it, from -pi/4 to pi/4.
     let angle = lanes::map(angular, |word| {
         ((f64::from_bits(ONE | (word << 2) >> 12) - 1.5) + HALF_SPACING) * FRAC_PI_2
     });
@@ -57,7 +57,7 @@ fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> ([f64; K
     let radius = lanes::map(squares, f64::sqrt);
     let (mut first, mut second) = ([0.0; K], [0.0; K]);
     for i in 0..K {
-        // (c, s) -> (-s, c) per quarter turn, without a branch: a random one would be mispredicted.
+        // (c, s) -> (-s, c) per quarter turn, branch-free: a random branch would be mispredicted.
         let (cos, sin) = (cos[i].to_bits(), sin[i].to_bits());
         let is_odd = (angular[i] << 1).cast_signed() < 0;
         let (c, s) = if is_odd { (sin, cos) } else { (cos, sin) };
@@ -89,8 +89,9 @@ pub(crate) fn normal_blocks<const L: usize>(
 /// Lanes of [`normal_rows`].
 pub(crate) const ROW: usize = 32;
 
-/// [`normal_blocks`] of 32 lanes at a level: compiled once, not with each system that needs noise. The call costs a few
-/// nanoseconds of the 700 that the normals take.
+/// [`normal_blocks`] of 32 lanes at a level: compiled once, not with each system that needs noise.
+///
+/// The call costs a few nanoseconds of the 700 that the normals take.
 #[inline(never)]
 pub(crate) fn normal_rows(
     level: SimdLevel,

@@ -1,6 +1,6 @@
 //! Rare events: importance sampling at a design point, and subset simulation.
 //!
-//! Both see a path as a function of independent standard normals.
+//! Both treat a path as a function of independent standard normals.
 
 use std::ops::Range;
 
@@ -10,15 +10,17 @@ use crate::estimate::{Accumulator, Estimate, Uncertainty};
 use crate::integrator::Integrator;
 use crate::noise::{Increment, Noise, Purpose, Stream};
 
-/// A response as a function of independent standard normals. The rare event is that it exceeds a threshold. It may be infinite.
+/// A response as a function of independent standard normals.
+///
+/// The rare event is that it exceeds a threshold. It may be infinite.
 pub type NormalResponse<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
 
-/// The most normals that are held at once: 32 GiB of them.
+/// Largest number of normals in memory: 32 GiB.
 const MOST_NORMALS: f64 = u32::MAX as f64;
-/// The most runs of which a spread is taken.
+/// Largest number of runs for a standard error.
 const MOST_RUNS: u64 = 1 << 16;
 
-/// Refuses what is not a number: no comparison with it tells anything.
+/// Rejects NaN, with which every comparison is false.
 fn number(quantity: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_nan() { Err(Error::NotANumber { quantity }) } else { Ok(value) }
 }
@@ -32,15 +34,16 @@ fn at_most(quantity: &'static str, value: f64, limit: f64) -> Result<(), Error> 
     if value > limit { Err(Error::TooMany { quantity, value, limit }) } else { Ok(()) }
 }
 
-/// A path as a function of the normals that drive it: per step `M` for `w`, then, where the method looks at them, `M` for
-/// the areas.
+/// A path as a function of the normals that drive it.
+///
+/// Each step takes `M` normals for `w` and, if the method uses them, `M` for the areas.
 #[derive(Debug)]
 pub struct DrivenPath<'a, S: ?Sized, I, const D: usize> {
     /// The system.
     pub system: &'a S,
     /// The method.
     pub integrator: &'a I,
-    /// Where the path starts. For a random start give the first normals to a law of your own.
+    /// Start of the path. For a random start, reserve the first normals for your own distribution.
     pub start: [f64; D],
     /// Step length.
     pub dt: f64,
@@ -49,7 +52,7 @@ pub struct DrivenPath<'a, S: ?Sized, I, const D: usize> {
 }
 
 impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
-    /// How many normals it takes.
+    /// Number of normals.
     #[must_use]
     pub fn n_normals<const M: usize>(&self) -> usize
     where
@@ -58,11 +61,11 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
         self.n_steps.saturating_mul(M * (1 + usize::from(I::USES_AREA)))
     }
 
-    /// Follow the path; `look` sees time and state before and after every step. Returns the last state.
+    /// Computes the path; `look` observes time and state before and after every step. Returns the last state.
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for a wrong number of normals; [`Error::NotPositive`] for the step length; [`Error::Step`] and [`Error::NonFiniteState`], where the
-    /// realisation is given as 0.
+    /// [`Error::WrongLength`] for a wrong number of normals; [`Error::NotPositive`] for the step length;
+    /// [`Error::Step`] and [`Error::NonFiniteState`], which report realisation 0.
     pub fn run<const M: usize>(
         &self,
         normals: &[f64],
@@ -106,30 +109,30 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
     }
 }
 
-/// The point nearest to the origin where a response reaches a threshold, by the first-order reliability method.
+/// The design point of the first-order reliability method: nearest to the origin on the threshold surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignPoint {
     /// The point `u*`, in standard normals.
     pub normals: Vec<f64>,
     /// `beta = |u*|`; for a response linear in the normals the probability is `Phi(-beta)`.
     pub reliability_index: f64,
-    /// How often the gradient was taken.
+    /// Number of gradient evaluations.
     pub iterations: usize,
 }
 
-/// The design point by the iteration of Hasofer, Lind, Rackwitz and Fiessler with gradients by forward differences,
+/// The design point by the Hasofer-Lind-Rackwitz-Fiessler iteration with forward-difference gradients,
 ///
 /// $$ u \leftarrow \frac{\nabla g \cdot u + b - g(u)}{|\nabla g|^2} \nabla g . $$
 ///
-/// A gradient costs one response per normal. The iteration ends where `u` moves by less than a relative 1e-3: the point
-/// need not be exact, [`importance_sampling`] is unbiased wherever it is.
+/// A gradient costs one response per normal. The iteration ends when `u` moves by less than a relative 1e-3. The point
+/// need not be exact, because [`importance_sampling`] is unbiased for any point.
 ///
 /// Source: Rackwitz and Fiessler 1978, Structural reliability under combined random load sequences; for paths Der
 /// Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
 ///
 /// # Errors
-/// Those of the response; [`Error::NotANumber`] for the response or the threshold; [`Error::NoDesignPoint`] where the gradient
-/// vanishes, the point runs away or 50 iterations are not enough; [`Error::TooMany`] for 2^32 normals or more.
+/// Those of the response; [`Error::NotANumber`] for the response or the threshold; [`Error::NoDesignPoint`] if the
+/// gradient vanishes, the point diverges or 50 iterations do not suffice; [`Error::TooMany`] for 2^32 normals or more.
 pub fn design_point(
     response: NormalResponse<'_>,
     n_normals: usize,
@@ -171,12 +174,15 @@ pub fn design_point(
     Err(Error::NoDesignPoint { iterations: MAX_ITERATIONS, gradient_square: f64::NAN })
 }
 
-/// `P(response > threshold)` by importance sampling: normals with the design point as their mean, weighted back,
+/// `P(response > threshold)` by importance sampling.
+///
+/// Normals are centred at the design point and have likelihood-ratio weights,
 ///
 /// $$ \hat p = \frac1n \sum_k 1_{g(u^* + z_k) > b}  e^{-u^* \cdot z_k - |u^*|^2/2} . $$
 ///
-/// The error is unknown where no sample exceeded. Unbiased for every `u*`; good where one design point has the most of the probability: one time, one threshold, a
-/// response not far from linear. For a first passage there is a design point for every time: use [`subset_simulation`].
+/// The error is unknown if no sample exceeded the threshold. The estimate is unbiased for every `u*`, and efficient if
+/// one design point has most of the probability: one time, one threshold, a nearly linear response. For a first
+/// passage there is a design point for every time: use [`subset_simulation`].
 ///
 /// # Errors
 /// Those of the response, of the lowest sample that fails; [`Error::NotANumber`] for the response or the threshold,
@@ -215,39 +221,41 @@ pub fn importance_sampling(
     Ok(seen(reduce_blocks(n_samples, block, merge)?.unwrap_or_default().estimate()?))
 }
 
-/// An event that was never seen: zeros have no spread, which says nothing of the error.
+/// An event without any occurrence: a sample of zeros has no scatter, which is no information on the error.
 fn seen(estimate: Estimate) -> Estimate {
     let uncertainty =
         if estimate.value > 0.0 { estimate.uncertainty } else { Uncertainty::Unknown };
     Estimate { uncertainty, ..estimate }
 }
 
-/// How subset simulation is run.
+/// Parameters of subset simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubsetConfig {
-    /// Samples per level, at least 100: a tenth of them carries on to the next level.
+    /// Samples per level, at least 100; a tenth of them continues to the next level.
     pub n_samples: usize,
-    /// `rho` of the proposal `rho u + sqrt(1 - rho^2) z`, in `(0, 1)`; 0.8 is usual.
+    /// `rho` of the proposal `rho u + sqrt(1 - rho^2) z`, in `(0, 1)`; typically 0.8.
     pub correlation: f64,
-    /// Independent runs, at least 2 and at most 65,536; their spread gives the standard error.
+    /// Independent runs, at least 2 and at most 65,536; their scatter is the standard error.
     pub n_runs: u64,
 }
 
-/// `P(response > threshold)` by subset simulation: a chain of levels, each exceeded by a tenth of the samples of the one
-/// before, and Markov chains that stay above the last.
+/// `P(response > threshold)` by subset simulation.
 ///
-/// The proposal leaves the normal law as it is, so that only the level decides on acceptance. The mean over independent
-/// runs is given, with its standard error; a run has a bias of the order of the square of its coefficient of variation,
-/// which falls with `n_samples`. The error is unknown where no run reached the event, and a bound by the rule of three where
-/// every sample was one: see [`Estimate::probability`].
+/// Each level is exceeded by a tenth of the samples of the previous one; Markov chains sample above the last level.
+///
+/// The proposal preserves the normal distribution, so only the level decides on acceptance. The result is the mean
+/// over independent runs with its standard error. A run has a bias of the order of the square of its coefficient of
+/// variation, which decreases with `n_samples`. The error is unknown if no run reached the event, and a bound by the
+/// rule of three if every sample did: see [`Estimate::probability`].
 ///
 /// Sources: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation;
 /// Papaioannou, Betz, Zwirglmaier and Straub 2015, MCMC algorithms for subset simulation, section 4.
 ///
 /// # Errors
-/// Those of the response, of the lowest run; [`Error::NotANumber`] for the response or the threshold; [`Error::TooFew`] and
-/// [`Error::TooMany`] for samples or runs, also where the samples of a level have 2^32 normals or more together;
-/// [`Error::NotPositive`] for a correlation outside `(0, 1)`, [`Error::TooManyLevels`] where the threshold is not reached.
+/// Those of the response, of the lowest run; [`Error::NotANumber`] for the response or the threshold;
+/// [`Error::TooFew`] and [`Error::TooMany`] for samples or runs, also if the samples of a level have 2^32 normals or
+/// more together; [`Error::NotPositive`] for a correlation outside `(0, 1)`, [`Error::TooManyLevels`] if the threshold
+/// is not reached.
 pub fn subset_simulation(
     response: NormalResponse<'_>,
     n_normals: usize,
@@ -271,7 +279,7 @@ pub fn subset_simulation(
     at_most("runs", n_runs as f64, MOST_RUNS as f64)?;
     let held = n_samples as f64 * n_normals.max(1) as f64;
     at_most("normals of the samples of a level", held, MOST_NORMALS)?;
-    // One run to a block, so that runs go to different threads.
+    // One run per block, so that runs use different threads.
     let n = n_runs * BLOCK_LENGTH;
     let runs = map_blocks(n, 0..n_runs, |ids| {
         let stream = noise.stream(Purpose::MarkovChain, ids.start / BLOCK_LENGTH);
@@ -303,7 +311,7 @@ type Sample = (Vec<f64>, f64);
 
 impl Subset<'_> {
     const MAX_LEVELS: u32 = 30;
-    /// One in this many goes on to the next level.
+    /// One sample in this many continues to the next level.
     const SHARE: usize = 10;
 
     fn run(mut self) -> Result<f64, Error> {
@@ -324,7 +332,7 @@ impl Subset<'_> {
                 let hits = samples.iter().filter(|sample| sample.1 > self.threshold).count();
                 return Ok(probability * hits as f64 / samples.len() as f64);
             }
-            // By those above it, so that equal values do not count twice.
+            // Only those strictly above it, so that equal values do not count twice.
             samples.retain(|sample| sample.1 > level);
             if samples.is_empty() {
                 return Ok(0.0);

@@ -1,22 +1,22 @@
-//! Samples that are kept: quantiles and probabilities of what was seen of each path.
+//! Stored samples: quantiles and exceedance probabilities.
 
 use crate::error::Error;
 use crate::estimate::{Estimate, Uncertainty};
 
-/// A sample, in ascending order, all of it kept.
+/// A complete sample in ascending order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Samples {
     sorted: Vec<f64>,
 }
 
 impl Samples {
-    /// The least expected number of values on either side of a quantile.
+    /// Smallest expected number of values on either side of a quantile.
     pub const LEAST_BESIDE: u64 = 10;
 
-    /// Sort a sample.
+    /// Sorts a sample.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than two values, [`Error::NotFinite`] for one that is not.
+    /// [`Error::TooFew`] for fewer than two values, [`Error::NotFinite`] for a value that is not finite.
     pub fn new(mut values: Vec<f64>) -> Result<Self, Error> {
         let n = values.len() as u64;
         if n < 2 {
@@ -30,16 +30,16 @@ impl Samples {
         Ok(Self { sorted: values })
     }
 
-    /// The values, ascending.
+    /// The values in ascending order.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.sorted
     }
 
-    /// The probability to lie above a level, with the error of [`Estimate::probability`].
+    /// Probability of exceeding a level, with the error of [`Estimate::probability`].
     ///
     /// # Errors
-    /// None that can occur: there are at least two values.
+    /// None in practice: there are at least two values.
     pub fn exceedance(&self, level: f64) -> Result<Estimate, Error> {
         let n = self.sorted.len();
         let above = n - self.sorted.partition_point(|&value| value <= level);
@@ -48,13 +48,14 @@ impl Samples {
 
     /// The quantile of a probability: the value of rank `ceil(n p)`.
     ///
-    /// How many values lie below the true quantile is binomial, with the deviation `sqrt(n p (1 - p))`; half the distance
-    /// between the values that many ranks below and above is the standard error. No density is needed for it.
+    /// The number of values below the true quantile is binomial, with the deviation `sqrt(n p (1 - p))`. Half the
+    /// distance between the values that many ranks below and above is the standard error. No density estimate is
+    /// required.
     /// Source: David and Nagaraja 2003, Order statistics, section 7.1.
     ///
     /// # Errors
-    /// [`Error::TooFew`] where fewer than [`LEAST_BESIDE`](Self::LEAST_BESIDE) values are expected below or above, so also
-    /// for a probability outside `(0, 1)`.
+    /// [`Error::TooFew`] if fewer than [`LEAST_BESIDE`](Self::LEAST_BESIDE) values are expected below or above, which
+    /// includes a probability outside `(0, 1)`.
     pub fn quantile(&self, probability: f64) -> Result<Estimate, Error> {
         let n = self.sorted.len();
         let expected = n as f64 * probability.min(1.0 - probability);

@@ -1,24 +1,25 @@
-//! What is simulated, and the steps it takes.
+//! Ensemble configuration and its time steps.
 
 use crate::error::Error;
 
-/// What is simulated: how many paths, how finely, until when. Paths start at `t = 0`.
+/// Ensemble size, step and output times. Paths start at `t = 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleConfig {
-    /// All randomness follows from it.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// How many paths, at least 2; they are the realisations from 0 on.
+    /// Number of paths, at least 2; they are the realisations from 0 on.
     pub n_paths: u64,
-    /// The largest step length (time). Between two output times the steps are equal, as few as that allows, and the
-    /// last ends exactly on the output time: `ceil(interval/dt)` steps, where a quotient within a relative 1e-9 above
-    /// a whole number counts as that number.
+    /// Largest step length (time).
+    ///
+    /// Between two output times the steps are equal and as few as possible, and the last ends exactly on the output
+    /// time: `ceil(interval/dt)` steps. A quotient within a relative 1e-9 above an integer counts as that integer.
     pub dt: f64,
-    /// When to observe (time): ascending, none negative. Zero observes the initial law.
+    /// Output times (time): ascending, none negative. Time zero observes the initial distribution.
     pub times: Vec<f64>,
 }
 
 impl EnsembleConfig {
-    /// The largest number of steps per path: beyond it step numbers are no longer exact in `f64`.
+    /// Largest number of steps per path: beyond it step numbers are not exact in `f64`.
     pub const MAX_STEPS: u64 = 1 << 53;
 }
 
@@ -31,7 +32,7 @@ pub(crate) struct Leg {
     pub(crate) dt: f64,
 }
 
-/// Check the configuration and divide the time.
+/// Validates the configuration and divides the time.
 pub(crate) fn schedule(config: &EnsembleConfig) -> Result<Vec<Leg>, Error> {
     let EnsembleConfig { n_paths, dt, ref times, .. } = *config;
     if n_paths < 2 {

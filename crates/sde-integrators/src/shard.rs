@@ -1,4 +1,4 @@
-//! Parts of an ensemble that are computed apart and merged to the bits of the whole.
+//! Shards of an ensemble, computed separately; their merge is bitwise identical to the whole.
 
 use crate::blocks::{BLOCK_LENGTH, map_blocks, reduce_in_tree};
 use crate::ensemble::{Block, Ensemble, Failing, Study, estimates, merge_tallies};
@@ -8,7 +8,7 @@ use crate::integrator::Integrator;
 use crate::law::InitialLaw;
 use crate::tally::{Sampling, Tally};
 
-/// What all shards of one study have in common. What cannot be compared, system and functions, stands behind its name.
+/// Identity common to all shards of a study. Its name represents what cannot be compared: system and functions.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Identity {
@@ -24,16 +24,17 @@ struct Identity {
     n_shards: u64,
 }
 
-/// Part `k` of `n` of a study: whole blocks of paths, each with what was seen of it.
+/// Part `k` of `n` of a study: complete blocks of paths with their tallies.
 ///
-/// With the feature `serde` it is written and read; the numbers must keep their bits (`float_roundtrip` in serde_json).
+/// With the feature `serde` it can be serialised. The format must preserve all bits of a number (`float_roundtrip` in
+/// serde_json).
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[must_use]
 pub struct ShardRecord {
     identity: Identity,
     shard: u64,
-    /// The instructions it was computed with: told, not compared.
+    /// SIMD level of the computation: reported, not compared.
     level: String,
     blocks: Vec<BlockRecord>,
 }
@@ -46,25 +47,25 @@ struct BlockRecord {
     first_failure: Option<FailedPath>,
 }
 
-/// A path that failed, and why.
+/// A failed path and its error.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FailedPath {
     /// Its realisation.
     pub realisation: u64,
-    /// What happened, with step, time and value.
+    /// Error text with step, time and value.
     pub message: String,
 }
 
-/// What all paths of a study came to, those that failed included.
+/// Results of all paths of a study, including failed ones.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
 pub struct Outcome {
-    /// How many paths were followed.
+    /// Number of paths.
     pub n_paths: u64,
-    /// How many of them failed.
+    /// Number of failed paths.
     pub n_failed: u64,
-    /// The failed path of the lowest number.
+    /// The failed path with the lowest number.
     pub first_failure: Option<FailedPath>,
     times: Vec<f64>,
     path_steps: u128,
@@ -73,18 +74,18 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The share of paths that failed, as an estimate of the probability to fail.
+    /// Fraction of failed paths, as an estimate of the failure probability.
     ///
     /// # Errors
-    /// None that can occur: there are at least two paths.
+    /// None in practice: there are at least two paths.
     pub fn failure_probability(&self) -> Result<Estimate, Error> {
         Estimate::probability(self.n_failed, self.n_paths)
     }
 
-    /// The estimates, of all paths.
+    /// The estimates over all paths.
     ///
     /// # Errors
-    /// [`Error::PathsFailed`] if any failed: those that are left are not a sample of the law.
+    /// [`Error::PathsFailed`] if any path failed, because the remaining ones are no sample of the distribution.
     pub fn ensemble(&self) -> Result<Ensemble, Error> {
         if let Some(first) = &self.first_failure {
             return Err(Error::PathsFailed {
@@ -108,10 +109,11 @@ where
     S: Sync + ?Sized,
     L: InitialLaw<D> + ?Sized,
 {
-    /// Follow all paths. Those that fail are counted.
+    /// Simulates all paths and counts failed ones.
     ///
     /// # Errors
-    /// A bad configuration, as [`simulate`](crate::simulate); [`Error::NotEven`] for an odd number of antithetic paths.
+    /// Errors of the configuration, as in [`simulate`](crate::simulate); [`Error::NotEven`] for an odd number of
+    /// antithetic paths.
     pub fn run<const M: usize>(&self) -> Result<Outcome, Error>
     where
         I: Integrator<S, D, M>,
@@ -119,10 +121,10 @@ where
         merge(&[self.shard::<M>(0, 1)?])
     }
 
-    /// Follow part `shard` of `n_shards`, counted from 0: the blocks from `shard B / n_shards` on, of `B` in all.
+    /// Simulates part `shard` of `n_shards`, from 0: the blocks from `shard B / n_shards` on, of `B` in all.
     ///
     /// # Errors
-    /// As [`run`](Self::run); [`Error::NoSuchShard`].
+    /// Those of [`run`](Self::run); [`Error::NoSuchShard`].
     pub fn shard<const M: usize>(&self, shard: u64, n_shards: u64) -> Result<ShardRecord, Error>
     where
         I: Integrator<S, D, M>,
@@ -170,12 +172,12 @@ fn block_range(n_paths: u64, shard: u64, n_shards: u64) -> std::ops::Range<u64> 
     bound(shard)..bound(shard + 1)
 }
 
-/// Join all shards of a study, given in any order: the bits are those of one run.
+/// Merges all shards of a study, in any order; bitwise identical to one run.
 ///
 /// # Errors
-/// [`Error::TooFew`] for no shard at all; [`Error::ForeignShard`] with the first difference to the first record;
-/// [`Error::DoubledShard`], [`Error::MissingShard`]; [`Error::BrokenShard`] for a record that holds another number of
-/// blocks than it must, [`Error::BrokenBlock`] for one with a block that cannot be.
+/// [`Error::TooFew`] for no shard; [`Error::ForeignShard`] with the first difference from the first record;
+/// [`Error::DoubledShard`], [`Error::MissingShard`]; [`Error::BrokenShard`] for a record with the wrong number of
+/// blocks, [`Error::BrokenBlock`] for one with an impossible block.
 pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
     let ordered = ordered(records)?;
     let n_shards = ordered[0].identity.n_shards;
@@ -186,16 +188,17 @@ pub fn merge(records: &[ShardRecord]) -> Result<Outcome, Error> {
     joined(&ordered)
 }
 
-/// Join those shards of a study that there are: what is known while others are still run. Its paths are those of the shards, and its
-/// failed paths those among them.
+/// Merges the available shards of a study while others still run.
+///
+/// The paths of the result, and its failed paths, are those of these shards.
 ///
 /// # Errors
-/// As [`merge`], but for shards that are missing.
+/// Those of [`merge`], except for missing shards.
 pub fn merge_so_far(records: &[ShardRecord]) -> Result<Outcome, Error> {
     joined(&ordered(records)?)
 }
 
-/// Records of one study by their number; at least one, none twice.
+/// Records of one study by number; at least one, without duplicates.
 fn ordered(records: &[ShardRecord]) -> Result<Vec<&ShardRecord>, Error> {
     let Some(first) = records.first() else {
         return Err(Error::TooFew { quantity: "shards", value: 0, limit: 1 });
@@ -235,13 +238,13 @@ fn joined(ordered: &[&ShardRecord]) -> Result<Outcome, Error> {
 }
 
 impl ShardRecord {
-    /// Which part it is, and of how many.
+    /// Its number, and the number of shards.
     #[must_use]
     pub fn place(&self) -> (u64, u64) {
         (self.shard, self.identity.n_shards)
     }
 
-    /// How many paths its blocks hold.
+    /// Number of paths in its blocks.
     fn n_paths(&self) -> u64 {
         let Identity { n_paths, n_shards, .. } = self.identity;
         let blocks = block_range(n_paths, self.shard, n_shards);
@@ -249,7 +252,7 @@ impl ShardRecord {
         end.saturating_sub(blocks.start.saturating_mul(BLOCK_LENGTH))
     }
 
-    /// Refuses blocks that cannot be merged with the first.
+    /// Rejects blocks that cannot be merged with the first.
     fn require_like(&self, first: &BlockRecord) -> Result<(), Error> {
         let is_like = |block: &BlockRecord| {
             let mut pairs = block.tallies.iter().zip(&first.tallies);

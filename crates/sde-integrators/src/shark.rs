@@ -1,4 +1,4 @@
-//! ShARK: two drifts, strong order 1.5 for additive noise.
+//! ShARK: two drift evaluations, strong order 1.5 for additive noise.
 
 use crate::error::StepError;
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
@@ -13,19 +13,19 @@ use crate::system::{Additive, Sde};
 /// $$ X_{n+1} = X_n + h \left(\tfrac25 k_1 + \tfrac35 k_2\right) + g w +
 ///    (g(t_{n+1}) - g(t_n)) \left(\tfrac12 w - H\right) $$
 ///
-/// with `g = g(t_n)`. The last term is what the source leaves to the case of constant noise: the integral of a `g` that
-/// is linear over the step. Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`,
+/// with `g = g(t_n)`. The source gives the method for constant noise; the last term extends it: the integral of a `g`
+/// that is linear over the step. Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`,
 /// `w` = `dw.brownian`, `H` = `dw.space_time_area`.
 ///
-/// Order (additive noise): strong 1.5, weak 2; without noise 2.
+/// Order (additive noise): strong 1.5, weak 2; 2 without noise.
 ///
-/// Stable for: as Heun without noise, `|1 + z + z^2/2| < 1` with `z = h l`; a lightly damped oscillator for `h omega`
+/// Stable for: as Heun without noise, `|1 + z + z^2/2| < 1` with `z = h l`; for a lightly damped oscillator `h omega`
 /// up to about `(8 xi)^(1/3)`.
 ///
 /// Source: Foster, dos Reis and Strange 2024, High order splitting methods for SDEs satisfying a commutativity
 /// condition, eq 6.1.
 ///
-/// Noise that depends on the state does not compile:
+/// State-dependent noise does not compile:
 ///
 /// ```compile_fail
 /// use sde_integrators::{General, Increment, Integrator, Sde, Shark};
@@ -43,7 +43,7 @@ use crate::system::{Additive, Sde};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Shark;
 
-/// Where the second stage stands, `5/6`.
+/// Time of the second stage, `5/6`.
 const NODE: f64 = 5.0 / 6.0;
 /// The weights of the two stages: `b_1 + b_2 = 1` and `b_2 c_2 = 1/2`.
 const WEIGHTS: [f64; 2] = [0.4, 0.6];

@@ -1,4 +1,4 @@
-//! SK-ROCK: explicit stages whose stability grows with their square.
+//! SK-ROCK: explicit stabilised method whose stability region grows with the square of the number of stages.
 
 use crate::error::{Error, StepError};
 use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
@@ -16,17 +16,17 @@ use crate::system::Sde;
 ///    \mu_i = 2 w_1 \frac{T_{i-1}}{T_i}, \quad \nu_i = 2 w_0 \frac{T_{i-1}}{T_i}, \quad
 ///    \kappa_i = -\frac{T_{i-2}}{T_i} $$
 ///
-/// with `K_0 = X_n`, all `T_i` at `w_0`, and `g = g(t_n, X_n)`. Solves `dX = f dt + g dB` in the sense of Ito, for any
+/// with `K_0 = X_n`, all `T_i` at `w_0`, and `g = g(t_n, X_n)`. Solves the Ito equation `dX = f dt + g dB`, for any
 /// noise. Symbols: `h` = `dt`, `w` = `dw.brownian` in the step, `eta` the [`DAMPING`](Self::DAMPING).
 ///
-/// Order: strong 1/2 and weak 1 for general noise, strong 1 for additive noise; without noise 1.
+/// Order: strong 1/2 and weak 1 for general noise, strong 1 for additive noise; 1 without noise.
 ///
 /// Stable for: in the mean square of `dX = l X dt + m X dB`, with `p = l h` and `x = w_0 + w_1 p`, where
-/// `A^2 + B^2 m^2 h < 1`, `A = T_s(x)/T_s(w_0)`, `B = (U_{s-1}(x)/U_{s-1}(w_0)) (1 + w_1 p/2)`: for nearly every
-/// stable equation with `|p| < (2 - 4 eta/3) s^2`, whatever its noise. The drift must be dissipative: an undamped
+/// `A^2 + B^2 m^2 h < 1`, `A = T_s(x)/T_s(w_0)`, `B = (U_{s-1}(x)/U_{s-1}(w_0)) (1 + w_1 p/2)`. This covers nearly
+/// every stable equation with `|p| < (2 - 4 eta/3) s^2`, for any noise. The drift must be dissipative: an undamped
 /// oscillator is unstable.
 ///
-/// Cost: `s` drifts and one noise per step.
+/// Cost: `s` drift evaluations and one noise evaluation per step.
 ///
 /// Source: Abdulle, Almuslimani and Vilmart 2018, Optimal explicit stabilized integrator of weak order 1 for stiff and
 /// ergodic stochastic differential equations, eq 2.4.
@@ -41,11 +41,11 @@ use crate::system::Sde;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkRock {
     stages: Vec<Stage>,
-    /// `nu_1`, how far along the noise the first drift is taken.
+    /// `nu_1`, the fraction of the noise added before the first drift evaluation.
     noise_ahead: f64,
 }
 
-/// The coefficients of one stage, and the time at which its drift is taken as a share of the step.
+/// Coefficients of one stage, and the time of its drift evaluation as a fraction of the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stage {
     mu: f64,
@@ -57,7 +57,7 @@ struct Stage {
 impl SkRock {
     /// `eta`, the source's value.
     pub const DAMPING: f64 = 0.05;
-    /// The largest number of stages: beyond it roundoff in the recurrence is felt.
+    /// Largest number of stages: beyond it roundoff in the recurrence is significant.
     pub const MAX_STAGES: u64 = 1000;
 
     /// A method with `n_stages` stages, 1 to [`MAX_STAGES`](Self::MAX_STAGES).
@@ -96,11 +96,13 @@ impl SkRock {
         Ok(Self { stages, noise_ahead: 0.5 * s * w_1 })
     }
 
-    /// The method with the fewest stages that is stable for a drift whose eigenvalues lie in `-spectral_radius..0`,
-    /// by `h |l| < (2 - 4 eta/3) s^2` with a tenth to spare.
+    /// The method with the fewest stages that is stable for a drift with eigenvalues in `-spectral_radius..0`.
+    ///
+    /// The criterion is `h |l| < (2 - 4 eta/3) s^2` with a margin of one tenth.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a bad `spectral_radius` or `dt`, [`Error::TooMany`] where they ask for too many stages.
+    /// [`Error::NotPositive`] for an invalid `spectral_radius` or `dt`, [`Error::TooMany`] if they require too many
+    /// stages.
     pub fn for_stiffness(spectral_radius: f64, dt: f64) -> Result<Self, Error> {
         for (quantity, value) in [("spectral radius", spectral_radius), ("dt", dt)] {
             if !(value.is_finite() && value > 0.0) {
@@ -203,8 +205,8 @@ impl FieldIntegrator for SkRock {
 mod tests {
     use super::*;
 
-    /// `nu_i + kappa_i = 1` (a constant stays), the nodes end at 1 (time is right), and the noise of a zero drift comes
-    /// out whole: `kappa_1` times the product of the recurrence is 1.
+    /// `nu_i + kappa_i = 1` (a constant is preserved), the nodes end at 1 (consistent time), and the noise of a zero
+    /// drift is complete: `kappa_1` times the product of the recurrence is 1.
     #[test]
     fn the_coefficients_are_consistent() {
         for n_stages in [1, 2, 3, 5, 10, 20, 200] {
@@ -227,7 +229,7 @@ mod tests {
         assert!(matches!(SkRock::new(1001), Err(Error::TooMany { .. })));
         assert!(matches!(SkRock::for_stiffness(f64::NAN, 0.1), Err(Error::NotPositive { .. })));
         assert!(matches!(SkRock::for_stiffness(1e9, 1.0), Err(Error::TooMany { .. })));
-        // 193.7 is the length of ten stages: a tenth less fits.
+        // 193.7 is the limit of ten stages: a tenth less fits.
         assert_eq!(SkRock::for_stiffness(174.0, 1.0).unwrap().n_stages(), 10);
         assert_eq!(SkRock::for_stiffness(175.0, 1.0).unwrap().n_stages(), 11);
     }

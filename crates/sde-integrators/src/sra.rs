@@ -1,4 +1,4 @@
-//! Rößler's stochastic Runge-Kutta methods for additive noise: the step, and the conditions of their order.
+//! Rößler's stochastic Runge-Kutta methods for additive noise: the step, and the order conditions.
 
 use crate::field::{FieldIncrement, FieldSde, Workspace};
 use crate::integrator::apply;
@@ -99,7 +99,7 @@ impl<const S: usize> Tableau<S> {
     }
 }
 
-/// Make a tableau an integrator of small states and of fields.
+/// Implements the integrator traits of small states and of fields for a tableau.
 macro_rules! integrate_by_tableau {
     ($method:ty) => {
         impl<S, const D: usize, const M: usize> $crate::integrator::Integrator<S, D, M> for $method
@@ -148,7 +148,7 @@ pub(crate) use integrate_by_tableau;
 pub(crate) mod conditions {
     use super::Tableau;
 
-    /// What is left of each condition of strong order 1.5; the last two kinds say at which time a stage stands.
+    /// Residual of each condition of strong order 1.5; the last two kinds fix the time of a stage.
     pub(crate) fn residuals<const S: usize>(tableau: &Tableau<S>) -> Vec<(String, f64)> {
         let Tableau { a, a0, b0, b1, b2, c0, c1 } = tableau;
         let dot = |x: &[f64; S], y: &[f64; S]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
@@ -170,8 +170,9 @@ pub(crate) mod conditions {
         all
     }
 
-    /// All conditions hold, and no coefficient can be changed without breaking one: each is moved by 0.01, those
-    /// without influence (`c1_i` where `b1_i = b2_i = 0`) excepted.
+    /// Checks that all conditions hold, and that no coefficient can change without breaking one.
+    ///
+    /// Each coefficient is changed by 0.01, except those without influence (`c1_i` where `b1_i = b2_i = 0`).
     pub(crate) fn hold_and_pin_every_coefficient<const S: usize>(tableau: Tableau<S>) {
         const ROUNDOFF: f64 = 1e-14;
         let broken = |tableau: &Tableau<S>| {
@@ -198,7 +199,7 @@ pub(crate) mod conditions {
                 expect_broken("b0", &|m| m.b0[i][j] += 0.01);
             }
         }
-        // The mistake that a published table has: the sign of b2.
+        // The error in a published table: the sign of b2.
         expect_broken("the sign of b2", &|m| m.b2 = m.b2.map(|b| -b));
         assert!(n_mutants > 8);
     }

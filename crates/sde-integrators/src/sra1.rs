@@ -1,8 +1,8 @@
-//! SRA1: two drifts, strong order 1.5 for additive noise.
+//! SRA1: two drift evaluations, strong order 1.5 for additive noise.
 
 use crate::sra::{Tableau, integrate_by_tableau};
 
-/// Rößler's SRA1, for additive noise: the method that others are measured by.
+/// Rößler's SRA1, for additive noise: the reference for other methods.
 ///
 /// $$ H_2 = X_n + \tfrac34 h f(t_n, X_n) + \tfrac32 \frac Ih g(t_{n+1}), \qquad I = h \left(\tfrac12 w + H\right), $$
 /// $$ X_{n+1} = X_n + h \left(\tfrac13 f(t_n, X_n) + \tfrac23 f(t_n + \tfrac34 h, H_2)\right) +
@@ -11,13 +11,13 @@ use crate::sra::{Tableau, integrate_by_tableau};
 /// Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`, `w` = `dw.brownian`, `H` =
 /// `dw.space_time_area`.
 ///
-/// Order (additive noise): strong 1.5, weak 2; without noise 2.
+/// Order (additive noise): strong 1.5, weak 2; 2 without noise.
 ///
-/// Stable for: as Heun without noise, `|1 + z + z^2/2| < 1` with `z = h l`; a lightly damped oscillator for `h omega`
+/// Stable for: as Heun without noise, `|1 + z + z^2/2| < 1` with `z = h l`; for a lightly damped oscillator `h omega`
 /// up to about `(8 xi)^(1/3)`.
 ///
-/// Source: Rößler 2010, table 6.1. Its conditions of order are tested, and that no coefficient can be
-/// changed without breaking one.
+/// Source: Rößler 2010, table 6.1. A test checks its order conditions, and that no coefficient can change without
+/// breaking one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sra1;
 

@@ -1,8 +1,8 @@
-//! SRA3: three drifts, strong order 1.5 for additive noise and order 3 without noise.
+//! SRA3: three drift evaluations, strong order 1.5 for additive noise and order 3 without noise.
 
 use crate::sra::{Tableau, integrate_by_tableau};
 
-/// Rößler's SRA3, for additive noise that is small.
+/// Rößler's SRA3, for weak additive noise.
 ///
 /// $$ H_2 = X_n + h f(t_n, X_n), \qquad
 ///    H_3 = X_n + \tfrac14 h \left(f(t_n, X_n) + f(t_{n+1}, H_2)\right) +
@@ -13,12 +13,12 @@ use crate::sra::{Tableau, integrate_by_tableau};
 /// with `I = h (w/2 + H)`. Solves `dX = f(t, X) dt + g(t) dB`; Ito and Stratonovich agree. Symbols: `h` = `dt`, `w` =
 /// `dw.brownian`, `H` = `dw.space_time_area`.
 ///
-/// Order (additive noise): strong 1.5, weak 2; without noise 3, which shows where the noise is small.
+/// Order (additive noise): strong 1.5, weak 2; 3 without noise, which is visible for weak noise.
 ///
 /// Stable for: `|1 + z + z^2/2 + z^3/6| < 1` with `z = h l`; an undamped oscillator for `h omega < sqrt(3)`.
 ///
-/// Source: Rößler 2010, table 6.3. One published implementation has the sign of `b2` wrong, which
-/// lowers the order to 1 where the noise changes in time; the test of the conditions knows that mistake.
+/// Source: Rößler 2010, table 6.3. One published implementation has the wrong sign of `b2`, which lowers the order to
+/// 1 for time-dependent noise; the test of the conditions detects that error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sra3;
 

@@ -13,23 +13,23 @@ use crate::noise::Increment;
 /// $$ X_{n+1} = X_n + h \sum_i a_i f(t_n + c^0_i h, H^0_i) + \sum_i \left(b^1_i w + b^2_i \frac{I_{11}}{\sqrt h} +
 ///    b^3_i \frac{I_{10}}h + b^4_i \frac{I_{111}}h\right) b(t_n + c^1_i h, H^1_i), $$
 ///
-/// per state, with `I11 = (w^2 - h)/2`, `I10 = h (w/2 + H)` and `I111 = (w^3 - 3 h w)/6`. Solves
-/// `dX_i = f_i dt + b_i(t, X_i) dB_i` in the sense of Ito. Symbols: `h` = `dt`, `w` = `dw.brownian`, `H` =
-/// `dw.space_time_area`; it asks for `b` alone, not for its derivative.
+/// per state, with `I11 = (w^2 - h)/2`, `I10 = h (w/2 + H)` and `I111 = (w^3 - 3 h w)/6`. Solves the Ito equation
+/// `dX_i = f_i dt + b_i(t, X_i) dB_i`. Symbols: `h` = `dt`, `w` = `dw.brownian`, `H` = `dw.space_time_area`. It
+/// evaluates `b` alone, not its derivative.
 ///
-/// Order (diagonal noise): strong 1.5, weak 2. With several states the stages see each other's drift only to the order
-/// that diagonal noise needs.
+/// Order (diagonal noise): strong 1.5, weak 2. With several states the stages couple their drifts only to the order
+/// that diagonal noise requires.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB`, `|l| h` up to 2, 1.54, 1.16, 0.78, 0.43 at
-/// `m^2/(2 |l|)` = 0, 0.25, 0.5, 0.75, 0.9, by quadrature: more than Milstein and Euler-Maruyama where there is much noise.
+/// Stable for: in the mean square of `dX = l X dt + m X dB`, `|l| h` up to 2, 1.54, 1.16, 0.78, 0.43 at `m^2/(2 |l|)`
+/// = 0, 0.25, 0.5, 0.75, 0.9, by quadrature. For strong noise the region exceeds those of Milstein and Euler-Maruyama.
 ///
-/// Cost: two drifts and four intensities per step.
+/// Cost: two drift and four intensity evaluations per step.
 ///
 /// Source: Rößler 2010, table 6.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sriw1;
 
-/// The coefficients; stages three and four take the drift of the first, since their `H^0` is `X_n`.
+/// The coefficients; stages three and four use the drift of the first, since their `H^0` is `X_n`.
 #[derive(Debug, Clone, Copy)]
 struct Tableau {
     a: [f64; 4],
@@ -74,7 +74,7 @@ impl Tableau {
         let integrals: [[f64; 4]; D] = std::array::from_fn(|k| {
             let (w, area) = (dw.brownian[k], dw.space_time_area[k]);
             let square = w * w - dt;
-            // A step of no length has no noise.
+            // A step of zero length has no noise.
             let per_step = if dt > 0.0 { 1.0 / dt } else { 0.0 };
             [
                 w,
@@ -142,7 +142,7 @@ mod tests {
         matrix.map(|row| dot(&row, x))
     }
 
-    /// Rößler 2010, theorem 5.2: what is left of each condition of strong order 1.5, and at which time a stage stands.
+    /// Rößler 2010, theorem 5.2: the residual of each condition of strong order 1.5, and the time of each stage.
     fn residuals(tableau: &Tableau) -> Vec<f64> {
         let Tableau { a, b, a0, b0, a1, b1, c0, c1 } = tableau;
         let e = [1.0; 4];
@@ -182,8 +182,9 @@ mod tests {
         assert_eq!(residuals(&TABLEAU).len(), 25 + 8);
     }
 
-    /// Each coefficient that enters the step is moved by 0.01. `B0` of stages whose weight `a` is zero and whose drift
-    /// no later stage takes does not enter.
+    /// Each coefficient that affects the step is changed by 0.01.
+    ///
+    /// `B0` of stages with weight `a` zero whose drift no later stage uses does not affect it.
     #[test]
     fn the_conditions_pin_every_coefficient() {
         let mut n_mutants = 0;

@@ -1,4 +1,4 @@
-//! A system of second order in first-order form.
+//! Second-order systems in first-order form.
 
 use crate::system::{Additive, Sde, SecondOrder};
 
@@ -6,10 +6,10 @@ use crate::system::{Additive, Sde, SecondOrder};
 ///
 /// $$ dq = v dt, \qquad dv = (r - c v - \omega^2 q) dt + s dB . $$
 ///
-/// It is still a [`SecondOrder`] system, so that one declaration serves every method.
+/// It also implements [`SecondOrder`], so one declaration serves every method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StateSpace<S>(
-    /// The system of second order.
+    /// The second-order system.
     pub S,
 );
 

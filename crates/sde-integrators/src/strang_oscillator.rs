@@ -1,10 +1,10 @@
-//! A symmetric splitting of a noisy oscillator into parts that are each solved exactly.
+//! Strang splitting of a noisy oscillator into parts that are solved exactly.
 
 use crate::integrator::{Joints, apply, integrate_second_order_lanes};
 use crate::noise::Increment;
 use crate::system::SecondOrder;
 
-/// A symmetric composition of exact flows, for systems of second order with additive noise.
+/// A symmetric composition of exact flows, for second-order systems with additive noise.
 ///
 /// With `h` = `dt`, one step from `t` to `t + h` is
 ///
@@ -20,29 +20,30 @@ use crate::system::SecondOrder;
 ///    \begin{pmatrix} q \cr v \end{pmatrix} . $$
 ///
 /// The two normals `z` come from the increment of the step: `w/2 + sqrt(3) H` and `w/2 - sqrt(3) H` are independent
-/// and `N(0, h/2)`; the first has the larger correlation with the first half of the path. So it sees the same path as
-/// every other method.
+/// and `N(0, h/2)`. The first has the larger correlation with the first half of the path, so the method follows the
+/// same path as every other method.
 ///
-/// Solves `q'' + c q' + omega^2 q = r(t, q, q') + s(t) W`; state `(q_1.., v_1..)`. Time advances with `A`, so that `r`
-/// is always taken at a position and a time that belong together.
+/// Solves `q'' + c q' + omega^2 q = r(t, q, q') + s(t) W`; state `(q_1.., v_1..)`. Time advances with `A`, so `r` is
+/// always evaluated at consistent position and time.
 ///
-/// Order (additive noise): strong 1, weak 2. With `r = 0` and constant `s` the stationary law of the oscillator is
-/// exact at every step length. Where `r` is not smooth in `v` (a power below one) the order of the composition may
-/// fall, the flow itself stays exact.
+/// Order (additive noise): strong 1, weak 2. With `r = 0` and constant `s` the stationary distribution of the
+/// oscillator is exact at every step length. If `r` is not smooth in `v` (a power below one) the order of the
+/// composition may decrease; the flow itself stays exact.
 ///
-/// Stable for: every `h` with `r = 0`. A stiffness `k` in `r` asks for about `h sqrt(k) < 2`: put it into `omega`.
+/// Stable for: every `h` with `r = 0`. A stiffness `k` in `r` requires about `h sqrt(k) < 2`: include it in `omega`.
 ///
-/// Step 5 and step 1 of the next step are one flow of `r` over `h`, at one time and position: an ensemble joins them where
-/// nobody looks at the state between, equal to roundoff.
+/// Step 5 and step 1 of the next step are one flow of `r` over `h`, at one time and position. An ensemble combines
+/// them where the state between them is unobserved; results are equal within roundoff.
 ///
-/// Cost: two flows of `r`, one where steps are joined, and two intensities per step; exponential, sine and cosine once per path and step length.
+/// Cost: two flows of `r`, one where steps are combined, and two intensities per step; exponential, sine and cosine
+/// once per path and step length.
 ///
 /// Sources: Strang 1968, On the construction and comparison of difference schemes; with noise Leimkuhler and Matthews
 /// 2015, Molecular dynamics, chapter 7 (there the rotation is split further).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StrangOscillator;
 
-/// The coefficients of the linear flows of [`StrangOscillator`], kept while step length and system stay the same.
+/// Coefficients of the linear flows of [`StrangOscillator`], kept while step length and system do not change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearFlows<const N: usize> {
     flows: [LinearFlow; N],
@@ -62,7 +63,7 @@ struct LinearFlow {
     c: f64,
     /// `exp(-c h/2)`.
     decay: f64,
-    /// The standard deviation of the half kick over that without damping, `sqrt((1 - exp(-c h))/(c h))`.
+    /// Standard deviation of the half kick over that without damping, `sqrt((1 - exp(-c h))/(c h))`.
     kick: f64,
     /// `cos(omega h)`.
     cos: f64,
@@ -73,7 +74,7 @@ struct LinearFlow {
 }
 
 impl LinearFlow {
-    /// Belongs to no step length.
+    /// Valid for no step length.
     const NONE: Self = Self {
         dt: f64::NAN,
         omega: 0.0,
@@ -107,12 +108,12 @@ impl LinearFlow {
     }
 }
 
-/// What a step has in common for all paths.
+/// Data of a step common to all paths.
 struct Prepared<const N: usize, const M: usize> {
     flows: [LinearFlow; N],
-    /// The intensities of the two kicks.
+    /// Intensities of the two kicks.
     intensities: [[[f64; M]; N]; 2],
-    /// How long the last flow of `r` is: half a step, or to the middle of the next.
+    /// Length of the last flow of `r`: half a step, or to the middle of the next step.
     closing: f64,
 }
 
@@ -139,7 +140,7 @@ impl StrangOscillator {
         Prepared { flows: memory.flows, intensities, closing }
     }
 
-    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[allow(clippy::inline_always, reason = "used in a loop over lanes")]
     #[inline(always)]
     fn open<S, const N: usize, const M: usize>(
         system: &S,
@@ -151,7 +152,7 @@ impl StrangOscillator {
         system.remaining_flow(t, 0.5 * dt, q, v);
     }
 
-    #[allow(clippy::inline_always, reason = "it stands in a loop over lanes")]
+    #[allow(clippy::inline_always, reason = "used in a loop over lanes")]
     #[inline(always)]
     fn advance<S, const N: usize, const M: usize>(
         system: &S,

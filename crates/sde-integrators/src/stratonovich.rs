@@ -1,13 +1,13 @@
-//! Systems in the sense of Stratonovich, and their way to Ito.
+//! Stratonovich systems, and their conversion to Ito form.
 
 use crate::system::{Additive, General, Sde};
 
-/// A stochastic differential equation in the sense of Stratonovich,
+/// A Stratonovich stochastic differential equation,
 ///
 /// $$ dX = f(t, X) dt + g(t, X) \circ dB . $$
 ///
-/// It is a trait of its own, so that a method made for one sense does not compile with a system of the other. For
-/// additive noise the two senses agree: every [`Sde`] with [`Additive`] noise is a [`StratonovichSde`] too.
+/// It is a separate trait, so a method for one form does not compile with a system of the other. For additive noise
+/// both forms agree: every [`Sde`] with [`Additive`] noise is a [`StratonovichSde`] too.
 ///
 /// ```compile_fail
 /// use sde_integrators::{EulerMaruyama, Increment, Integrator, StratonovichSde};
@@ -46,17 +46,17 @@ where
     }
 }
 
-/// The same process as a [`StratonovichSde`], written in the sense of Ito, for any noise,
+/// The same process as a [`StratonovichSde`] in Ito form, for any noise,
 ///
 /// $$ f^{Ito}_i = f_i + \frac12 \sum_j \sum_k g_{kj} \frac{\partial g_{ij}}{\partial x_k} . $$
 ///
-/// The sum is the derivative of each column of `g` along itself, taken by a central difference: relative error about
-/// 1e-10, and two evaluations of `g` per motion and drift.
+/// The sum is the derivative of each column of `g` along itself, computed by a central difference: relative error
+/// about 1e-10, and two evaluations of `g` per motion and drift.
 ///
 /// Source: Kloeden and Platen 1992, eq 4.9.11.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ItoForm<S>(
-    /// The system in the sense of Stratonovich.
+    /// The system in Stratonovich form.
     pub S,
 );
 

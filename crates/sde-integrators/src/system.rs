@@ -1,18 +1,18 @@
-//! What a stochastic differential equation is: drift, noise, and the class of its noise.
+//! Stochastic differential equations: drift, noise, and noise class.
 
-/// How the noise of a system depends on its state. Sealed: the classes are the field's.
+/// State dependence of a system's noise. The trait is sealed.
 ///
-/// A method that is right only for one class asks for it in its bound, so that a wrong pairing does not compile.
+/// A method that is valid only for one class requires it in its bound, so an invalid combination does not compile.
 pub trait NoiseClass: sealed::Sealed {
-    /// Whether `g` may depend on `x`. Where it does not, `div D` is zero and `D` is the same for every particle.
+    /// Whether `g` may depend on `x`. Otherwise `div D` is zero and `D` is the same for every particle.
     const STATE_DEPENDENT: bool;
 }
 
-/// `g(t, x)`: any dependence on the state.
+/// General noise `g(t, x)`, with any state dependence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct General;
 
-/// `g(t)`: the same for every state.
+/// Additive noise `g(t)`, independent of the state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Additive;
 
@@ -29,16 +29,16 @@ mod sealed {
     impl Sealed for super::Additive {}
 }
 
-/// A stochastic differential equation in the sense of Ito,
+/// An Ito stochastic differential equation,
 ///
 /// $$ dX = f(t, X) dt + g(t, X) dB, $$
 ///
 /// with `D` states and `M` independent Brownian motions (Canor & Denoël 2013, eq 1).
 ///
 /// One declaration serves every solver: the diffusion matrix and its divergence are derived from `g`, never declared
-/// twice.
+/// separately.
 pub trait Sde<const D: usize, const M: usize>: Sync {
-    /// The class of the noise: [`Additive`] or [`General`].
+    /// Class of the noise: [`Additive`] or [`General`].
     type Noise: NoiseClass;
 
     /// `f(t, x)`, per unit of time.
@@ -61,8 +61,8 @@ pub trait Sde<const D: usize, const M: usize>: Sync {
 
     /// `(div D)_i = sum_j dD_ij/dx_j` (Canor & Denoël 2013, eq 12; eq 17 drops it, see `docs/errata.md`).
     ///
-    /// Provided: zero for additive noise, central differences of `g g^T / 2` otherwise (relative error about 1e-10).
-    /// A system whose divergence has a closed form gives it here; [`check_diffusion_divergence`] compares the two.
+    /// The default is zero for additive noise, and central differences of `g g^T / 2` otherwise (relative error about
+    /// 1e-10). A system with a closed form overrides it; [`check_diffusion_divergence`] compares the two.
     fn diffusion_divergence(&self, t: f64, x: &[f64; D]) -> [f64; D] {
         if Self::Noise::STATE_DEPENDENT { difference_divergence(self, t, x) } else { [0.0; D] }
     }
@@ -91,7 +91,7 @@ where
     divergence
 }
 
-/// The largest difference between a system's own `div D` and central differences of its `g`, over the given states.
+/// Largest difference between a system's `div D` and central differences of its `g`, over the given states.
 #[must_use]
 pub fn check_diffusion_divergence<S, const D: usize, const M: usize>(
     system: &S,
@@ -116,11 +116,11 @@ where
     largest
 }
 
-/// A mechanical system of second order with `N` degrees of freedom and noise that acts on the velocities,
+/// A second-order mechanical system with `N` degrees of freedom and noise that acts on the velocities,
 ///
 /// $$ \ddot q_k + c_k \dot q_k + \omega_k^2 q_k = r_k(t, q, \dot q) + \sum_m s_{km}(t) W_m . $$
 ///
-/// What splittings need: the linear part apart from the rest. As an [`Sde`] its state is `(q_1.., v_1..)`.
+/// It separates the linear part for splitting methods. As an [`Sde`] its state is `(q_1.., v_1..)`.
 pub trait SecondOrder<const N: usize, const M: usize>: Sync {
     /// `omega_k >= 0`, the circular frequencies of the linear part (rad per unit of time).
     fn natural_frequency(&self) -> [f64; N];
@@ -137,7 +137,7 @@ pub trait SecondOrder<const N: usize, const M: usize>: Sync {
     /// `s(t)`, such that `dv = .. + s dB`: row per degree of freedom, column per Brownian motion.
     fn noise_intensity(&self, t: f64) -> [[f64; M]; N];
 
-    /// The whole acceleration without the noise, `r - c v - omega^2 q`.
+    /// The total acceleration without the noise, `r - c v - omega^2 q`.
     #[inline]
     fn acceleration(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (omega, c) = (self.natural_frequency(), self.linear_damping());

@@ -1,11 +1,11 @@
-//! What is observed, and what has been seen of it.
+//! Observables and their tallies.
 
 use std::fmt;
 
 use crate::error::Error;
 use crate::estimate::{Accumulator, ControlledAccumulator, Estimate};
 
-/// What is observed of every path at every output time.
+/// An observable of every path at every output time.
 ///
 /// ```
 /// use sde_integrators::Observable;
@@ -18,19 +18,19 @@ use crate::estimate::{Accumulator, ControlledAccumulator, Estimate};
 /// ```
 #[derive(Clone, Copy)]
 pub enum Observable<'a, const D: usize> {
-    /// The mean of a function of time and state, with the standard error of the sample mean.
+    /// Mean of a function of time and state, with the standard error of the sample mean.
     Mean(&'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync)),
-    /// The probability of an event, with the error of [`Estimate::probability`].
+    /// Probability of an event, with the error of [`Estimate::probability`].
     Probability(&'a (dyn Fn(f64, &[f64; D]) -> bool + Sync)),
-    /// The mean of a function with a control variate, `E[y] = E[y - b (c - E[c])]`, with the `b` of least variance.
+    /// Mean of a function with a control variate, `E[y] = E[y - b (c - E[c])]`, with the `b` of least variance.
     ///
-    /// The closer `c` follows `y`, the smaller the standard error: it falls by `sqrt(1 - corr(y, c)^2)`. `b` is fitted to
-    /// the same sample, which biases the result by a part of order `1/n` of its standard deviation. A control from
-    /// another system, driven by the same noise, is had by joining the two systems to one of more states.
+    /// The standard error decreases by the factor `sqrt(1 - corr(y, c)^2)`. `b` is fitted to the same sample, which
+    /// biases the result by a fraction of order `1/n` of its standard deviation. For a control from another system
+    /// with the same noise, join the two systems to one with more states.
     Controlled {
-        /// `y`, the function whose mean is asked for.
+        /// `y`, the function whose mean is estimated.
         value: &'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync),
-        /// `c`, a function whose mean is known.
+        /// `c`, a function with a known mean.
         control: &'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync),
         /// `E[c]` at a time.
         expected: &'a (dyn Fn(f64) -> f64 + Sync),
@@ -47,22 +47,22 @@ impl<const D: usize> fmt::Debug for Observable<'_, D> {
     }
 }
 
-/// How the paths of an ensemble belong together.
+/// Dependence between the paths of an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sampling {
-    /// Every path has its own noise.
+    /// Every path has independent noise.
     #[default]
     Independent,
-    /// Paths `2k` and `2k + 1` start from the same state; the second has the noise of the first with its sign turned.
+    /// Paths `2k` and `2k + 1` start from the same state; the second has the noise of the first with opposite sign.
     ///
-    /// What is odd in the noise cancels: the mean of a pair is the sample, and its standard error counts pairs. It helps
-    /// means of nearly linear functions and harms even ones: for the second moment of a linear system it doubles the
-    /// variance. The number of paths must be even.
+    /// Odd functions of the noise cancel. The sample consists of the means of pairs, and its standard error counts
+    /// pairs. The variance of means of nearly linear functions decreases, that of even functions increases: for the
+    /// second moment of a linear system it doubles. The number of paths must be even.
     Antithetic,
 }
 
-/// What has been seen of one observable at one output time.
+/// Tally of one observable at one output time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Tally {
@@ -71,7 +71,7 @@ pub(crate) enum Tally {
     Controlled { values: ControlledAccumulator, expected: f64 },
 }
 
-/// What one path gives to a tally.
+/// Contribution of one path to a tally.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Seen {
     Value(f64),
@@ -110,7 +110,7 @@ impl Tally {
         }
     }
 
-    /// Whether it can have come from so many values, and can be merged with another.
+    /// Whether the tally is possible for this number of values, and can be merged with another.
     pub(crate) fn is_of(&self, most: u64, other: &Self) -> bool {
         let count = match *self {
             Self::Values(values) => Some(values.count()),
@@ -158,7 +158,7 @@ impl Seen {
         })
     }
 
-    /// The mean of an antithetic pair.
+    /// Mean of an antithetic pair.
     pub(crate) fn pair(self, other: Self) -> Self {
         match (self, other) {
             (Self::Value(a), Self::Value(b)) => Self::Value(0.5 * (a + b)),

@@ -10,21 +10,22 @@ use crate::system::Sde;
 ///
 /// $$ X_{n+1} = X_n + h \left((1 - \theta) f(t_n, X_n) + \theta f(t_{n+1}, X_{n+1})\right) + g(t_n, X_n) w $$
 ///
-/// Solves `dX = f dt + g dB` in the sense of Ito, for any noise. Symbols: `h` = `dt`, `w` = `dw.brownian`.
-/// `theta` = 0 is Euler-Maruyama, 1/2 the trapezoidal rule, 1 backward Euler.
+/// Solves the Ito equation `dX = f dt + g dB`, for any noise. Symbols: `h` = `dt`, `w` = `dw.brownian`. `theta` = 0 is
+/// Euler-Maruyama, 1/2 the trapezoidal rule, 1 backward Euler.
 ///
-/// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, for the trapezoidal rule and constant additive
-/// noise 2. Without noise 1, the trapezoidal rule 2.
+/// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, but 2 for the trapezoidal rule with constant
+/// additive noise. Without noise 1, for the trapezoidal rule 2.
 ///
-/// Stable for: in the mean square of `dX = l X dt + m X dB` where `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l h)^2`;
-/// for `theta >= 1/2` that is whenever the equation itself is stable. The trapezoidal rule has the exact stationary
-/// covariance of a linear system with additive noise, at every `h`. Backward Euler damps: at `h omega = 0.1` and a
-/// damping ratio of 0.05 it loses half of the stationary `E[q^2]`.
+/// Stable for: in the mean square of `dX = l X dt + m X dB` where
+/// `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l h)^2`; for `theta >= 1/2` this holds whenever the equation itself
+/// is stable. The trapezoidal rule has the exact stationary covariance of a linear system with additive noise, at
+/// every `h`. Backward Euler is dissipative: at `h omega = 0.1` and a damping ratio of 0.05 it loses half of the
+/// stationary `E[q^2]`.
 ///
-/// Newton's method with a Jacobian by forward differences ends where the correction is below [`TOLERANCE`](Self::TOLERANCE)
-/// of the state; since it converges faster than linearly, what is left is roundoff.
+/// Newton's method with a forward-difference Jacobian ends when the correction is below [`TOLERANCE`](Self::TOLERANCE)
+/// of the state; it converges superlinearly, so the remaining error is roundoff.
 ///
-/// Cost: per step one noise, and per iteration `D + 1` drifts.
+/// Cost: per step one noise evaluation, and per iteration `D + 1` drift evaluations.
 ///
 /// Sources: Kloeden and Platen 1992, eq 12.2.2; stability: Higham 2000, Mean-square and asymptotic stability of the
 /// stochastic theta method.
@@ -38,9 +39,9 @@ impl StochasticTheta {
     pub const TRAPEZOIDAL: Self = Self { theta: 0.5 };
     /// `theta = 1`.
     pub const BACKWARD_EULER: Self = Self { theta: 1.0 };
-    /// The largest correction that ends the iteration, relative to the largest state.
+    /// Largest correction that ends the iteration, relative to the largest state.
     pub const TOLERANCE: f64 = 1e-9;
-    /// How many iterations are made at most.
+    /// Largest number of iterations.
     pub const MAX_ITERATIONS: usize = 50;
 
     /// A method with `0 <= theta <= 1`.
@@ -98,7 +99,7 @@ fn largest<const D: usize>(x: &[f64; D]) -> f64 {
     )
 }
 
-/// The solution of `y = known + tau f(t, y)`, by Newton's method; a correction that makes the residual larger is halved.
+/// Solves `y = known + tau f(t, y)` by Newton's method; a correction that increases the residual is halved.
 fn implicit<S, const D: usize, const M: usize>(
     system: &S,
     t: f64,
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
     use crate::system::Additive;
 
-    /// `x' = x^2`: backward Euler asks for `y = x + h y^2`, without a real root where `4 h x > 1`.
+    /// `x' = x^2`: backward Euler requires `y = x + h y^2`, without a real root for `4 h x > 1`.
     struct Square;
 
     impl Sde<1, 1> for Square {

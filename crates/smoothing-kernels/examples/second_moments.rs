@@ -1,4 +1,4 @@
-//! Second moments of every kernel at equal support radius: how wide each is for the same number of neighbours.
+//! Prints second moments of every kernel at equal support radius: its width for the same number of neighbours.
 //!
 //! `cargo run -p smoothing-kernels --example second_moments`
 

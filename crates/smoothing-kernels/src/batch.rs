@@ -1,14 +1,15 @@
-//! A function of the distance over slices, by the widest registers that the machine has.
+//! A function of the distance over slices, on the widest registers of the machine.
 
 use lanes::dispatch;
 
 use crate::error::Error;
 
-/// `out[k] = f(√r_squared[k])`, by the operations of one call in their order, so the bits are the same.
+/// `out[k] = f(√r_squared[k])`, bitwise identical to single calls.
 ///
-/// The compiler vectorises the loop once for each width: it takes what does not vary out of the loop, which changes no
-/// bits, and fuses no multiplication with an addition, which would. What is not inlined into the dispatched closure is not
-/// compiled for its registers: pass `f` with `#[inline(always)]`. What `f` holds by reference might be what the loop writes,
+/// The compiler vectorises the loop once for each width. It hoists invariants out of the loop, which preserves the
+/// results, and fuses no multiplication with an addition, which would change them. Only functions inlined into the
+/// dispatched closure are compiled for its registers: pass `f` with `#[inline(always)]`. Data that `f` holds by
+/// reference could alias the output and would be reloaded for every pair: pass `f` with `move`.
 /// and would be read again for every pair: pass `f` with `move`.
 #[inline]
 pub(crate) fn each(

@@ -1,24 +1,24 @@
-//! Corrections that make a sum over neighbours exact for constants and for linear functions.
+//! Corrections that make a sum over neighbours exact for constants and linear functions.
 
 use crate::error::Error;
 
-/// Below this the sum of volumes times kernel values is no sum to divide by: a full neighbourhood has about one.
+/// Smallest sum of volumes times kernel values for a division: a full neighbourhood has about one.
 pub const SMALLEST_SHEPARD_SUM: f64 = 1e-10;
 
-/// Below this reciprocal condition the renormalisation matrix amplifies roundoff to more than about 1e-8 of a gradient.
+/// Smallest reciprocal condition of the renormalisation matrix: below it, roundoff exceeds about 1e-8 of a gradient.
 pub const SMALLEST_RECIPROCAL_CONDITION: f64 = 1e-8;
 
 /// Shepard's factor `1 / S_i`: with it a sum over neighbours is exact for constants.
 ///
 /// $$ S_i = \sum_j V_j W_{ij}, \qquad f(x_i) \approx \frac{1}{S_i} \sum_j V_j f_j W_{ij} $$
 ///
-/// Symbols: `sum` = `S_i`, the particle itself included; `V_j` a volume, `W_ij` a kernel value per volume, so that `S_i`
-/// has no unit and is near one inside a body, near one half at its plane surface.
+/// Symbols: `sum` = `S_i`, including the particle itself; `V_j` a volume, `W_ij` a kernel value per volume. `S_i` is
+/// dimensionless, near one inside a body and near one half at a plane surface.
 ///
 /// Source: Shepard 1968, eq 2 with weights of any kind `[@shepard1968]`.
 ///
 /// # Errors
-/// [`Error::ShepardSum`] when the sum is not finite, or is below [`SMALLEST_SHEPARD_SUM`]: a point without neighbours.
+/// [`Error::ShepardSum`] if the sum is not finite, or below [`SMALLEST_SHEPARD_SUM`]: a point without neighbours.
 ///
 /// ```
 /// use smoothing_kernels::shepard_factor;
@@ -36,24 +36,25 @@ pub fn shepard_factor(sum: f64) -> Result<f64, Error> {
     }
 }
 
-/// The renormalisation matrix `B_i`: with it the gradient of a linear function is exact, whatever the neighbours.
+/// Renormalisation matrix `B_i`: with it the gradient of a linear function is exact for any neighbours.
 ///
 /// $$ B_i = \Bigl[ \sum_j V_j\, (x_j - x_i) \otimes \nabla_i W_{ij} \Bigr]^{-T}, \qquad
 ///    \nabla f(x_i) \approx \sum_j V_j\, (f_j - f_i)\, B_i \nabla_i W_{ij} $$
 ///
-/// Symbols: `moment[a][b]` = `Σ_j V_j (x_j - x_i)_a (∇_i W_ij)_b`, no unit, near the identity inside a body;
-/// `∇_i W_ij` is [`Kernel::gradient`](crate::Kernel::gradient) with `x_ij = x_i - x_j`. For a radial kernel the moment is
-/// symmetric, and the transposition only matters for gradients already mixed.
-/// The corrected pair gradients are not antisymmetric: what they gain in consistency a momentum sum loses in conservation.
+/// Symbols: `moment[a][b]` = `Σ_j V_j (x_j - x_i)_a (∇_i W_ij)_b`, dimensionless, near the identity inside a body;
+/// `∇_i W_ij` is [`Kernel::gradient`](crate::Kernel::gradient) with `x_ij = x_i - x_j`. For a radial kernel the moment
+/// is symmetric, and the transposition matters only for gradients that are already mixed.
 ///
-/// By Gauss-Jordan elimination with the largest pivot. The reciprocal condition is `1 / (|M| |M^-1|)` in the norm of
-/// largest row sums: 1 for the identity, 0 for a singular matrix.
+/// The corrected pair gradients are not antisymmetric: they are consistent, but a momentum sum is not conserved.
+///
+/// The inverse is computed by Gauss-Jordan elimination with the largest pivot. The reciprocal condition is
+/// `1 / (|M| |M^-1|)` in the maximum row-sum norm: 1 for the identity, 0 for a singular matrix.
 ///
 /// Source: Randles & Libersky 1996 `[@randles1996]`; Bonet & Lok 1999 `[@bonet1999]`.
 ///
 /// # Errors
-/// [`Error::SingularMoment`] when the reciprocal condition is below [`SMALLEST_RECIPROCAL_CONDITION`] or not a number:
-/// fewer than `D` neighbours in independent directions.
+/// [`Error::SingularMoment`] if the reciprocal condition is below [`SMALLEST_RECIPROCAL_CONDITION`] or NaN: fewer than
+/// `D` neighbours in independent directions.
 ///
 /// ```
 /// use smoothing_kernels::{corrected_gradient, renormalisation_matrix};
@@ -83,7 +84,7 @@ pub fn corrected_gradient<const D: usize>(matrix: &[[f64; D]; D], gradient: &[f6
     matrix.map(|row| row.iter().zip(gradient).map(|(b, g)| b * g).sum())
 }
 
-/// Largest sum of magnitudes in a row; NaN when there is one.
+/// Maximum row-sum norm; NaN if an entry is NaN.
 fn norm<const D: usize>(matrix: &[[f64; D]; D]) -> f64 {
     let sums = matrix.map(|row| row.iter().map(|entry| entry.abs()).sum::<f64>());
     sums.into_iter().fold(0.0, |largest, sum| if sum <= largest { largest } else { sum })
@@ -93,7 +94,7 @@ fn transposed<const D: usize>(matrix: &[[f64; D]; D]) -> [[f64; D]; D] {
     std::array::from_fn(|row| std::array::from_fn(|column| matrix[column][row]))
 }
 
-/// The inverse; none when a pivot is zero.
+/// The inverse; none for a zero pivot.
 fn inverse<const D: usize>(matrix: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
     let mut left = *matrix;
     let mut right: [[f64; D]; D] =

@@ -3,14 +3,14 @@
 use crate::geometry::{beta, capped, positive_part, power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// The cubic B-spline, on two smoothing lengths: the usual kernel of smoothed particle hydrodynamics.
+/// The cubic B-spline with support `2 h`: the usual kernel of smoothed particle hydrodynamics.
 ///
 /// $$ w(q) = \tfrac14 (2 - q)_+^3 - (1 - q)_+^3, \qquad
 ///    \sigma_D = \frac{D(D+1)(D+2)(D+3)}{6\,(2^{D+1} - 1)\, S_D} $$
 ///
 /// which is 2/3, 10/(7π), 1/π for D = 1, 2, 3.
 /// Symbols: `q = r/h`; support `2 h`. Smoothness: continuous second derivative.
-/// Its Fourier transform changes sign, so with many neighbours particles pair (Dehnen & Aly 2012 `[@dehnen2012]`).
+/// Its Fourier transform changes sign, so particles pair at many neighbours (Dehnen & Aly 2012 `[@dehnen2012]`).
 ///
 /// Source: Monaghan & Lattanzio 1985 `[@monaghan1985]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -1,12 +1,12 @@
-//! What can be wrong with what a caller gives.
+//! Errors of invalid input.
 
 use thiserror::Error;
 
-/// Why something could not be computed.
+/// Error of a computation.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The output slice is not as long as the input slice.
+    /// Output and input slice differ in length.
     #[error("output slice has length {given}, the input slice {expected}")]
     LengthMismatch {
         /// Length of the output slice.
@@ -14,22 +14,22 @@ pub enum Error {
         /// Length of the input slice, which the output must have.
         expected: usize,
     },
-    /// A point has too little kernel around it for Shepard's correction.
+    /// Too little of the kernel is covered by neighbours for Shepard's correction.
     #[error("sum of volumes times kernel values is {value}, below {limit} or not finite")]
     ShepardSum {
         /// The sum given.
         value: f64,
-        /// The smallest sum that is taken.
+        /// Smallest admissible sum.
         limit: f64,
     },
-    /// The neighbours of a point do not span its space, so no matrix makes slopes exact.
+    /// The neighbours of a point do not span the space, so no matrix makes gradients exact.
     #[error(
         "reciprocal condition {value} of the moment of kernel gradients is not at least {limit}"
     )]
     SingularMoment {
-        /// Reciprocal condition of the moment; NaN when the moment holds one, zero when it has no inverse.
+        /// Reciprocal condition of the moment; NaN if the moment contains NaN, zero if it is singular.
         value: f64,
-        /// The smallest reciprocal condition that is taken.
+        /// Smallest admissible reciprocal condition.
         limit: f64,
     },
 }

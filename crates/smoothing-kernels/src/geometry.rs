@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-/// `h^D`, by multiplication from the left: the same bits wherever it is used.
+/// `h^D`, by multiplication from the left, so it is bitwise identical everywhere.
 ///
 /// ```
 /// assert_eq!(smoothing_kernels::power::<3>(0.5), 0.125);
@@ -25,14 +25,16 @@ pub(crate) const fn integer_power(base: f64, exponent: usize) -> f64 {
     product
 }
 
-/// `max(a, 0)`, and NaN for NaN: one instruction, where `f64::max` would turn NaN into 0.
+/// `max(a, 0)`, and NaN for NaN: one instruction, whereas `f64::max` would turn NaN into 0.
 #[inline]
 pub(crate) const fn positive_part(a: f64) -> f64 {
     if a < 0.0 { 0.0 } else { a }
 }
 
-/// `min(q, edge)`, and NaN for NaN. A polynomial that vanishes at its edge vanishes beyond it when its argument is
-/// capped there, without a branch, and an infinite argument meets no zero.
+/// `min(q, edge)`, and NaN for NaN.
+///
+/// A polynomial that is zero at its edge is zero beyond it if its argument is limited, without a branch; an infinite
+/// argument never multiplies zero.
 #[inline]
 pub(crate) const fn capped(q: f64, edge: f64) -> f64 {
     if q > edge { edge } else { q }
@@ -42,7 +44,7 @@ pub(crate) const fn capped(q: f64, edge: f64) -> f64 {
 ///
 /// $$ S_D = \frac{2 \pi^{D/2}}{\Gamma(D/2)}, \qquad S_1 = 2, \quad S_2 = 2\pi, \quad S_{D} = \frac{2\pi}{D-2} S_{D-2}, $$
 ///
-/// the recurrence being `Γ(s + 1) = s Γ(s)` at the half integers. What a user's kernel needs for its normalisation:
+/// The recurrence is `Γ(s + 1) = s Γ(s)` at half integers. A user-defined kernel needs it for its normalisation:
 /// `sigma_D = 1 / (S_D ∫ shape(q) q^(D-1) dq)`. `D = 0` does not compile.
 ///
 /// Source: NIST DLMF 5.19.4 for the sphere, 5.5.1 for the recurrence.
@@ -63,8 +65,10 @@ pub const fn unit_sphere_surface<const D: usize>() -> f64 {
     surface
 }
 
-/// Beta function `B(a, b) = (a-1)! (b-1)! / (a+b-1)!` of positive integers: the integral of `x^(a-1) (1-x)^(b-1)` over
-/// [0, 1], of which every polynomial kernel's normalisation is made.
+/// Beta function `B(a, b) = (a-1)! (b-1)! / (a+b-1)!` of positive integers.
+///
+/// It is the integral of `x^(a-1) (1-x)^(b-1)` over [0, 1], from which the normalisation of every polynomial kernel
+/// follows.
 pub(crate) const fn beta(a: usize, b: usize) -> f64 {
     let mut value = 1.0 / a as f64;
     let mut k = 1;

@@ -1,4 +1,4 @@
-//! What a kernel is, and everything that follows from it.
+//! The kernel trait, and functions derived from it.
 
 use core::fmt::Debug;
 
@@ -7,8 +7,9 @@ use crate::error::Error;
 use crate::geometry::power;
 use crate::marginal::{self, Radial};
 
-/// Below this `q` the ratio `shape'(q) / q` is taken at this `q`: the ratio has a limit at 0, and moves from it by less
-/// than about 1e-8 of itself here.
+/// Smallest `q` at which the ratio `shape'(q) / q` is evaluated.
+///
+/// The ratio has a limit at 0, from which it differs here by a relative 1e-8.
 const SMALLEST_Q: f64 = 1e-8;
 
 /// A radial smoothing kernel in `D` dimensions,
@@ -19,16 +20,14 @@ const SMALLEST_Q: f64 = 1e-8;
 /// `w` the [`shape`](Self::shape), `s` the [`support`](Self::support) in units of `h`, `sigma_D` the
 /// [`normalisation`](Self::normalisation), `S_D` the surface of the unit sphere
 /// ([`unit_sphere_surface`](crate::unit_sphere_surface)).
-/// Domain: `r >= 0`, `h > 0`, `q >= 0`. A NaN argument gives NaN.
-///
-/// Four functions are required; the others are derived from them once.
-/// The trait is object-safe; solvers take a `K: Kernel<D>` and compile to the kernel itself.
+/// Domain: `r >= 0`, `h > 0`, `q >= 0`. A NaN argument gives NaN. Four functions are required; the others are derived
+/// from them. The trait is object-safe; solvers take a `K: Kernel<D>` and are compiled for each kernel.
 pub trait Kernel<const D: usize>: Debug + Send + Sync {
-    /// Where the kernel ends, in units of `h`: `shape(q) = 0` for `q >= support`.
+    /// Support in units of `h`: `shape(q) = 0` for `q >= support`.
     #[must_use]
     fn support(&self) -> f64;
 
-    /// `w(q)`, without its normalisation.
+    /// Shape `w(q)`, without its normalisation.
     #[must_use]
     fn shape(&self, q: f64) -> f64;
 
@@ -36,15 +35,15 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     #[must_use]
     fn shape_derivative(&self, q: f64) -> f64;
 
-    /// `sigma_D`, so that the kernel integrates to one over `D`-dimensional space.
+    /// Normalisation `sigma_D`: the kernel integrates to one over `D`-dimensional space.
     #[must_use]
     fn normalisation(&self) -> f64;
 
-    /// `w'(q) / q`, finite at 0 for a kernel that is flat there.
+    /// `w'(q) / q`, finite at 0 for a kernel with zero slope there.
     ///
-    /// Provided as the quotient, taken at `q = 1e-8` below that. A kernel that knows the quotient in closed form gives
-    /// it here and saves the division. For a kernel with a cusp at 0 the limit does not exist; the provided value is
-    /// then large and finite, and the gradient of a point with itself is still zero.
+    /// The default is the quotient, evaluated at `q = 1e-8` for smaller `q`. A kernel with a closed form overrides it
+    /// and saves the division. For a kernel with a cusp at 0 the limit does not exist; the default is then large and
+    /// finite, and the gradient of a point with itself is still zero.
     #[inline]
     #[must_use]
     fn shape_derivative_over_q(&self, q: f64) -> f64 {
@@ -52,7 +51,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         self.shape_derivative(q) / q
     }
 
-    /// Distance at which the kernel ends, `support * h`: the radius to search neighbours with.
+    /// Support radius `support * h`: the radius for a neighbour search.
     #[inline]
     #[must_use]
     fn support_radius(&self, h: f64) -> f64 {
@@ -82,7 +81,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
 
     /// Gradient of `W(|x_i - x_j|, h)` with respect to the first point, with `x_ij = x_i - x_j` and `r = |x_ij|`.
     ///
-    /// With respect to the second point it is the negative. Zero for coincident points.
+    /// The gradient with respect to the second point is the negative. It is zero for coincident points.
     #[inline]
     #[must_use]
     fn gradient(&self, x_ij: &[f64; D], r: f64, h: f64) -> [f64; D] {
@@ -90,7 +89,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         x_ij.map(|component| factor * component)
     }
 
-    /// `dW/dh = -sigma_D / h^(D+1) (D w(q) + q w'(q))` at fixed `r`: what a variable smoothing length needs.
+    /// `dW/dh = -sigma_D / h^(D+1) (D w(q) + q w'(q))` at fixed `r`, for variable smoothing lengths.
     #[inline]
     #[must_use]
     fn smoothing_length_derivative(&self, r: f64, h: f64) -> f64 {
@@ -99,14 +98,14 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         -self.normalisation() / (power::<D>(h) * h) * bracket
     }
 
-    /// [`value`](Self::value) for every squared distance: `values[k] = W(√r_squared[k], h)`, to the same bits.
+    /// [`value`](Self::value) for every squared distance: `values[k] = W(√r_squared[k], h)`, bitwise identical.
     ///
-    /// The loop is compiled once for each register width and the widest that the machine has is taken when it runs;
-    /// it vectorises for a kernel whose shape has no branch and calls nothing, as the polynomials here have. Nothing is
-    /// allocated. Behind a pointer, it is one call through the pointer for the slice.
+    /// The loop is compiled once for each register width, and the widest of the machine is selected at run time. It
+    /// vectorises for a kernel whose shape has no branch or call, such as the polynomials here. Nothing is allocated.
+    /// For a trait object it is one virtual call per slice.
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] when the slices are not equally long; then nothing is written.
+    /// [`Error::LengthMismatch`] if the slices differ in length; then nothing is written.
     ///
     /// ```
     /// use smoothing_kernels::{Kernel, WendlandC2};
@@ -126,11 +125,12 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         )
     }
 
-    /// [`gradient_factor`](Self::gradient_factor) for every squared distance, to the same bits: the gradient of pair `k`
-    /// is `factors[k]` times its `x_ij`. As [`values`](Self::values) otherwise.
+    /// [`gradient_factor`](Self::gradient_factor) for every squared distance, bitwise identical.
+    ///
+    /// The gradient of pair `k` is `factors[k]` times its `x_ij`. Otherwise as [`values`](Self::values).
     ///
     /// # Errors
-    /// [`Error::LengthMismatch`] when the slices are not equally long; then nothing is written.
+    /// [`Error::LengthMismatch`] if the slices differ in length; then nothing is written.
     fn gradient_factors(
         &self,
         r_squared: &[f64],
@@ -151,8 +151,8 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     ///
     /// so that smoothing adds `kappa h^2` to a variance, and `kappa h^2 / 2` times the Laplacian to a field.
     ///
-    /// By Gauss-Legendre quadrature, 300 values of the shape: compute it once. Error: roundoff for the kernels here and
-    /// for any that is smooth between multiples of a sixtieth of its support.
+    /// It is computed by Gauss-Legendre quadrature with 300 values of the shape, so compute it once. The error is
+    /// roundoff for the kernels here and for any kernel that is smooth between multiples of a sixtieth of its support.
     ///
     /// ```
     /// use smoothing_kernels::{Kernel, Lucy};
@@ -164,10 +164,11 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         marginal::second_moment::<D, _, _>(&radial(self))
     }
 
-    /// Density of one coordinate under the kernel, `W` integrated over the other `D - 1`, at `x`, per unit of length.
+    /// Marginal density of one coordinate at `x`: `W` integrated over the other `D - 1`, per unit of length.
     ///
-    /// In one dimension it is the kernel. By Gauss-Legendre quadrature, at most 300 slopes of the shape; absolute error
-    /// below `1e-10 / h` for the kernels here. Even in `x`, zero beyond the support.
+    /// In one dimension it is the kernel itself. It is computed by Gauss-Legendre quadrature with at most 300 slopes
+    /// of the shape; the absolute error is below `1e-10 / h` for the kernels here. It is even in `x` and zero beyond
+    /// the support.
     ///
     /// ```
     /// use smoothing_kernels::{Kernel, Lucy};
@@ -181,11 +182,12 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
         marginal::density::<D, _, _>(&radial(self), x / h) / h
     }
 
-    /// Probability that one coordinate under the kernel is at most `x`: the integral of
-    /// [`marginal_density`](Self::marginal_density) up to `x`.
+    /// Marginal distribution function: probability that one coordinate is at most `x`.
     ///
-    /// What turns a sum over particles into the probability of a half-space. From 0 to 1, one half at 0, to an absolute
-    /// error below 1e-10 for the kernels here; cost as for the density.
+    /// It is the integral of [`marginal_density`](Self::marginal_density) up to `x`.
+    ///
+    /// It converts a sum over particles to the probability of a half-space. It increases from 0 to 1, with one half at
+    /// 0; the absolute error is below 1e-10 for the kernels here, at the cost of the density.
     ///
     /// ```
     /// use smoothing_kernels::{Kernel, Lucy};
@@ -211,7 +213,7 @@ fn radial<const D: usize, K: Kernel<D> + ?Sized>(
     }
 }
 
-/// A kernel behind a pointer is that kernel.
+/// Implements the trait for pointers to a kernel.
 macro_rules! forward {
     ($($pointer:ty),*) => {$(
         impl<const D: usize, K: Kernel<D> + ?Sized> Kernel<D> for $pointer {

@@ -32,7 +32,7 @@ pub use wendland_c2::WendlandC2;
 pub use wendland_c4::WendlandC4;
 pub use wendland_c6::WendlandC6;
 
-/// Every kernel of this crate by name: the table that the laws, the charts and the documentation loop over.
+/// Every kernel of this crate by name: the table for property tests, charts and documentation.
 ///
 /// A new kernel is one file, and its line here.
 ///

@@ -3,16 +3,17 @@
 use crate::geometry::{beta, capped, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// Lucy's kernel: quartic, bell-shaped, on one smoothing length.
+/// Lucy's kernel: quartic, bell-shaped, with support `h`.
 ///
 /// $$ w(q) = (1 + 3q)(1 - q)^3, \quad 0 \le q \le 1, \qquad \sigma_D = \frac{D (D+2)(D+3)(D+4)}{24\, S_D} $$
 ///
 /// which is 5/4, 5/π, 105/(16π), 28/π² for D = 1, 2, 3, 4.
-/// Symbols: `q = r/h`; support `h`, not `2 h`: a smoothing length here is about twice that of the cubic spline.
+/// Symbols: `q = r/h`; support `h`, not `2 h`: for the same width its smoothing length is about twice that of the
+/// cubic spline.
 /// Smoothness: continuous second derivative inside, `w' ~ (1-q)^2` at the edge.
 /// Second moment in units of h: `<x^2>/h^2` = 0.0893 for D = 2 and 0.0833 for D = 3.
 ///
-/// In one dimension this is Wendland's C2 function; above that it is not positive definite.
+/// In one dimension this is Wendland's C2 function; in higher dimensions it is not positive definite.
 ///
 /// Source: Lucy 1977 `[@lucy1977]`; the constants for D = 2, 3, 4 as in Canor & Denoël 2013, eq 9 `[@canor2013]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

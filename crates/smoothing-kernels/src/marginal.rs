@@ -1,11 +1,12 @@
-//! Moments and marginals of any kernel, by one fixed quadrature.
+//! Moments and marginals of any kernel, by a fixed quadrature.
 
 use core::f64::consts::PI;
 
 use crate::geometry::{integer_power, unit_sphere_surface};
 
-/// Panels over the support. A multiple of 2, 5 and 3, so that a panel ends at every knot of the cubic, quartic and
-/// quintic splines.
+/// Panels over the support.
+///
+/// A multiple of 2, 5 and 3, so that panels end at every knot of the cubic, quartic and quintic splines.
 const N_PANELS: u16 = 60;
 
 /// Nodes and weights of five-point Gauss-Legendre on [-1, 1]: DLMF table 3.5.2.
@@ -23,7 +24,7 @@ fn gauss_legendre(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     half * RULE.iter().map(|(node, weight)| weight * f(centre + half * node)).sum::<f64>()
 }
 
-/// What moments and marginals ask of a kernel, by the names of `Kernel`.
+/// The functions of a kernel that moments and marginals use, named as in `Kernel`.
 pub(crate) struct Radial<W, S> {
     pub(crate) support: f64,
     pub(crate) normalisation: f64,
@@ -31,7 +32,7 @@ pub(crate) struct Radial<W, S> {
     pub(crate) shape_derivative_over_q: S,
 }
 
-/// `κ_D = S_D σ_D / D ∫ w(q) q^(D+1) dq`, since the squares of the `D` coordinates share `q^2` alike.
+/// `κ_D = S_D σ_D / D ∫ w(q) q^(D+1) dq`, since each of the `D` squared coordinates contributes equally to `q^2`.
 pub(crate) fn second_moment<const D: usize, W, S>(kernel: &Radial<W, S>) -> f64
 where
     W: Fn(f64) -> f64,
@@ -62,8 +63,9 @@ where
     kernel.normalisation * unit_ball_volume(D - 1) * layers
 }
 
-/// Probability that the coordinate is at most `c`, in units of `h`: the kernel is a heap of balls, and what lies beyond
-/// `c` a heap of caps.
+/// Probability that the coordinate is at most `c`, in units of `h`.
+///
+/// The kernel is a superposition of balls, and its part beyond `c` a superposition of caps.
 pub(crate) fn distribution<const D: usize, W, S>(kernel: &Radial<W, S>, c: f64) -> f64
 where
     W: Fn(f64) -> f64,
@@ -75,8 +77,9 @@ where
     if c < 0.0 { beyond } else { 1.0 - beyond }
 }
 
-/// `∫_c^s -w'(t) f(t, ρ) dt + w(s^-) f(s, ρ(s))`, the variable of integration being `ρ = sqrt(t^2 - c^2)`, in which the
-/// root at `t = c` is smooth: `dt = ρ dρ / t`.
+/// `∫_c^s -w'(t) f(t, ρ) dt + w(s^-) f(s, ρ(s))`, integrated over `ρ = sqrt(t^2 - c^2)`.
+///
+/// In this variable the root at `t = c` is smooth: `dt = ρ dρ / t`.
 fn layers<W, S>(kernel: &Radial<W, S>, c: f64, f: impl Fn(f64, f64) -> f64) -> f64
 where
     W: Fn(f64) -> f64,
@@ -101,14 +104,17 @@ where
             from = to;
         }
     }
-    // The last value before the edge: zero to roundoff, but for a kernel that is cut off.
+    // The last value before the edge: zero within roundoff, except for a truncated kernel.
     let step = (kernel.shape)(support * (1.0 - f64::EPSILON));
-    // A NaN is above no panel's end, but it is in `c`, and so in the last term.
+    // A NaN compares false with every panel, but it is in `c`, and so in the last term.
     sum + step * f(support, rho_of(support))
 }
 
-/// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`, the volume of the cap of a ball of radius `t` over the volume of the unit ball in
-/// one dimension less. With `n = D - 1`,
+/// `∫_c^t (t^2 - y^2)^((D-1)/2) dy`: scaled volume of the cap of a ball of radius `t`.
+///
+/// The scale is the volume of the lower-dimensional unit ball.
+///
+/// The unit ball has one dimension less. With `n = D - 1`,
 ///
 /// $$ J_n = \frac{n t^2 J_{n-2} - c\,\rho^n}{n + 1}, \quad J_0 = t - c, \quad
 ///    J_1 = \tfrac12 \Bigl(t^2 \arctan\frac{\rho}{c} - c \rho\Bigr), \quad \rho^2 = t^2 - c^2 . $$

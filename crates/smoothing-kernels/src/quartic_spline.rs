@@ -3,14 +3,14 @@
 use crate::geometry::{beta, integer_power, positive_part, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// The quartic B-spline, Schoenberg's M5, on two and a half smoothing lengths.
+/// The quartic B-spline, Schoenberg's M5, with support `2.5 h`.
 ///
 /// $$ w(q) = \tfrac{8}{115} \Bigl[ (\tfrac52 - q)_+^4 - 5 (\tfrac32 - q)_+^4 + 10 (\tfrac12 - q)_+^4 \Bigr], \qquad
 ///    \sigma_D = \frac{115\, D(D+1)(D+2)(D+3)(D+4)}{192\, S_D\, [(5/2)^{D+4} - 5 (3/2)^{D+4} + 10 (1/2)^{D+4}]} $$
 ///
 /// in the print, whose bracket is not divided by its peak: `1/24, 96/(1199π), 1/(20π)` for D = 1, 2, 3.
 /// Symbols: `q = r/h`; support `2.5 h`. Smoothness: continuous third derivative.
-/// Pairs at more neighbours than the cubic spline; its Fourier transform, too, has zeros.
+/// Particles pair at more neighbours than with the cubic spline; its Fourier transform has zeros too.
 ///
 /// Source: Schoenberg 1946 for the splines `[@schoenberg1946]`; Dehnen & Aly 2012, table 1, for the constants
 /// `[@dehnen2012]`.

@@ -3,14 +3,14 @@
 use crate::geometry::{beta, integer_power, positive_part, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// The quintic B-spline, Schoenberg's M6, on three smoothing lengths.
+/// The quintic B-spline, Schoenberg's M6, with support `3 h`.
 ///
 /// $$ w(q) = \tfrac{1}{66} \Bigl[ (3 - q)_+^5 - 6 (2 - q)_+^5 + 15 (1 - q)_+^5 \Bigr], \qquad
 ///    \sigma_D = \frac{66\, D(D+1)(D+2)(D+3)(D+4)(D+5)}{120\, S_D\, [3^{D+5} - 6\cdot 2^{D+5} + 15]} $$
 ///
 /// in the print, whose bracket is not divided by its peak: `1/120, 7/(478π), 1/(120π)` for D = 1, 2, 3.
 /// Symbols: `q = r/h`; support `3 h`. Smoothness: continuous fourth derivative.
-/// The nearest of the splines to a Gaussian, and still one that pairs: its Fourier transform has zeros.
+/// The closest of the splines to a Gaussian; particles still pair, because its Fourier transform has zeros.
 ///
 /// Source: Schoenberg 1946 for the splines `[@schoenberg1946]`; Dehnen & Aly 2012, table 1, for the constants
 /// `[@dehnen2012]`.

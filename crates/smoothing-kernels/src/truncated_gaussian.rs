@@ -1,26 +1,29 @@
-//! A Gaussian with an end.
+//! The truncated Gaussian.
 
 use crate::exponential::exponential;
 use crate::geometry::{capped, integer_power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// The Gaussian `exp(-q^2)`, cut off at [`TRUNCATION`](Self::TRUNCATION) smoothing lengths and normalised with the cut.
+/// The Gaussian `exp(-q^2)`, truncated and normalised with the cut.
+///
+/// The cut is at [`TRUNCATION`](Self::TRUNCATION) smoothing lengths.
 ///
 /// $$ w(q) = e^{-q^2}, \quad 0 \le q < a, \qquad
 ///    \sigma_D^{-1} = \tfrac12 S_D\, \gamma(D/2, a^2) = \pi^{D/2} P(D/2, a^2) $$
 ///
 /// Symbols: `q = r/h`; `a` the truncation, in units of `h`; `gamma` the lower incomplete gamma function and `P` its
-/// regularised form. The standard deviation per axis is `h/√2`, but for the cut.
-/// The kernel jumps by `exp(-9)` = 1.2e-4 of its peak at `r = 3 h`; it is not continuous there, and the jump has no
-/// part in its gradient. Without the cut the normalisation would be `π^(-D/2)`; the mass beyond is 2.2e-5 for D = 1,
-/// 1.2e-4 for D = 2, 4.4e-4 for D = 3 and 6.2e-3 for D = 6.
+/// regularised form. Without the cut the standard deviation per axis would be `h/√2`.
+///
+/// The kernel jumps by `exp(-9)` = 1.2e-4 of its peak at `r = 3 h`; the jump does not contribute to its gradient.
+/// Without the cut the normalisation would be `π^(-D/2)`; the mass beyond is 2.2e-5 for D = 1, 1.2e-4 for D = 2,
+/// 4.4e-4 for D = 3 and 6.2e-3 for D = 6.
 ///
 /// Source: Gingold & Monaghan 1977 for the Gaussian `[@gingold1977]`; NIST DLMF 8.2.1 and 8.7.1 for `gamma`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TruncatedGaussian;
 
 impl TruncatedGaussian {
-    /// Where the Gaussian is cut, in smoothing lengths.
+    /// Truncation in smoothing lengths.
     pub const TRUNCATION: f64 = 3.0;
 }
 
@@ -55,7 +58,7 @@ impl<const D: usize> Kernel<D> for TruncatedGaussian {
 
     #[inline]
     fn shape(&self, q: f64) -> f64 {
-        // Both sides of the cut are computed and one is taken: a choice and not a branch.
+        // Both sides of the cut are computed and one is selected, without a branch.
         let inside = capped(q, Self::TRUNCATION);
         let shape = exponential(-(inside * inside));
         if q >= Self::TRUNCATION { 0.0 } else { shape }

@@ -3,7 +3,7 @@
 use crate::geometry::{beta, capped, integer_power, power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// Wendland's C2 function of the given dimension, on two smoothing lengths.
+/// Wendland's C2 function of the given dimension, with support `2 h`.
 ///
 /// $$ w(q) = (1 - x)^m (1 + m x), \quad x = q/2, \quad m = \lfloor D/2 \rfloor + 3, \qquad
 ///    \sigma_D = \frac{(D+m+1)!}{2^D S_D\, (D-1)!\, (m+1)!\,(D+1)} $$
@@ -11,10 +11,10 @@ use crate::kernel::Kernel;
 /// which is 5/8, 7/(4π), 21/(16π) for D = 1, 2, 3.
 /// Symbols: `q = r/h`; support `2 h`; `m` = 3 for D = 1, 4 for D = 2, 3, 5 for D = 4, 5, 6 for D = 6.
 ///
-/// The exponent follows the dimension because the function is to be positive definite, that is, to have a positive
-/// Fourier transform, and for that Wendland's `phi_{l,1}` needs `l = m - 1 >= floor(D/2) + 2`; the smallest is taken.
-/// It is why particles do not pair under this kernel (Dehnen & Aly 2012 `[@dehnen2012]`). Codes that write
-/// `(1 - x)^4 (1 + 4x)` in one dimension too use a steeper kernel than this one.
+/// The exponent depends on the dimension because the function must be positive definite, that is, have a positive
+/// Fourier transform. For that Wendland's `phi_{l,1}` requires `l = m - 1 >= floor(D/2) + 2`; the smallest is used.
+/// This is why particles do not pair with this kernel (Dehnen & Aly 2012 `[@dehnen2012]`). Codes that use
+/// `(1 - x)^4 (1 + 4x)` in one dimension too have a steeper kernel than this one.
 /// Smoothness: continuous second derivative.
 ///
 /// Source: Wendland 1995 `[@wendland1995]`; D = 1, 2, 3 as in Dehnen & Aly 2012, table 1 `[@dehnen2012]`.

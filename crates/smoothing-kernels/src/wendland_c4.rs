@@ -3,7 +3,7 @@
 use crate::geometry::{beta, capped, integer_power, power, unit_sphere_surface};
 use crate::kernel::Kernel;
 
-/// Wendland's C4 function of the given dimension, on two smoothing lengths.
+/// Wendland's C4 function of the given dimension, with support `2 h`.
 ///
 /// $$ w(q) = (1 - x)^p \Bigl(1 + p x + \tfrac13 (p^2 - 1)\, x^2\Bigr), \quad x = q/2, \quad p = \lfloor D/2 \rfloor + 5 $$
 ///
@@ -12,8 +12,8 @@ use crate::kernel::Kernel;
 ///
 /// As in [`WendlandC2`](crate::WendlandC2) the exponent is the smallest for which the function is positive definite:
 /// `phi_{l,2}` with `l = p - 2 = floor(D/2) + 3`.
-/// Smoothness: continuous fourth derivative. Narrower than the C2 function at the same support, so it wants more
-/// neighbours, that is a larger `h`.
+/// Smoothness: continuous fourth derivative. It is narrower than the C2 function at the same support, so it requires
+/// more neighbours, that is, a larger `h`.
 ///
 /// Source: Wendland 1995 `[@wendland1995]`; D = 1, 2, 3 as in Dehnen & Aly 2012, table 1 `[@dehnen2012]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

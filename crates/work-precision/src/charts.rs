@@ -1,4 +1,4 @@
-//! The charts and stability sweeps that can be asked for by name.
+//! Charts and stability sweeps, by name.
 //!
 //! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
 
@@ -17,7 +17,7 @@ mod smpm_scheme;
 use crate::draw::ChartKind;
 use crate::stability;
 
-/// Every chart of `chart`.
+/// Charts of the command `chart`.
 pub const ALL: &[ChartKind] = &[
     fpk::CHART,
     fpk_choice::CHART,
@@ -31,10 +31,10 @@ pub const ALL: &[ChartKind] = &[
     built_in_scenes::CHART,
 ];
 
-/// Every page of `chart --ladder`.
+/// Pages of `chart --ladder`.
 pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 
-/// Every sweep of `stability`.
+/// Sweeps of the command `stability`.
 pub const STABILITY: &[ChartKind] = &[
     stability::fpk::MAP,
     stability::sde::MAP,

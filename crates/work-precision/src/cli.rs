@@ -1,4 +1,4 @@
-//! The command line of charts and stability maps.
+//! Command line of charts and stability maps.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use crate::{charts, draw};
     name = "work-precision",
     bin_name = "cargo xtask",
     version,
-    about = "Charts of error against cost, maps of stability"
+    about = "Charts of error against cost, and stability maps"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -27,7 +27,7 @@ struct Cli {
 enum Command {
     /// Draw error against cost
     Chart(Chart),
-    /// Sweep methods to where they fail
+    /// Sweep methods over two parameters to where they fail
     Stability(Drawn),
     /// Commands of scenes, for charts that start processes
     #[command(subcommand, hide = true)]
@@ -36,7 +36,7 @@ enum Command {
 
 #[derive(Debug, Args)]
 struct Chart {
-    /// Leave out one ingredient of each scene at a time instead, and tell which of them its answers need
+    /// Run each scene without one of its ingredients at a time, and report which of them its results need
     #[arg(long)]
     ladder: bool,
     #[command(flatten)]
@@ -45,7 +45,7 @@ struct Chart {
 
 #[derive(Debug, Args)]
 struct Drawn {
-    /// Names, as --list shows them; none draws all
+    /// Names, as --list prints them; none draws all
     #[arg(value_name = "NAME")]
     names: Vec<String>,
     #[command(flatten)]
@@ -53,7 +53,7 @@ struct Drawn {
     /// List the names instead of drawing
     #[arg(long)]
     list: bool,
-    /// Write into docs/charts too, with a page of all pictures there; from a commit alone
+    /// Also write into docs/charts, with a page of all pictures there; requires a clean commit
     #[arg(long)]
     record: bool,
     /// Where the pictures go [default: target/chart, target/stability]
@@ -61,7 +61,7 @@ struct Drawn {
     out: Option<PathBuf>,
 }
 
-/// How much is run.
+/// Amount of work.
 #[derive(Debug, Clone, Copy, Args)]
 #[group(multiple = false)]
 pub struct Extent {
@@ -74,7 +74,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The profile that the flags name.
+    /// Profile selected by the flags.
     #[must_use]
     pub const fn profile(self) -> Profile {
         match (self.quick, self.full) {
@@ -85,7 +85,7 @@ impl Extent {
     }
 }
 
-/// Reads the command line, runs it, and returns the exit code.
+/// Parses the command line, runs the command, and returns the exit code.
 pub fn main() -> ExitCode {
     exit_code(execute(Cli::parse().command, &mut io::stdout().lock()))
 }
@@ -128,7 +128,7 @@ fn execute_chart(
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the flag asks for, if it may be.
+/// The recording that the flag requests, if it is allowed.
 ///
 /// # Errors
 /// [`RecordError`](record::RecordError), as a report.

@@ -1,4 +1,4 @@
-//! What a chart or a case is given while it runs.
+//! Context that a chart or a case receives while it runs.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-/// Why a case, a chart or a scene could not run to its end: any typed error, so that `?` takes them all.
+/// Error of a case, a chart or a scene: any typed error, so that `?` converts all of them.
 pub type CaseError = Box<dyn std::error::Error + Send + Sync>;
 
-/// How much is run.
+/// Amount of work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
@@ -22,13 +22,13 @@ pub enum Profile {
 }
 
 impl Profile {
-    /// The profile of that name.
+    /// The profile of a name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         [Self::Quick, Self::Default, Self::Full].into_iter().find(|profile| profile.name() == name)
     }
 
-    /// The word used in the report.
+    /// Name used in the report.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -39,31 +39,31 @@ impl Profile {
     }
 }
 
-/// Results that several cases use, computed once per run.
+/// Results common to several cases, computed once per run.
 #[derive(Debug, Default)]
 pub struct Shared {
     results: Mutex<BTreeMap<String, Arc<Slot>>>,
 }
 
-/// A result, once there is one.
+/// A result, once computed.
 type Slot = Mutex<Option<Arc<dyn Any + Send + Sync>>>;
 
-/// A result was stored under this key with another type.
+/// A result under this key has another type.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 #[error("the shared result `{key}` is not a {expected}")]
 pub struct SharedTypeError {
     /// Its key.
     pub key: String,
-    /// The type asked for.
+    /// Requested type.
     pub expected: &'static str,
 }
 
-/// What a running case is given.
+/// Context of a running case.
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// The id of the case, or the name of the chart.
     pub id: &'a str,
-    /// How much is to be run.
+    /// Amount of work.
     pub profile: Profile,
     shared: &'a Shared,
     progress: &'a (dyn Fn(&str) + Sync),
@@ -80,7 +80,7 @@ impl std::fmt::Debug for Context<'_> {
 }
 
 impl<'a> Context<'a> {
-    /// `progress` is told in a few words what is being done.
+    /// A context; `progress` receives short descriptions of the current work.
     #[must_use]
     pub const fn new(
         id: &'a str,
@@ -91,17 +91,17 @@ impl<'a> Context<'a> {
         Self { id, profile, shared, progress }
     }
 
-    /// Says in a few words what is being done.
+    /// Reports the current work.
     pub fn progress(&self, what: &str) {
         (self.progress)(what);
     }
 
-    /// The result stored under `key`, computed now if this is the first case to ask.
+    /// The result stored under `key`, computed if this is the first request.
     ///
-    /// An error is not stored: the next case that asks tries again and reports it as its own.
+    /// An error is not stored: the next case that requests it computes it again and reports its own error.
     ///
     /// # Errors
-    /// Those of `compute`; [`SharedTypeError`] if `key` holds a value of another type.
+    /// Errors of `compute`; [`SharedTypeError`] if `key` holds a value of another type.
     pub fn shared<T: Any + Send + Sync>(
         &self,
         key: &str,
@@ -111,7 +111,7 @@ impl<'a> Context<'a> {
             let mut results = self.shared.results.lock().unwrap_or_else(PoisonError::into_inner);
             Arc::clone(results.entry(key.into()).or_default())
         };
-        // Whoever else asks for it waits; the table is free, so that one shared result may use another.
+        // Other requests wait; the table is unlocked, so one shared result may use another.
         let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
         let result: Arc<dyn Any + Send + Sync> = match &*slot {
             Some(result) => Arc::clone(result),

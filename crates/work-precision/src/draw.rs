@@ -1,4 +1,4 @@
-//! Draws charts and stability maps by name.
+//! Drawing of charts and stability maps by name.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -15,15 +15,15 @@ use crate::record::Recording;
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
 pub struct ChartKind {
-    /// The word on the command line.
+    /// Name on the command line.
     pub name: &'static str,
     /// One line for `--list`.
     pub title: &'static str,
-    /// Runs what is to be shown.
+    /// Runs the methods and returns the drawings.
     pub draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
 }
 
-/// Why a chart was not drawn.
+/// Error of drawing a chart.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ChartsError {
@@ -32,9 +32,9 @@ pub enum ChartsError {
     NoMatch {
         /// Chart or stability sweep.
         what: &'static str,
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The nearest name, or all of them.
+        /// Nearest name, or all names.
         #[help]
         help: String,
     },
@@ -44,45 +44,45 @@ pub enum ChartsError {
         /// Chart or stability sweep.
         what: &'static str,
     },
-    /// Its runs ended in an error.
+    /// A run of the chart ended in an error.
     #[error("the {what} `{name}` could not be made")]
     Failed {
         /// Chart or stability sweep.
         what: &'static str,
         /// Its name.
         name: &'static str,
-        /// Why.
+        /// Cause.
         source: CaseError,
     },
-    /// A file or the terminal could not be written.
+    /// A file or standard output could not be written.
     #[error("cannot write the {what}")]
     Write {
         /// Chart or stability sweep.
         what: &'static str,
-        /// What the system said.
+        /// Error of the file system.
         source: std::io::Error,
     },
-    /// The page of all recorded pictures could not be made.
+    /// The page of recorded pictures could not be written.
     #[error("the page of recorded charts cannot be made")]
     Overview(#[from] OverviewError),
 }
 
-/// What is to be drawn, and where it goes.
+/// Charts to draw, and the folder of the files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// Chart or stability sweep, for messages.
     pub what: &'static str,
-    /// Names from the table, of which `fpk` also stands for `fpk-choice`; none draws all.
+    /// Names from the table; a name also selects entries that begin with it and a dash. None draws all.
     pub names: Vec<String>,
-    /// How much is run.
+    /// Amount of work.
     pub profile: Profile,
-    /// Where the files go.
+    /// Folder of the files.
     pub out: PathBuf,
-    /// Whether they go into the documents too.
+    /// Whether they are recorded in the documents too.
     pub recording: Recording,
 }
 
-/// Draws what `options` names and prints the path of each picture.
+/// Draws the entries selected by `options` and prints the path of each picture.
 ///
 /// # Errors
 /// [`ChartsError`] for an unknown name, a failed run, a file that cannot be written.
@@ -96,7 +96,7 @@ pub fn draw(
     let shared = Shared::default();
     let recorded = options.recording.charts();
     let tell = |text: &str| {
-        // Progress that cannot be shown is no reason to stop a run.
+        // A failure to show progress does not stop a run.
         let _ = writeln!(std::io::stderr(), "{text}");
     };
     for kind in select(table, options)? {
@@ -155,7 +155,7 @@ fn select<'a>(
             let names: Vec<&str> = table.iter().map(|kind| kind.name).collect();
             let help = match nearest(name, names.iter().copied()) {
                 Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("there are: {}", names.join(", ")),
+                None => format!("available: {}", names.join(", ")),
             };
             return Err(ChartsError::NoMatch { what, name: name.clone(), help });
         }
@@ -166,7 +166,7 @@ fn select<'a>(
     Ok(table.iter().filter(wanted).collect())
 }
 
-/// Whether an entry has the name, or begins with it and a dash.
+/// Whether an entry has the name, or begins with the name and a dash.
 fn belongs(kind: &ChartKind, name: &str) -> bool {
     kind.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
 }

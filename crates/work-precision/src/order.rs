@@ -1,18 +1,18 @@
-//! The observed order of convergence, with its error.
+//! Observed order of convergence, with its error.
 
 use figures::Measured;
 
-/// Fewest levels that give an order an error worth stating.
+/// Smallest number of levels for an order with a meaningful error.
 pub const MIN_LEVELS: usize = 4;
 
-/// Errors that no straight line can be fitted to.
+/// Error of a fit of the order.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
 pub enum OrderError {
     /// Too few levels.
     #[error("an order needs at least {MIN_LEVELS} levels, not {n_levels}")]
     TooFewLevels {
-        /// How many were given.
+        /// Number of levels.
         n_levels: usize,
     },
     /// A step or an error is zero, negative or not finite.
@@ -25,15 +25,15 @@ pub enum OrderError {
         /// Its error.
         error: f64,
     },
-    /// All steps are the same.
+    /// All steps are equal.
     #[error("all levels have the step {step}")]
     SameSteps {
-        /// That step.
+        /// The common step.
         step: f64,
     },
 }
 
-/// Slope of log error against log step, by least squares, with the standard error that the scatter gives it.
+/// Slope of log error against log step by least squares, with its standard error from the residuals.
 ///
 /// $$ p = \frac{\sum (x_i - \bar x)(y_i - \bar y)}{\sum (x_i - \bar x)^2}, \quad
 ///    s_p^2 = \frac{\sum (y_i - \bar y - p (x_i - \bar x))^2}{(n - 2) \sum (x_i - \bar x)^2} $$
@@ -69,7 +69,7 @@ pub fn fit(levels: &[(f64, f64)]) -> Result<Measured, OrderError> {
     let mean_y = points.iter().map(|point| point.1).sum::<f64>() / n;
     let s_xx: f64 = points.iter().map(|&(x, _)| (x - mean_x).powi(2)).sum();
     let s_xy: f64 = points.iter().map(|&(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    // Steps that agree to roundoff span nothing.
+    // Steps that agree within roundoff define no slope.
     if s_xx.sqrt() < 1e-9 {
         return Err(OrderError::SameSteps { step: levels[0].0 });
     }

@@ -1,4 +1,4 @@
-//! All recorded pictures on one page, by solver, with the table of the cheapest method under each.
+//! The page of all recorded pictures, by solver, with the table of the cheapest method under each.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,10 @@ use figures::markdown::text;
 use figures::{Choice, Reading, Words, choices_table};
 use serde::Deserialize;
 
-/// The name of the page in the folder of the pictures.
+/// Name of the page in the folder of the pictures.
 pub(super) const PAGE: &str = "README.md";
 
-/// The first word of a picture's name, and whose it is.
+/// First word of a picture's name, and its solver.
 const SOLVERS: [(&str, &str); 6] = [
     ("fpk", "fpk-sph"),
     ("smpm", "smpm"),
@@ -21,34 +21,34 @@ const SOLVERS: [(&str, &str); 6] = [
 ];
 
 const HEAD: &str = "# Charts\n\nWritten by `cargo xtask chart --record` and `cargo xtask stability --record`, which also write the \
-pictures and, beside each, its numbers as JSON. Machine, load and commit stand in the foot of each picture. Losses stay.\n\n\
-Under error against cost stands the cheapest method for a tolerance: of each method the cheapest run from which on all dearer \
-ones are within it, their standard errors added, so that an error which happens to cross zero does not count. \
-A runner-up whose cost differs by less than the scatter is as good.\n";
+pictures and, for each, its data as JSON. The caption of a picture states machine, load and commit. Losses are included.\n\n\
+Below a chart of error against cost is the cheapest method for a tolerance. For each method it is the cheapest run from which all \
+more expensive runs are within the tolerance, standard errors included, so an error that happens to cross zero does not count. \
+A runner-up whose cost differs by less than the scatter is equally good.\n";
 
-/// A recorded file that does not say what it shows.
+/// A recorded file lacks its description.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OverviewError {
-    /// The system refused.
+    /// The file system returned an error.
     #[error("cannot read {}", .path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// The numbers beside a picture have no words.
+    /// The data of a picture have no title.
     #[error("{} does not say what its picture shows", .path.display())]
     Json {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Where.
+        /// Position.
         source: serde_json::Error,
     },
 }
 
-/// What the numbers beside a picture say of it.
+/// Title and labels in the data of a picture.
 #[derive(Debug, Deserialize)]
 struct Numbers {
     words: Words,
@@ -58,14 +58,14 @@ struct Numbers {
     cheapest: Vec<Choice>,
 }
 
-/// The page of what lies in `folder`.
+/// The page of the pictures in `folder`.
 ///
 /// # Errors
-/// [`OverviewError`] for a file that cannot be read or understood.
+/// [`OverviewError`] for a file that cannot be read or parsed.
 pub(super) fn overview(folder: &Path) -> Result<String, OverviewError> {
     let files = files(folder)?;
     let mut solvers: Vec<&str> = Vec::new();
-    // The order of the table, then those that are not in it.
+    // In the order of the table, then the others.
     let known = SOLVERS.iter().map(|(_, solver)| *solver);
     let present = |solver: &str| files.iter().any(|file| solver_of(file) == solver);
     solvers.extend(known.filter(|solver| present(solver)));

@@ -1,4 +1,4 @@
-//! Runs of scenes by this program, and what of their results must be the same.
+//! Runs of scenes in separate processes, and the parts of their results that must be identical.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -15,22 +15,22 @@ use serde_json::Value;
 
 use crate::context::CaseError;
 
-/// A built-in scene, made smaller.
+/// A built-in scene, reduced in size.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
     content: Value,
-    /// The same scene with an earlier end, where a longer run can continue a shorter one.
+    /// The same scene with an earlier end, if a longer run can continue it.
     shorter: Option<Value>,
-    /// Whether it can be divided.
+    /// Whether it supports shards.
     pub shards: bool,
 }
 
-/// For each solver a density or a single run, where it has one, and an ensemble.
+/// For each solver a density or a single run, if it has one, and an ensemble.
 ///
 /// # Errors
-/// A built-in scene that is not of its type.
+/// Error for a built-in scene of another type.
 pub fn scenes() -> Result<Vec<Scene>, CaseError> {
     Ok(vec![density()?, paths()?, derivatives_of_a_plate()?, samples_of_a_plate()?, cracks(32)?])
 }
@@ -79,10 +79,10 @@ fn samples_of_a_plate() -> Result<Scene, CaseError> {
     named.shortened(&scene)
 }
 
-/// Cracks in so many realisations.
+/// A crack scene with a number of realisations.
 ///
 /// # Errors
-/// As [`scenes`](fn@scenes).
+/// Those of [`scenes`](fn@scenes).
 pub fn cracks(realisations: u64) -> Result<Scene, CaseError> {
     let text = include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json");
     let mut scene: CrackScene = built_in(text)?;
@@ -110,17 +110,17 @@ impl Scene {
     /// Writes the scene as a file into a folder.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, CaseError> {
         let path = folder.join(format!("{}.json", self.name));
         scenes::output::write_json(&path, &self.content)?;
         Ok(path)
     }
 
-    /// Writes the shorter scene, where there is one.
+    /// Writes the shorter scene, if there is one.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn write_shorter(&self, folder: &Path) -> Result<Option<PathBuf>, CaseError> {
         let Some(shorter) = &self.shorter else { return Ok(None) };
         let path = folder.join(format!("{}-shorter.json", self.name));
@@ -129,23 +129,23 @@ impl Scene {
     }
 }
 
-/// By this word a program that links the command of scenes becomes it.
+/// First argument that turns a program with the scenes command into that command.
 pub const AS_SCENES: &str = "scenes";
 
-/// This program as the command of scenes.
+/// This program as the scenes command.
 ///
 /// # Errors
-/// Those of the operating system.
+/// Errors of the operating system.
 pub fn command_of_scenes() -> Result<Command, CaseError> {
     let mut command = Command::new(std::env::current_exe()?);
     command.arg(AS_SCENES);
     Ok(command)
 }
 
-/// This program, at a scene.
+/// Starts this program on a scene.
 ///
 /// # Errors
-/// Those of the operating system.
+/// Errors of the operating system.
 pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
     let mut command = command_of_scenes()?;
     command.arg("run").arg(scene).arg("--out").arg(out);
@@ -153,28 +153,28 @@ pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseErr
     piped(command)
 }
 
-/// Starts a command whose words on stderr are kept.
+/// Starts a command and captures its stderr.
 ///
 /// # Errors
-/// Those of the operating system.
+/// Errors of the operating system.
 pub fn piped(mut command: Command) -> Result<Child, CaseError> {
     Ok(command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
 }
 
-/// Waits for the end of a run and gives what it has told.
+/// Waits for the end of a run and returns its stderr.
 ///
 /// # Errors
-/// What it has told, where it failed.
+/// The stderr of a failed run.
 pub fn finish(child: Child) -> Result<String, CaseError> {
     let output = child.wait_with_output()?;
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     if output.status.success() { Ok(told) } else { Err(told.into()) }
 }
 
-/// All numbers and words of a result, without those of the machine and the clock, and its files of series by their bytes.
+/// All numbers and texts of a result except those of machine and clock, and its series files by their bytes.
 ///
 /// # Errors
-/// Those of the file system, and a result that is no JSON.
+/// Errors of the file system, and a result that is no JSON.
 pub fn outcome(folder: &Path) -> Result<BTreeSet<String>, CaseError> {
     let text = std::fs::read_to_string(folder.join("result.json"))?;
     let mut result: Value = serde_json::from_str(&text)?;
@@ -204,7 +204,7 @@ fn flatten(value: &Value, path: &mut String, entries: &mut BTreeSet<String>) {
     match value {
         Value::Object(object) => {
             for (key, value) in object {
-                // A string takes what is written to it.
+                // Writing to a string cannot fail.
                 let _ = write!(path, ".{key}");
                 flatten(value, path, entries);
                 path.truncate(length);

@@ -1,6 +1,6 @@
 //! Quantiles of samples.
 
-/// The `share` quantile of some numbers, the upper of two neighbours; NaN of none.
+/// The `share` quantile of some numbers, the upper of two neighbours; NaN for an empty list.
 #[must_use]
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();

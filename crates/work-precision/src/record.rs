@@ -1,4 +1,4 @@
-//! Results that go into the documents: where they stand, and when they may.
+//! Recording of results in the documents: paths and conditions.
 
 use std::path::{Path, PathBuf};
 
@@ -6,17 +6,17 @@ use scenes::machine;
 
 use crate::context::Profile;
 
-/// The folder of the recorded pictures, from the root of the workspace.
+/// Folder of the recorded pictures, from the root of the workspace.
 const CHARTS: &str = "docs/charts";
-/// The recorded proof.
+/// The recorded verification report.
 const VERIFICATION: &str = "docs/verification.md";
 
-/// Whether results go into the documents too.
+/// Whether results are recorded in the documents.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Recording {
-    /// They do not.
+    /// No recording.
     Off,
-    /// Into those of the workspace with this root.
+    /// Recording in the documents of the workspace with this root.
     On(PathBuf),
 }
 
@@ -24,7 +24,7 @@ pub enum Recording {
 #[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RecordError {
-    /// A quick run shows the least.
+    /// The run was quick.
     #[error("a quick run is not recorded")]
     #[diagnostic(help("leave out --quick"))]
     Quick,
@@ -32,25 +32,25 @@ pub enum RecordError {
     #[error("this build has checks of overflow: its CPU times are not those of a release")]
     #[diagnostic(help("leave out --checked"))]
     Checked,
-    /// A page of some cases would lose those of the others.
+    /// A page of selected cases would drop the others.
     #[error("the proof is recorded as a whole, not the part that `{filter}` selects")]
     Part {
         /// The first filter.
         filter: String,
     },
-    /// Git does not say what is recorded.
+    /// There is no commit.
     #[error("there is no commit to record at {}", .root.display())]
     NoCommit {
-        /// Where git was asked.
+        /// Folder of the query.
         root: PathBuf,
     },
-    /// The commit is not what runs.
+    /// The working tree differs from the commit.
     #[error("not as committed: {first}{}; the recorded commit would be wrong", more(*.rest))]
     #[diagnostic(help("commit them or put them away; what lies in docs may differ"))]
     Uncommitted {
-        /// The first of them.
+        /// The first such file.
         first: String,
-        /// How many others.
+        /// Number of further files.
         rest: usize,
     },
 }
@@ -59,12 +59,12 @@ fn more(rest: usize) -> String {
     if rest == 0 { String::new() } else { format!(" and {rest} more") }
 }
 
-/// How the program was built.
+/// Build of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Build {
-    /// For speed.
+    /// Optimised.
     Release,
-    /// With checks of overflow.
+    /// With overflow checks.
     Checked,
 }
 
@@ -75,10 +75,10 @@ impl Build {
 }
 
 impl Recording {
-    /// Into the documents of this workspace, if what runs is what is committed.
+    /// Recording in the documents of this workspace, if its tree is the commit.
     ///
     /// # Errors
-    /// [`RecordError`] for a quick run, a build with checks, and files that are not as committed.
+    /// [`RecordError`] for a quick run, a build with checks, and files that differ from the commit.
     pub fn on(profile: Profile) -> Result<Self, RecordError> {
         let root = workspace();
         check(profile, Build::of_this_program(), machine::uncommitted(), &root)?;
@@ -95,13 +95,13 @@ impl Recording {
     }
 }
 
-/// The recorded proof of the workspace at `root`.
+/// The recorded verification report of the workspace at `root`.
 #[must_use]
 pub fn verification(root: &Path) -> PathBuf {
     root.join(VERIFICATION)
 }
 
-/// Refuses what would publish a number under a wrong name.
+/// Rejects runs whose results would be published under a wrong description.
 fn check(
     profile: Profile,
     build: Build,
@@ -123,8 +123,9 @@ fn check(
     }
 }
 
-/// The root of the workspace: the nearest folder with a lock file, above the package that cargo runs or else above the current
-/// folder, which is taken where there is none.
+/// The root of the workspace: the nearest folder with a lock file.
+///
+/// The search starts at the package that cargo runs or else at the current folder, which is the fallback.
 #[must_use]
 pub fn workspace() -> PathBuf {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);

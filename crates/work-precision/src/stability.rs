@@ -1,9 +1,9 @@
-//! Maps of where methods fail: a sweep of runs over two parameters, each of which is accurate, degraded, or ended by a
-//! typed error; with the boundary that theory predicts.
+//! Stability maps: sweeps of runs over two parameters, with the boundary that theory predicts.
 //!
-//! A map is one file here with a `const MAP: ChartKind`, and one line in [`crate::charts::STABILITY`]. Its `draw` makes
-//! [`Panel`]s and hands them to [`Panel::sweep`], which runs, judges, draws and tabulates. A run says its error and
-//! spends [`Work`]; the typed errors are those of the crate it calls.
+//! Each run is accurate, degraded, or ended by a typed error. A map is one file here with a `const MAP: ChartKind`,
+//! and one line in [`crate::charts::STABILITY`]. Its `draw` creates [`Panel`]s and calls [`Panel::sweep`], which runs,
+//! classifies, draws and tabulates. A run returns its error and spends [`Work`]; the typed errors are those of the
+//! crate that it calls.
 
 mod axes;
 pub(crate) mod fpk;
@@ -21,30 +21,30 @@ use serde::{Deserialize, Serialize};
 
 use crate::context::CaseError;
 
-/// Points of the line of a boundary.
+/// Number of points on the line of a boundary.
 const BOUNDARY_POINTS: u32 = 120;
 
-/// Beside the grid, every abscissa has a run this much inside and this much outside the boundary.
+/// Relative distance of additional runs inside and outside the boundary, for every abscissa.
 const NEAR: f64 = 0.03;
 
-/// Why a run has no result, where the crate under test has no error of its own.
+/// Error of a run where the tested crate returned none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// It asked for more work than a run of its map may take.
+    /// The run exceeds the work limit of its map.
     #[error("work limit reached: {asked} steps asked for, the limit is {limit}")]
     WorkLimit {
-        /// Work asked for in all.
+        /// Total requested work.
         asked: u64,
-        /// What is allowed.
+        /// Work limit.
         limit: u64,
     },
-    /// Its error is not a number, and no error was returned: a silent failure.
+    /// The error is NaN although no error was returned: a silent failure.
     #[error("the run gave a result whose error is not a number")]
     NotANumber,
 }
 
-/// The work that one run may take, in steps or what its map counts.
+/// Work budget of one run, in steps or in another unit of its map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Work {
     spent: u64,
@@ -52,13 +52,13 @@ pub struct Work {
 }
 
 impl Work {
-    /// Nothing spent yet.
+    /// A budget with no work spent.
     #[must_use]
     pub const fn new(limit: u64) -> Self {
         Self { spent: 0, limit }
     }
 
-    /// Asks for more, before it is done.
+    /// Requests more work before it is done.
     ///
     /// # Errors
     /// [`SweepError::WorkLimit`].
@@ -72,7 +72,7 @@ impl Work {
     }
 }
 
-/// What came of a run.
+/// Outcome of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Outcome {
@@ -81,14 +81,14 @@ pub enum Outcome {
         /// The error.
         error: f64,
     },
-    /// It has a result that is wrong, and nothing said so.
+    /// The result is wrong, without an error.
     Degraded {
-        /// The error; none where it is without bound.
+        /// The error; none if it is unbounded.
         error: Option<f64>,
     },
     /// It ended in a typed error.
     Ended {
-        /// Its text, with that of its causes.
+        /// Error text, including its causes.
         error: String,
     },
 }
@@ -104,29 +104,29 @@ impl Outcome {
     }
 }
 
-/// A run, from the two parameters to the size of its error.
+/// A run, from the two parameters to the magnitude of its error.
 pub type Run<'a> = dyn Fn(f64, f64, &mut Work) -> Result<f64, CaseError> + Sync + 'a;
 
-/// The boundary that theory predicts: stable below it. `None` where there is no limit.
+/// Predicted boundary: stable below it. `None` without a limit.
 pub type Boundary<'a> = dyn Fn(f64) -> Option<f64> + Sync + 'a;
 
 /// One method over two parameters.
 pub struct Panel<'a> {
-    /// Name of the files, without their endings.
+    /// Name of the files, without extensions.
     pub name: String,
-    /// Words around the picture. The foot is completed with tolerance and work limit.
+    /// Title and labels of the picture. The caption is completed with tolerance and work limit.
     pub words: Words,
     /// Scale of the vertical axis.
     pub scale: Scale,
-    /// The grid across.
+    /// Grid along the horizontal axis.
     pub across: Vec<f64>,
-    /// The grid upwards.
+    /// Grid along the vertical axis.
     pub upwards: Vec<f64>,
-    /// What theory says, with its name for the legend.
+    /// Predicted boundary, with its name in the legend.
     pub boundary: Option<(&'a str, &'a Boundary<'a>)>,
-    /// The largest error of an accurate run.
+    /// Largest error of an accurate run.
     pub tolerance: f64,
-    /// The most work of a run.
+    /// Work limit of a run.
     pub work_limit: u64,
     /// The run.
     pub run: &'a Run<'a>,
@@ -138,43 +138,43 @@ impl std::fmt::Debug for Panel<'_> {
     }
 }
 
-/// A run of a map, as it is written.
+/// A run of a map, as recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
-    /// The parameter across.
+    /// Horizontal parameter.
     pub x: f64,
-    /// The parameter upwards.
+    /// Vertical parameter.
     pub y: f64,
-    /// What the run spent.
+    /// Work spent.
     pub work: u64,
-    /// What came of it.
+    /// Outcome.
     pub outcome: Outcome,
 }
 
-/// A map as it is written beside its picture.
+/// Data of a map, recorded next to its picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Map {
-    /// Words around it.
+    /// Title and labels.
     pub words: Words,
-    /// The largest error of an accurate run.
+    /// Largest error of an accurate run.
     pub tolerance: f64,
-    /// The most work of a run.
+    /// Work limit of a run.
     pub work_limit: u64,
-    /// The predicted boundary; no value where there is no limit within the picture.
+    /// Predicted boundary; no value without a limit within the picture.
     pub boundary: Vec<(f64, Option<f64>)>,
     /// The runs.
     pub points: Vec<Point>,
-    /// Runs against the prediction: accurate outside it, or ended inside it.
+    /// Number of runs that contradict the prediction: accurate outside it, or ended inside it.
     pub against_prediction: usize,
 }
 
 impl Panel<'_> {
-    /// Runs every point, each on its own, and draws the map.
+    /// Runs every point independently and draws the map.
     ///
     /// # Errors
-    /// Numbers that cannot be drawn. A run that fails is a point of the map.
+    /// Numbers that cannot be drawn. A failed run is a point of the map.
     pub fn sweep(&self) -> Result<Drawing, DrawingError> {
         let map = self.map();
         let picture = TimeSeries {
@@ -263,7 +263,7 @@ fn sets(points: &[Point]) -> Vec<ReferencePoints> {
     let kinds: [(&str, Is); 3] = [
         ("accurate", |outcome| matches!(outcome, Outcome::Accurate { .. })),
         ("degraded", |outcome| matches!(outcome, Outcome::Degraded { .. })),
-        ("ended by a typed error; the JSON says which", |outcome| {
+        ("ended by a typed error, given in the JSON", |outcome| {
             matches!(outcome, Outcome::Ended { .. })
         }),
     ];
@@ -280,7 +280,7 @@ fn sets(points: &[Point]) -> Vec<ReferencePoints> {
         .collect()
 }
 
-/// How many runs came to what, and what the first error said.
+/// Number of runs by outcome, and the first error text.
 fn row(map: &Map) -> String {
     let counts: Vec<usize> = sets(&map.points).iter().map(|set| set.points.len()).collect();
     let first = map.points.iter().find_map(|point| match &point.outcome {
@@ -323,7 +323,7 @@ mod tests {
         }
     }
 
-    /// Of a grid of 2 x 3 and two runs at each abscissa: inside accurate, beyond twice the boundary ended.
+    /// A grid of 2 x 3 and two runs at each abscissa: accurate inside, ended beyond twice the boundary.
     #[test]
     fn every_run_has_an_outcome_and_is_held_against_the_prediction() {
         let run = |x: f64, y: f64, work: &mut Work| -> Result<f64, CaseError> {
@@ -345,7 +345,7 @@ mod tests {
         assert_eq!(ended.len(), 1);
         assert_eq!((ended[0].x, ended[0].y, ended[0].work), (1.0, 3.0, 4));
         assert!(map.points.iter().any(|point| point.outcome == Outcome::Degraded { error: None }));
-        // The same runs against a wrong prediction.
+        // The same runs with a wrong prediction.
         assert!(panel(&run, &|x| Some(0.4 * x)).map().against_prediction > 0);
         assert!(panel(&run, &|_| None).map().against_prediction > 0);
     }

@@ -1,4 +1,4 @@
-//! The paths by which the text of a file names items.
+//! Reader of the paths by which a file names items.
 
 use std::collections::BTreeMap;
 
@@ -8,14 +8,14 @@ use syn::{Item, UseTree, Visibility};
 /// A path from the root of a package: modules, then an item.
 pub(crate) type Names = Vec<String>;
 
-/// What the text of a file names.
+/// Names in the text of a file.
 #[derive(Default)]
 pub(crate) struct Reader {
-    /// The module that is being read.
+    /// Module being read.
     pub(crate) module: Names,
     /// Paths from the root, and as written.
     pub(crate) used: Vec<(Names, String)>,
-    /// Names that are re-exported, and what they name.
+    /// Re-exported names and their targets.
     pub(crate) exported: BTreeMap<Names, Names>,
 }
 
@@ -28,7 +28,7 @@ impl Reader {
         reader
     }
 
-    /// A path that begins with a plain name is taken for one of a child module: no file fits another crate's.
+    /// A path that begins with a simple name counts as one of a child module: no file matches another crate's.
     fn absolute(&self, written: &str) -> Names {
         let mut path = self.module.clone();
         for name in written.split("::") {
@@ -42,7 +42,7 @@ impl Reader {
         path
     }
 
-    /// A single name may be a variable that is called like a module.
+    /// A single name may be a variable named like a module.
     fn note(&mut self, written: &str) {
         if written.contains("::") {
             self.used.push((self.absolute(written), written.to_owned()));
@@ -80,7 +80,7 @@ impl<'ast> Visit<'ast> for Reader {
         visit::visit_path(self, path);
     }
 
-    /// What a macro is given has no syntax yet, but its paths look like paths.
+    /// Arguments of a macro have no syntax yet, but their paths look like paths.
     fn visit_macro(&mut self, called: &'ast syn::Macro) {
         let text = called.tokens.to_string().replace(" :: ", "::");
         for path in text.split(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | ':'))) {
@@ -89,7 +89,7 @@ impl<'ast> Visit<'ast> for Reader {
         visit::visit_macro(self, called);
     }
 
-    /// `pub(in path)` says who may use an item, not whom it uses.
+    /// `pub(in path)` states who may use an item, and is no use itself.
     fn visit_visibility(&mut self, _: &'ast Visibility) {}
 }
 
@@ -107,7 +107,7 @@ fn is_for_tests(item: &Item) -> bool {
     attrs.iter().any(|attribute| attribute.path().is_ident("cfg") && is_test(attribute))
 }
 
-/// The paths of a `use`, and the names that they get.
+/// Paths of a `use`, and the names that they introduce.
 fn leaves(tree: &UseTree, before: &str) -> Vec<(String, String)> {
     let leaf = |last: &dyn ToString, name: &dyn ToString| {
         vec![(format!("{before}{}", last.to_string()), name.to_string())]

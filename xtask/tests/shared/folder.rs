@@ -1,9 +1,9 @@
-//! The files of a folder, for the tests of this package that read sources or pages.
+//! Files of a folder, for the tests of this package that read sources or pages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files below a folder whose names end so; what is built is left out.
+/// Files below a folder whose names have an ending; build output is excluded.
 pub(crate) fn files(folder: &Path, ending: &str) -> std::io::Result<Vec<PathBuf>> {
     let (mut folders, mut found) = (vec![folder.to_owned()], Vec::new());
     while let Some(folder) = folders.pop() {

@@ -1,10 +1,10 @@
-//! The packages of the workspace, for the tests of this package that compare them with the page of the architecture.
+//! Packages of the workspace, for the tests of this package that compare them with the architecture page.
 
 use std::process::Command;
 
 use serde_json::Value;
 
-/// The packages as cargo reads their manifests.
+/// Packages from their manifests, as cargo reads them.
 pub(crate) fn packages() -> Vec<Value> {
     let metadata = ["metadata", "--no-deps", "--locked", "--format-version", "1"];
     let here = env!("CARGO_MANIFEST_DIR");

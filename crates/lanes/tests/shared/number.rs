@@ -1,11 +1,12 @@
-//! Numbers of any kind, for the tests of this crate and, by `#[path]`, for the targets `any_input` of those above it.
+//! Arbitrary numbers for the tests of this crate and, by `#[path]`, for the `any_input` targets of dependent crates.
 
 use std::ops::Range;
 
 use proptest::prelude::*;
 
-/// Any double: ordinary ones, by a weight against 4 others; others are up to 10, of any bits, or at the ends of the range,
-/// infinite or NaN.
+/// Any double: an ordinary number with the given weight against 4, else another kind.
+///
+/// The other kinds are numbers up to 10, numbers of any bits, and the ends of the range, infinities and NaN.
 pub(crate) fn number(ordinary: Range<f64>, weight: u32) -> impl Strategy<Value = f64> {
     prop_oneof![
         weight => ordinary,

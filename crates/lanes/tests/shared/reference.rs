@@ -1,4 +1,4 @@
-//! Elementary functions to some 100 bits, by additions and products of pairs of numbers.
+//! Elementary functions to about 100 bits, in double-double arithmetic.
 
 use std::f64::consts::LN_2;
 
@@ -54,7 +54,7 @@ pub(crate) fn reference_exp(x: Double) -> Double {
     Double(sum.0 * scale, sum.1 * scale)
 }
 
-/// `ln x = y + ln(x e^-y)` from the platform's `y`, whose rest is so small that two terms of the series are enough.
+/// `ln x = y + ln(x e^-y)` from the platform's `y`; two terms of the series suffice for the remainder.
 pub(crate) fn reference_ln(x: f64) -> Double {
     let y = Double(x.ln(), 0.0);
     let rest = reference_exp(Double(-y.0, 0.0)).times(Double(x, 0.0)).plus(Double(-1.0, 0.0));

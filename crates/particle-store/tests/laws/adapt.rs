@@ -1,4 +1,4 @@
-//! Particles added, split and merged: what is conserved, whose ids last, and what is refused.
+//! Particles appended, split and merged: conserved quantities, ids, and errors.
 
 use particle_store::{Child, Error, Handle, ParticleStore, Rule, Rules, SymmetricTensor};
 use proptest::prelude::*;
@@ -53,7 +53,7 @@ fn are_the_same(a: [f64; 7], b: [f64; 7]) {
     }
 }
 
-/// Shares that add up to one, and offsets that leave the centre of mass.
+/// Shares that sum to one, and offsets that conserve the centre of mass.
 fn children(weights: &[f64], spread: f64) -> Vec<Child<2>> {
     let total: f64 = weights.iter().sum();
     let shares = weights.iter().map(|weight| weight / total);

@@ -1,4 +1,4 @@
-//! Lattices are lattices.
+//! Properties of lattices.
 
 use particle_store::{Error, Lattice};
 use proptest::prelude::*;
@@ -100,7 +100,7 @@ proptest! {
 
     #[test]
     fn ball_lattice_is_the_part_of_the_box_lattice_within_the_radius(steps in 1..8_u8, part in 0.0..0.9_f64) {
-        // A radius between whole numbers of spacings, so that no point is on the surface to within rounding.
+        // A radius between integer multiples of the spacing, so that no point is on the surface within rounding.
         let radius = (f64::from(steps).powi(2) + part + 0.05).sqrt();
         let ball = Lattice::<3>::ball_lattice(radius, 1.0).unwrap();
         let half_width = f64::from(steps);

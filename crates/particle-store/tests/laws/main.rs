@@ -1,4 +1,4 @@
-//! A store behaves as a table of rows does; a snapshot comes back bit for bit or not at all.
+//! A store behaves as a table of rows; a snapshot is restored bitwise or rejected.
 
 #![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
 
@@ -12,7 +12,7 @@ mod store;
 use particle_store::{Attribute, Error, ParticleStore, SymmetricTensor};
 use proptest::prelude::*;
 
-/// A particle as a row: what the columns must agree with.
+/// A particle as a row: the reference for the columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Row {
     id: u64,
@@ -25,7 +25,7 @@ struct Row {
     body: u32,
 }
 
-/// Any bits: NaN with payloads, infinities, subnormals and both zeros among them.
+/// Any bits, including NaN with payloads, infinities, subnormals and both zeros.
 fn rows(n: impl Into<prop::collection::SizeRange>) -> impl Strategy<Value = Vec<Row>> {
     let cell = any::<[i32; 3]>();
     let row =
@@ -199,7 +199,7 @@ fn foreign_snapshots_are_refused_by_what_is_foreign() {
     assert!(matches!(restored(8, 2), Err(Error::UnsupportedVersion { found: 2, supported: 3 })));
     let other = ParticleStore::<2>::restore(&bytes[..]);
     assert!(matches!(other, Err(Error::DimensionMismatch { found: 3, expected: 2 })));
-    // The highest byte of the number of particles: absurdly many are found missing without memory for them.
+    // The highest byte of the number of particles: too many particles are detected without allocating memory for them.
     assert!(matches!(restored(39, 0x7f), Err(Error::Truncated)));
     // The last byte of the hash itself, and one of the last column's.
     let last = bytes.len() - 1;
@@ -207,7 +207,7 @@ fn foreign_snapshots_are_refused_by_what_is_foreign() {
     assert!(matches!(restored(last - 8, !bytes[last - 8]), Err(Error::HashMismatch { .. })));
 }
 
-/// The layout is a promise: this is the whole snapshot of one particle with two columns and one attribute, by hand.
+/// The layout is fixed: this is a complete snapshot of one particle with two columns and one attribute, by hand.
 #[test]
 fn layout_is_the_documented_one() {
     let mut store = ParticleStore::<1>::new(1);

@@ -1,4 +1,4 @@
-//! Morton order is an order, keeps near what is near, and does not care where the cloud is or how large.
+//! Morton order is a permutation, preserves locality, and is independent of position and scale of the cloud.
 
 use particle_store::{Error, Lattice, ParticleStore, morton_order};
 use proptest::prelude::*;
@@ -9,8 +9,10 @@ fn is_a_permutation(order: &[u32], n: usize) {
     assert!(sorted.into_iter().eq((0..).take(n)));
 }
 
-/// On a lattice of 2^m points along each axis every aligned run of 2^(D k) places is one cube of side 2^k, for every k: the
-/// definition of the curve, and all the locality it has.
+/// On a lattice of 2^m points along each axis every aligned run of 2^(D k) indices is one cube of side 2^k, for every
+/// k.
+///
+/// This is the definition of the curve, and implies its locality.
 fn runs_are_cubes<const D: usize>(m: u32) {
     let side = 1_usize << m;
     let lattice = Lattice::<D>::box_lattice([3.0; D], [side; D]).unwrap();
@@ -50,7 +52,7 @@ fn orders_any_cloud<const D: usize>(numbers: &[f64], shift: u32) {
     let scale = f64::from(1 << shift);
     let larger: Vec<[f64; D]> = points.iter().map(|x| x.map(|value| value * scale)).collect();
     assert_eq!(morton_order(&larger).unwrap(), order);
-    // What is in order stays so, because equal cells keep their order.
+    // An ordered cloud stays ordered, because equal cells keep their order.
     let mut store = ParticleStore::<D>::new(points.len());
     let position = store.add("position", points.clone()).unwrap();
     store.permute(&order).unwrap();

@@ -1,7 +1,7 @@
-//! What is written for ParaView is, byte for byte, what VTK's own reader was seen to read.
+//! Files for ParaView are byte-for-byte those that VTK's own reader has read.
 //!
-//! `checks/read_with_vtk.py` reads the golden files back with VTK and compares every value; VTK 9.7.2 passed it.
-//! After a wanted change run the tests with `PARTICLE_STORE_BLESS=1`, and then that script.
+//! `checks/read_with_vtk.py` reads the golden files back with VTK and compares every value; VTK 9.7.2 passed it. After
+//! an intended change run the tests with `PARTICLE_STORE_BLESS=1`, and then that script.
 
 use std::path::Path;
 
@@ -51,7 +51,7 @@ fn files_are_the_golden_ones() {
     is_golden("series.pvd", &series);
 }
 
-/// The lengths before the arrays lead from the first to the end of the data.
+/// The lengths before the arrays lead from the first array to the end of the data.
 #[test]
 fn lengths_lead_through_the_data() {
     let (store, position) = store();
@@ -70,7 +70,7 @@ fn lengths_lead_through_the_data() {
     assert_eq!(rest, b"\n</AppendedData>\n</VTKFile>\n");
 }
 
-/// More than a block of the writer, which must not depend on where its blocks end.
+/// More than a block of the writer; the output must not depend on block boundaries.
 #[test]
 fn many_particles_are_written_whole() {
     let mut store = ParticleStore::<3>::new(20_000);

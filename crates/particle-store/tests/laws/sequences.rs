@@ -1,9 +1,9 @@
-//! Whatever is done to a store in whatever order, it is what a list of structs would be; what is refused changes nothing.
+//! After any sequence of operations a store equals a list of structs; rejected operations change nothing.
 
 use particle_store::{Attribute, Child, Error, ParticleStore, Rule, Rules, SymmetricTensor};
 use proptest::prelude::*;
 
-/// A particle, whole. Numbers are compared by their bits.
+/// A complete particle. Numbers are compared by their bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Particle {
     id: u64,
@@ -19,7 +19,7 @@ struct Particle {
     body: u32,
 }
 
-/// What a store must agree with.
+/// Reference model of a store.
 #[derive(Debug, Clone, Default)]
 struct Model {
     particles: Vec<Particle>,
@@ -38,7 +38,7 @@ const OTHERS: [(&str, Rule); 8] = [
     ("body", Rule::First),
 ];
 
-/// Numbers without end from one, by the multiplier of L'Ecuyer 1999 for 2^64.
+/// An endless sequence of numbers, by the multiplier of L'Ecuyer 1999 for 2^64.
 struct Keys(u64);
 
 impl Keys {
@@ -214,7 +214,7 @@ fn split(store: &mut ParticleStore<2>, model: &mut Model, keys: &mut Keys) {
     model.generation += 1;
 }
 
-/// The same sums in the same order as the store's, so that the bits agree.
+/// The same sums in the same order as the store's, so that results are bitwise identical.
 fn merged(group: &[Particle], id: u64) -> Particle {
     let total: f64 = group.iter().map(|p| p.mass).sum();
     let mean = |of: &dyn Fn(&Particle) -> f64| {
@@ -233,7 +233,7 @@ fn merged(group: &[Particle], id: u64) -> Particle {
 }
 
 fn merge(store: &mut ParticleStore<2>, model: &mut Model, keys: &mut Keys) {
-    // Any places, some of them twice, some beyond the end.
+    // Arbitrary indices, some of them twice, some out of range.
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); keys.below(3)];
     for group in &mut groups {
         let n = keys.below(4);
@@ -321,7 +321,7 @@ proptest! {
                 _ => restart(&mut store, &mut keys),
             }
             agree(&store, &model);
-            // A list made before is refused if and only if a place holds another particle.
+            // An older list is rejected if and only if an index refers to another particle.
             match store.check_generation(made_for) {
                 Ok(()) => prop_assert_eq!(store.ids(), places),
                 Err(Error::StaleGeneration { made_for: was, generation }) => {

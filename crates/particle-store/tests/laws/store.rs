@@ -1,4 +1,4 @@
-//! What a store does to its columns, and what it refuses.
+//! Operations of a store on its columns, and their errors.
 
 use particle_store::{Attribute, Error, Handle, Kind, ParticleStore};
 

@@ -1,4 +1,4 @@
-//! The flow stress of Johnson and Cook, its five parameters random.
+//! Johnson-Cook flow stress with five random parameters.
 
 #![allow(
     clippy::inline_always,
@@ -10,7 +10,7 @@ use crate::expansion::Expansion;
 use crate::response::Response;
 use crate::scalar::Scalar;
 
-/// Flow stress at a given state as a function of its parameters `x = [A, B, C, n, m]`.
+/// Johnson-Cook flow stress at a given state, as a function of its parameters `x = [A, B, C, n, m]`.
 ///
 /// $$ \sigma_y = (A + B \varepsilon^n) (1 + C \ln \dot\varepsilon^{\ast}) (1 - T^{\ast m}) $$
 ///
@@ -18,8 +18,8 @@ use crate::scalar::Scalar;
 /// $\dot\varepsilon^{\ast}$ = strain rate over the reference rate (1/s in the source), $T^{\ast}$ = homologous temperature,
 /// `(T - T_room)/(T_melt - T_room)`.
 ///
-/// Source: Johnson and Cook 1983; derivatives Chen et al. 2019, eq 34-35, five entries of which are wrong in
-/// print (docs/errata.md): the second derivatives in `n` and `m` are not zero, and `C4`, `C5`, `C6` are products of
+/// Source: Johnson and Cook 1983; derivatives Chen et al. 2019, eq 34-35. Five entries are wrong in print
+/// (docs/errata.md): the second derivatives in `n` and `m` are not zero, and `C4`, `C5`, `C6` are products of
 /// logarithms, not logarithms of sums.
 ///
 /// ```
@@ -45,10 +45,11 @@ pub struct JohnsonCook {
 }
 
 impl JohnsonCook {
-    /// The state: plastic strain, strain rate over the reference rate, homologous temperature.
+    /// Response at a state: plastic strain, strain rate over the reference rate, homologous temperature.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] where one of them is not finite and above zero: the derivatives hold their logarithms.
+    /// [`Error::NotPositive`] if one of them is not finite and positive, because the derivatives contain their
+    /// logarithms.
     pub fn new(
         plastic_strain: f64,
         relative_rate: f64,
@@ -64,15 +65,16 @@ impl JohnsonCook {
         ]))
     }
 
-    /// The state by the logarithms of strain, relative rate and homologous temperature, unchecked: what a loop over
-    /// many states that has them already uses.
+    /// Response at a state given by the logarithms of strain, relative rate and homologous temperature, unchecked.
+    ///
+    /// For loops over many states whose logarithms are available.
     #[must_use]
     #[inline(always)]
     pub const fn from_logarithms([log_strain, log_rate, log_temperature]: [f64; 3]) -> Self {
         Self { log_strain, log_rate, log_temperature }
     }
 
-    /// Value, the five first and the five own second derivatives, in closed form.
+    /// Value, and the five first and five unmixed second derivatives, in closed form.
     #[must_use]
     #[inline(always)]
     pub fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
@@ -89,13 +91,13 @@ impl JohnsonCook {
 
     /// Value, gradient, Hessian and third derivatives, in closed form.
     ///
-    /// The response is a product of three factors that share no parameter, so each derivative is the product of the
-    /// factors' own.
+    /// The response is a product of three factors without common parameters, so each derivative is the product of the
+    /// factors' derivatives.
     #[must_use]
     pub fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
         let p = self.parts(x);
         let (ln_e, ln_t) = (self.log_strain, self.log_temperature);
-        // How often each parameter is differentiated gives the derivative of each factor.
+        // The order in each parameter selects the derivative of each factor.
         let strain_factor = |a: usize, b: usize, n: usize| match (a, b) {
             (0, 0) if n == 0 => p.c1,
             (0, 0) => p.b_strain * power(ln_e, n),
@@ -126,7 +128,7 @@ impl JohnsonCook {
     }
 }
 
-/// The three factors and what they are made of.
+/// The three factors and their components.
 struct Parts {
     strain: f64,
     temperature: f64,
@@ -144,8 +146,8 @@ impl Response<5> for JohnsonCook {
     #[inline(always)]
     fn value<S: Scalar>(&self, x: &[S; 5]) -> S {
         let [a, b, c, n, m] = *x;
-        // The exponentials first, so that what follows is one run of lane-wise operations without a call. Both factors with
-        // the sign turned: their product is the same, and a subtraction from one is saved.
+        // The exponentials come first, so the rest is one sequence of lane-wise operations without a call. Both
+        // factors have the opposite sign: their product is the same, and a subtraction from one is saved.
         let (strain, temperature) =
             (n.exp_scaled(self.log_strain), m.exp_scaled(self.log_temperature));
         let minus_c2 = c * -self.log_rate - 1.0;

@@ -1,4 +1,4 @@
-//! The pressure of Mie and Grüneisen, its five parameters random.
+//! Mie-Grüneisen pressure with five random parameters.
 
 #![allow(
     clippy::inline_always,
@@ -10,7 +10,7 @@ use crate::expansion::Expansion;
 use crate::response::Response;
 use crate::scalar::Scalar;
 
-/// The state at which the pressure is asked for, and what of the material is certain.
+/// State of the pressure, and the certain material data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MieGruneisenState {
     /// `rho0 c0^2`: initial density times the square of the bulk sound speed (Pa).
@@ -21,17 +21,17 @@ pub struct MieGruneisenState {
     pub energy: f64,
 }
 
-/// Pressure at a given state as a function of its parameters `x = [S1, S2, S3, gamma0, a]`.
+/// Mie-Grüneisen pressure at a given state, as a function of its parameters `x = [S1, S2, S3, gamma0, a]`.
 ///
 /// $$ p = \frac{\rho_0 c_0^2 \mu \left( 1 + (1 - \tfrac{\gamma_0}{2}) \mu - \tfrac{a}{2} \mu^2 \right)}
 ///             {\left( 1 - (S_1 - 1) \mu - S_2 \frac{\mu^2}{\mu + 1} - S_3 \frac{\mu^3}{(\mu + 1)^2} \right)^2}
 ///        + (\gamma_0 + a \mu) e, \quad \mu > 0; \qquad
 ///    p = \rho_0 c_0^2 \mu + (\gamma_0 + a \mu) e, \quad \mu \le 0 $$
 ///
-/// All parameters are pure numbers. The pressure has a pole where the denominator vanishes, at `S1 = 1 + 1/mu` for
-/// `S2 = S3 = 0`: under a Gaussian `S1` its moments do not exist. See [`denominator`](Self::denominator).
+/// All parameters are dimensionless. The pressure has a pole where the denominator is zero, at `S1 = 1 + 1/mu` for
+/// `S2 = S3 = 0`: for a Gaussian `S1` its moments do not exist. See [`denominator`](Self::denominator).
 ///
-/// Source: Chen et al. 2019, eq 10 and 31-33, right in print.
+/// Source: Chen et al. 2019, eq 10 and 31-33, correct in print.
 ///
 /// ```
 /// use perturbation_moments::responses::{MieGruneisen, MieGruneisenState};
@@ -47,15 +47,15 @@ pub struct MieGruneisenState {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MieGruneisen {
     state: MieGruneisenState,
-    /// What `S1 - 1`, `S2` and `S3` stand before in the denominator.
+    /// Coefficients of `S1 - 1`, `S2` and `S3` in the denominator.
     weights: [f64; 3],
 }
 
 impl MieGruneisen {
-    /// The response at a state.
+    /// Response at a state.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a bulk modulus or `1 + mu` that is not finite and above zero, [`Error::NotFinite`] for
+    /// [`Error::NotPositive`] for a bulk modulus or `1 + mu` that is not finite and positive, [`Error::NotFinite`] for
     /// the energy.
     pub fn new(state: MieGruneisenState) -> Result<Self, Error> {
         require_positive("bulk modulus", state.bulk_modulus)?;
@@ -64,18 +64,18 @@ impl MieGruneisen {
         Ok(Self::from_state(state))
     }
 
-    /// The same, unchecked: what a loop over many states uses.
+    /// The same, unchecked, for loops over many states.
     #[must_use]
     #[inline(always)]
     pub fn from_state(state: MieGruneisenState) -> Self {
         let mu = state.compression;
-        // No shock, no denominator: with these weights at zero the one formula holds for both signs.
+        // Without a shock the denominator is one: with these weights zero, one formula holds for both signs.
         let ratio = mu / (1.0 + mu);
         let weights = if mu > 0.0 { [mu, mu * ratio, mu * ratio * ratio] } else { [0.0; 3] };
         Self { state, weights }
     }
 
-    /// `1 - (S1 - 1) mu - ..`: at zero the pressure has its pole, which physics does not reach.
+    /// `1 - (S1 - 1) mu - ..`: the pressure has its pole where this is zero, outside the physical range.
     #[must_use]
     #[inline(always)]
     pub fn denominator<S: Scalar>(&self, x: &[S; 5]) -> S {
@@ -83,13 +83,13 @@ impl MieGruneisen {
         (x[0] * -w1 + (1.0 + w1)) - (x[1] * w2 + x[2] * w3)
     }
 
-    /// Value, the five first and the five own second derivatives, in closed form.
+    /// Value, and the five first and five unmixed second derivatives, in closed form.
     #[must_use]
     #[inline(always)]
     pub fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
         let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
         let [w1, w2, w3] = self.weights;
-        // Whatever does not need the division stands before it; after it only powers of the inverse follow.
+        // Operations without the division come first; only powers of the inverse follow.
         let cold = bulk_modulus * mu;
         let half = -0.5 * mu.max(0.0) * cold;
         let gruneisen = x[3] + x[4] * mu;
@@ -114,7 +114,8 @@ impl MieGruneisen {
         let inverse = 1.0 / self.denominator(x);
         let half = if mu > 0.0 { -0.5 * mu } else { 0.0 };
         let numerator = self.polynomial() + half * (x[3] + x[4] * mu);
-        // Linear in gamma0 and a: at most one derivative by either, and (k+1)! D^-(2+k) of the denominator.
+        // Linear in gamma0 and a: at most one derivative with respect to either, and (k+1)! D^-(2+k) of the
+        // denominator.
         let derivative = |by: &[usize]| {
             let (mut cold, mut thermal) = (bulk_modulus * mu * inverse * inverse, energy);
             let (mut order, mut linear) = (0_u32, 0);

@@ -1,7 +1,7 @@
-//! Two published responses with their derivatives in closed form.
+//! Two published responses with derivatives in closed form.
 //!
-//! They stand here as the measure of the other ways to differentiate, and as the place where the printed derivatives of
-//! their source are corrected. They know no solver: a state is a few numbers.
+//! They are the reference for the other ways of differentiation, and correct the printed derivatives of their source.
+//! They know no solver: a state is a few numbers.
 
 mod johnson_cook;
 mod mie_gruneisen;

@@ -3,7 +3,7 @@
 use random_vibration::{GridConfig, GridDensity, GridError};
 use sde_integrators::{Additive, GaussianMixture, Sde};
 
-/// An undamped oscillator without noise, or with noise where it must not be.
+/// An undamped oscillator without noise, or with noise on the displacement.
 #[derive(Debug)]
 struct Turning {
     noise_on_q: f64,
@@ -41,14 +41,14 @@ fn an_undamped_oscillator_turns_as_a_whole() {
         density.advance_to(part * PERIOD).unwrap();
         let mean = density.raw_moment([1, 0]).unwrap();
         let second = density.raw_moment([2, 0]).unwrap();
-        // The composition is exact and the remapping keeps the mean; the variance is good to that of a cell, h^2/12
+        // The composition is exact and the remapping conserves the mean; the variance errs by that of a cell, h^2/12
         // with h = 14 x 0.3/96.
         assert!((mean - q).abs() < 1e-10, "{part}: {mean}");
         assert!((second - mean * mean - qq).abs() < 1.6e-4, "{part}: {second}");
         assert!((density.total_mass() - 1.0).abs() < 1e-13 && density.smallest_mass() >= 0.0);
     }
     assert_eq!(density.steps(), 16);
-    // Two tails of the normal law with mean 0.3 and deviation 0.2 beyond 0.9: 3 and 6 deviations.
+    // Two tails of the normal distribution with mean 0.3 and deviation 0.2 beyond 0.9: 3 and 6 deviations.
     let expected = 1.349898031630095e-3 + 9.865876450376946e-10;
     assert!((density.exceedance(0.9) / expected - 1.0).abs() < 2e-2, "{}", density.exceedance(0.9));
 }

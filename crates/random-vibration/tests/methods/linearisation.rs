@@ -22,13 +22,13 @@ fn a_linear_system_keeps_its_exact_distribution_whatever_the_rule() {
     for (rule, limit) in [
         (plane(Quadrature::Hermite), 1.3e-7),
         (plane(Quadrature::SplitAtZero), 1.3e-7),
-        // Split at 1.7 deviations the rule itself is good to 8e-5 of a fourth moment.
+        // Split at 1.7 deviations, the rule itself errs by 8e-5 in a fourth moment.
         (Linearisation { order: split, step: 0.02 }, 8e-5),
     ] {
         let law = rule.laws(&LINEAR, &start(), &[3.0]).unwrap()[0];
         for i in 0..2 {
             for j in 0..2 {
-                // Runge-Kutta 4 for a covariance that turns at 2 omega: 2 omega t (2 omega dt)^4/120.
+                // Error of Runge-Kutta 4 for a covariance that rotates at 2 omega: 2 omega t (2 omega dt)^4/120.
                 let error = (law.covariance[i][j] - exact[i][j]).abs();
                 assert!(error < limit, "{rule:?}: {error:e}");
             }
@@ -42,12 +42,12 @@ fn the_stationary_duffing_oscillator_has_the_closed_linearised_variance() {
     let system = Oscillator { cubic: 0.5, ..LINEAR };
     let law = plane(Quadrature::Hermite).laws(&system, &start(), &[150.0]).unwrap()[0];
     let expected = (7.0_f64.sqrt() - 1.0) / 3.0;
-    // What is left of the start: exp(-2 xi w t) = 3e-7.
+    // Remainder of the initial state: exp(-2 xi w t) = 3e-7.
     assert!((law.covariance[0][0] / expected - 1.0).abs() < 1e-5, "{}", law.covariance[0][0]);
     assert!((law.covariance[1][1] - 1.0).abs() < 1e-5);
 }
 
-/// A force with a root where `u` vanishes, and one where `u` and `v` are equal.
+/// A force with a root at `u = 0`, and one with a root at `u = v`.
 struct Root;
 
 impl Sde<2, 1> for Root {
@@ -73,7 +73,7 @@ fn a_root_of_the_drift_is_integrated_as_in_closed_form_at_zero_and_between_two_s
     let order = [(0, Quadrature::SplitAtZero), (1, Quadrature::SplitAt(0))];
     let law = Linearisation { order, step: t }.laws(&Root, &law, &[t]).unwrap()[0];
     let lost = |k: usize, s: f64| (s * s - law.covariance[k][k]) / t;
-    // The rule takes the root to 1e-5; the difference over t has 1e-6 of curvature and 1e-10 of roundoff.
+    // The rule integrates the root to 1e-5; the difference over t has 1e-6 of curvature and 1e-10 of roundoff.
     assert!((lost(0, s_u) / (2.0 * moment(s_u)) - 1.0).abs() < 1e-5, "{}", lost(0, s_u));
     // E[v f(v - u)] is the share s_v^2/s^2 of E[(v - u) f(v - u)], with s^2 = s_u^2 + s_v^2.
     let square = s_u * s_u + s_v * s_v;
@@ -97,7 +97,7 @@ fn moments_and_tails_are_those_of_the_normal_distribution() {
         ([2, 2], mixed),
         ([1, 3], cubic),
     ] {
-        // The step moves them by 1e-9 of themselves, about.
+        // The step changes them by a relative 1e-9.
         assert!((law.raw_moment(powers) - expected).abs() < 1e-7, "{powers:?}");
     }
     // q - v has the mean 0.5 and the variance 1 - 1.2 + 2.

@@ -1,4 +1,4 @@
-//! Each method against closed forms, and what it refuses.
+//! Each method compared with closed forms, and its errors for invalid input.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 

@@ -1,4 +1,4 @@
-//! Oscillators whose distributions are known.
+//! Oscillators with known distributions.
 
 use sde_integrators::{Additive, Sde};
 

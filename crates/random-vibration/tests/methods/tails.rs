@@ -60,7 +60,7 @@ fn a_mixture_a_degenerate_start_and_a_side_without_design_point_are_refused() {
     assert!(matches!(refused, TailError::Mixture { value: 2 }));
     let law = GaussianMixture::gaussian([0.0; 2], COVARIANCE).unwrap();
     let paths = TailPaths::new::<_, _, 1>(&SYSTEM, &Shark, &law, (TIME, 50)).unwrap();
-    // Nothing moves a demand without weights.
+    // A demand with zero weights is constant.
     let refused = paths.with_demand([0.0; 2]).importance(1.0, Tails::Both, 100, 1).unwrap_err();
     assert!(matches!(refused, TailError::Sampling(_)), "{refused}");
 }

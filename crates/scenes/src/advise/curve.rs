@@ -1,4 +1,4 @@
-//! Error and cost of a method over its size, carried on to the size that a tolerance needs.
+//! Error and cost of a method over its size, extrapolated to the size that a tolerance requires.
 
 use figures::settled;
 
@@ -7,9 +7,9 @@ use crate::ladder::Growth;
 /// Error and cost over size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// How they go before anything is measured.
+    /// Expected orders of error and cost.
     pub growth: Growth,
-    /// What was measured, by rising size.
+    /// Trials, by increasing size.
     pub points: Vec<Point>,
 }
 
@@ -20,52 +20,53 @@ pub struct Point {
     pub size: f64,
     /// CPU time (s).
     pub cost: f64,
-    /// The error that the run tells, over the scale of the quantity.
+    /// Error estimate of the run, over the scale of the quantity.
     pub own: f64,
-    /// How far beyond that others contradict it, over the scale of the quantity.
+    /// Deviation from other trials beyond that estimate, over the scale of the quantity.
     pub excess: f64,
 }
 
-/// What a tolerance needs.
+/// Size that a tolerance requires.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Needed {
     /// The size.
     pub size: f64,
-    /// The CPU time that is expected (s).
+    /// Expected CPU time (s).
     pub cost: f64,
-    /// Over the largest size that was tried; above 1 nothing was seen of it.
+    /// Ratio to the largest size tried; above 1 the size is extrapolated.
     pub beyond: f64,
 }
 
-/// Why a method does not reach a tolerance, as far as its trials tell.
+/// Why the trials of a method do not reach a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unreached {
-    /// No trial of it has an answer.
+    /// No trial has a result.
     NoAnswer,
-    /// Its error does not fall.
+    /// The error does not decrease.
     NotFalling {
         /// The error at the largest size, over the scale of the quantity.
         error: f64,
     },
-    /// Its error falls, and no trial is near enough to tell from where on it is small enough.
+    /// The error decreases, but the required size is too far from the trials.
     TooFar {
         /// The error at the largest size, over the scale of the quantity.
         error: f64,
     },
 }
 
-/// An order below which an error is not said to fall.
+/// Observed order below which an error does not count as decreasing.
 const LEAST_ORDER: f64 = 0.5;
-/// The largest lattice that is told of, over the largest that was tried, along a length: an order seen over a factor of two or
-/// three says little beyond as much again.
+/// Largest extrapolation of a lattice, as a ratio along a length.
+///
+/// An order observed over a factor of two or three supports an extrapolation by about the same factor.
 const FARTHEST_LATTICE: f64 = 4.0;
-/// The same for samples, whose error is known to fall with the root.
+/// The same for samples, whose error decreases with the square root.
 const FARTHEST_SAMPLES: f64 = 1e6;
-/// CPU time below which the clock and the start of a run are most of it (s).
+/// CPU time below which clock resolution and start-up dominate (s).
 const TIMED: f64 = 0.02;
 
 impl Point {
-    /// Over the scale of the quantity.
+    /// Total error over the scale of the quantity.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.own + self.excess
@@ -73,7 +74,7 @@ impl Point {
 }
 
 impl Curve {
-    /// The least size, and its cost, at which the error is within a tolerance.
+    /// Smallest size, and its cost, at which the error is within a tolerance.
     ///
     /// # Errors
     /// [`Unreached`].
@@ -87,7 +88,7 @@ impl Curve {
         Ok(Needed { size, cost: self.cost(size), beyond: size / last.size })
     }
 
-    /// Between the last size that is not enough and the first that is.
+    /// Interpolates between the last insufficient size and the first sufficient one.
     fn between(&self, enough: Point, tolerance: f64) -> f64 {
         let below = self.points.iter().rev().find(|point| point.size < enough.size);
         let Some(below) = below else { return enough.size };
@@ -95,7 +96,7 @@ impl Curve {
         if to <= 0.0 || from <= tolerance {
             return enough.size;
         }
-        // A straight line on two logarithmic axes.
+        // Linear interpolation on two logarithmic axes.
         let part = (from / tolerance).ln() / (from / to).ln();
         below.size * (enough.size / below.size).powf(part)
     }
@@ -104,7 +105,7 @@ impl Curve {
         let error = last.error();
         let (factor, farthest) = match self.growth {
             Growth::Samples => {
-                // More samples take away what is random, and no more.
+                // More samples reduce only the random error.
                 let left = tolerance - last.excess;
                 if left <= 0.0 {
                     return Err(Unreached::NotFalling { error });
@@ -123,7 +124,7 @@ impl Curve {
         if factor > farthest { Err(Unreached::TooFar { error }) } else { Ok(last.size * factor) }
     }
 
-    /// The order over the last three trials, and no more than the method's.
+    /// Order over the last three trials, at most the order of the method.
     fn order(&self) -> f64 {
         let highest = self.growth.order();
         let recent = &self.points[self.points.len().saturating_sub(3)..];
@@ -132,7 +133,7 @@ impl Curve {
         if order.is_finite() { order.min(highest) } else { highest }
     }
 
-    /// A straight line on two logarithmic axes through the two nearest trials, where the clock told them apart.
+    /// Power law through the two nearest trials, where their measured times differ.
     fn cost(&self, size: f64) -> f64 {
         let above = self.points.iter().position(|point| point.size >= size);
         let k = above.unwrap_or(self.points.len() - 1);
@@ -144,7 +145,7 @@ impl Curve {
         let expected = self.growth.cost_exponent();
         let is_timed = k > 0 && self.points[k - 1].cost > TIMED;
         let exponent = match measured {
-            // One more for the steps, which a finer lattice may ask for as well.
+            // One order more for the time steps, which a finer lattice may also require.
             Some(measured) if is_timed => measured.clamp(0.5 * expected, expected + 1.0),
             _ => expected,
         };

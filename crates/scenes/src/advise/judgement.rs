@@ -1,29 +1,29 @@
-//! What trials together know of a quantity, and how far off each of them is.
+//! Best value of each quantity from all trials, and the error of each trial.
 
 use super::curve::{Curve, Point};
 use crate::ladder::{Growth, Ladder, Quantity, Standing, Trial};
 
-/// What the trials know of a quantity.
+/// Result of all trials for a quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// e.g. `moment/2-0`.
+    /// Id, e.g. `moment/2-0`.
     pub id: String,
-    /// In words.
+    /// Description.
     pub words: String,
-    /// The value of the trial that knows it best.
+    /// Value of the most accurate trial.
     pub value: f64,
-    /// How far off that may be.
+    /// Error of that value.
     pub error: f64,
-    /// What errors are related to.
+    /// Scale of the errors.
     pub scale: f64,
-    /// The trial that knows it best, by its place in the list.
+    /// Index of the most accurate trial.
     pub best: usize,
     /// For each method of the ladder: its errors over `scale`, and its costs.
     pub curves: Vec<Curve>,
 }
 
 impl Judgement {
-    /// The error of a trial over the scale; none where it has no word on the quantity.
+    /// Error of a trial over the scale; none where the trial has no value of the quantity.
     #[must_use]
     pub fn error_of(&self, trial: &Trial) -> Option<f64> {
         let points = &self.curves.get(trial.method)?.points;
@@ -32,22 +32,23 @@ impl Judgement {
     }
 }
 
-/// A trial's word on a quantity.
+/// Result of a trial for a quantity.
 struct Word<'t> {
     trial: usize,
     method: usize,
     size: f64,
     cost: f64,
     quantity: &'t Quantity,
-    /// How far off it may be; none where the run does not tell.
+    /// Its error; none where the run gives no estimate.
     error: Option<f64>,
 }
 
-/// Judges the trials of all methods by each other; `None` where none tells an error.
+/// Compares the trials of all methods; `None` if no trial has an error estimate.
 ///
-/// A run's own word is believed with two exceptions. An error on a lattice falls from one lattice to the next no faster than by the
-/// fourth power: less is an error that happens to cross zero. And what a judge contradicts by more than twice its error, four
-/// standard errors, is wrong by as much as it does: each judge is asked for every quantity, and two are exceeded once in twenty.
+/// A run's own estimate is accepted with two exceptions. From one lattice to the next an error decreases at most by
+/// the fourth power; a smaller estimate is an error that happens to cross zero. A value that deviates from a judge by
+/// more than twice the judge's error, four standard errors, has an error of at least that deviation. The factor is two
+/// because each judge is compared for every quantity, and two standard errors are exceeded once in twenty comparisons.
 #[must_use]
 pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let mut words = words(trials, id);
@@ -61,7 +62,7 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let known = known.filter_map(|word| Some((word, word.error?)));
     let (best, error) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let Quantity { words: name, value, .. } = best.quantity;
-    // The scale of the best: one that is far off knows neither.
+    // Scale of the most accurate trial: an inaccurate one has the wrong scale too.
     let scale = best.quantity.scale;
     let curve = |method: usize| {
         let of_method = words.iter().filter(|word| word.method == method);
@@ -81,7 +82,9 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     Some(Judgement { id, words, value: *value, error, scale, best: best.trial, curves })
 }
 
-/// A method that samples with a bias of its own, as forward Euler does, knows its scatter and not its error.
+/// Whether a method may be the most accurate.
+///
+/// A method with a bias in its samples, such as forward Euler, estimates only its scatter.
 fn may_be_best(ladder: &Ladder, method: usize) -> bool {
     let method = &ladder.methods[method];
     method.growth != Growth::Samples || method.standing == Standing::Judge
@@ -105,8 +108,9 @@ fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
     words
 }
 
-/// The order with which an error may fall from one lattice to the next. Seen where a lattice begins to resolve a density: 3 to 5,
-/// and 2 from there on.
+/// Largest order with which an error may decrease from one lattice to the next.
+///
+/// Observed: 3 to 5 where a lattice begins to resolve a density, and 2 beyond.
 const FASTEST: f64 = 4.0;
 
 fn no_faster_than(words: &mut [Word<'_>], method: usize) {
@@ -121,11 +125,11 @@ fn no_faster_than(words: &mut [Word<'_>], method: usize) {
     }
 }
 
-/// Raises errors on a lattice to what the largest ensembles of the judges contradict them by.
+/// Raises errors on a lattice to their deviations from the largest ensembles of the judges.
 fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
     let standing = |method: usize| ladder.methods[method].standing;
     let largest = |method: usize| {
-        // Words are in the order of their sizes.
+        // Results are in the order of their sizes.
         let word = words.iter().rev().find(|word| word.method == method)?;
         Some((word.quantity.value, word.error?))
     };
@@ -133,7 +137,7 @@ fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
     let judges: Vec<(f64, f64)> = judges.filter_map(largest).collect();
     for word in words.iter_mut().filter(|word| standing(word.method) == Standing::Judged) {
         if ladder.methods[word.method].growth == Growth::Samples {
-            // Its own word is of its scatter alone.
+            // Its own estimate covers only scatter.
             continue;
         }
         let Some(error) = &mut word.error else { continue };
@@ -184,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_method_that_sampling_contradicts_is_wrong_by_as_much() {
-        // It agrees with itself, and is off by a fifth.
+        // Two trials of one method agree, and both err by a fifth.
         let trials = [
             trial(0, 20.0, 1.2, Some(1e-6)),
             trial(1, 20.0, 1.004, Some(0.004)),

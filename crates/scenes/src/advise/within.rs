@@ -1,4 +1,4 @@
-//! A scene run by its own method at the size that a tolerance needs.
+//! Runs a scene by its own method at the size that a tolerance requires.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,22 +14,22 @@ use crate::scene::SceneFile;
 /// A run to a tolerance.
 #[derive(Debug)]
 pub struct Within {
-    /// What it wrote.
+    /// Files written.
     pub files: Vec<PathBuf>,
-    /// The method with its size in words.
+    /// Name of the method with its size.
     pub label: String,
-    /// The quantities that were asked for and are known to within themselves, with what the run itself tells of their error.
+    /// Selected quantities whose error is smaller than their scale, with the run's own error estimates.
     pub quantities: Vec<Quantity>,
 }
 
 impl Within {
-    /// Whether every error that the run tells is within the tolerance.
+    /// Whether every error estimate of the run is within the tolerance.
     #[must_use]
     pub fn is_reached(&self, tolerance: f64) -> bool {
         self.largest().is_some_and(|(error, _)| error <= tolerance)
     }
 
-    /// The largest error over its scale, and of what. A quantity without an error has an infinite one.
+    /// Largest error over its scale, with its quantity. A quantity without an error counts as infinite.
     fn largest(&self) -> Option<(f64, &Quantity)> {
         let relative = |quantity: &Quantity| {
             quantity.error.map_or(f64::INFINITY, |error| error / quantity.scale)
@@ -39,10 +39,10 @@ impl Within {
     }
 }
 
-/// Runs a scene by its own method, refined or coarsened to what trials say the tolerance needs.
+/// Runs a scene by its own method, with the size that the trials give for the tolerance.
 ///
 /// # Errors
-/// [`AdviseError::NotReached`] where the trials do not tell of such a size, and those of a run.
+/// [`AdviseError::NotReached`] if the trials give no such size, and the errors of a run.
 pub fn run_within(
     table: &[SceneKind],
     scene: &Path,
@@ -69,28 +69,28 @@ pub fn run_within(
     Ok(Within { files, label, quantities })
 }
 
-/// The quantity that is farthest off, and why it stays so.
+/// The quantity with the largest error, and the reason.
 fn not_reached(advice: &Advice) -> AdviseError {
     let missed = (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(|q| {
         let words = advice.judgements[q].words.as_str();
         match advice.needs[q].first()? {
-            Err(Unreached::NotFalling { error }) => Some((*error, words, "does not fall")),
+            Err(Unreached::NotFalling { error }) => Some((*error, words, "does not decrease")),
             Err(Unreached::TooFar { error }) => {
-                Some((*error, words, "falls, and the rest is too far to tell"))
+                Some((*error, words, "decreases, but the required size is too far from the trials"))
             }
             Ok(_) | Err(Unreached::NoAnswer) => None,
         }
     });
     let farthest = missed.max_by(|a, b| a.0.total_cmp(&b.0));
     let reason = farthest.map_or_else(
-        || "no quantity is known to within itself".to_owned(),
+        || "no quantity has an error smaller than its scale".to_owned(),
         |(error, words, why)| format!("the error of {words} is {} and {why}", short(Some(error))),
     );
     let method = advice.ladder.methods[0].name.clone();
     AdviseError::NotReached { method, tolerance: advice.options.tolerance, reason }
 }
 
-/// Prints the files, and whether the run tells of the tolerance.
+/// Prints the files, and whether the error estimates are within the tolerance.
 ///
 /// # Errors
 /// [`AdviseError::Write`].

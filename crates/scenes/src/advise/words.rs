@@ -1,4 +1,4 @@
-//! Advice as it is printed.
+//! Printed form of the advice.
 
 use std::io::Write;
 
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::{Advice, AdviseError, Candidate, Unreached};
 use crate::ladder::{Outcome, Trial};
 
-/// Prints what was tried, the cheapest methods, and what to write into the scene.
+/// Prints the trials, the cheapest methods, and the keys to write into the scene.
 ///
 /// # Errors
 /// [`AdviseError::Write`].
@@ -54,8 +54,8 @@ fn tried(advice: &Advice) -> String {
 
 fn notes(advice: &Advice) -> String {
     let mut notes = String::from(
-        "Errors are relative, those of covariances to the deviations: the run's own estimate, two standard errors of what is sampled, \
-         or what other trials contradict it by, those that sample beyond four.\n",
+        "Errors are relative; those of covariances are relative to the deviations. An error is the run's own estimate, two standard errors \
+         of sampled values, or the deviation from other trials; for sampled trials a deviation beyond four standard errors.\n",
     );
     notes.push_str(advice.ladder.left_out);
     notes.push('\n');
@@ -64,27 +64,27 @@ fn notes(advice: &Advice) -> String {
         .map(|q| advice.judgements[q].words.as_str())
         .collect();
     if !unknown.is_empty() {
-        notes.push_str("Not judged, since no trial knows more than its order of magnitude: ");
+        notes.push_str("Not compared, because no trial gives more than the order of magnitude: ");
         notes.push_str(&unknown.join(", "));
         notes.push_str(".\n");
     }
     notes
 }
 
-/// The errors of a trial over known quantities, with their places.
+/// Errors of a trial over known quantities, with their indices.
 fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
     let of = |q: usize| Some((advice.judgements[q].error_of(trial)?, q));
     (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(of).collect()
 }
 
-/// How many of the known quantities a trial has within the tolerance.
+/// Number of known quantities that a trial computes within the tolerance.
 fn n_within(advice: &Advice, trial: &Trial) -> String {
     let errors = errors(advice, trial);
     let n = errors.iter().filter(|(error, _)| *error <= advice.options.tolerance).count();
     format!("{n} of {}", errors.len())
 }
 
-/// The largest error of a trial among known quantities, and of which.
+/// Largest error of a trial among known quantities, with the quantity.
 fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
     let largest = errors(advice, trial).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((largest.0, advice.judgements[largest.1].words.clone()))
@@ -119,13 +119,13 @@ fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
     [markdown::text(&name), format!("{mark}{}", short(Some(candidate.needed.cost)))]
 }
 
-/// The method that came nearest, and why it is not enough.
+/// The method with the smallest error, and why it does not reach the tolerance.
 fn why_not(advice: &Advice, quantity: usize) -> String {
     let unreached = advice.needs[quantity].iter().enumerate();
     let nearest = unreached.filter_map(|(method, need)| match need {
-        Err(Unreached::NotFalling { error }) => Some((method, *error, "and does not fall")),
+        Err(Unreached::NotFalling { error }) => Some((method, *error, "and it does not decrease")),
         Err(Unreached::TooFar { error }) => {
-            Some((method, *error, "and the rest is too far to tell"))
+            Some((method, *error, "and the required size is too far from the trials"))
         }
         Ok(_) | Err(Unreached::NoAnswer) => None,
     });
@@ -143,14 +143,14 @@ fn verdict(advice: &Advice) -> String {
     let candidates = advice.candidates_for_all();
     let Some(best) = candidates.first() else {
         return format!(
-            "No method is seen to bring all of them within {within}. A larger --budget sees further; --quantity asks for less."
+            "No method reaches {within} for all of them. Raise --budget, or select fewer quantities by --quantity."
         );
     };
     let Some(rung) = advice.rung(best) else { return String::new() };
     let name = advice.ladder.methods[best.method].at(&rung.label);
     let cost = short(Some(best.needed.cost));
     let seen = if best.needed.beyond > 1.0 + 1e-9 {
-        format!("expected, {:.1} times the largest size that was tried", best.needed.beyond)
+        format!("expected, {:.1} times the largest size tried", best.needed.beyond)
     } else {
         "as tried".to_owned()
     };

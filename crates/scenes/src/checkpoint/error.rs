@@ -1,95 +1,95 @@
-//! Why a checkpoint is not taken.
+//! Errors of a checkpoint.
 
 use std::path::PathBuf;
 
-/// A checkpoint that could not be read or written.
+/// Error of reading or writing a checkpoint.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// There are files, and none can be gone on from.
+    /// Files exist, but none can be resumed.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     #[diagnostic(help(
-        "--overwrite starts from the beginning; shards are joined by the scene that made them"
+        "--overwrite starts from the beginning; join shards by the scene that produced them"
     ))]
     Refused(Vec<Refusal>),
-    /// A run would start anew over one that has not come to its end.
-    #[error("{} is of a run that has not come to its end", .path.display())]
+    /// The run would restart over an unfinished run.
+    #[error("{} belongs to an unfinished run", .path.display())]
     #[diagnostic(help(
-        "--resume goes on from it, --overwrite starts from the beginning over it, another --out leaves it alone"
+        "--resume continues it, --overwrite starts from the beginning, another --out keeps it"
     ))]
     Unfinished {
         /// The last checkpoint.
         path: PathBuf,
     },
-    /// A part that is not what its name says.
+    /// The content of a part does not match its name.
     #[error("the part `{name}` of the checkpoint")]
     Part {
-        /// Which.
+        /// Name of the part.
         name: String,
-        /// What is wrong with it.
+        /// Error of the decoder.
         source: postcard::Error,
     },
-    /// The system refused.
+    /// The file system returned an error.
     #[error("cannot read or write the checkpoint {}", .path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: std::io::Error,
     },
 }
 
-/// A file that is not gone on from.
+/// A file that cannot be resumed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{} {reason}", .path.display())]
 pub struct Refusal {
-    /// Which file.
+    /// The file.
     pub path: PathBuf,
-    /// Why.
+    /// Reason.
     pub reason: Reason,
 }
 
-/// Why a file is not gone on from.
+/// Why a file cannot be resumed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Reason {
-    /// It does not begin as one.
+    /// It has no checkpoint signature.
     #[error("is no checkpoint")]
     NoCheckpoint,
-    /// It ends too soon, or too late.
+    /// Its length is wrong.
     #[error("is cut off: {found} bytes of {expected}")]
     CutOff {
-        /// Its length (bytes).
+        /// Its actual length (bytes).
         found: u64,
-        /// What its head says (bytes).
+        /// The length in its head (bytes).
         expected: u64,
     },
-    /// Its hash is not that of its bytes.
+    /// Its hash does not match its bytes.
     #[error("is damaged: its bytes have the hash {found:016x}, written was {expected:016x}")]
     Damaged {
-        /// Of the bytes.
+        /// Hash of its bytes.
         found: u64,
-        /// At its end.
+        /// Hash stored at its end.
         expected: u64,
     },
-    /// A file that the scene names had other bytes.
+    /// A file named by the scene has changed.
     #[error("was made with another {file}: its bytes had the hash {found}, now it is {expected}")]
     OtherFile {
-        /// Its path, as the scene has it.
+        /// Path of that file, as given in the scene.
         file: String,
-        /// XXH64 of what the run was made with.
+        /// XXH64 at the time of the run.
         found: String,
-        /// Of what is there now.
+        /// XXH64 now.
         expected: String,
     },
-    /// It is of another run.
+    /// It belongs to another run.
     #[error("is of another {what}: {found}, not {expected}")]
     Foreign {
-        /// What differs.
+        /// Name of the field that differs.
         what: &'static str,
-        /// In the file.
+        /// Value in the file.
         found: String,
-        /// Here.
+        /// Value of this run.
         expected: String,
     },
 }

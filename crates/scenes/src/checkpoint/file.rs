@@ -1,5 +1,7 @@
-//! One file of a checkpoint: `SPCHECK3`, the length of the rest but its hash (8 bytes, little endian), head and parts, XXH64 of all
-//! before.
+//! One file of a checkpoint.
+//!
+//! Its layout is `SPCHECK3`, the length of the rest without its hash (8 bytes, little endian), head and parts, and
+//! XXH64 of all preceding bytes.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,27 +15,29 @@ use super::error::{CheckpointError, Reason};
 use crate::scene::NamedFile;
 
 const MAGIC: &[u8; 8] = b"SPCHECK3";
-/// Magic and length.
+/// Length of signature and length field.
 const BEFORE: usize = 16;
-/// The hash.
+/// Length of the hash.
 const BEHIND: usize = 8;
 
-/// Whose checkpoint it is: a run goes on only where all of it is the same.
+/// Identity of a checkpoint: a run resumes only if all fields are equal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
     version: String,
     simd: String,
     solver: String,
     scene: String,
-    /// `none` where nothing is drawn.
+    /// `none` for a run without random numbers.
     seed: String,
     files: Vec<NamedFile>,
 }
 
 impl Head {
-    /// Of a scene of a solver, by this version and the instructions of this machine. `scene` is all that the numbers depend on:
-    /// title, end and what only looks at the result are left out of it, so that a longer run goes on from a shorter one. The seed stands
-    /// beside it, to be told by its name; `files` are those that the scene names.
+    /// The identity of a scene with this version of a solver and the instruction set of this machine.
+    ///
+    /// `scene` contains all keys that affect the results. Title, end time and output keys are excluded, so a longer
+    /// run can resume from a shorter one. The seed is stored separately, so that an error can name it. `files` are the
+    /// files named by the scene.
     #[must_use]
     pub fn new(
         solver: &str,
@@ -51,7 +55,7 @@ impl Head {
         }
     }
 
-    /// The same for what is joined from several machines: numbers are the same bits whatever their instructions are.
+    /// The same for results joined from several machines: they are bitwise identical for all instruction sets.
     #[must_use]
     pub fn of_shards(
         solver: &str,
@@ -62,7 +66,7 @@ impl Head {
         Self { simd: "any".to_owned(), ..Self::new(solver, scene, seed, files) }
     }
 
-    /// All that it is told from others by, with the name of each.
+    /// All fields of the identity with their names.
     #[must_use]
     pub fn fields(&self) -> Vec<(String, String)> {
         let Self { version, simd, solver, scene, seed, files } = self;
@@ -96,7 +100,7 @@ impl Head {
         }
     }
 
-    /// The first file that has other bytes, or is there in one alone.
+    /// The first file whose bytes differ, or that exists on one side only.
     fn other_file(&self, found: &Self) -> Option<Reason> {
         let hash = |head: &Self, path: &str| {
             let file = head.files.iter().find(|file| file.path == path);
@@ -110,10 +114,10 @@ impl Head {
     }
 }
 
-/// How far the run was that left a file.
+/// State of the run that wrote a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
-    /// Something is left to do.
+    /// The run is unfinished.
     UnderWay,
     /// Its results are written.
     Ended,
@@ -122,29 +126,29 @@ pub(super) enum Stage {
 /// Parts by their names, as bytes.
 pub(super) type Parts = BTreeMap<String, Vec<u8>>;
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Content<H = Head, P = Parts> {
     head: H,
-    /// How many files were written before.
+    /// Number of files written before.
     pub(super) sequence: u64,
     pub(super) stage: Stage,
     pub(super) parts: P,
 }
 
 impl Content {
-    /// Itself, where it is of the run that the head names.
+    /// Returns the content if its identity equals the head.
     pub(super) fn of(self, head: &Head) -> Result<Self, Reason> {
         head.foreign(&self.head).map_or(Ok(self), Err)
     }
 }
 
-/// The files of a folder.
+/// The two files in a folder.
 pub(super) fn names(folder: &Path) -> [PathBuf; 2] {
     ["checkpoint-0.bin", "checkpoint-1.bin"].map(|name| folder.join(name))
 }
 
-/// The content of a file, whosever it is, or why it has none; `None` where there is no such file.
+/// Reads a file of any run, or the reason why it is invalid; `None` if it does not exist.
 pub(super) fn read(path: &Path) -> Result<Option<Result<Content, Reason>>, CheckpointError> {
     match std::fs::read(path) {
         Ok(bytes) => Ok(Some(content(&bytes))),
@@ -173,11 +177,11 @@ fn content(bytes: &[u8]) -> Result<Content, Reason> {
     if written != of_bytes {
         return Err(Reason::Damaged { found: of_bytes, expected: written });
     }
-    // What has the right hash and cannot be read was written by another program.
+    // A file with the right hash that cannot be decoded comes from another program.
     postcard::from_bytes(body).map_err(|_| Reason::NoCheckpoint)
 }
 
-/// Writes a file beside its place and moves it there, so that it is old or new, and never half.
+/// Writes a temporary file and renames it, so the file is old or new and never partial.
 pub(super) fn write(
     path: &Path,
     head: &Head,
@@ -197,12 +201,12 @@ pub(super) fn write(
         .map_err(|source| CheckpointError::Io { path: path.to_owned(), source })
 }
 
-/// What a file that was written is there after.
+/// Event that a written file survives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Survives {
-    /// The end of the machine: it is on the disk before it has its name.
+    /// A crash of the machine: the file is on disk before it gets its name.
     Machine,
-    /// The end of the process. A machine that ends may leave it cut off, which is found when it is read.
+    /// The end of the process. A crash of the machine may truncate it, which is detected on reading.
     Process,
 }
 

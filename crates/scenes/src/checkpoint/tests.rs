@@ -4,7 +4,7 @@ use crate::scene::NamedFile;
 
 const OFTEN: Duration = Duration::ZERO;
 
-/// A folder of its own, taken away at the end.
+/// A temporary folder, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -27,7 +27,7 @@ fn open(folder: &Folder, start: Start) -> Result<(Checkpoint, Found), Checkpoint
     Checkpoint::open(&folder.0, head("a scene"), start, OFTEN)
 }
 
-/// Two checkpoints, the second with the number 2 in it.
+/// Two checkpoints; the second contains the number 2.
 fn written(name: &str) -> Folder {
     let folder = Folder::new(name);
     let (checkpoint, _) = open(&folder, Start::Anew).unwrap();
@@ -61,17 +61,15 @@ fn a_run_starts_anew_over_one_that_has_ended_and_over_another_only_where_it_is_t
         let CheckpointError::Unfinished { path } = &refused else { panic!("{refused}") };
         assert!(path.ends_with("checkpoint-0.bin"));
     }
-    // One that is told to has not come to its end either, and its first file is the newest.
+    // A run with that option is unfinished too, and its first file is the newest.
     let over = Checkpoint::open(&folder.0, head("another"), Start::Overwrite, OFTEN).unwrap().0;
     over.keep("number", &3_u64).unwrap();
     let refused = open(&folder, Start::Anew).unwrap_err();
-    assert!(
-        refused.to_string().contains("checkpoint-1.bin is of a run that has not come to its end")
-    );
+    assert!(refused.to_string().contains("checkpoint-1.bin belongs to an unfinished run"));
     over.end().unwrap();
     let (anew, found) = open(&folder, Start::Anew).unwrap();
     assert_eq!((anew.part::<u64>("number").unwrap(), found.file), (None, None));
-    // It has kept nothing yet: what the other has come to can still be gone on from.
+    // It has stored nothing yet, so the other run can still be resumed.
     let go_on = || Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap().0;
     assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
     anew.end().unwrap();

@@ -1,4 +1,4 @@
-//! The paths of what a command wrote.
+//! Prints the paths of written files.
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! A scene on the ranks that mpirun has started.
+//! Runs a scene on the ranks that mpirun has started.
 
 use std::io::Write;
 use std::path::Path;
@@ -10,16 +10,16 @@ use super::paths::print_paths;
 use crate::built_in::ALL;
 use crate::kind::{self, Options, Progress};
 
-/// What launchers of MPI set in the processes that they start: OpenMPI, Hydra (MPICH, Intel MPI), PMIx by itself (srun).
+/// Variables that MPI launchers set in their processes: OpenMPI, Hydra (MPICH, Intel MPI), PMIx alone (srun).
 const OF_LAUNCHERS: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];
 
-/// What a launcher of MPI has said, if one has started this process.
+/// The variable of an MPI launcher, if one has started this process.
 pub(super) fn started() -> Option<Launched> {
     let value = |name: &'static str| Some(Launched { name, value: std::env::var(name).ok()? });
     OF_LAUNCHERS.into_iter().find_map(value)
 }
 
-/// A variable of a launcher.
+/// A variable of a launcher and its value.
 #[derive(Debug, Clone)]
 pub(super) struct Launched {
     name: &'static str,
@@ -38,7 +38,7 @@ pub(super) fn run_alone(
     print_paths(&written?, output)
 }
 
-/// Runs a scene together with the other ranks. What fails on one rank ends all of them, and does not return.
+/// Runs a scene together with the other ranks. An error on one rank aborts all of them; the function does not return.
 #[cfg(feature = "mpi")]
 pub(super) fn run_scene(
     launched: Launched,
@@ -59,7 +59,7 @@ pub(super) fn run_scene(
     match written {
         Ok(written) => print_paths(&written, output),
         Err(error) => {
-            // What rank 0 refuses, others refuse as well, or never hear of.
+            // The other ranks reject what rank 0 rejects, or receive no message.
             if is_first {
                 let report = miette::Report::new(error);
                 let _ = writeln!(std::io::stderr(), "{report:?}");
@@ -70,7 +70,9 @@ pub(super) fn run_scene(
     }
 }
 
-/// A rank other than 0 whose run ended in an error: rank 0 tells it, if it knows of it; after a while this rank does.
+/// Reports the failed run of a rank other than 0.
+///
+/// Rank 0 reports the error if it has received it; otherwise this rank does so after a delay.
 #[cfg(feature = "mpi")]
 fn hold(world: &mpi_ensembles::World, error: kind::RunError) -> ! {
     use mpi_ensembles::Ranks;
@@ -82,7 +84,7 @@ fn hold(world: &mpi_ensembles::World, error: kind::RunError) -> ! {
     world.abort(1)
 }
 
-/// Refuses: each of the processes would write the same files.
+/// Rejects the run: each process would write the same files.
 #[cfg(not(feature = "mpi"))]
 pub(super) fn run_scene(
     launched: Launched,

@@ -10,7 +10,7 @@ pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<
     Err(Objection::new(path, message).with_help(format!("the states are {}", states.join(", "))))
 }
 
-/// Objects to the value at a path unless it is as it must be.
+/// Returns an objection to the value at a path unless it is valid.
 pub(super) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
     if holds {
         Ok(())

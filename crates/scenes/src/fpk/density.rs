@@ -7,32 +7,32 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::CpuClock;
 
-/// What is asked of a run.
+/// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked<const D: usize = 2> {
-    /// When.
+    /// Times of observation.
     pub times: Vec<f64>,
     /// Raw moments `E[x_1^a_1 .. x_D^a_D]`.
     pub powers: Vec<[u32; D]>,
-    /// What exceeds the thresholds.
+    /// Demand compared with the thresholds.
     pub demand: Demand,
     /// Thresholds `T` of `P(|y| > T)` for the demand `y`.
     pub thresholds: Vec<f64>,
-    /// Whether to integrate over the particles' cells, which needs local fits.
+    /// Whether to integrate over the particles' cells, which requires local fits.
     pub cells: bool,
 }
 
-/// A weighted sum of the states, of which the magnitude counts.
+/// A weighted sum of the states, compared in magnitude.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Demand {
     /// Its name.
     pub name: String,
-    /// A weight for each state.
+    /// Weight of each state.
     pub weights: Vec<f64>,
 }
 
 impl Demand {
-    /// The magnitude of one state.
+    /// The demand on one state.
     #[must_use]
     pub fn of_state(state: usize, name: &str, n_states: usize) -> Self {
         let weights = (0..n_states).map(|k| f64::from(u8::from(k == state))).collect();
@@ -45,37 +45,41 @@ impl Demand {
         Self::of_state(0, "q", 2)
     }
 
-    /// `|y(x)|`.
+    /// Evaluates `|y(x)|`.
     #[must_use]
     pub fn magnitude<const D: usize>(&self, x: &[f64; D]) -> f64 {
         self.weights.iter().zip(x).map(|(weight, x)| weight * x).sum::<f64>().abs()
     }
 }
 
-/// The three estimates of one probability of exceedance.
+/// Three estimates of an exceedance probability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Exceedances {
-    /// Counted particles (eq 25).
+    /// Sum of the masses beyond the threshold (eq 25).
     pub indicator: f64,
-    /// Log-interpolated distribution.
+    /// From the log-interpolated distribution.
     pub log_interpolated: f64,
-    /// Integrated over deformed cells; `None` where that was not asked.
+    /// Integral over deformed cells; `None` if not requested.
     pub cell_integrated: Option<f64>,
-    /// The part of it that rests on cells that are not resolved, and that which lies beyond the outermost cells.
+    /// Fraction from unresolved cells, and fraction beyond the outermost cells.
     pub unresolved: Option<f64>,
     /// See [`Self::unresolved`].
     pub beyond_the_cloud: Option<f64>,
 }
 
-/// The part of a probability on unresolved cells from which on a result says so. Seen on Bouc-Wen: below it log10 P is
-/// within 0.02, at 0.02 off by 0.13, from 0.1 on by 0.6 and more.
+/// Fraction of a probability from unresolved cells above which a result carries a note.
+///
+/// Observed for Bouc-Wen: below it the error of log10 P is within 0.02; at 0.02 it is 0.13, and from 0.1 on it is 0.6
+/// and more.
 const NOTED_UNRESOLVED: f64 = 0.01;
 
-/// The same for the part beyond the cloud. Seen: at 0.12 log10 P of the damper is within 0.01, at 0.18 and 0.76 off by 0.16.
+/// The same for the fraction beyond the cloud.
+///
+/// Observed for the damper: log10 P errs by less than 0.01 at 0.12, and by 0.16 at 0.18 and 0.76.
 const NOTED_BEYOND: f64 = 0.1;
 
 impl Exceedances {
-    /// What the integral over the cells rests on, where that is not firm.
+    /// A note on an unreliable integral over the cells.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let probability = self.cell_integrated?;
@@ -92,12 +96,12 @@ impl Exceedances {
     }
 }
 
-/// What was observed at one time.
+/// Results at one time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The time.
     pub t: f64,
-    /// Raw moments, in the order asked.
+    /// Raw moments, in the requested order.
     pub moments: Vec<f64>,
     /// Probabilities, in the order of the thresholds.
     pub exceedances: Vec<Exceedances>,
@@ -105,35 +109,35 @@ pub struct Row {
     pub total_mass: f64,
     /// Entropy (nats).
     pub entropy: f64,
-    /// Mass of the density over the cells, where it was asked.
+    /// Integral of the density over the cells, if requested.
     pub cell_mass: Option<f64>,
-    /// Cells in which the fit was not trusted, where cells were asked.
+    /// Number of cells in which the fit was not trusted, if cells were requested.
     pub distrusted_cells: Option<usize>,
-    /// CPU time of the solver up to here (s), observation excluded.
+    /// CPU time of the solver so far (s), without observation.
     pub cpu_seconds: f64,
 }
 
-/// A run.
+/// Results of a run.
 #[derive(Debug)]
 pub struct DensityRun {
-    /// One row per time reached.
+    /// One row for each time reached.
     pub rows: Vec<Row>,
     /// Number of particles.
     pub n_particles: usize,
-    /// Work done.
+    /// Work counters.
     pub work: Work,
-    /// Why the run ended early, if it did.
+    /// Error that ended the run early, if any.
     pub stopped: Option<Error>,
 }
 
 impl DensityRun {
-    /// The row of a time that was asked.
+    /// The row of a requested time.
     #[must_use]
     pub fn at(&self, t: f64) -> Option<&Row> {
         self.rows.iter().find(|row| (row.t - t).abs() < 1e-9)
     }
 
-    /// Particles, steps and cost in words, for the method column.
+    /// Number of particles, steps and cost, for the method column.
     #[must_use]
     pub fn words(&self, method: &str) -> String {
         let cpu = self.rows.last().map_or(0.0, |row| row.cpu_seconds);
@@ -144,12 +148,12 @@ impl DensityRun {
     }
 }
 
-/// Runs the density solver on a system; `look` sees the simulation at every time.
+/// Runs the density solver on a system; `look` observes the simulation at every time.
 ///
-/// A run that ends early is a result: its rows so far, with the reason in [`DensityRun::stopped`].
+/// A run that ends early is a result: the rows so far, with the reason in [`DensityRun::stopped`].
 ///
 /// # Errors
-/// [`Error`] where the run could not start.
+/// [`Error`] if the run could not start.
 pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     system: S,
     law: &GaussianMixture<D>,
@@ -164,7 +168,7 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     })
 }
 
-/// What a run goes on from.
+/// State from which a run resumes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reached {
     rows: Vec<Row>,
@@ -180,13 +184,13 @@ pub struct Reached {
 pub struct Standing<'a, S, const D: usize, const M: usize> {
     /// The simulation.
     pub simulation: &'a Simulation<S, D, M>,
-    /// What was observed so far; the last row is of this time.
+    /// Results so far; the last row is for this time.
     pub rows: &'a [Row],
     work: Work,
 }
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
-    /// What another run goes on from.
+    /// State from which another run resumes.
     ///
     /// # Errors
     /// Those of [`Simulation::snapshot`].
@@ -205,8 +209,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
     }
 }
 
-/// As [`run_on`], from where another run with the same choices has come to, to the bits of a run that was never left; its times may
-/// have been fewer. `look` is not shown what that run has seen.
+/// Resumes a run with the same choices from a stored state; results are bitwise identical to an uninterrupted run.
+///
+/// The earlier run may have had fewer times. `look` is not called for times that it has already observed.
 ///
 /// # Errors
 /// As [`run_on`], and those of [`Simulation::restore`].
@@ -225,7 +230,7 @@ pub fn run_from<S: Sde<D, M>, const D: usize, const M: usize>(
         simulation.restore(past.snapshot.as_slice())?;
     }
     let mut cpu_seconds = past.cpu_seconds + start.seconds();
-    // What the start took is in the work of the past already.
+    // The work of the start is already counted in the past.
     let before = if past.rows.is_empty() { Work::default() } else { simulation.work() };
     let work = |simulation: &Simulation<S, D, M>| {
         let Work { steps, evaluations, neighbour_visits } = simulation.work();
@@ -302,8 +307,9 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
     asked.thresholds.iter().enumerate().map(at).collect()
 }
 
-/// A system behind a reference, so that the solver is compiled once for each dimension and class of noise, and not for
-/// each system of a scene.
+/// A system behind a reference.
+///
+/// With it the solver is compiled once for each dimension and class of noise, not for each system of a scene.
 pub struct Erased<'a, N: NoiseClass, const D: usize, const M: usize>(
     pub &'a dyn Sde<D, M, Noise = N>,
 );

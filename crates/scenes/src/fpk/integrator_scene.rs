@@ -1,9 +1,9 @@
-//! How a scene steps sampled paths.
+//! Path integrators that a scene can name.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How a path is stepped.
+/// Integrator of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum IntegratorScene {
@@ -11,16 +11,16 @@ pub enum IntegratorScene {
     EulerMaruyama,
     /// Semi-implicit Euler.
     SemiImplicitEuler,
-    /// Strang splitting with exact rotation and damper flow.
+    /// Strang splitting with exact rotation and exact damper flow.
     StrangOscillator,
     /// The same for the hysteretic oscillator.
     StrangBoucWen,
-    /// Two drifts, strong order 1.5, for any system with additive noise.
+    /// Two drift evaluations, strong order 1.5, for any system with additive noise.
     Shark,
 }
 
 impl IntegratorScene {
-    /// Its name for the reader.
+    /// Name for output.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

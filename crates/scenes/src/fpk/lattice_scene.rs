@@ -1,4 +1,4 @@
-//! The lattice of a scene: where particles start, and when they are laid anew.
+//! The lattice of a scene: initial particles and remeshing.
 
 use fpk_sph::score::Degree;
 use fpk_sph::{Combination, Estimator, InitialLattice, Method, Remapping, StepRule};
@@ -9,44 +9,45 @@ use super::checks::{check_length, must};
 use super::scheme_scene::SchemeScene;
 use crate::scene::Objection;
 
-/// The initial lattice in standard deviations of the initial law: a box by `count`, or a ball by `spacing`.
+/// The initial lattice in standard deviations of the initial distribution: a box by `count`, or a ball by `spacing`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeScene {
-    /// A box: particles along each axis (no unit). Either this or `spacing`.
+    /// A box: number of particles along each axis (no unit). Give either this or `spacing`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<Vec<usize>>,
-    /// A ball: the distance of neighbours in standard deviations of the initial law (no unit). Either this or `count`.
+    /// A ball: spacing in standard deviations of the initial distribution (no unit). Give either this or `count`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
-    /// Half the edge of the box, or the radius of the ball, in standard deviations of the initial law (no unit).
+    /// Half-width or radius in standard deviations of the initial distribution (no unit).
     pub reach: f64,
-    /// Fresh lattices, laid over the cloud where the flow has made it uneven; without it none.
+    /// Remeshing where the flow has made the cloud uneven; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fresh_lattices: Option<FreshLatticesScene>,
-    /// Steps per natural period at the least (no unit).
+    /// Minimum number of steps per natural period (no unit).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 40))]
     pub steps_per_period: Option<f64>,
-    /// The scheme in time.
+    /// Time integration scheme.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = SchemeScene::RungeKutta4))]
     pub scheme: Option<SchemeScene>,
-    /// The degree of the local polynomials; without it quadratic in the log-density fit, cubic in the flow-map fit, and quadratic there
-    /// too from five states on.
+    /// Degree of the local polynomials.
+    ///
+    /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degree: Option<DegreeScene>,
 }
 
-/// The degree of a local polynomial.
+/// Degree of a local polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DegreeScene {
-    /// 2.
+    /// Degree 2.
     Quadratic,
-    /// 3.
+    /// Degree 3.
     Cubic,
-    /// 4.
+    /// Degree 4.
     Quartic,
 }
 
@@ -59,7 +60,7 @@ impl DegreeScene {
         }
     }
 
-    /// The estimator with this degree; a sum over a kernel has none.
+    /// The estimator with this degree; kernel sums have none.
     const fn of(self, estimator: Estimator) -> Estimator {
         let degree = self.degree();
         match estimator {
@@ -70,15 +71,15 @@ impl DegreeScene {
     }
 }
 
-/// When a fresh lattice is laid and what it may change; `{}` takes the measured values.
+/// When the cloud is remeshed, and the largest changes that a remeshing may make; `{}` uses the measured defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FreshLatticesScene {
-    /// The unevenness of the cloud above which one is laid (no unit).
+    /// Unevenness of the cloud above which it is remeshed (no unit).
     pub most_uneven: f64,
-    /// The probability below which its outermost layer must come (no unit).
+    /// Largest probability outside the outermost layer of the new lattice (no unit).
     pub outermost_mass: f64,
-    /// Most change of mass, mean and covariance that it may make before they are restored (no unit).
+    /// Largest change of mass, mean and covariance by a remeshing before they are restored (no unit).
     pub most_change: f64,
 }
 
@@ -90,7 +91,7 @@ impl Default for FreshLatticesScene {
 }
 
 impl LatticeScene {
-    /// The method with the fresh lattices, the steps, the scheme and the degree that are asked for.
+    /// The method with the requested remeshing, steps, scheme and degree.
     pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
         let Self { fresh_lattices, steps_per_period, scheme, degree, .. } = self;
         let is_plain = fresh_lattices.is_none() && steps_per_period.is_none();
@@ -111,7 +112,7 @@ impl LatticeScene {
         Method::Custom(Combination { estimator, remapping, step, scheme, ..combination })
     }
 
-    /// The lattice with `scale` times the particles along a length; `None` in another dimension than its own.
+    /// The lattice with `scale` times as many particles along a length; `None` in another dimension.
     pub(super) fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
         let reach = self.reach;
         Some(match &self.count {
@@ -154,16 +155,16 @@ pub(super) fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Opti
     Some(count.map(|n| scaled_count(n, scale)))
 }
 
-/// Particles along an axis at `scale` times the resolution; the ends of the lattice stay where they are.
+/// Number of particles along an axis at `scale` times the resolution; the ends of the lattice do not move.
 fn scaled_count(count: usize, scale: f64) -> usize {
     let intervals = count.saturating_sub(1) as f64 * scale;
-    // The nearest whole number of intervals.
+    // The nearest integer number of intervals.
     1 + (1..=MOST_PER_AXIS).take_while(|&n| n as f64 <= intervals + 0.5).last().unwrap_or(0)
 }
 
-/// Most particles along an axis: their square still fits the neighbour lists and the memory of a workstation.
+/// Largest number of particles along an axis: their square fits the neighbour lists and the memory of a workstation.
 const MOST_PER_AXIS: usize = 2_000;
-/// Most particles of all: the square of [`MOST_PER_AXIS`].
+/// Largest number of particles: the square of [`MOST_PER_AXIS`].
 const MOST_PARTICLES: f64 = 4e6;
 
 pub(super) fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
@@ -180,7 +181,7 @@ pub(super) fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Resu
 fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<(), Objection> {
     let path = format!("{path}.spacing");
     must(&path, spacing, spacing > 0.0, "greater than 0 standard deviations")?;
-    // The box around the ball bounds the count.
+    // The box around the ball bounds the number of particles.
     let particles =
         (2.0 * reach / spacing + 1.0).powi(i32::try_from(dimension).unwrap_or(i32::MAX));
     let limit = "such that the box around the ball holds at most 4e6 particles";

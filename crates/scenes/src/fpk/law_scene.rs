@@ -1,4 +1,4 @@
-//! The initial law of a scene.
+//! The initial distribution of a scene.
 
 use schemars::JsonSchema;
 use sde_integrators::{GaussianComponent, GaussianMixture};
@@ -10,7 +10,7 @@ use super::system::{System, Visitor};
 use super::system_scene::{SystemError, list, square};
 use crate::scene::Objection;
 
-/// The initial law.
+/// The initial distribution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::mixture())]
@@ -22,7 +22,7 @@ pub enum LawScene {
         /// Standard deviation of each state (unit of each state).
         standard_deviation: Vec<f64>,
     },
-    /// A structure of independent Gaussian states behind a filter in its stationary law.
+    /// A structure with independent Gaussian states, behind a filter in its stationary distribution.
     StationaryFilter {
         /// Mean of each state of the structure (unit of each state).
         mean: Vec<f64>,
@@ -46,7 +46,7 @@ pub struct ComponentScene {
 }
 
 impl LawScene {
-    /// An example of what no built-in scene shows, for the schema.
+    /// An example for the schema; no built-in scene shows it.
     fn mixture() -> Self {
         let component = |weight, place| ComponentScene {
             weight,
@@ -56,10 +56,12 @@ impl LawScene {
         Self::Mixture(vec![component(0.25, -1.0), component(0.75, 1.0)])
     }
 
-    /// The law, checked; `filter` is the stationary covariance of a filter's states, which come last.
+    /// Builds and checks the distribution.
+    ///
+    /// `filter` is the stationary covariance of the filter's states, which come last.
     ///
     /// # Errors
-    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for what the law refuses.
+    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for an invalid distribution.
     pub fn build<const D: usize>(
         &self,
         filter: Option<&[Vec<f64>]>,
@@ -142,7 +144,7 @@ impl LawScene {
     }
 }
 
-/// Builds a law in the dimension of the system.
+/// Builds a distribution in the dimension of the system.
 struct Build<'a>(&'a LawScene, Option<&'a [Vec<f64>]>);
 
 impl Visitor for Build<'_> {

@@ -25,9 +25,9 @@ use crate::scene::Objection;
 #[schemars(example = Self::importance())]
 #[schemars(example = Self::subset())]
 pub enum MethodScene {
-    /// Whitened log-density fit: local polynomials over the particles near.
+    /// Whitened log-density fit: local polynomials over neighbouring particles.
     LogDensityFit(LatticeScene),
-    /// Flow-map fit: local polynomials over the lattice of the start, without a search.
+    /// Flow-map fit: local polynomials over the initial lattice, without a neighbour search.
     FlowMapFit(LatticeScene),
     /// The method of Canor & Denoël 2013 as printed.
     #[serde(rename = "canor_denoel_2013")]
@@ -40,7 +40,7 @@ pub enum MethodScene {
         courant: f64,
         /// `support_radius / spacing` at the start (no unit).
         support_over_spacing: f64,
-        /// The scheme in time.
+        /// Time integration scheme.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("default" = SchemeScene::ForwardEuler))]
         scheme: Option<SchemeScene>,
@@ -51,9 +51,9 @@ pub enum MethodScene {
         paths: u64,
         /// Longest step (s).
         step: f64,
-        /// How a path is stepped.
+        /// Integrator of a path.
         integrator: IntegratorScene,
-        /// Seed of all that is drawn (no unit).
+        /// Seed of all random numbers (no unit).
         seed: u64,
     },
     /// The density of an oscillator on a conservative grid.
@@ -62,7 +62,7 @@ pub enum MethodScene {
         cells: usize,
         /// Half the edge of the grid in standard deviations along the widest direction, at least 4 (no unit).
         reach: f64,
-        /// Steps in a period, at least 6 (no unit).
+        /// Steps per period, at least 6 (no unit).
         steps_per_period: f64,
     },
     /// Mean and covariance of a normal distribution by statistical linearisation.
@@ -76,40 +76,40 @@ pub enum MethodScene {
         samples: u64,
         /// Longest step (s).
         step: f64,
-        /// How a path is stepped.
+        /// Integrator of a path.
         integrator: IntegratorScene,
-        /// Seed of all that is drawn (no unit).
+        /// Seed of all random numbers (no unit).
         seed: u64,
     },
     /// Exceedance probabilities by subset simulation, for each time and threshold.
     SubsetSimulation {
-        /// Paths of a level, at least 100 (no unit).
+        /// Number of paths per level, at least 100 (no unit).
         samples: usize,
-        /// Correlation of the proposal with the present path, between 0 and 1 (no unit).
+        /// Correlation of the proposal with the current path, between 0 and 1 (no unit).
         correlation: f64,
-        /// Independent runs, at least 2, whose scatter is the standard error (no unit).
+        /// Number of independent runs, at least 2; their scatter is the standard error (no unit).
         runs: u64,
         /// Longest step (s).
         step: f64,
-        /// How a path is stepped.
+        /// Integrator of a path.
         integrator: IntegratorScene,
-        /// Seed of all that is drawn (no unit).
+        /// Seed of all random numbers (no unit).
         seed: u64,
     },
 }
 
-/// Fewest cells: the coarser run for the error has 0.7 of them, and the grid needs 16.
+/// Smallest number of cells: the coarser run for the error has 0.7 of them, and the grid requires 16.
 const FEWEST_CELLS: usize = 24;
-/// Most cells: the grid then takes half a gigabyte.
+/// Largest number of cells: the grid then takes half a gigabyte.
 pub(crate) const MOST_CELLS: usize = 8_192;
-/// Fewest steps in a period, for the same reason.
+/// Smallest number of steps per period, for the same reason.
 pub(crate) const FEWEST_STEPS_PER_PERIOD: f64 = 6.0;
-/// Most steps of a path whose gradient is taken by each of its normals.
+/// Largest number of steps of a path whose gradient is computed for each of its normals.
 const MOST_STEPS: f64 = 1e5;
 
-/// Examples of what no built-in scene shows, for the schema and the page of scenes.
+/// Examples for the schema and the page of scenes; no built-in scene shows them.
 impl MethodScene {
-    /// That of section 4.1 of Canor & Denoël 2013.
+    /// The method of section 4.1 of Canor & Denoël 2013.
     fn paper() -> Self {
         Self::CanorDenoel2013 {
             count: vec![50, 33],
@@ -162,8 +162,9 @@ impl MethodScene {
 }
 
 impl MethodScene {
-    /// The configuration of the density solver, where the method is one; `scale` multiplies the particles per axis.
-    /// `None` too where the lattice is of another dimension, which the check of the scene refuses.
+    /// Configuration of the density solver, if the method is one; `scale` multiplies the particles per axis.
+    ///
+    /// Also `None` if the lattice has another dimension, which the check of the scene rejects.
     #[must_use]
     pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
         let (method, lattice) = match self {
@@ -191,7 +192,7 @@ impl MethodScene {
         Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
     }
 
-    /// The scheme that the scene names, and the name of the method.
+    /// Scheme named by the scene, and name of the method.
     fn scheme(&self) -> Option<(&'static str, SchemeScene)> {
         match self {
             Self::LogDensityFit(lattice) => Some(("log_density_fit", lattice.scheme?)),
@@ -201,7 +202,7 @@ impl MethodScene {
         }
     }
 
-    /// Refuses numbers outside their range, lists of another length, and integrators and schemes of another system.
+    /// Rejects numbers outside their range, lists of another length, and integrators and schemes of another system.
     pub(super) fn check(
         &self,
         system: &System,
@@ -260,7 +261,7 @@ impl MethodScene {
         }
     }
 
-    /// Refuses a grid that is too coarse for its error, and a system that is no oscillator.
+    /// Rejects a grid too coarse for its error estimate, and a system that is no oscillator.
     fn check_grid(&self, system: &System) -> Result<(), Objection> {
         let Self::ConservativeGrid { cells, reach, steps_per_period } = *self else {
             return Ok(());
@@ -284,7 +285,7 @@ impl MethodScene {
     }
 }
 
-/// Refuses an integrator of another system.
+/// Rejects an integrator of another system.
 fn check_integrator(
     path: &str,
     integrator: IntegratorScene,
@@ -297,10 +298,10 @@ fn check_integrator(
     let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
     let message = format!("the integrator {} does not step this system", integrator.name());
     Err(Objection::new(format!("{path}.integrator"), message)
-        .with_help(format!("there are: {}", names.join(", "))))
+        .with_help(format!("available: {}", names.join(", "))))
 }
 
-/// Refuses what a path cannot be as a function of independent normals.
+/// Rejects distributions and steps for which a path is no function of independent normals.
 fn check_path(
     path: &str,
     step: f64,

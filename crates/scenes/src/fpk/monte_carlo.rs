@@ -1,4 +1,4 @@
-//! The rival: Monte Carlo on the same system and initial law.
+//! Monte Carlo reference on the same system and initial distribution.
 
 use std::ops::Range;
 
@@ -13,34 +13,34 @@ use super::integrator_scene::IntegratorScene;
 use super::paths::{PathEnsemble, Paths, PathsError};
 use crate::clock::CpuClock;
 
-/// What is sampled, and how.
+/// Ensemble size and integrator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     /// Number of paths.
     pub paths: u64,
     /// Longest step.
     pub step: f64,
-    /// How a path is stepped.
+    /// Integrator of a path.
     pub integrator: IntegratorScene,
     /// Seed.
     pub seed: u64,
 }
 
-/// What was observed at one time.
+/// Results at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledRow {
     /// The time.
     pub t: f64,
-    /// Raw moments, in the order asked.
+    /// Raw moments, in the requested order.
     pub moments: Vec<Estimate>,
     /// `P(|q| > T)`, in the order of the thresholds.
     pub exceedances: Vec<Estimate>,
 }
 
-/// An ensemble.
+/// Results of an ensemble.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledRun {
-    /// One row per time.
+    /// One row for each time.
     pub rows: Vec<SampledRow>,
     /// Steps of all paths.
     pub path_steps: u128,
@@ -49,17 +49,17 @@ pub struct SampledRun {
 }
 
 impl SampledRun {
-    /// The row of a time that was asked.
+    /// The row of a requested time.
     #[must_use]
     pub fn at(&self, t: f64) -> Option<&SampledRow> {
         self.rows.iter().find(|row| (row.t - t).abs() < 1e-9)
     }
 }
 
-/// Samples paths of a system of a scene; [`Asked::cells`] has no meaning here.
+/// Samples paths of a system of a scene; [`Asked::cells`] is ignored.
 ///
 /// # Errors
-/// Those of the ensemble: bad numbers, or a path that is no longer finite; an integrator that does not step the system.
+/// Errors of the ensemble: invalid numbers, or a path that is not finite; an integrator of another system.
 pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
     law: &GaussianMixture<D>,
@@ -72,11 +72,13 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
         .run(asked)
 }
 
-/// Runs part `place.0` of `place.1` of an ensemble of paths of a system: so that all else is compiled once for a number of states.
+/// Runs part `place.0` of `place.1` of an ensemble of paths.
+///
+/// All other code is compiled once for each number of states.
 pub type Shard<'a, const D: usize> =
     &'a (dyn Fn(&PathEnsemble<'_, D>, (u64, u64)) -> Result<ShardRecord, PathsError> + Sync);
 
-/// Shards of an ensemble that are done.
+/// Finished shards of an ensemble.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SampledSoFar {
     shards: Vec<ShardRecord>,
@@ -84,7 +86,7 @@ pub struct SampledSoFar {
 }
 
 impl SampledSoFar {
-    /// How many.
+    /// Number of shards.
     #[must_use]
     pub fn n_shards(&self) -> u64 {
         self.shards.len() as u64
@@ -100,19 +102,19 @@ impl SampledSoFar {
         all
     }
 
-    /// What all shards have come to.
+    /// Combined results of all shards.
     ///
     /// # Errors
-    /// [`PathsError::Ensemble`] for a shard that is missing, and for paths that failed; [`PathsError::OtherResults`] for
-    /// shards of another question.
+    /// [`PathsError::Ensemble`] for a missing shard and for failed paths; [`PathsError::OtherResults`] for shards with
+    /// other quantities.
     pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
         self.of_ensemble(asked, &merge(&self.shards)?.ensemble()?)
     }
 
-    /// What those that there are have come to.
+    /// Combined results of the available shards.
     ///
     /// # Errors
-    /// As [`SampledSoFar::run`], but for shards that are missing.
+    /// Those of [`SampledSoFar::run`], except for missing shards.
     pub fn present<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
         self.of_ensemble(asked, &merge_so_far(&self.shards)?.ensemble()?)
     }
@@ -141,11 +143,12 @@ impl SampledSoFar {
     }
 }
 
-/// Samples a range of the shards of an ensemble one after the other, of which the first may be done. `look` sees them after each, and
-/// may end the run.
+/// Samples a range of shards of an ensemble in sequence; the first shards may be finished already.
+///
+/// `look` is called after each shard and may stop the run.
 ///
 /// # Errors
-/// As [`run_on`], and those of `look`.
+/// Those of [`run_on`] and of `look`.
 pub fn sample<E: From<PathsError>, const D: usize>(
     shard_of: Shard<'_, D>,
     law: &GaussianMixture<D>,

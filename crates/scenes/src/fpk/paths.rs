@@ -1,4 +1,4 @@
-//! Which integrator steps which system of a scene.
+//! Integrators available for each system of a scene.
 
 use fpk_sph::systems::{
     Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
@@ -17,10 +17,10 @@ use super::integrator_scene::IntegratorScene;
 
 /// A system whose paths can be sampled.
 pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
-    /// The integrators that step it.
+    /// Integrators of this system.
     const INTEGRATORS: &'static [IntegratorScene];
 
-    /// Part `place.0` of `place.1` of an ensemble by one of [`INTEGRATORS`](Self::INTEGRATORS).
+    /// Runs part `place.0` of `place.1` of an ensemble by one of [`INTEGRATORS`](Self::INTEGRATORS).
     ///
     /// # Errors
     /// [`PathsError`].
@@ -31,7 +31,9 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
 
-    /// Paths to a time in so many steps, as functions of standard normals, by one of [`INTEGRATORS`](Self::INTEGRATORS).
+    /// Paths to a time in a given number of steps, as functions of standard normals.
+    ///
+    /// The integrator is one of [`INTEGRATORS`](Self::INTEGRATORS).
     ///
     /// # Errors
     /// [`PathsError`].
@@ -42,18 +44,18 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         span: (f64, usize),
     ) -> Result<TailPaths<'a, D>, PathsError>;
 
-    /// The system, where its noise is additive.
+    /// The system, if its noise is additive.
     fn additive(&self) -> Option<&dyn Sde<D, M, Noise = Additive>>;
 }
 
-/// What is sampled of a system.
+/// Ensemble of a system.
 #[derive(Debug, Clone, Copy)]
 pub struct PathEnsemble<'a, const D: usize> {
-    /// The law of the initial state.
+    /// Distribution of the initial state.
     pub law: &'a GaussianMixture<D>,
-    /// How many paths, how finely, until when.
+    /// Number of paths, step and end time.
     pub config: &'a EnsembleConfig,
-    /// What is observed.
+    /// Observables.
     pub observables: &'a [Observable<'a, D>],
 }
 
@@ -71,30 +73,30 @@ impl<const D: usize> PathEnsemble<'_, D> {
     }
 }
 
-/// Why there is no ensemble.
+/// Error of sampled paths.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathsError {
-    /// The ensemble was refused or failed.
+    /// The ensemble was invalid or failed.
     #[error(transparent)]
     Ensemble(#[from] Error),
-    /// The tail probability was refused or failed.
+    /// The tail probability was invalid or failed.
     #[error(transparent)]
     Tails(#[from] TailError),
-    /// Shards of something else than what is asked.
+    /// The shards contain other quantities.
     #[error("the shards have {found} results at each time, asked for are {expected}")]
     OtherResults {
-        /// In the shards.
+        /// Number in the shards.
         found: usize,
-        /// What is asked.
+        /// Number requested.
         expected: usize,
     },
-    /// The integrator asks for what the system does not have.
+    /// The integrator does not apply to the system.
     #[error("the integrator {} does not step this system", .0.name())]
     NotOffered(IntegratorScene),
 }
 
-/// One line for each system that is compiled for itself, which vector lanes need: its dimensions, and its integrators.
+/// One line for each system that is compiled separately, as vector lanes require: its dimensions and its integrators.
 macro_rules! compiled_paths {
     ($($system:ty, $d:literal, $m:literal: $($integrator:ident),+;)+) => { $(
         impl Paths<$d, $m> for $system {
@@ -135,7 +137,7 @@ macro_rules! compiled_paths {
     )+ };
 }
 
-/// A system of the class of noise that is named.
+/// A system of the named class of noise.
 macro_rules! additive {
     (Additive, $system:expr) => {
         Some($system)
@@ -145,7 +147,7 @@ macro_rules! additive {
     };
 }
 
-/// One line for each system that is stepped behind a reference: compiled once for a dimension, slower by the calls.
+/// One line for each system integrated behind a reference: compiled once for a dimension, slower by the calls.
 macro_rules! erased_paths {
     ($noise:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {

@@ -7,18 +7,20 @@ pub struct PlaneDensity {
     pub x: Vec<f64>,
     /// Edges of the cells along the second.
     pub y: Vec<f64>,
-    /// The density at the middle of each cell, rows along the second state.
+    /// The density at the centre of each cell; each row is at one value of the second state.
     pub values: Vec<Vec<f64>>,
 }
 
 /// Cells along each axis.
 const CELLS: usize = 140;
-/// Where the kernel ends, in bandwidths: beyond, it is below 4e-6 of its peak.
+/// Truncation of the kernel, in bandwidths: beyond it the kernel is below 4e-6 of its peak.
 const REACH: f64 = 5.0;
 
-/// `sum_i mu_i N(x; x_i, b^2 C)` over two states, with the covariance `C` of the cloud in their plane and the bandwidth
-/// `b` in its standard deviations. It is wider than the density by `1 + b^2` in variance: a picture, not an estimate.
-/// `None` where the cloud does not span the plane.
+/// Kernel density estimate of two states; `None` where the cloud does not span the plane.
+///
+/// It is `sum_i mu_i N(x; x_i, b^2 C)` with the covariance `C` of the cloud in their plane and the bandwidth `b` in
+/// its standard deviations. Its variance exceeds that of the density by the factor `1 + b^2`: use it for pictures, not
+/// as an estimate.
 #[must_use]
 pub fn plane_density<const D: usize>(
     positions: &[[f64; D]],
@@ -57,7 +59,7 @@ pub fn plane_density<const D: usize>(
     Some(PlaneDensity { x, y, values })
 }
 
-/// The map that makes the covariance in the plane the unit matrix.
+/// The map that transforms the covariance in the plane to the unit matrix.
 struct Whitening {
     mean: [f64; 2],
     /// Lower triangle of the Cholesky factor: `l_00, l_10, l_11`.
@@ -116,11 +118,11 @@ mod tests {
         let density = plane_density(&positions, &masses, [0, 2], bandwidth).unwrap();
         let cell = (density.x[1] - density.x[0]) * (density.y[1] - density.y[0]);
         let mass: f64 = density.values.iter().flatten().sum::<f64>() * cell;
-        // The lattice's ends hold 6e-7, the kernel's 4e-6.
+        // The lattice omits 6e-7 at its ends, the kernel 4e-6.
         assert!((mass - 1.0).abs() < 1e-5, "{mass}");
         let peak = density.values.iter().flatten().copied().fold(0.0, f64::max);
         let expected = 1.0 / (std::f64::consts::TAU * (1.0 + bandwidth * bandwidth));
-        // The middle of the peak's cell is up to half a cell, 0.06 deviations, off.
+        // The centre of the peak's cell is up to half a cell, 0.06 deviations, off the peak.
         assert!((peak / expected - 1.0).abs() < 5e-3, "{peak} against {expected}");
     }
 

@@ -1,4 +1,4 @@
-//! Runs a density scene: two resolutions for the error, or Monte Carlo with its standard error.
+//! Runs a density scene: several resolutions for the error, or Monte Carlo with its standard error.
 
 mod asked;
 mod ingredients;
@@ -74,11 +74,11 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     for drawing in drawings.into_iter().chain(planes) {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
     }
-    // What was reached is written; that it was not all is the run's outcome.
+    // The results so far are written; the early end is the outcome of the run.
     stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
 }
 
-/// The scene by its method.
+/// Solves the scene by its method.
 fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, RunError> {
     if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
         run.progress.stage("Monte Carlo");
@@ -87,7 +87,7 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
     }
     run.no_shards()?;
     let inputs = |seed| Inputs { scene, seed, files: &[] };
-    // A method that keeps nothing in its checkpoint still refuses to start over another run.
+    // A method without a checkpoint still refuses to start over another run.
     let alone = |seed| run.checkpoint(&inputs(seed), &["/title"]);
     match scene.method {
         MethodScene::ConservativeGrid { cells, reach, steps_per_period } => {
@@ -119,10 +119,12 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
     }
 }
 
-/// Most states for which exceedances are integrated over cells: beyond, each cell has thousands of parts.
+/// Largest number of states for which exceedances are integrated over cells.
+///
+/// Beyond it each cell has thousands of parts.
 const MOST_STATES_OF_CELLS: usize = 4;
 
-/// Why nothing is integrated over cells, where that is so.
+/// Why nothing is integrated over cells, where that applies.
 fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
     let reason = match method {
         MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_) => {
@@ -155,7 +157,7 @@ struct Solved<'a> {
     checkpoint: &'a Checkpoint,
 }
 
-/// What a checkpoint holds of a density run: how far it has come, and what was seen of it.
+/// Content of a checkpoint of a density run: its state and its results so far.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Kept {
     reached: Reached,
@@ -163,7 +165,7 @@ struct Kept {
 }
 
 impl Solved<'_> {
-    /// A run from where the part of the checkpoint has come to, and the pictures of it.
+    /// Resumes a run from a part of the checkpoint; returns the run and its pictures.
     fn density<S: Sde<D, M>, const D: usize, const M: usize>(
         &self,
         part: &str,
@@ -192,7 +194,7 @@ impl Solved<'_> {
         failure.map_or(Ok(run), Err)
     }
 
-    /// The first moment that the scene asks for, at the last time.
+    /// Reports the first moment of the scene at the last time.
     fn tell(&self, rows: &[Row], n_times: usize) {
         let Some(row) = rows.last() else { return };
         let moment = self.scene.moments.first().zip(row.moments.first());
@@ -204,7 +206,7 @@ impl Solved<'_> {
     }
 }
 
-/// What a density run is given.
+/// Inputs of a density run.
 struct Density<'a, S, const D: usize> {
     system: S,
     law: &'a GaussianMixture<D>,
@@ -273,7 +275,7 @@ impl Solved<'_> {
     }
 }
 
-/// The second moments, and the probabilities, over time.
+/// Charts of second moments and probabilities over time.
 fn drawings(
     scene: &FpkScene,
     system: &System,
@@ -283,7 +285,7 @@ fn drawings(
     let second: Vec<String> =
         scene.moments.iter().filter(second).map(|powers| moment_id(powers)).collect();
     let exceeds = format!("P(|{}| > T)", demand_name(scene, system));
-    // One estimator on the picture: the best that the method offers. All are in the result.
+    // The chart shows one estimator, the best that the method offers; the result contains all.
     let best = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
     let prefix = best
         .into_iter()
@@ -328,7 +330,7 @@ fn drawings(
     Ok(drawings)
 }
 
-/// The wanted series as lines; what `shown` leaves out is a gap.
+/// The selected series as lines; values rejected by `shown` are gaps.
 fn lines(
     quantities: &[Series],
     wanted: impl Fn(&str) -> bool,

@@ -1,4 +1,4 @@
-//! A density scene as it stands in its JSON file.
+//! A density scene as written in its JSON file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,38 +12,38 @@ use super::system::System;
 use super::system_scene::SystemScene;
 use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
-/// The density of a system under noise over time: what is modelled, what is asked, and with which method.
+/// The probability density of a system under noise over time: system, requested quantities and method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FpkScene {
     /// Always `fpk-sph`.
     pub solver: String,
-    /// One line for the reader.
+    /// Title, one line.
     pub title: String,
     /// The system.
     pub system: SystemScene,
-    /// The law of the state at `t = 0`.
+    /// Distribution of the state at `t = 0`.
     pub initial: LawScene,
-    /// How it is solved.
+    /// Method of solution.
     pub method: MethodScene,
-    /// When it is observed: at equal intervals.
+    /// Times of observation, at equal intervals.
     pub times: Times,
     /// Raw moments `E[x_1^a_1 .. x_D^a_D]`, each as its powers `[a_1, .., a_D]`, one for each state (no unit).
     pub moments: Vec<Vec<u32>>,
-    /// What exceeds the thresholds; without it the first state.
+    /// Demand compared with the thresholds; the first state without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub demand: Option<DemandScene>,
-    /// Thresholds `T` of `P(|y| > T)`, rising (unit of the demand `y`).
+    /// Thresholds `T` of `P(|y| > T)`, increasing (unit of the demand `y`).
     pub thresholds: Vec<f64>,
-    /// Planes on which the density is drawn; without it none.
+    /// Planes on which the density is drawn; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planes: Option<PlanesScene>,
-    /// The particles as files for ParaView; without it none are written.
+    /// Particle files for ParaView; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<CloudScene>,
 }
 
-/// What exceeds the thresholds in magnitude.
+/// Demand whose magnitude is compared with the thresholds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DemandScene {
@@ -53,7 +53,7 @@ pub enum DemandScene {
     Combination {
         /// Its name.
         name: String,
-        /// A weight for each state (unit of the demand over that of the state).
+        /// Weight of each state (unit of the demand over that of the state).
         weights: Vec<f64>,
     },
 }
@@ -62,21 +62,21 @@ pub enum DemandScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanesScene {
-    /// Pairs of states, by their names: across and up.
+    /// Pairs of states by name: horizontal and vertical axis.
     pub states: Vec<[String; 2]>,
-    /// When, at times of observation (s).
+    /// Times, among the times of observation (s).
     pub times: Vec<f64>,
 }
 
-/// Files of the particles over time.
+/// Particle files over time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CloudScene {
-    /// One file for each so many observations (no unit).
+    /// Number of observations per file (no unit).
     pub every_observations: usize,
 }
 
-/// Equal intervals of observation, from `every` to `until`.
+/// Times of observation at equal intervals, from `every` to `until`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Times {
@@ -86,14 +86,14 @@ pub struct Times {
     pub every: f64,
 }
 
-/// Most output times of a scene: beyond it a result file is no longer read by anyone.
+/// Largest number of output times of a scene; larger result files are impractical.
 const MOST_TIMES: f64 = 10_000.0;
 
 impl Times {
-    /// The times themselves.
+    /// Times of observation.
     #[must_use]
     pub fn list(&self) -> Vec<f64> {
-        // The slack takes in an end that roundoff put just below a multiple.
+        // The tolerance includes an end that roundoff put just below a multiple.
         let n = (self.until / self.every + 1e-9).floor().min(MOST_TIMES);
         (1..=10_000_u32)
             .take_while(|&k| f64::from(k) <= n)
@@ -138,7 +138,7 @@ impl DemandScene {
     }
 }
 
-/// The place of a state among those of the system.
+/// Index of a state among those of the system.
 fn state(name: &str, states: &[&str], path: &str) -> Result<usize, Objection> {
     states.iter().position(|state| *state == name).ok_or_else(|| {
         Objection::new(path, format!("the system has no state `{name}`"))
@@ -147,10 +147,10 @@ fn state(name: &str, states: &[&str], path: &str) -> Result<usize, Objection> {
 }
 
 impl FpkScene {
-    /// What exceeds the thresholds, on a system with these states.
+    /// The demand on a system with these states.
     ///
     /// # Errors
-    /// [`Objection`] for a state that is none, or another number of weights.
+    /// [`Objection`] for an unknown state, or another number of weights.
     pub fn demand(&self, states: &[&str]) -> Result<Demand, Objection> {
         self.demand.as_ref().map_or_else(
             || Ok(Demand::of_state(0, states[0], states.len())),
@@ -158,10 +158,10 @@ impl FpkScene {
         )
     }
 
-    /// The planes that are drawn, by the places of their states.
+    /// The planes to draw, by the indices of their states.
     ///
     /// # Errors
-    /// [`Objection`] for a state that is none.
+    /// [`Objection`] for an unknown state.
     pub fn plane_states(&self, states: &[&str]) -> Result<Vec<[usize; 2]>, Objection> {
         let Some(planes) = &self.planes else { return Ok(Vec::new()) };
         let place = |(k, [across, up]): (usize, &[String; 2])| {
@@ -173,7 +173,7 @@ impl FpkScene {
 }
 
 impl FpkScene {
-    /// Reads a text under a name for messages; returns the scene and its checked system.
+    /// Parses a text, named in messages; returns the scene and its checked system.
     ///
     /// # Errors
     /// As [`SceneFile::build`].
@@ -231,7 +231,7 @@ impl Scene for FpkScene {
 }
 
 impl FpkScene {
-    /// Refuses what the method does not answer.
+    /// Rejects quantities that the method does not compute.
     fn check_questions(&self, states: &[&str]) -> Result<(), Objection> {
         match &self.method {
             MethodScene::ConservativeGrid { .. } => {

@@ -1,4 +1,4 @@
-//! The scheme in time of a scene, and the systems that it serves.
+//! Time integration scheme of a scene, and the systems to which it applies.
 
 use fpk_sph::Scheme;
 use schemars::JsonSchema;
@@ -9,7 +9,7 @@ use super::paths::Paths;
 use super::system::{System, Visitor};
 use crate::scene::Objection;
 
-/// The scheme in time, by its name.
+/// Time integration scheme, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SchemeScene {
@@ -36,7 +36,7 @@ impl SchemeScene {
         }
     }
 
-    /// Refuses leap-frog where noise or damping make its second solution grow; `path` is that of the key.
+    /// Rejects leap-frog where noise or damping make its parasitic solution grow; `path` is that of the key.
     pub(super) fn check(
         self,
         path: &str,
@@ -54,12 +54,12 @@ impl SchemeScene {
         };
         let message = format!("leap_frog does not serve this system, which has {found}");
         Err(Objection::new(path, message).with_help(
-            "with noise or damping leap_frog is stable at no step; there are: forward_euler, heun, runge_kutta_4",
+            "with noise or damping leap_frog is stable at no step; available: forward_euler, heun, runge_kutta_4",
         ))
     }
 }
 
-/// What leap-frog does not bear in a system, looked for at the mean of the initial law and one standard deviation from it.
+/// Damping or noise of a system, evaluated at the mean of the initial distribution and one standard deviation from it.
 struct Damping<'a> {
     initial: &'a LawScene,
     filter: Option<&'a [Vec<f64>]>,
@@ -70,7 +70,7 @@ impl Visitor for Damping<'_> {
     type Output = Option<&'static str>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        // A law that cannot be built has been refused before.
+        // An invalid distribution has been rejected before.
         let law = self.initial.build::<D>(self.filter).ok()?;
         let (mean, covariance) = (law.mean(), law.covariance());
         let deviation: [f64; D] = std::array::from_fn(|k| covariance[k][k].sqrt());
@@ -92,7 +92,9 @@ impl Visitor for Damping<'_> {
 /// Step of the differences, in standard deviations.
 const STEP: f64 = 1e-3;
 
-/// `div f` by central differences, and the size of the terms of `f` over the deviations, which bounds its roundoff.
+/// `div f` by central differences, and the magnitude of its terms.
+///
+/// The magnitude of `f` over the deviations bounds the roundoff.
 fn divergence<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
     t: f64,

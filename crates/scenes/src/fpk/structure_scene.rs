@@ -1,4 +1,4 @@
-//! The structures that a scene can name, alone or behind a filter, and the windows of their noise.
+//! Structures that a scene can name, alone or behind a filter, and modulating functions of their noise.
 
 use fpk_sph::Error;
 use fpk_sph::systems::{
@@ -18,7 +18,7 @@ pub struct StructureScene {
     pub damping_ratio: f64,
     /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, the window by which the noise rises and falls.
+    /// `a(t)`, the modulating function of the noise.
     pub window: WindowScene,
 }
 
@@ -46,19 +46,19 @@ pub struct BoucWenScene {
     pub hardening: f64,
     /// `A`, the slope of `z` over `q` at `z = 0` (no unit).
     pub initial_slope: f64,
-    /// `beta`, which makes the loop wide (1/m^n).
+    /// `beta`, which widens the loop (1/m^n).
     pub beta: f64,
-    /// `gamma`, which bends the loop (1/m^n).
+    /// `gamma`, which shapes the loop (1/m^n).
     pub gamma: f64,
-    /// `n`, how sharply it yields (no unit).
+    /// `n`, the sharpness of yielding (no unit).
     pub exponent: f64,
     /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, the window by which the noise rises and falls.
+    /// `a(t)`, the modulating function of the noise.
     pub window: WindowScene,
 }
 
-/// A building of two storeys; lists hold the lower storey first.
+/// A building of two storeys; lists are ordered from the lower storey.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TwoStoreyScene {
@@ -74,11 +74,11 @@ pub struct TwoStoreyScene {
     pub damper_exponent: f64,
     /// `S_0`, the intensity of the ground acceleration (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, the window by which the noise rises and falls.
+    /// `a(t)`, the modulating function of the noise.
     pub window: WindowScene,
 }
 
-/// The window `a(t)` of a noise.
+/// The modulating function `a(t)` of a noise.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Tabulated(vec![[0.0, 0.0], [2.0, 1.0], [6.0, 0.2]]))]
@@ -94,7 +94,7 @@ pub enum WindowScene {
         rise_end: f64,
         /// `n_2`, the rate of the decay (1/s).
         decay_rate: f64,
-        /// `t_2`, the begin of the decay (s).
+        /// `t_2`, the beginning of the decay (s).
         decay_start: f64,
     },
     /// Rise to one peak, and decay (Canor & Denoël 2013, eq 29).
@@ -104,7 +104,7 @@ pub enum WindowScene {
         /// `t_max`, the time of the peak (s).
         peak_time: f64,
     },
-    /// Linear between rows `[t, a]`, `t` rising (s and no unit).
+    /// Piecewise linear between rows `[t, a]`, `t` increasing (s and no unit).
     Tabulated(Vec<[f64; 2]>),
 }
 

@@ -1,4 +1,4 @@
-//! A system of a scene, checked, and what of it holds whatever its dimension.
+//! A checked system of a scene, and its properties in any dimension.
 
 use fpk_sph::systems::{
     Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
@@ -27,25 +27,25 @@ pub enum System {
     VanDerPol(VanDerPolRayleigh),
     /// A building of two storeys.
     TwoStorey(TwoStorey),
-    /// A linear oscillator behind Kanai and Tajimi.
+    /// A linear oscillator behind a Kanai-Tajimi filter.
     KanaiTajimiLinear(Filtered<LinearOscillator, 2, 2>),
-    /// A viscous damper behind Kanai and Tajimi.
+    /// A viscous damper behind a Kanai-Tajimi filter.
     KanaiTajimiDamper(Filtered<ViscousDamper, 2, 2>),
-    /// A hysteretic oscillator behind Kanai and Tajimi.
+    /// A hysteretic oscillator behind a Kanai-Tajimi filter.
     KanaiTajimiBoucWen(Filtered<BoucWen, 3, 2>),
-    /// A building behind Kanai and Tajimi.
+    /// A building behind a Kanai-Tajimi filter.
     KanaiTajimiTwoStorey(Filtered<TwoStorey, 4, 2>),
-    /// A linear oscillator behind Clough and Penzien.
+    /// A linear oscillator behind a Clough-Penzien filter.
     CloughPenzienLinear(Filtered<LinearOscillator, 2, 4>),
-    /// A viscous damper behind Clough and Penzien.
+    /// A viscous damper behind a Clough-Penzien filter.
     CloughPenzienDamper(Filtered<ViscousDamper, 2, 4>),
     /// Ornstein-Uhlenbeck in one dimension.
     OrnsteinUhlenbeck1(OrnsteinUhlenbeck<1>),
-    /// In two.
+    /// Ornstein-Uhlenbeck in two dimensions.
     OrnsteinUhlenbeck2(OrnsteinUhlenbeck<2>),
-    /// In three.
+    /// Ornstein-Uhlenbeck in three dimensions.
     OrnsteinUhlenbeck3(OrnsteinUhlenbeck<3>),
-    /// In four.
+    /// Ornstein-Uhlenbeck in four dimensions.
     OrnsteinUhlenbeck4(OrnsteinUhlenbeck<4>),
     /// A double well.
     Bistable(Bistable),
@@ -55,19 +55,19 @@ pub enum System {
     GeometricBrownianMotion(GeometricBrownianMotion),
 }
 
-/// What is done with a system, whatever its type.
+/// A function of a system of any type.
 pub trait Visitor {
-    /// What comes of it.
+    /// Return type.
     type Output;
 
-    /// Does it.
+    /// Evaluates the function.
     fn visit<S, const D: usize, const M: usize>(self, system: &S) -> Self::Output
     where
         S: Paths<D, M>;
 }
 
 impl System {
-    /// Hands the system to a visitor as its own type.
+    /// Calls a visitor with the system as its own type.
     pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
         match self {
             Self::LinearOscillator(system) => visitor.visit::<_, 2, 1>(system),
@@ -92,7 +92,7 @@ impl System {
         }
     }
 
-    /// The names of its states.
+    /// Names of its states.
     #[must_use]
     pub fn states(&self) -> &'static [&'static str] {
         match self {
@@ -118,7 +118,7 @@ impl System {
         }
     }
 
-    /// The system as an oscillator `(q, v)` with noise on its velocity, where it is one.
+    /// The system as an oscillator `(q, v)` with noise on its velocity, if it is one.
     #[must_use]
     pub fn oscillator(&self) -> Option<&dyn Sde<2, 1, Noise = Additive>> {
         match self {
@@ -130,7 +130,7 @@ impl System {
         }
     }
 
-    /// Whether its noise is the same for every state.
+    /// Whether its noise is independent of the state.
     #[must_use]
     pub const fn has_additive_noise(&self) -> bool {
         !matches!(self, Self::CoxIngersollRoss(_) | Self::GeometricBrownianMotion(_))
@@ -151,7 +151,9 @@ impl System {
         )
     }
 
-    /// The states in which its drift has a kink or a root, with the rules that split there; polynomial in all others.
+    /// States in which its drift has a kink or a root, with the rules that split there.
+    ///
+    /// The drift is polynomial in all others.
     #[must_use]
     pub const fn kinks(&self) -> &'static [(usize, Quadrature)] {
         use Quadrature::{SplitAt, SplitAtZero};
@@ -160,7 +162,7 @@ impl System {
                 &[(1, SplitAtZero)]
             }
             Self::BoucWen(_) | Self::KanaiTajimiBoucWen(_) => &[(1, SplitAtZero), (2, SplitAtZero)],
-            // The dampers see v_1 and v_2 - v_1.
+            // The dampers depend on v_1 and v_2 - v_1.
             Self::TwoStorey(_) | Self::KanaiTajimiTwoStorey(_) => {
                 &[(2, SplitAtZero), (3, SplitAt(2))]
             }
@@ -168,13 +170,13 @@ impl System {
         }
     }
 
-    /// The integrators that step a path of it.
+    /// Integrators of its paths.
     #[must_use]
     pub fn integrators(&self) -> &'static [IntegratorScene] {
         self.visit(Offered)
     }
 
-    /// The time by which steps are measured: the shortest period of an oscillation, else a time of relaxation (s).
+    /// Reference time of the steps: the shortest period of an oscillation, else a relaxation time (s).
     #[must_use]
     pub fn reference_period(&self) -> f64 {
         let frame = |system: &TwoStorey| std::f64::consts::TAU / system.natural_frequencies()[1];
@@ -209,7 +211,7 @@ impl System {
             Self::OrnsteinUhlenbeck4(system) => fastest(&system.parameters().rates),
             Self::Bistable(system) => std::f64::consts::TAU * system.relaxation_time(),
             Self::CoxIngersollRoss(system) => std::f64::consts::TAU / system.parameters().rate,
-            // In units of its own time: nothing returns.
+            // In units of its own time: it has no relaxation.
             Self::GeometricBrownianMotion(_) => 1.0,
         }
     }
@@ -232,7 +234,7 @@ impl System {
     }
 }
 
-/// Asks a system for its integrators.
+/// Returns the integrators of a system.
 struct Offered;
 
 impl Visitor for Offered {
@@ -242,7 +244,7 @@ impl Visitor for Offered {
     }
 }
 
-/// `2 pi` over the largest rate, a bound of the eigenvalues by the sums over rows.
+/// `2 pi` over the largest rate, bounded through the row sums.
 fn fastest<const D: usize>(rates: &[[f64; D]; D]) -> f64 {
     let sums = rates.iter().map(|row| row.iter().map(|rate| rate.abs()).sum::<f64>());
     std::f64::consts::TAU / sums.fold(f64::MIN_POSITIVE, f64::max)

@@ -1,4 +1,4 @@
-//! The systems that a scene can name, and what of them holds whatever their dimension.
+//! Systems that a scene can name, and their properties in any dimension.
 
 use fpk_sph::Error;
 use fpk_sph::systems::{
@@ -49,44 +49,44 @@ pub enum SystemScene {
         energy_damping: f64,
         /// `S_0`, the diffusion of the velocity (m^2/s^3).
         noise_intensity: f64,
-        /// The window of the noise.
+        /// Modulating function of the noise.
         window: WindowScene,
     },
     /// A shear frame of two storeys, with dampers between its floors.
     TwoStorey(TwoStoreyScene),
-    /// A structure behind the filter of Kanai and Tajimi.
+    /// A structure behind a Kanai-Tajimi filter.
     KanaiTajimi {
-        /// The structure; its window modulates the ground motion.
+        /// The structure; its modulating function acts on the ground motion.
         structure: ShakenScene,
-        /// `omega_g`, the circular frequency of the soil; 15.6 is firm (rad/s).
+        /// `omega_g`, the circular frequency of the soil; 15.6 for firm soil (rad/s).
         ground_frequency: f64,
-        /// `zeta_g`, the damping ratio of the soil; 0.6 is firm (no unit).
+        /// `zeta_g`, the damping ratio of the soil; 0.6 for firm soil (no unit).
         ground_damping: f64,
-        /// The window of the white noise below the ground.
+        /// Modulating function of the white noise at the bedrock.
         #[serde(default)]
         noise_window: WindowScene,
     },
-    /// A structure behind the filter of Clough and Penzien.
+    /// A structure behind a Clough-Penzien filter.
     CloughPenzien {
-        /// The structure; its window modulates the ground motion.
+        /// The structure; its modulating function acts on the ground motion.
         structure: ShakenScene,
-        /// `omega_g`, the circular frequency of the soil; 15.6 is firm (rad/s).
+        /// `omega_g`, the circular frequency of the soil; 15.6 for firm soil (rad/s).
         ground_frequency: f64,
-        /// `zeta_g`, the damping ratio of the soil; 0.6 is firm (no unit).
+        /// `zeta_g`, the damping ratio of the soil; 0.6 for firm soil (no unit).
         ground_damping: f64,
-        /// `omega_f`, below which the ground does not shake (rad/s).
+        /// `omega_f`, the low-cut frequency below which the ground motion has no power (rad/s).
         low_cut_frequency: f64,
-        /// `zeta_f`, the damping ratio of that (no unit).
+        /// `zeta_f`, the damping ratio of the low-cut filter (no unit).
         low_cut_damping: f64,
-        /// The window of the white noise below the ground.
+        /// Modulating function of the white noise at the bedrock.
         #[serde(default)]
         noise_window: WindowScene,
     },
     /// `dX = -Theta (X - m) dt + G dB` in one to four dimensions.
     OrnsteinUhlenbeck {
-        /// `Theta`, the rates of return, row by row (1/s).
+        /// `Theta`, the relaxation rates, row by row (1/s).
         rates: Vec<Vec<f64>>,
-        /// `m`, where it returns to (unit of each state).
+        /// `m`, the mean (unit of each state).
         mean: Vec<f64>,
         /// `G`, row by row (unit of each state per s^0.5).
         noise: Vec<Vec<f64>>,
@@ -102,9 +102,9 @@ pub enum SystemScene {
     },
     /// `dX = kappa (theta - X) dt + sigma sqrt(X) dB`; `u` is the unit of `X`.
     CoxIngersollRoss {
-        /// `kappa`, the rate of return (1/s).
+        /// `kappa`, the relaxation rate (1/s).
         rate: f64,
-        /// `theta`, where it returns to (u).
+        /// `theta`, the mean (u).
         mean: f64,
         /// `sigma`, the intensity of the noise (u^0.5/s^0.5).
         volatility: f64,
@@ -124,7 +124,7 @@ pub enum SystemScene {
 pub enum ShakenScene {
     /// A linear oscillator.
     LinearOscillator(StructureScene),
-    /// One with a viscous damper.
+    /// A linear oscillator with a viscous damper.
     ViscousDamper(DamperScene),
     /// A hysteretic oscillator.
     BoucWen(BoucWenScene),
@@ -132,24 +132,24 @@ pub enum ShakenScene {
     TwoStorey(TwoStoreyScene),
 }
 
-/// Why a scene's system could not be built: an error with the parameter it names, or a shape.
+/// Why the system of a scene could not be built: an invalid parameter or list.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SystemError {
-    /// A parameter was refused.
+    /// A parameter is invalid.
     #[error(transparent)]
     Parameter(#[from] Error),
-    /// A list has another length than the system has states.
+    /// The length of a list is not the number of states.
     #[error("`{key}` has {count} entries; {wanted}")]
     Shape {
         /// The key.
         key: &'static str,
-        /// How many entries it has.
+        /// Number of its entries.
         count: usize,
-        /// What it should have.
+        /// Required number.
         wanted: String,
     },
-    /// Structure and filter have more states than the solver takes.
+    /// Structure and filter have more states than the solver supports.
     #[error(
         "a {structure} behind this filter has {states} states; the density solver takes 6 at most"
     )]
@@ -162,7 +162,7 @@ pub enum SystemError {
 }
 
 impl SystemError {
-    /// The key that it is about, as it stands in a scene.
+    /// The key of the error, as in a scene.
     fn key(&self) -> Option<&'static str> {
         match self {
             Self::Shape { key, .. } => Some(key),
@@ -188,7 +188,7 @@ impl SystemError {
     }
 }
 
-/// The window of the examples.
+/// Modulating function of the examples.
 const RISE: WindowScene = WindowScene::RisePlateauDecay {
     rise_exponent: 1.0,
     rise_end: 2.0,
@@ -196,7 +196,7 @@ const RISE: WindowScene = WindowScene::RisePlateauDecay {
     decay_start: 6.0,
 };
 
-/// Examples of what no built-in scene shows, for the schema and the page of scenes.
+/// Examples for the schema and the page of scenes; no built-in scene shows them.
 impl SystemScene {
     fn clough_penzien() -> Self {
         let structure = StructureScene {
@@ -243,10 +243,10 @@ impl SystemScene {
 }
 
 impl SystemScene {
-    /// The system, checked.
+    /// Builds and checks the system.
     ///
     /// # Errors
-    /// [`SystemError`], naming the parameter.
+    /// [`SystemError`] with the name of the parameter.
     pub fn build(&self) -> Result<System, SystemError> {
         Ok(match self {
             Self::LinearOscillator(structure) => System::LinearOscillator(structure.build()?),
@@ -309,7 +309,7 @@ impl SystemScene {
         })
     }
 
-    /// The objection to a system that could not be built, at the key that the error names.
+    /// The objection for a system error, at the key that it names.
     #[must_use]
     pub fn objection(&self, error: &SystemError) -> Objection {
         let tree = serde_json::to_value(self).unwrap_or_default();
@@ -319,7 +319,7 @@ impl SystemScene {
     }
 }
 
-/// The path of the first key of this name, from the outside inward.
+/// Path of the first key of this name, from the outermost inwards.
 fn path_of(tree: &serde_json::Value, key: &str) -> Option<String> {
     let object = tree.as_object()?;
     if object.contains_key(key) {
@@ -397,7 +397,7 @@ fn ornstein_uhlenbeck(
     })
 }
 
-/// A list of the length that its type asks for.
+/// A list of the length that its type requires.
 pub(super) fn list<const D: usize>(
     key: &'static str,
     values: &[f64],
@@ -406,7 +406,7 @@ pub(super) fn list<const D: usize>(
     values.try_into().map_err(|_| SystemError::Shape { key, count: values.len(), wanted: wanted() })
 }
 
-/// A square matrix of the size that its type asks for.
+/// A square matrix of the size that its type requires.
 pub(super) fn square<const D: usize>(
     key: &'static str,
     rows: &[Vec<f64>],

@@ -1,4 +1,4 @@
-//! An ensemble on the ranks of a job: blocks that are handed out, kept in the folder of the results, and joined in their order.
+//! An ensemble on the ranks of a job: blocks are distributed, stored in the result folder, and merged in order.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -17,35 +17,35 @@ use crate::causes::with_causes;
 use crate::checkpoint::{CheckpointError, Head, Start, read_file, write_block};
 use crate::output::write_json;
 
-/// Blocks of an ensemble at most: many for 10,000 ranks to balance, few enough for a folder.
+/// Largest number of blocks: enough to balance 10,000 ranks, few enough for one folder.
 const MOST_BLOCKS: u64 = 65_536;
 
-/// The folder of the blocks, in that of the results.
+/// Folder of the blocks, inside the result folder.
 const FOLDER: &str = "blocks";
 
-/// How an ensemble is cut into blocks. It depends on the ensemble alone, never on who computes them.
+/// Division of an ensemble into blocks. It depends on the ensemble alone, never on the ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
-    /// How many things there are: paths, samples, realisations.
+    /// Number of items: paths, samples, realisations.
     pub n: u64,
-    /// Of how many a block consists at least, but for the last; a block is a whole number of them.
+    /// Smallest number of items in a block, except the last; a block is a multiple of it.
     pub unit: u64,
 }
 
 impl Cut {
-    /// How many blocks.
+    /// Number of blocks.
     #[must_use]
     pub fn n_blocks(self) -> u64 {
         self.n.div_ceil(self.length()).max(1)
     }
 
-    /// How many things each holds, but for the last.
+    /// Number of items in each block, except the last.
     fn length(self) -> u64 {
         let units = self.n.div_ceil(self.unit);
         units.div_ceil(MOST_BLOCKS).max(1) * self.unit
     }
 
-    /// The things of a block.
+    /// Range of items in a block.
     #[must_use]
     pub fn range(self, block: u64) -> Range<u64> {
         let bound = |k: u64| k.saturating_mul(self.length()).min(self.n);
@@ -53,7 +53,7 @@ impl Cut {
     }
 }
 
-/// A file in the folder of the blocks that is none of theirs.
+/// An unknown file in the folder of the blocks.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{} is no block of this run, which has {n_blocks} of them", .path.display())]
 struct UnknownFile {
@@ -61,7 +61,7 @@ struct UnknownFile {
     n_blocks: u64,
 }
 
-/// A file with another block than its name says.
+/// The block number in a file differs from its name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{} holds block {found}; its name says {expected}", .path.display())]
 struct OtherBlock {
@@ -70,7 +70,7 @@ struct OtherBlock {
     expected: u64,
 }
 
-/// The blocks of a run as files.
+/// Files of the blocks of a run.
 struct Files {
     folder: PathBuf,
     head: Head,
@@ -83,7 +83,7 @@ impl Files {
         self.folder.join(format!("block-{:0width$}-of-{}.bin", block + 1, self.n_blocks))
     }
 
-    /// What is in the folder.
+    /// Lists the folder.
     fn found(&self) -> Result<Vec<PathBuf>, CheckpointError> {
         let io = |source| CheckpointError::Io { path: self.folder.clone(), source };
         if !self.folder.exists() {
@@ -100,7 +100,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Makes ready for a run that begins in this way.
+    /// Prepares the folder for a run with this start mode.
     fn open(&self, start: Start) -> Result<(), RunError> {
         let found = self.found()?;
         match start {
@@ -148,35 +148,35 @@ impl<T: Serialize + DeserializeOwned> Store<T> for Files {
     }
 }
 
-/// `job.json`: who computed what, and how long it took.
+/// `job.json`: rank and time of each block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobRecord {
     /// `job/1`.
     pub schema: String,
-    /// How many ranks there were.
+    /// Number of ranks.
     pub ranks: usize,
-    /// Blocks that were there from before.
+    /// Number of blocks stored by earlier runs.
     pub known: u64,
-    /// By the clock of rank 0, from the start of the first block to the end of the last (s).
+    /// Elapsed time on rank 0, from the start of the first block to the end of the last (s).
     pub seconds: f64,
-    /// Part of the time of all ranks that went into blocks.
+    /// Fraction of the time of all ranks spent on blocks.
     pub efficiency: f64,
-    /// In the order in which they came in.
+    /// In the order of arrival.
     pub blocks: Vec<BlockRecord>,
 }
 
-/// A block that was computed.
+/// A computed block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlockRecord {
-    /// Its number, from 1 on, as in the name of its file.
+    /// Its number, from 1, as in the name of its file.
     pub block: u64,
-    /// Who computed it.
+    /// The rank that computed it.
     pub rank: usize,
-    /// How long, by the clock (s).
+    /// Elapsed time (s).
     pub seconds: f64,
     /// Length of the message with its result; 0 on rank 0.
     pub bytes: usize,
-    /// How long rank 0 took to read and keep it (s).
+    /// Time that rank 0 spent reading and storing it (s).
     pub taking: f64,
 }
 
@@ -201,17 +201,19 @@ impl JobRecord {
 }
 
 impl Run<'_> {
-    /// The ranks of the job that this process is one of; `None` where it is alone.
+    /// Ranks of the job of this process; `None` for a single process.
     #[must_use]
     pub fn ranks(&self) -> Option<&dyn Ranks> {
         self.ranks
     }
 
-    /// What the blocks of an ensemble have come to, in their order, each computed by one of the ranks or found in the folder; `None` on the
-    /// ranks that do not have the result. `words` tells what is known so far.
+    /// Results of the blocks of an ensemble in order, computed by the ranks or loaded from the folder.
+    ///
+    /// `None` on ranks without the result. `words` formats the current estimate.
     ///
     /// # Errors
-    /// [`RunError::Job`] with rank and block where one fails; [`RunError::BlocksLeft`] where a run would start anew over others.
+    /// [`RunError::Job`] with rank and block if a block fails; [`RunError::BlocksLeft`] if a run would restart over
+    /// other blocks.
     pub fn on_ranks<T: Serialize + DeserializeOwned + Send>(
         &self,
         ranks: &dyn Ranks,

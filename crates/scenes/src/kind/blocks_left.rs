@@ -1,11 +1,11 @@
-//! The refusal to start anew over blocks of another run.
+//! Error for a restart over blocks of another run.
 
 use std::path::PathBuf;
 
-/// Blocks of another run in the folder of one that would start anew.
+/// The folder holds blocks of another run, and this run starts from the beginning.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{} holds {found} blocks of a run", .folder.display())]
-#[diagnostic(help("--resume goes on from them, --overwrite removes them"))]
+#[diagnostic(help("--resume continues from them, --overwrite removes them"))]
 pub struct BlocksLeft {
     pub(super) folder: PathBuf,
     pub(super) found: usize,

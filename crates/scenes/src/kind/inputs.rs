@@ -1,4 +1,4 @@
-//! What the numbers of a run depend on, by which its checkpoints and shards are told from others.
+//! Inputs that determine the results of a run, and so identify its checkpoints and shards.
 
 use figures::finite::JsonError;
 use serde::Serialize;
@@ -9,19 +9,19 @@ use super::run_error::RunError;
 use crate::checkpoint::{Checkpoint, Head, Start};
 use crate::scene::NamedFile;
 
-/// What a run was made from.
+/// Inputs of a run.
 #[derive(Debug)]
 pub struct Inputs<'a, T> {
-    /// The scene as it was understood.
+    /// The parsed scene.
     pub scene: &'a T,
-    /// The seed of what it draws.
+    /// Seed of its random numbers.
     pub seed: Option<u64>,
-    /// The files that it names, all of them.
+    /// All files that it names.
     pub files: &'a [NamedFile],
 }
 
 impl<T: Serialize> Inputs<'_, T> {
-    /// All of a scene that its numbers depend on; `aside` are the JSON pointers of what is left out.
+    /// All parts of a scene that affect its results; `aside` are JSON pointers of excluded keys.
     fn identity(&self, aside: &[&str]) -> Result<serde_json::Value, RunError> {
         let mut identity = serde_json::to_value(self.scene).map_err(JsonError::from)?;
         for pointer in aside {
@@ -34,11 +34,12 @@ impl<T: Serialize> Inputs<'_, T> {
 }
 
 impl Run<'_> {
-    /// The checkpoint of the run of a scene, which ends with it. `aside` are the JSON pointers of what its numbers do not depend on: its title, its end,
-    /// and what only looks at the result.
+    /// The checkpoint of a run of a scene; it ends with the run.
+    ///
+    /// `aside` are the JSON pointers of keys that do not affect the results so far: title, end time, output.
     ///
     /// # Errors
-    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that is no JSON.
+    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that JSON cannot represent.
     pub fn checkpoint(
         &self,
         inputs: &Inputs<'_, impl Serialize>,
@@ -53,12 +54,12 @@ impl Run<'_> {
         let (checkpoint, found) =
             Checkpoint::open(self.out(), head, start, self.options.checkpoint_every)?;
         for refused in &found.refused {
-            self.progress.stage(&format!("not gone on from: {refused}"));
+            self.progress.stage(&format!("not resumed: {refused}"));
         }
         match (start, found.file) {
             (Start::Anew | Start::Overwrite, _) => {}
             (Start::GoOn, Some(file)) => {
-                self.progress.stage(&format!("goes on from {}", file.display()));
+                self.progress.stage(&format!("resumes from {}", file.display()));
             }
             (Start::GoOn, None) => {
                 let folder = self.out().display();
@@ -69,13 +70,13 @@ impl Run<'_> {
         Ok(self.checkpoint.get_or_init(|| checkpoint))
     }
 
-    /// Whose the files of shards are.
+    /// Identity of the files of shards.
     pub(super) fn shard_head(&self, inputs: &Inputs<'_, impl Serialize>) -> Result<Head, RunError> {
         let identity = inputs.identity(&["/title"])?;
         Ok(Head::of_shards(self.solver, &identity, inputs.seed, inputs.files))
     }
 
-    /// Whose blocks are: the instructions of all ranks must be the same.
+    /// Identity of blocks: the instruction set of all ranks must be the same.
     pub(super) fn block_head(&self, inputs: &Inputs<'_, impl Serialize>) -> Result<Head, RunError> {
         let identity = inputs.identity(&["/title"])?;
         Ok(Head::new(self.solver, &identity, inputs.seed, inputs.files))

@@ -1,4 +1,4 @@
-//! What a kind of scene is given to run one.
+//! Context that a scene kind receives for a run.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -11,10 +11,10 @@ use super::run_error::RunError;
 use crate::checkpoint::Checkpoint;
 use crate::scene::{Scene, SceneFile};
 
-/// What a kind of scene is given.
+/// Context of a run.
 #[derive(Debug)]
 pub struct Run<'a> {
-    /// Hears what is being done.
+    /// Progress reporter.
     pub progress: &'a Progress,
     pub(super) solver: &'static str,
     pub(super) options: &'a Options,
@@ -23,16 +23,16 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Where the results go.
+    /// Folder of the results.
     #[must_use]
     pub fn out(&self) -> &Path {
         &self.options.out
     }
 
-    /// Reads a scene, with the seed that was asked for in place of its own, and what its check built.
+    /// Parses a scene, replaces its seed if requested, and returns it with the result of its check.
     ///
     /// # Errors
-    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed to a scene that has none.
+    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed given to a scene without random numbers.
     pub fn build<T: Scene>(&self, file: &SceneFile) -> Result<(T, T::Built), RunError> {
         let (mut scene, built) = file.build::<T>()?;
         if let Some(seed) = self.options.seed {

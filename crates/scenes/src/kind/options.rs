@@ -1,4 +1,4 @@
-//! How a scene is run.
+//! Run options.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -6,26 +6,26 @@ use std::time::Duration;
 use super::part::Part;
 use crate::checkpoint::Start;
 
-/// How a scene is run.
+/// Options of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
-    /// Where the results go.
+    /// Folder of the results.
     pub out: PathBuf,
-    /// In place of the seed of the scene.
+    /// Replaces the seed of the scene.
     pub seed: Option<u64>,
-    /// From nothing or from a checkpoint; whether over one.
+    /// Whether to start from the beginning, resume, or overwrite.
     pub start: Start,
-    /// The least time between two checkpoints.
+    /// Minimum interval between two checkpoints.
     pub checkpoint_every: Duration,
-    /// All of an ensemble, a shard of it, or what shards have come to.
+    /// The whole ensemble, a shard of it, or the merge of shards.
     pub part: Part,
 }
 
 impl Options {
-    /// The least time between two checkpoints, where nothing else is asked for.
+    /// Default minimum interval between two checkpoints.
     pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(10);
 
-    /// A run from nothing, with the seed of the scene.
+    /// A run from the beginning with the seed of the scene.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         let (seed, start) = (None, Start::Anew);
         let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);

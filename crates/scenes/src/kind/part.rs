@@ -1,4 +1,4 @@
-//! Parts of an ensemble that are run apart, and joined.
+//! Parts of an ensemble that run separately and are merged.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,67 +7,67 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// What is done of an ensemble.
+/// Part of an ensemble to compute.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Part {
-    /// All.
+    /// The whole ensemble.
     Whole,
-    /// A shard of it, which leaves a file.
+    /// One shard, written to a file.
     Shard(Place),
-    /// The result of all shards, from their files.
+    /// The result of all shards, read from their files.
     Merged(Vec<PathBuf>),
 }
 
-/// Which shard, from 1 on, and of how many: `2/4`.
+/// Position of a shard, from 1, and number of shards: `2/4`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
     pub(super) shard: u64,
     pub(super) of: u64,
 }
 
-/// A text that is no place.
+/// The text is no position of a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` must be K/N with N shards and K from 1 to N, e.g. 2/4")]
 pub struct PlaceError {
     text: String,
 }
 
-/// Shards that are not one ensemble.
+/// The shards are not one ensemble.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShardsError {
-    /// None was given.
+    /// No file was given.
     #[error("no file of a shard was given")]
     None,
-    /// One is missing.
+    /// A shard is missing.
     #[error("shard {0} is missing")]
     Missing(Place),
-    /// One is there twice.
+    /// A shard is given twice.
     #[error("shard {place} is given twice, the second time by {}", .file.display())]
     Doubled {
-        /// Which.
+        /// The shard.
         place: Place,
-        /// The second.
+        /// Its second file.
         file: PathBuf,
     },
-    /// One holds what no shard of the scene does.
+    /// A shard has the wrong number of results.
     #[error("a shard holds {found} {what}, {expected} expected")]
     OtherContent {
-        /// Of what.
+        /// Kind of results.
         what: &'static str,
-        /// How many.
+        /// Number in the shard.
         found: usize,
-        /// How many it must hold.
+        /// Required number.
         expected: usize,
     },
-    /// One is of another division.
+    /// A shard belongs to another division.
     #[error("{} is shard {place}; the first file is one of {expected}", .file.display())]
     OtherDivision {
-        /// Which.
+        /// The shard.
         place: Place,
         /// Its file.
         file: PathBuf,
-        /// How many the first file says.
+        /// Number of shards in the first file.
         expected: u64,
     },
 }
@@ -91,13 +91,13 @@ impl fmt::Display for Place {
 }
 
 impl Place {
-    /// Of how many.
+    /// Number of shards.
     #[must_use]
     pub const fn n_shards(self) -> u64 {
         self.of
     }
 
-    /// Its part of `n` things, in order; parts differ by one at most.
+    /// Its part of `n` items, in order; sizes of parts differ by at most one.
     #[must_use]
     pub fn of(self, n: u64) -> Range<u64> {
         let bound = |k: u64| n / self.of * k + (n % self.of).min(k);

@@ -1,4 +1,4 @@
-//! How far a scene has come: a bar on a terminal, plain lines elsewhere, always on stderr.
+//! Progress reports: a bar on a terminal, lines elsewhere, always on stderr.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::{Mutex, PoisonError};
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Between two plain lines of one stage lies at least so much time.
+/// Minimum interval between two lines of one stage.
 const LINES_EVERY: Duration = Duration::from_secs(5);
 
-/// Where a run tells what it does.
+/// Progress reporter of a run.
 #[derive(Debug)]
 pub struct Progress {
     show: Show,
@@ -25,13 +25,13 @@ enum Show {
 }
 
 impl Progress {
-    /// On stderr.
+    /// Reports on stderr.
     #[must_use]
     pub fn on_stderr() -> Self {
         Self::new(if stderr().is_terminal() { Show::Bar } else { Show::Lines })
     }
 
-    /// Nowhere.
+    /// Reports nothing.
     #[must_use]
     pub fn silent() -> Self {
         Self::new(Show::Nothing)
@@ -49,7 +49,7 @@ impl Progress {
         Self { show, bar, last_line: Mutex::new(None) }
     }
 
-    /// Says in a few words what begins.
+    /// Announces the next stage.
     pub fn stage(&self, what: &str) {
         *self.last_line.lock().unwrap_or_else(PoisonError::into_inner) = None;
         match self.show {
@@ -59,7 +59,7 @@ impl Progress {
         }
     }
 
-    /// How much of the stage is done, and what is known so far: an estimate with its error, which is asked for where it is shown.
+    /// Reports the completed fraction of the stage and the current estimate, which is computed only if it is shown.
     pub fn at(&self, (done, all): (u64, u64), estimate: impl FnOnce() -> String) {
         match self.show {
             Show::Bar => {
@@ -78,13 +78,13 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
 
 fn line(text: &str) {
-    // Progress that cannot be shown is no reason to stop a run.
+    // A failure to show progress does not stop a run.
     let _ = writeln!(stderr(), "{text}");
 }

@@ -1,4 +1,4 @@
-//! Why a scene was not run to its end.
+//! Errors of a run.
 
 use figures::finite::JsonError;
 use mpi_ensembles::JobError;
@@ -9,53 +9,53 @@ use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 
-/// Why a solver refused or stopped, or a case or chart could not run to its end: any typed error, so that `?` takes them all.
+/// Any error of a solver, a case or a chart, boxed so that `?` converts all of them.
 pub type SolverError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why a scene was not run to its end.
+/// Error of a run.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum RunError {
-    /// The scene is wrong.
+    /// The scene is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
-    /// There is no kind of scene yet.
+    /// This build has no scene kind.
     #[error("no kind of scene can be run yet")]
     NoKinds,
-    /// The solver refused or stopped.
+    /// The solver rejected its input or stopped.
     #[error("the run ended in an error")]
     Solver(#[source] SolverError),
     /// A result could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The checkpoint was refused, or could not be written.
+    /// The checkpoint was rejected, or could not be written.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// The scene cannot be told from others.
-    #[error("the scene holds what JSON does not")]
+    /// The scene cannot be identified.
+    #[error("the scene has a value that JSON cannot represent")]
     Identity(#[from] JsonError),
-    /// Shards were asked for, or given, and the method of the scene has none.
+    /// The method of the scene has no shards, but shards were requested or given.
     #[error("the method of the scene has no shards")]
     #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
     NoShards,
-    /// Shards that are not one ensemble.
+    /// The shards are not one ensemble.
     #[error(transparent)]
     Shards(#[from] ShardsError),
-    /// The ranks of a job did not come to its end.
+    /// A rank of the job failed.
     #[error(transparent)]
     Job(#[from] JobError),
-    /// A run would start anew over blocks of another.
+    /// The run would restart over blocks of another run.
     #[error(transparent)]
     #[diagnostic(transparent)]
     BlocksLeft(#[from] BlocksLeft),
-    /// The ranks of a job share an ensemble among themselves.
-    #[error("a shard of an ensemble, or its merge, is the work of one process")]
+    /// A shard was requested on ranks, which share an ensemble themselves.
+    #[error("a shard of an ensemble, or a merge, runs in one process")]
     #[diagnostic(help("leave out --shard, or mpirun"))]
     PartOnRanks,
-    /// Nothing in the scene is random.
-    #[error("the seed {seed} was given, and the scene draws nothing at random")]
+    /// The scene has no random numbers.
+    #[error("the seed {seed} was given, but the scene has no random numbers")]
     #[diagnostic(help("leave out --seed"))]
     NoSeed {
         /// The seed.
@@ -64,7 +64,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// Takes any error of a solver: `simulation.step().map_err(RunError::solver)?`.
+    /// Converts any error of a solver: `simulation.step().map_err(RunError::solver)?`.
     pub fn solver(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Solver(Box::new(error))
     }

@@ -13,13 +13,13 @@ use super::run_error::RunError;
 use crate::checkpoint::{read_file, write_file};
 
 impl Run<'_> {
-    /// What is to be done of the ensemble.
+    /// Part of the ensemble to compute.
     #[must_use]
     pub fn part(&self) -> &Part {
         &self.options.part
     }
 
-    /// Its part of `n` things.
+    /// Its part of `n` items.
     #[must_use]
     pub fn range(&self, n: u64) -> Range<u64> {
         match &self.options.part {
@@ -28,7 +28,7 @@ impl Run<'_> {
         }
     }
 
-    /// Refuses shards, and ranks that would share them, for a method that has none.
+    /// Rejects shards and ranks for a method that has no shards.
     ///
     /// # Errors
     /// [`RunError::NoShards`].
@@ -37,7 +37,7 @@ impl Run<'_> {
         if is_whole { Ok(()) } else { Err(RunError::NoShards) }
     }
 
-    /// Writes `shard-2-of-4.bin`, which holds what a shard has come to and of which scene and files it is.
+    /// Writes `shard-2-of-4.bin` with the results of a shard and the identity of its scene and files.
     ///
     /// # Errors
     /// [`RunError::Checkpoint`], [`RunError::Identity`].
@@ -52,7 +52,7 @@ impl Run<'_> {
         Ok(path)
     }
 
-    /// Refuses a shard that holds another number of things than it must.
+    /// Rejects a shard with the wrong number of results.
     ///
     /// # Errors
     /// [`RunError::Shards`].
@@ -63,11 +63,11 @@ impl Run<'_> {
         Err(ShardsError::OtherContent { what, found, expected }.into())
     }
 
-    /// Reads the files of all shards of a scene, given in any order.
+    /// Reads the files of all shards of a scene, in any order.
     ///
     /// # Errors
-    /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files; [`RunError::Shards`] for one that is missing, there
-    /// twice, or of another division.
+    /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files;
+    /// [`RunError::Shards`] for a shard that is missing, duplicated, or of another division.
     pub fn read_shards<T: DeserializeOwned>(
         &self,
         inputs: &Inputs<'_, impl Serialize>,

@@ -1,4 +1,4 @@
-//! The scenes that come with the project, run by every method that solves them.
+//! The built-in scenes with every method that solves them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::{Ladder, LadderError, Method, Rung, Trial, climb, repeated_costs};
 use crate::kind::{RunError, SceneKind, kind_of};
 use crate::scene::SceneFile;
 
-/// A scene that comes with the project.
+/// A built-in scene.
 pub struct BuiltIn {
     /// Folder and name, e.g. `fpk/viscous_damper`.
     pub name: String,
@@ -15,31 +15,31 @@ pub struct BuiltIn {
     pub file: SceneFile,
     /// Its kind.
     pub kind: &'static SceneKind,
-    /// The methods that solve it.
+    /// Methods that solve it.
     pub ladder: Arc<Ladder>,
 }
 
-/// Why a built-in scene was not run.
+/// Error of a built-in scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuiltInError {
-    /// It cannot be read or is wrong.
+    /// The scene cannot be read or is invalid.
     #[error("the scene {name}")]
     Scene {
-        /// Which one.
+        /// Name of the scene.
         name: String,
-        /// Why.
+        /// Cause.
         source: RunError,
     },
     /// The folder cannot be listed.
     #[error("cannot list {}", .folder.display())]
     Folder {
-        /// Which folder.
+        /// The folder.
         folder: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: std::io::Error,
     },
-    /// A trial could not be made.
+    /// A trial could not be started.
     #[error(transparent)]
     Ladder(#[from] LadderError),
 }
@@ -90,7 +90,7 @@ impl BuiltIn {
         Ok(trials)
     }
 
-    /// The CPU times (s) of a trial and of so many runs like it; see [`repeated_costs`].
+    /// CPU times (s) of a trial and of `again` repetitions; see [`repeated_costs`].
     ///
     /// # Errors
     /// [`LadderError`].
@@ -105,7 +105,7 @@ impl std::fmt::Debug for BuiltIn {
     }
 }
 
-/// What lies in a folder, by name.
+/// Entries of a folder, by name.
 fn listed(folder: &Path) -> Result<Vec<PathBuf>, BuiltInError> {
     let refused = |source| BuiltInError::Folder { folder: folder.into(), source };
     let entries = std::fs::read_dir(folder).map_err(refused)?;

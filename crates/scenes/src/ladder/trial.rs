@@ -1,4 +1,4 @@
-//! Rungs that are run.
+//! Trial runs of rungs.
 
 use std::path::{Path, PathBuf};
 
@@ -9,56 +9,56 @@ use crate::causes::with_causes;
 use crate::kind::{Options, Progress, SceneKind};
 use crate::scene::SceneFile;
 
-/// A rung that was run.
+/// A trial run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// The place of its method in [`Ladder::methods`].
+    /// Index of its method in [`Ladder::methods`].
     pub method: usize,
-    /// What was run.
+    /// The rung.
     pub rung: Rung,
-    /// What came of it.
+    /// Its outcome.
     pub outcome: Outcome,
 }
 
-/// What came of a rung.
+/// Outcome of a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// An answer.
+    /// A result.
     Answered(Answer),
     /// The run ended in an error.
     Failed {
-        /// Its words.
+        /// Text of the error.
         reason: String,
     },
 }
 
-/// Why a rung could not be tried at all.
+/// Error that prevents a trial.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum LadderError {
-    /// There is no place for the results of trials.
+    /// No folder for the results of trials is available.
     #[error("no folder for trial runs")]
     Folder(#[source] std::io::Error),
-    /// A result is not there or no JSON.
+    /// A result is missing or invalid JSON.
     #[error("the result of a trial run cannot be read: {}", .path.display())]
     Result {
-        /// Where it was looked for.
+        /// Path of the result.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: std::io::Error,
     },
-    /// A result does not hold what the kind of scene says.
+    /// A result lacks a quantity of its scene kind.
     #[error("the result of a run has no number {what}: {}", .path.display())]
     Missing {
-        /// The result.
+        /// Path of the result.
         path: PathBuf,
-        /// The JSON pointer.
+        /// JSON pointer.
         what: &'static str,
     },
 }
 
 impl Trial {
-    /// The answer, where there is one.
+    /// The result, if there is one.
     #[must_use]
     pub const fn answer(&self) -> Option<&Answer> {
         match &self.outcome {
@@ -68,8 +68,10 @@ impl Trial {
     }
 }
 
-/// Runs a method at rising sizes, each about three times as dear as the one before, until the next would cost more than `budget`
-/// (CPU s) or fails twice in a row. `tell` hears of each run before it begins.
+/// Runs a method at increasing sizes, each about three times as expensive as the last.
+///
+/// It stops when the next run would cost more than `budget` (CPU s), or after two failures in a row. `tell` is called
+/// before each run.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.
@@ -84,7 +86,7 @@ pub fn climb(
     let climbed = &ladder.methods[method];
     let (mut trials, mut size, mut failures) = (Vec::<Trial>::new(), climbed.first, 0);
     while let Some(rung) = (climbed.rung)(size) {
-        // Rounding can make two sizes the same.
+        // Rounding can make two sizes equal.
         let is_new = trials.last().is_none_or(|last| last.rung.size < rung.size);
         size = rung.size.max(size) * climbed.growth.factor();
         if !is_new {
@@ -104,13 +106,13 @@ pub fn climb(
     Ok(trials)
 }
 
-/// Whether the rung after one of this cost is expected to cost more than a budget.
+/// Whether the rung after one of this cost is expected to exceed a budget.
 #[must_use]
 pub fn is_next_beyond(cost: f64, budget: f64) -> bool {
     cost * super::COST_FACTOR > budget
 }
 
-/// Failures in a row after which a method is given up: a lattice can be too coarse, not too fine.
+/// Number of consecutive failures after which a method is abandoned: a lattice can be too coarse, not too fine.
 const MOST_FAILURES: u32 = 2;
 
 /// Runs one rung.
@@ -127,7 +129,7 @@ pub fn try_rung(
     Ok(Trial { method, rung, outcome })
 }
 
-/// The CPU times (s) of a trial and of so many runs like it, in rising order; empty where the trial has no answer.
+/// CPU times (s) of a trial and of its repetitions, in increasing order; empty for a trial without result.
 ///
 /// # Errors
 /// [`LadderError`].
@@ -149,7 +151,7 @@ pub fn repeated_costs(
     Ok(costs)
 }
 
-/// Runs a scene that is made of `file`, whose folder its paths start from.
+/// Runs a scene derived from `file`; relative paths start from the folder of `file`.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.
@@ -167,7 +169,7 @@ pub fn try_scene(
     })
 }
 
-/// What the result in a folder holds.
+/// Reads the result in a folder.
 ///
 /// # Errors
 /// [`LadderError::Result`], [`LadderError::Missing`].

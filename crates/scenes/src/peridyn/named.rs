@@ -1,6 +1,6 @@
-//! Choices of a scene that name those of the solver.
+//! Scene enums that mirror enums of the solver.
 
-/// An enum of keys that stands for one of the solver.
+/// An enum of keys that maps to an enum of the solver.
 macro_rules! named {
     ($(#[$meta:meta])* $scene:ident => $target:ident { $($(#[$variant_meta:meta])* $variant:ident,)+ }) => {
         $(#[$meta])*

@@ -1,14 +1,14 @@
-//! Points of a body from a file, with what the file says of each.
+//! Points of a body from a file, with their properties.
 //!
-//! | column | what |
+//! | column | meaning |
 //! |---|---|
-//! | `x`, `y` | where the point is (m), inside the body |
-//! | `volume` | area times thickness (m^3); the square of the spacing times the thickness where it is not there |
+//! | `x`, `y` | position (m), inside the body |
+//! | `volume` | area times thickness (m^3); default: the square of the spacing times the thickness |
 //! | `strength_factor` | critical stretch over that of the material |
 //! | `stiffness_factor` | stiffness over that of the material |
 //!
-//! A `.csv` file has a head with these names, in any order. A `.vtu` file has `x` and `y` in its points and the others as arrays of
-//! the points. Other columns are left alone.
+//! A `.csv` file has a header with these names, in any order. A `.vtu` file has `x` and `y` in its points and the
+//! others as point arrays. Other columns are ignored.
 
 mod csv;
 mod table;
@@ -24,13 +24,13 @@ use super::scene_body::BodyScene;
 use crate::nearest::nearest;
 use crate::scene::{NamedFile, Objection};
 
-/// Where a file of points is named.
+/// Key that names a file of points.
 const KEY: &str = "body.points";
 
-/// Two points as near as this (spacings) are at one place.
+/// Distance (spacings) below which two points coincide.
 const AT_ONE_PLACE: f64 = 1e-6;
 
-/// Points of a body, with the file that they are from.
+/// Points of a body and their file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {
     file: NamedFile,
@@ -38,10 +38,10 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// The points that a body names, if it does, from the folder of its scene.
+    /// Reads the points that a body names, if any, from the folder of its scene.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Those of [`read`](Self::read).
     pub fn of_body(body: &BodyScene, folder: &Path) -> Result<Option<Self>, Objection> {
         body.points.as_deref().map(|file| Self::read(file, folder)).transpose()
     }
@@ -49,8 +49,8 @@ impl Cloud {
     /// Reads the file that a body names, from the folder of its scene.
     ///
     /// # Errors
-    /// An [`Objection`] to a file that is not there, is neither `.csv` nor `.vtu`, holds no points or more than
-    /// 10,000,000, lacks a column, or has a number that cannot be, by its row and column.
+    /// An [`Objection`] to a file that is missing, is neither `.csv` nor `.vtu`, has no points or more than
+    /// 10,000,000, lacks a column, or has an invalid number; it names row and column.
     pub fn read(file: &str, folder: &Path) -> Result<Self, Objection> {
         let (_, bytes) = NamedFile::read(file, folder).map_err(|error| {
             let message = format!("cannot read the points {file}: {error}");
@@ -62,10 +62,10 @@ impl Cloud {
         Self::of(file, &bytes)
     }
 
-    /// The points in a file that holds these bytes.
+    /// The points in a file with these bytes.
     ///
     /// # Errors
-    /// As [`read`](Self::read), of a file that is there.
+    /// Those of [`read`](Self::read), for an existing file.
     pub fn of(file: &str, bytes: &[u8]) -> Result<Self, Objection> {
         let extension = Path::new(file).extension().and_then(|extension| extension.to_str());
         let table = match extension.map(str::to_ascii_lowercase).as_deref() {
@@ -99,7 +99,7 @@ impl Cloud {
     /// The nodes of a body.
     ///
     /// # Errors
-    /// An [`Objection`] to a point outside of it, two points at one place, and what [`Nodes::new`] refuses.
+    /// An [`Objection`] to a point outside the body, two coincident points, and input rejected by [`Nodes::new`].
     pub fn nodes(&self, body: &BodyScene) -> Result<Nodes<2>, Objection> {
         let (x, y) = (self.required("x", KEY)?, self.required("y", KEY)?);
         let places: Vec<[f64; 2]> = x.iter().zip(y).map(|(&x, &y)| [x, y]).collect();
@@ -107,7 +107,7 @@ impl Cloud {
         let is_inside = |&[x, y]: &[f64; 2]| x >= 0.0 && x <= width && y >= 0.0 && y <= height;
         if let Some(row) = places.iter().position(|place| !is_inside(place)) {
             let message = format!("{}: {:?} lies outside the body", self.row(row), places[row]);
-            let help = format!("the body spans 0 to {width} m by 0 to {height} m");
+            let help = format!("the body extends from 0 to {width} m by 0 to {height} m");
             return Err(Objection::new(KEY, message).with_help(help));
         }
         self.check_apart(&places, AT_ONE_PLACE * body.spacing)?;
@@ -120,10 +120,10 @@ impl Cloud {
             .map_err(|error| Objection::new(KEY, format!("{}: {error}", self.file.path)))
     }
 
-    /// A column, for what stands under a key.
+    /// The column required by a key.
     ///
     /// # Errors
-    /// An [`Objection`] where the file has it not.
+    /// An [`Objection`] if the file has no such column.
     pub fn required(&self, name: &str, key: &str) -> Result<&[f64], Objection> {
         self.column(name).ok_or_else(|| {
             let message = format!("{} has no column `{name}`", self.file.path);
@@ -132,7 +132,7 @@ impl Cloud {
         })
     }
 
-    /// Where a row stands, e.g. `points.csv line 7`.
+    /// Location of a row, e.g. `points.csv line 7`.
     #[must_use]
     pub fn row(&self, row: usize) -> String {
         self.table.place(&self.file.path, row)
@@ -143,7 +143,7 @@ impl Cloud {
         self.table.columns[k].as_deref()
     }
 
-    /// A slip in a name would be a column that is missing in silence.
+    /// Detects misspelt names, which would otherwise count as missing columns.
     fn check_names(&self) -> Result<(), Objection> {
         for (k, name) in self.table.names.iter().enumerate() {
             if self.table.names[..k].contains(name) {
@@ -176,7 +176,7 @@ impl Cloud {
         Err(Objection::new(KEY, message))
     }
 
-    /// Points by the boxes of a grid, each compared with those of the boxes around.
+    /// Sorts points into boxes of a grid and compares each with those of neighbouring boxes.
     fn check_apart(&self, places: &[[f64; 2]], least: f64) -> Result<(), Objection> {
         let mut boxes: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
         for (row, place) in places.iter().enumerate() {

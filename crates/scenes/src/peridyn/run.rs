@@ -1,4 +1,4 @@
-//! Runs a scene of cracks: the law of the path, of its length and exit, and of the load, each with its error.
+//! Runs a crack scene: distributions of path, length, exit and load, each with its error.
 
 mod fields;
 mod ingredients;
@@ -35,18 +35,19 @@ pub(crate) const KIND: SceneKind = SceneKind {
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
-/// What a checkpoint calls the realisations that have ended.
+/// Name of the finished realisations in a checkpoint.
 const ENDED: &str = "realisations";
 
-/// What the numbers of realisations do not depend on: how many there are, and what is made of them.
+/// Keys that do not affect single realisations: their number, and the output.
 const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
 
-/// A checkpoint whose realisations are not the first of those that are asked for. What one of them has added to the map of damage
-/// cannot be taken out again.
+/// The realisations of a checkpoint are not the first of those requested.
+///
+/// The contribution of one realisation to the damage map cannot be removed again.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "the checkpoint holds {found} realisations from number {first} on; asked for are {asked} from number {start} on: \
-     take another folder"
+    "the checkpoint holds {found} realisations from number {first} on; requested are {asked} from number {start} on: \
+     use another folder"
 )]
 struct OthersKept {
     found: u64,
@@ -55,7 +56,7 @@ struct OthersKept {
     start: u64,
 }
 
-/// More shards than there is work for.
+/// More shards than realisations.
 #[derive(Debug, thiserror::Error)]
 #[error("there are more shards than the {realisations} realisations")]
 struct TooManyShards {
@@ -68,7 +69,7 @@ impl From<peridyn_sde::Error> for RunError {
     }
 }
 
-/// The realisations of a checkpoint, and how long they took (s).
+/// Realisations of a checkpoint, and their time (s).
 type Ended = (CrackRun, f64);
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
@@ -77,7 +78,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
     let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();
     let inputs = &Inputs { scene: &scene, seed: Some(scene.ensemble.seed), files: &files };
-    // A file that is no shard of this scene is refused before the body is built.
+    // A file that is no shard of this scene is rejected before the body is built.
     let shards = match run.part() {
         Part::Merged(files) => Some(joined(run.read_shards(inputs, files)?)?),
         Part::Whole | Part::Shard(_) => None,
@@ -98,7 +99,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     write(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
 
-/// Shards in their order.
+/// Shards in order.
 fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
     for (shard, _) in &shards {
         let expected = shard.records.len();
@@ -114,7 +115,7 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
     Ok((all, cpu_seconds))
 }
 
-/// All realisations, as many in a block as move side by side in a register.
+/// All realisations; a block holds as many as run side by side in a register.
 fn on_ranks(
     ranks: &dyn Ranks,
     inputs: &Inputs<'_, CrackScene>,
@@ -132,7 +133,7 @@ fn on_ranks(
     run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)
 }
 
-/// All realisations that are to be run, those of a checkpoint among them.
+/// All requested realisations, including those of a checkpoint.
 fn realisations(
     inputs: &Inputs<'_, CrackScene>,
     problem: &CrackProblem,
@@ -167,7 +168,7 @@ fn realisations(
     Ok((ended, seconds()))
 }
 
-/// The failure load so far, with its standard error.
+/// Current estimate of the failure load with its standard error.
 fn load_words<'a>(runs: impl IntoIterator<Item = &'a CrackRun>) -> String {
     let mut loads = Accumulator::default();
     let records = runs.into_iter().flat_map(|run| &run.records);

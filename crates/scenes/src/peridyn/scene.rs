@@ -1,5 +1,4 @@
-//! A scene of cracks as it stands in its JSON file: a notched plate that is pulled apart, again and again. All numbers are in SI
-//! units.
+//! A crack scene as written in its JSON file: an ensemble of tension tests on a notched plate, in SI units.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,39 +10,39 @@ use super::scene_dynamics::{DynamicsScene, TimeScene};
 use super::scene_field::VariationScene;
 use crate::scene::{Objection, Scene, WrongKey, read_keys};
 
-/// A notched plate that is pulled apart, again and again: its bonds, what pulls it, how it moves, what is random, what is told.
+/// An ensemble of tension tests on a notched plate: body, bonds, loading, dynamics, random inputs and output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CrackScene {
     /// Always `peridyn-sde`.
     pub solver: String,
-    /// One line for the reader.
+    /// Title, one line.
     pub title: String,
     /// The plate.
     pub body: BodyScene,
-    /// What it is made of.
+    /// Elastic constants and toughness.
     pub material: MaterialScene,
-    /// How its nodes are bonded.
+    /// Bonds between nodes.
     pub bonds: BondsScene,
-    /// Where cracks begin.
+    /// The notch, where cracks start.
     pub notch: NotchScene,
-    /// What it is held by.
+    /// Regions with prescribed displacement.
     pub grips: GripsScene,
-    /// What they do.
+    /// Prescribed motion.
     pub loading: LoadingScene,
-    /// How nodes move.
+    /// Dynamics of the nodes.
     pub dynamics: DynamicsScene,
-    /// By which steps, and how many.
+    /// Step length and number of steps.
     pub time: TimeScene,
-    /// How the critical stretch varies from place to place.
+    /// Spatial variation of the critical stretch.
     pub strength: VariationScene,
-    /// How the stiffness of bonds varies from place to place.
+    /// Spatial variation of the bond stiffness.
     #[serde(default, skip_serializing_if = "VariationScene::is_uniform")]
     #[schemars(extend("default" = VariationScene::default()), example = VariationScene::COLUMN)]
     pub stiffness: VariationScene,
-    /// How many realisations.
+    /// Number and precision of the realisations.
     pub ensemble: EnsembleScene,
-    /// What is told of them.
+    /// Output.
     #[serde(default)]
     pub output: OutputScene,
 }
@@ -52,40 +51,40 @@ pub struct CrackScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NotchScene {
-    /// Where it begins, on the left or right edge (m).
+    /// Its mouth, on the left or right edge (m).
     pub mouth: [f64; 2],
-    /// Where cracks begin, inside the body (m).
+    /// Its tip, where cracks start, inside the body (m).
     pub tip: [f64; 2],
 }
 
-/// What holds the plate: rows of nodes at the lower and the upper edge.
+/// Regions with prescribed displacement: rows of nodes at the lower and the upper edge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GripsScene {
-    /// Height of each (m).
+    /// Height of each region (m).
     pub height: f64,
-    /// In which directions.
+    /// Directions in which the displacement is prescribed.
     #[serde(default)]
     pub hold: HoldScene,
-    /// No bond breaks of a node within so much of the lower and upper edge (m).
+    /// Distance from the lower and upper edge within which no bond breaks (m).
     #[serde(default)]
     #[schemars(example = 0.006)]
     pub protected: f64,
 }
 
-/// How a grip holds.
+/// Directions of a prescribed displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HoldScene {
-    /// In both directions.
+    /// Both directions.
     #[default]
     Clamped,
-    /// In the direction of the load alone.
+    /// The direction of the load alone.
     Sliding,
 }
 
 impl HoldScene {
-    /// Which components it gives.
+    /// The prescribed components.
     #[must_use]
     pub const fn directions(self) -> [bool; 2] {
         match self {
@@ -95,19 +94,19 @@ impl HoldScene {
     }
 }
 
-/// What the grips do, along the vertical.
+/// The prescribed motion along the vertical.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Velocity { speed: 0.5 })]
 pub enum LoadingScene {
-    /// The body is stretched evenly with time; nodes between the grips are moved along, and relaxation makes the difference.
+    /// The mean strain increases linearly with time; free nodes move with it, and relaxation adds the difference.
     Stretch {
-        /// The mean strain at the end of the run.
+        /// Mean strain at the end of the run.
         strain: StrainScene,
     },
-    /// Each grip moves away from the other, and only grips feel it.
+    /// The edge regions move apart; free nodes have no prescribed motion.
     Velocity {
-        /// Speed of each grip (m/s).
+        /// Speed of each edge region (m/s).
         speed: f64,
     },
 }
@@ -117,25 +116,25 @@ pub enum LoadingScene {
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Value(2e-4))]
 pub enum StrainScene {
-    /// The number itself (no unit).
+    /// The strain itself (no unit).
     Value(f64),
-    /// Over the critical stretch (no unit).
+    /// Ratio to the critical stretch (no unit).
     OverCriticalStretch(f64),
 }
 
-/// How many realisations.
+/// Number and precision of the realisations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EnsembleScene {
-    /// How many (no unit).
+    /// Number of realisations (no unit).
     pub realisations: u64,
-    /// All that is random follows from it (no unit).
+    /// Seed of all random numbers (no unit).
     pub seed: u64,
-    /// Precision of the numbers in a step.
+    /// Floating-point precision of a step.
     pub precision: PrecisionScene,
 }
 
-/// Precision.
+/// Floating-point precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PrecisionScene {
@@ -156,18 +155,18 @@ impl PrecisionScene {
     }
 }
 
-/// What is told.
+/// Output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OutputScene {
-    /// Numbers of realisations, from 0, whose end is written for ParaView (no unit).
+    /// Numbers of realisations, from 0, whose final state is written for ParaView (no unit).
     pub vtu: Vec<u64>,
-    /// Where along the first axis the path is looked at (m); without any, from the tip of the notch on at every fourth spacing.
+    /// Abscissae at which the path is recorded (m); default: every fourth spacing from the tip of the notch.
     #[schemars(example = vec![0.024, 0.032, 0.048])]
     pub abscissae: Vec<f64>,
-    /// The load is averaged over so many windows of equal length (no unit).
+    /// Number of windows of equal length over which the load is averaged (no unit).
     pub windows: u64,
-    /// Damage from which a node counts as damaged in the map, between 0 and 1 (no unit).
+    /// Damage above which a node counts as damaged in the map, between 0 and 1 (no unit).
     #[schemars(example = 0.4)]
     pub damage_threshold: f64,
 }
@@ -201,7 +200,7 @@ impl CrackScene {
     fn check_grips(&self) -> Result<(), Objection> {
         let (height, spacing, whole) = (self.grips.height, self.body.spacing, self.body.size[1]);
         if !(height >= spacing && height < 0.5 * whole) {
-            let message = format!("grips of the height {height} m");
+            let message = format!("the height of the edge regions is {height} m");
             let help =
                 format!("between one spacing, {spacing} m, and half of the body's {whole} m");
             return Err(Objection::new("grips.height", message).with_help(help));

@@ -1,4 +1,4 @@
-//! The body of a scene of cracks: its extent, what it is made of and how it is bonded.
+//! The body of a crack scene: extent, material and bonds.
 
 use peridyn_sde::{
     Condition, Error, Horizon, Influence, Strain, SurfaceCorrection, VolumeCorrection,
@@ -10,7 +10,7 @@ use super::named::named;
 use super::positive::positive;
 use crate::scene::Objection;
 
-/// A rectangle, from the origin, or points inside of it.
+/// A rectangle with a corner at the origin, or points inside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyScene {
@@ -18,31 +18,33 @@ pub struct BodyScene {
     pub size: [f64; 2],
     /// Distance of neighbouring nodes (m).
     pub spacing: f64,
-    /// What the plane stands for.
+    /// Plane stress or plane strain.
     pub condition: ConditionScene,
-    /// A file of points, from the folder of the scene: `.csv` or `.vtu`, with the columns `x` and `y` (m) and, if they are wanted,
-    /// `volume` (m^3), `strength_factor` and `stiffness_factor`. The spacing is then the mean one. Without it a lattice.
+    /// A file of points, `.csv` or `.vtu`, relative to the folder of the scene; a lattice without this key.
+    ///
+    /// Its columns are `x` and `y` (m) and optionally `volume` (m^3), `strength_factor` and `stiffness_factor`. The
+    /// spacing is then the mean one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(example = "points.csv")]
     pub points: Option<String>,
-    /// What is taken out of the lattice; without it nothing. Bonds across a hole that is narrower than the horizon remain.
+    /// Holes in the lattice; none without this key. Bonds across a hole narrower than the horizon remain.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holes: Vec<HoleScene>,
 }
 
-/// Holes.
+/// A hole.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::BOX)]
 pub enum HoleScene {
-    /// Round.
+    /// A circular hole.
     Circle {
         /// Its centre (m).
         centre: [f64; 2],
         /// Its radius (m).
         radius: f64,
     },
-    /// With edges along the axes.
+    /// A rectangular hole with edges along the axes.
     Box {
         /// The lower left corner (m).
         low: [f64; 2],
@@ -54,7 +56,7 @@ pub enum HoleScene {
 impl HoleScene {
     const BOX: Self = Self::Box { low: [0.03, 0.01], high: [0.04, 0.02] };
 
-    /// Whether a place (m) lies in it.
+    /// Whether a point (m) lies in it.
     #[must_use]
     pub fn contains(&self, x: &[f64; 2]) -> bool {
         match *self {
@@ -80,7 +82,7 @@ impl HoleScene {
 }
 
 impl BodyScene {
-    /// Refuses an extent that is no whole number of spacings.
+    /// Rejects an extent that is no integer number of spacings.
     ///
     /// # Errors
     /// An [`Objection`] to the spacing or a length.
@@ -114,17 +116,17 @@ impl BodyScene {
     }
 }
 
-/// Plane conditions.
+/// Plane condition.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::PlaneStrain { thickness: 1.0 })]
 pub enum ConditionScene {
-    /// A plate, free to contract across.
+    /// Plane stress: a plate, free to contract in thickness.
     PlaneStress {
         /// Thickness of the body (m).
         thickness: f64,
     },
-    /// A slice of a long body.
+    /// Plane strain: a slice of a long body.
     PlaneStrain {
         /// Thickness of the body (m).
         thickness: f64,
@@ -140,69 +142,69 @@ impl From<ConditionScene> for Condition {
     }
 }
 
-/// Constants of a material.
+/// Material constants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialScene {
-    /// Young's modulus (Pa). Bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
+    /// Young's modulus (Pa). The bond model fixes Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
     pub young_modulus: f64,
-    /// Mass per volume (kg/m^3); inertial dynamics need it.
+    /// Mass per volume (kg/m^3), required by inertial dynamics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
-    /// When it breaks.
+    /// Fracture criterion.
     pub toughness: ToughnessScene,
 }
 
-/// When bonds break.
+/// Fracture criterion of bonds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::CriticalStretch(1.5e-4))]
 pub enum ToughnessScene {
-    /// `G0`, from which with the horizon the critical stretch follows (J/m^2).
+    /// `G0`, the energy release rate; with the horizon it gives the critical stretch (J/m^2).
     EnergyReleaseRate(f64),
-    /// `s0`, the stretch at which a bond breaks (no unit).
+    /// `s0`, the critical stretch at which a bond breaks (no unit).
     CriticalStretch(f64),
 }
 
-/// How nodes are bonded.
+/// Bonds between nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsScene {
-    /// How far a node sees.
+    /// Interaction radius of a node.
     pub horizon: HorizonScene,
-    /// Weight of a bond by its length.
+    /// Influence function: weight of a bond by its length.
     #[serde(default)]
     #[schemars(example = InfluenceScene::Conical)]
     pub influence: InfluenceScene,
-    /// Correction of volumes that the horizon cuts.
+    /// Correction of volumes cut by the horizon.
     #[serde(default)]
     pub volume_correction: VolumeScene,
     /// Correction of bonds near the surface.
     #[serde(default)]
     #[schemars(example = SurfaceScene::Energy)]
     pub surface_correction: SurfaceScene,
-    /// How the strain of a bond is measured.
+    /// Strain measure of a bond.
     #[serde(default)]
     #[schemars(example = StrainKindScene::Linear)]
     pub strain: StrainKindScene,
 }
 
-/// Horizons.
+/// The horizon.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Length(0.0031))]
 pub enum HorizonScene {
-    /// So many whole spacings and a little more: `(m + 0.015) dx` (no unit).
+    /// Number of shells of neighbours, a little more than whole spacings: `(m + 0.015) dx` (no unit).
     Shells(u32),
-    /// The length itself (m).
+    /// Length of the horizon (m).
     Length(f64),
 }
 
 impl HorizonScene {
-    /// The horizon of nodes at a spacing.
+    /// The horizon for a spacing.
     ///
     /// # Errors
-    /// An [`Objection`] to one below the spacing, or that ends on nodes.
+    /// An [`Objection`] to one below the spacing, or that passes through nodes.
     pub fn of(self, spacing: f64) -> Result<Horizon, Objection> {
         let (key, horizon) = match self {
             Self::Shells(shells) => ("shells", Horizon::of_shells(shells, spacing)),
@@ -234,36 +236,36 @@ named! {
 }
 
 named! {
-    /// Volume corrections.
+    /// Volume correction.
     VolumeScene => VolumeCorrection {
-        /// Nothing.
+        /// No correction.
         #[default]
         None,
-        /// Of the last half spacing inside the horizon, as in LAMMPS.
+        /// Within the last half spacing inside the horizon, as in LAMMPS.
         Partial,
-        /// Of half a spacing on both sides of it.
+        /// Within half a spacing on both sides of the horizon.
         Ramp,
     }
 }
 
 named! {
-    /// Surface corrections.
+    /// Surface correction.
     SurfaceScene => SurfaceCorrection {
-        /// Nothing.
+        /// No correction.
         #[default]
         None,
-        /// By the energy under a strain along each axis.
+        /// From the strain energy under a strain along each axis.
         Energy,
     }
 }
 
 named! {
-    /// How strains are measured.
+    /// Strain measure.
     StrainKindScene => Strain {
-        /// Of the bond as it stands.
+        /// Of the bond in its current configuration.
         #[default]
         Finite,
-        /// Linear in displacements.
+        /// Linear in the displacements.
         Linear,
     }
 }

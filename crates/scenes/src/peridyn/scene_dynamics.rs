@@ -1,4 +1,4 @@
-//! How the nodes of a scene of cracks move.
+//! Dynamics of the nodes of a crack scene.
 
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme,
@@ -10,7 +10,7 @@ use super::positive::positive;
 use super::scene_field::CorrelationScene;
 use crate::scene::Objection;
 
-/// Dynamics.
+/// The equations of motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DynamicsScene {
@@ -20,12 +20,14 @@ pub enum DynamicsScene {
         mobility: MobilityScene,
         /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
-        /// By which steps.
+        /// Time integration scheme.
         scheme: SchemeScene,
     },
-    /// Newton's equations with friction and noise; the material needs a density.
+    /// Newton's equations with friction and noise; they require a density of the material.
     Inertial {
-        /// Rate at which velocities decay (1/s). Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it finds rest soonest.
+        /// Decay rate of velocities (1/s).
+        ///
+        /// Near the lowest frequency of the body, `pi/H sqrt(E/rho)`, it reaches equilibrium fastest.
         friction: f64,
         /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
@@ -39,10 +41,11 @@ pub enum DynamicsScene {
 pub enum TemperatureScene {
     /// No noise.
     Zero,
-    /// `kT` itself (J).
+    /// `kT` in joule (J).
     Joule(f64),
-    /// The critical stretch over the standard deviation that noise gives the stretch of a shortest bond; 8 and more leave the
-    /// body whole (no unit).
+    /// Ratio of the critical stretch to the standard deviation of the bond stretch by noise (no unit).
+    ///
+    /// The deviation is that of a shortest bond. For 8 and more no bond breaks by noise.
     Ratio(f64),
 }
 
@@ -56,16 +59,16 @@ impl TemperatureScene {
     }
 }
 
-/// Schemes.
+/// Time integration schemes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Theta(0.5))]
 pub enum SchemeScene {
-    /// One evaluation, biased at large steps.
+    /// One force evaluation, biased at large steps.
     EulerMaruyama,
-    /// One evaluation; equilibrium without bias, no bridges.
+    /// One force evaluation; unbiased equilibrium, no bridge check.
     LeimkuhlerMatthews,
-    /// Two evaluations.
+    /// Two force evaluations.
     Heun,
     /// Linearly implicit, with this theta (no unit).
     Theta(f64),
@@ -82,86 +85,88 @@ impl From<SchemeScene> for Scheme {
     }
 }
 
-/// Mobilities. `value` (m/(N s)) is the unit of time alone where the step is given by `z` and the load by a strain.
+/// Mobilities. Where the step is given by `z` and the load by a strain, `value` (m/(N s)) sets only the unit of time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Dense { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1 })]
 #[schemars(example = Self::LowRank { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1, tolerance: 0.01 })]
 #[schemars(example = Self::Compact { value: 1.0, length: 0.003, nugget: 0.1 })]
 pub enum MobilityScene {
-    /// Every node for itself.
+    /// Independent nodes.
     Identity {
-        /// Of a node (m/(N s)).
+        /// Mobility of a node (m/(N s)).
         value: f64,
     },
-    /// Correlated, by a full factor: some thousand nodes at most.
+    /// Correlated, by a full factor: at most some thousand nodes.
     Dense {
-        /// Of a node (m/(N s)).
+        /// Mobility of a node (m/(N s)).
         value: f64,
         /// Correlation between nodes.
         correlation: CorrelationScene,
-        /// What each node has of its own, as a part of what it shares (no unit).
+        /// Independent part of each node, as a fraction of the correlated part (no unit).
         nugget: f64,
     },
-    /// Correlated over many spacings, by a factor of few columns.
+    /// Correlated over many spacings, by a factor with few columns.
     LowRank {
-        /// Of a node (m/(N s)).
+        /// Mobility of a node (m/(N s)).
         value: f64,
         /// Correlation between nodes.
         correlation: CorrelationScene,
-        /// What each node has of its own, as a part of what it shares, greater than zero (no unit).
+        /// Independent part of each node, as a fraction of the correlated part, greater than zero (no unit).
         nugget: f64,
-        /// Part of the trace that is left out (no unit).
+        /// Fraction of the trace that is omitted (no unit).
         tolerance: f64,
     },
-    /// Correlated over a few spacings, by an average of noise.
+    /// Correlated over a few spacings, by averaged noise.
     Compact {
-        /// Of a node (m/(N s)).
+        /// Mobility of a node (m/(N s)).
         value: f64,
-        /// The integral scale of the correlation, which is Gaussian (m).
+        /// Integral scale of the Gaussian correlation (m).
         length: f64,
-        /// What each node has of its own, as a part of what it shares, greater than zero (no unit).
+        /// Independent part of each node, as a fraction of the correlated part, greater than zero (no unit).
         nugget: f64,
     },
 }
 
-/// Steps.
+/// Time steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeScene {
-    /// How long one is.
+    /// Length of a step.
     pub step: StepScene,
-    /// How many (no unit).
+    /// Number of steps (no unit).
     pub steps: u64,
-    /// When bonds are looked after.
+    /// When bond failure is checked.
     #[serde(default)]
     #[schemars(example = BreakingScene::Bridge)]
     pub breaking: BreakingScene,
-    /// Stiffness of a spring that holds each free node where it was (N/m).
+    /// Stiffness of a spring that ties each free node to its initial position (N/m).
     #[serde(default)]
     #[schemars(example = 1e3)]
     pub confinement: f64,
 }
 
-/// The length of a step.
+/// Length of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Dt(1e-7))]
 pub enum StepScene {
-    /// By the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega` (no unit). Explicit schemes are stable below 2.
+    /// In units of the stiffest mode of the body: `dt M lambda`, in inertial dynamics `dt omega` (no unit).
+    ///
+    /// Explicit schemes are stable below 2.
     Z(f64),
-    /// The time itself (s).
+    /// Length in seconds (s).
     Dt(f64),
 }
 
-/// When bonds are looked after.
+/// When bond failure is checked.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BreakingScene {
     /// At the ends of steps.
     #[default]
     AtEnds,
-    /// Between them as well.
+    /// At the ends of steps and between them.
     Bridge,
 }
 
@@ -175,7 +180,7 @@ impl From<BreakingScene> for Breaking {
 }
 
 impl DynamicsScene {
-    /// Where the kind of dynamics stands.
+    /// The key of the kind of dynamics.
     #[must_use]
     pub const fn path(&self) -> &'static str {
         match self {
@@ -184,7 +189,7 @@ impl DynamicsScene {
         }
     }
 
-    /// Its temperature as it was given.
+    /// The temperature as given in the scene.
     #[must_use]
     pub const fn temperature(&self) -> TemperatureScene {
         match self {
@@ -194,7 +199,7 @@ impl DynamicsScene {
         }
     }
 
-    /// `kT` (J), with that of a ratio of one.
+    /// `kT` (J); `of_ratio_one` is that of a ratio of one.
     ///
     /// # Errors
     /// An [`Objection`] to a temperature that is negative or a ratio that is not positive.
@@ -215,10 +220,10 @@ impl DynamicsScene {
         }
     }
 
-    /// The dynamics of nodes of which some are free.
+    /// The dynamics of nodes, some of which are free.
     ///
     /// # Errors
-    /// An [`Objection`] to a mobility that is not positive definite, and to inertia without density.
+    /// An [`Objection`] to a mobility that is not positive definite, and to inertia without a density.
     pub fn build(
         &self,
         nodes: &Nodes<2>,
@@ -233,7 +238,7 @@ impl DynamicsScene {
             }
             Self::Inertial { friction, .. } => {
                 let Some(density) = density else {
-                    let message = "inertial dynamics need the density of the material";
+                    let message = "inertial dynamics require the density of the material";
                     return Err(Objection::new("material", message));
                 };
                 positive("material.density", "the density", density)?;

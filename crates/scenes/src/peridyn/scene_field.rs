@@ -1,4 +1,4 @@
-//! What varies from place to place in a scene of cracks.
+//! Spatial variation in a crack scene.
 
 use peridyn_sde::{BondValue, Correlation, CorrelationFunction, Marginal};
 use schemars::JsonSchema;
@@ -6,17 +6,18 @@ use serde::{Deserialize, Serialize};
 
 use super::named::named;
 
-/// How the critical stretch or the stiffness varies.
+/// Spatial variation of the critical stretch or the stiffness.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum VariationScene {
-    /// Not at all.
+    /// Uniform.
     #[default]
     Uniform,
-    /// As a random field with the value of the material as mean, another one in each realisation.
+    /// A random field whose mean is the value of the material; another field in each realisation.
     Field(FieldScene),
-    /// As the file of the points says, the same in each realisation: the value of the material times the column `strength_factor`,
-    /// or `stiffness_factor`.
+    /// From the file of points, the same in each realisation.
+    ///
+    /// The value is that of the material times the column `strength_factor`, or `stiffness_factor`.
     Column(ColumnScene),
 }
 
@@ -24,18 +25,18 @@ impl VariationScene {
     pub(super) const COLUMN: Self =
         Self::Column(ColumnScene { between_nodes: BetweenScene::Minimum });
 
-    /// Whether nothing varies.
+    /// Whether the value is uniform.
     #[must_use]
     pub const fn is_uniform(&self) -> bool {
         matches!(self, Self::Uniform)
     }
 }
 
-/// Factors from the file of the points.
+/// Factors from the file of points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnScene {
-    /// How bonds have them from their nodes.
+    /// Value of a bond from the values of its nodes.
     #[serde(default)]
     pub between_nodes: BetweenScene,
 }
@@ -44,40 +45,40 @@ pub struct ColumnScene {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldScene {
-    /// The law at one place.
+    /// Marginal distribution at one point.
     pub marginal: MarginalScene,
-    /// Correlation of the normal field behind it.
+    /// Correlation of the underlying normal field.
     pub correlation: CorrelationScene,
-    /// How bonds have it from their nodes.
+    /// Value of a bond from the values of its nodes.
     #[serde(default)]
     pub between_nodes: BetweenScene,
 }
 
-/// The law of a strength or a stiffness at one place.
+/// Marginal distribution of a strength or a stiffness at one point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Weibull { shape: 10.0 })]
 #[schemars(example = Self::Normal { coefficient_of_variation: 0.1 })]
 pub enum MarginalScene {
-    /// The logarithm is normal.
+    /// Lognormal.
     Lognormal {
-        /// Standard deviation over mean (no unit).
+        /// Coefficient of variation (no unit).
         coefficient_of_variation: f64,
     },
-    /// Weibull's law, that of the weakest of many.
+    /// Weibull distribution, that of the weakest of many.
     Weibull {
-        /// Weibull's modulus (no unit).
+        /// Weibull modulus (no unit).
         shape: f64,
     },
     /// Normal; its deviation is at most 1/7.9 of the mean.
     Normal {
-        /// Standard deviation over mean (no unit).
+        /// Coefficient of variation (no unit).
         coefficient_of_variation: f64,
     },
 }
 
 impl MarginalScene {
-    /// The law of a mean.
+    /// The distribution with a mean.
     #[must_use]
     pub fn of(self, mean: f64) -> Marginal {
         match self {
@@ -107,7 +108,7 @@ impl MarginalScene {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationScene {
-    /// How it falls with the distance `r`.
+    /// Correlation function of the distance `r`.
     #[serde(default)]
     pub function: FunctionScene,
     /// The integral scale (m).
@@ -140,11 +141,11 @@ named! {
 }
 
 named! {
-    /// The value of a bond from those of its nodes.
+    /// Value of a bond from the values of its nodes.
     BetweenScene => BondValue {
-        /// The smaller one.
+        /// The smaller value.
         Minimum,
-        /// Half of both.
+        /// The mean of both values.
         #[default]
         Mean,
     }

@@ -1,4 +1,4 @@
-//! The plate of a scene of cracks: its nodes, from a lattice or a file, and their bonds.
+//! The plate of a crack scene: nodes from a lattice or a file, and their bonds.
 
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Condition, Correlation, DisorderField, Error, GaussianField,
@@ -12,37 +12,37 @@ use super::scene_body::{BodyScene, ToughnessScene};
 use super::scene_field::{FieldScene, VariationScene};
 use crate::scene::Objection;
 
-/// Variance that a field on points of no lattice may leave out at a point, before it is brought to one there.
+/// Largest variance that a field on irregular points may omit at a point before it is rescaled to one.
 const LEFT_OUT: f64 = 1e-2;
 
-/// A plate as it is before anything moves.
+/// The initial plate.
 #[derive(Debug)]
 pub(super) struct Plate {
     pub(super) nodes: Nodes<2>,
     pub(super) bonds: Bonds,
     pub(super) strain: Strain,
-    /// m.
+    /// Horizon (m).
     pub(super) horizon: f64,
-    /// `s0`.
+    /// Critical stretch `s0`.
     pub(super) stretch: f64,
     pub(super) cut_bonds: usize,
-    /// The file that the nodes are from.
+    /// File of the nodes.
     pub(super) cloud: Option<Cloud>,
 }
 
-/// Strength or stiffness at the nodes, ready to be lent to a study.
+/// Strength or stiffness at the nodes, in the form that a study borrows.
 #[derive(Debug)]
 pub(super) enum Variation {
-    /// The same everywhere.
+    /// Uniform.
     Uniform,
-    /// Drawn in each realisation.
+    /// Random in each realisation.
     Field(DisorderField, BondValue),
     /// From the file of points.
     Given(Vec<f64>, BondValue),
 }
 
 impl Variation {
-    /// As stretches, with that of the material.
+    /// As critical stretches, given that of the material.
     pub(super) fn strength(&self, of_material: f64) -> Strength<'_> {
         match self {
             Self::Uniform => Strength::Uniform(of_material),
@@ -51,7 +51,7 @@ impl Variation {
         }
     }
 
-    /// As factors.
+    /// As factors of the stiffness.
     pub(super) fn stiffness(&self) -> Stiffness<'_> {
         match self {
             Self::Uniform => Stiffness::Uniform,
@@ -79,17 +79,17 @@ impl Plate {
         Ok(Self { nodes, bonds, strain, horizon, stretch, cut_bonds, cloud })
     }
 
-    /// What a scene says under the key `strength`.
+    /// Value of the key `strength`.
     pub(super) fn strength(&self, scene: &CrackScene) -> Result<Variation, Objection> {
         self.variation(&scene.strength, (self.stretch, 0), "strength")
     }
 
-    /// What it says under the key `stiffness`.
+    /// Value of the key `stiffness`.
     pub(super) fn stiffness(&self, scene: &CrackScene) -> Result<Variation, Objection> {
         self.variation(&scene.stiffness, (1.0, 1), "stiffness")
     }
 
-    /// A variation around a mean, with the number that its field has in each realisation.
+    /// A variation around a mean, with the random stream of its field.
     fn variation(
         &self,
         scene: &VariationScene,
@@ -117,12 +117,12 @@ impl Plate {
     }
 }
 
-/// An objection of the solver to what stands under a key.
+/// An objection of the solver to the value of a key.
 pub(super) fn at(path: &'static str) -> impl Fn(Error) -> Objection {
     move |error| Objection::new(path, error.to_string())
 }
 
-/// Nodes of a lattice, less those in holes.
+/// Nodes of a lattice outside the holes.
 fn lattice(body: &BodyScene) -> Result<Nodes<2>, Objection> {
     let outside = |x: &[f64; 2]| !body.holes.iter().any(|hole| hole.contains(x));
     let corners = ([0.0; 2], body.size);
@@ -177,7 +177,7 @@ fn stretch_of(
     }
 }
 
-/// How many bonds the notch cuts; its tip must be inside.
+/// Number of bonds that the notch cuts; its tip must be inside the body.
 fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize, Objection> {
     let ([width, height], [x, y]) = (scene.body.size, scene.notch.tip);
     let spans = format!("the body spans 0 to {width} m by 0 to {height} m");
@@ -192,7 +192,7 @@ fn notched(scene: &CrackScene, nodes: &Nodes<2>, bonds: &Bonds) -> Result<usize,
     Ok(cut.len())
 }
 
-/// A field of a mean, the one of a number in each realisation, that stands under a key.
+/// A random field of a key, with a mean and its random stream.
 fn field(
     scene: &FieldScene,
     nodes: &Nodes<2>,
@@ -211,7 +211,7 @@ fn field(
     DisorderField::new(gaussian, law, number).map_err(of_law)
 }
 
-/// By circulant embedding on a lattice, also where nodes are missing, and by a pivoted Cholesky factor on other points.
+/// Circulant embedding on a lattice, also with missing nodes; a pivoted Cholesky factor on other points.
 fn gaussian(nodes: &Nodes<2>, correlation: &Correlation) -> Result<GaussianField, Error> {
     let positions = nodes.positions();
     match GaussianField::by_circulant_embedding(positions, nodes.spacing(), correlation) {

@@ -1,4 +1,4 @@
-//! A scene of cracks made into what the solver takes.
+//! Conversion of a crack scene to the inputs of the solver.
 
 use std::ops::Range;
 
@@ -16,10 +16,10 @@ use super::scene_dynamics::StepScene;
 use super::scene_plate::{Plate, Variation, at};
 use crate::scene::{NamedFile, Objection};
 
-/// A step (s) at which every body is stable; it is only asked what it is in units of the stiffest mode.
+/// A step (s) at which every body is stable, used only to convert it to units of the stiffest mode.
 const PROBE: f64 = 1e-60;
 
-/// Everything that a study borrows.
+/// All objects that a study borrows.
 #[derive(Debug)]
 pub struct CrackProblem {
     nodes: Nodes<2>,
@@ -33,69 +33,69 @@ pub struct CrackProblem {
     simulation: SimulationConfig,
     upper_grip: Vec<usize>,
     path: PathConfig,
-    /// What follows from the scene.
+    /// Derived values.
     pub resolved: Resolved,
-    /// The files that the scene names.
+    /// Files that the scene names.
     pub files: Vec<NamedFile>,
 }
 
-/// What follows from a scene and does not stand in it.
+/// Values derived from a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Resolved {
     /// Number of nodes.
     pub nodes: usize,
-    /// Number of bonds, those that the notch cuts included.
+    /// Number of bonds, including those cut by the notch.
     pub bonds: usize,
     /// Number of bonds that the notch cuts.
     pub cut_bonds: usize,
-    /// m.
+    /// Horizon (m).
     pub horizon: f64,
-    /// `s0`, with a field its mean.
+    /// `s0`; for a random field its mean.
     pub critical_stretch: f64,
-    /// s.
+    /// Time step (s).
     pub dt: f64,
     /// The step in units of the stiffest mode: `dt M lambda`, in inertial dynamics `dt omega`.
     pub z: f64,
     /// `kT` (J).
     pub temperature: f64,
-    /// `s0` over the standard deviation that noise gives the stretch of a shortest bond; none without noise.
+    /// `s0` over the standard deviation of the stretch of a shortest bond by noise; none without noise.
     pub noise_ratio: Option<f64>,
-    /// Of the whole run (s).
+    /// Duration of the run (s).
     pub duration: f64,
     /// Mean strain at the end of the run.
     pub final_strain: f64,
-    /// The abscissa at which a crack counts as having left the body (m): one horizon before the far edge.
+    /// The abscissa at which a crack counts as through (m): one horizon before the far edge.
     pub exit: f64,
-    /// Damage from which a node is of a crack.
+    /// Damage from which a node belongs to a crack.
     pub crack_damage: f64,
-    /// A crack this short is none (m).
+    /// Length below which a crack is not counted (m).
     pub least_crack_length: f64,
 }
 
-/// How a plate moves.
+/// Motion of a plate.
 struct Motion {
     simulation: SimulationConfig,
     z: f64,
-    /// `kT` at which noise is as large as the critical stretch (J).
+    /// `kT` at which the standard deviation of the stretch equals the critical stretch (J).
     of_ratio_one: f64,
 }
 
-/// Nodes of the lower and of the upper grip.
+/// Nodes of the lower and of the upper edge region.
 struct Grips {
     lower: Vec<usize>,
     upper: Vec<usize>,
 }
 
 impl CrackProblem {
-    /// Builds bodies, notch, loading, dynamics and fields of a scene that has been checked, with the points that it names.
+    /// Builds bodies, notch, loading, dynamics and fields of a checked scene with its points.
     ///
     /// # Errors
-    /// An [`Objection`] that names the key which the solver refuses.
+    /// An [`Objection`] with the key that the solver rejects.
     pub fn new(scene: &CrackScene, cloud: Option<Cloud>) -> Result<Self, Objection> {
         let plate = Plate::new(scene, cloud)?;
         let (strength, stiffness) = (plate.strength(scene)?, plate.stiffness(scene)?);
         let grips = Grips::of(scene, &plate.nodes)?;
-        // Which nodes are gripped does not depend on how fast.
+        // The choice of these nodes does not depend on the speed.
         let still = grips.loading(scene, &plate.nodes, 0.0).map_err(at("grips"))?;
         let motion = motion(&plate, scene, still, stiffness.stiffness())?;
         let duration = motion.simulation.dt * scene.time.steps as f64;
@@ -168,8 +168,10 @@ impl CrackProblem {
         }
     }
 
-    /// Runs a range of the realisations of a scene, or those of it after `past`, as many at a time as threads run side by side; the bits do not depend
-    /// on it. `ended` sees what has come so far, and may end the run.
+    /// Runs a range of the realisations of a scene, or those after `past`.
+    ///
+    /// As many run at a time as threads run side by side; the results are bitwise independent of that number. `ended`
+    /// observes the results so far and may stop the run.
     ///
     /// # Errors
     /// Those of [`CrackStudy::run`] and of `ended`.
@@ -205,8 +207,9 @@ impl CrackProblem {
     }
 }
 
-/// The dynamics, with the step as it was given; the stiffest mode is that of a simulation that is not run. Stiffness that is drawn
-/// counts as its mean there.
+/// The dynamics with the given step.
+///
+/// The stiffest mode comes from a probe simulation that is not run; random stiffness counts with its mean.
 fn motion(
     plate: &Plate,
     scene: &CrackScene,
@@ -232,7 +235,7 @@ fn motion(
     Ok(Motion { simulation, z, of_ratio_one })
 }
 
-/// One realisation of a plate that has not moved.
+/// One realisation of the initial plate.
 fn probe(plate: &Plate, stiffness: Stiffness<'_>) -> Result<BondList<f64, 2, 1>, Error> {
     let (nodes, bonds) = (plate.nodes.clone(), plate.bonds.clone());
     let strengths = vec![plate.stretch; bonds.len()];
@@ -245,7 +248,7 @@ fn probe(plate: &Plate, stiffness: Stiffness<'_>) -> Result<BondList<f64, 2, 1>,
     }
 }
 
-/// One horizon before the edge that the notch points at.
+/// One horizon before the edge opposite to the mouth of the notch.
 fn exit(notch: &Notch, width: f64, horizon: f64) -> Result<f64, Objection> {
     let tip = notch.tip[0];
     let (exit, ahead) = if tip >= notch.mouth[0] {
@@ -257,11 +260,11 @@ fn exit(notch: &Notch, width: f64, horizon: f64) -> Result<f64, Objection> {
         return Ok(exit);
     }
     let message = format!("the tip of the notch at x = {tip} m leaves no room for a crack");
-    let help = format!("cracks count as through at x = {exit} m, one horizon before the edge");
+    let help = format!("a crack counts as through at x = {exit} m, one horizon before the edge");
     Err(Objection::new("notch.tip", message).with_help(help))
 }
 
-/// Nodes that are so near to the lower and to the upper edge.
+/// Nodes within a distance of the lower and of the upper edge.
 fn within_edges(scene: &CrackScene, nodes: &Nodes<2>, distance: f64) -> [Vec<usize>; 2] {
     let height = scene.body.size[1];
     let within = |inside: &dyn Fn(f64) -> bool| -> Vec<usize> {
@@ -284,7 +287,7 @@ impl Grips {
         Ok(Self { lower, upper })
     }
 
-    /// Grips that part at a rate: of the mean strain (1/s), or of each of them (m/s).
+    /// Prescribed displacement with a rate of the mean strain (1/s), or of each edge (m/s).
     fn loading(
         &self,
         scene: &CrackScene,
@@ -306,7 +309,7 @@ impl Grips {
     }
 }
 
-/// The rate of the loading, and the mean strain at the end.
+/// Rate of the loading, and mean strain at the end.
 fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), Objection> {
     match scene.loading {
         LoadingScene::Stretch { strain } => {
@@ -321,17 +324,18 @@ fn rate(scene: &CrackScene, stretch: f64, duration: f64) -> Result<(f64, f64), O
             Ok((value / duration, value))
         }
         LoadingScene::Velocity { speed } => {
-            positive("loading.velocity.speed", "the speed of the grips", speed)?;
+            positive("loading.velocity.speed", "the speed of the edges", speed)?;
             Ok((speed, 2.0 * speed * duration / scene.body.size[1]))
         }
     }
 }
 
-/// `kT` at which noise gives the stretch of a shortest bond the critical stretch as standard deviation (J).
+/// `kT` at which the standard deviation of the stretch of a shortest bond by noise equals the critical stretch (J).
 ///
-/// All bonds together have `kT` for each free component: with the energy `kappa l s^2/2` of a bond of the stiffness `kappa` and
-/// the length `l`, the variance of the stretch of `n` bonds that are as stiff as a shortest one is `kT dof/(n kappa l)`. A
-/// nominal number: a shortest bond inside has 1.2 times the deviation, one at an edge 1.5 times.
+/// All bonds together have `kT` for each free component. A bond of stiffness `kappa` and length `l` has the energy
+/// `kappa l s^2/2`. For `n` bonds as stiff as a shortest one, the variance of the stretch is then
+/// `kT dof/(n kappa l)`. The value is nominal: the deviation of a shortest bond is 1.2 times as large in the interior,
+/// and 1.5 times at an edge.
 fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
     let dof = loading.prescribed().iter().flatten().filter(|&&gripped| !gripped).count();
     let shortest = bonds.all().iter().min_by(|a, b| a.length.total_cmp(&b.length));
@@ -339,7 +343,7 @@ fn of_ratio_one(bonds: &Bonds, loading: &Loading<2>, stretch: f64) -> f64 {
     stretch * stretch * bonds.len() as f64 * stiffness / dof.max(1) as f64
 }
 
-/// The step and `z`, by what they are for the probe.
+/// The step and `z`, from their ratio in the probe.
 fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, f64), Objection> {
     let (unit, limit) = match dynamics {
         Dynamics::Overdamped { scheme, .. } => (of_probe / PROBE, scheme.stability_limit()),
@@ -360,7 +364,7 @@ fn step(scene: &CrackScene, dynamics: &Dynamics, of_probe: f64) -> Result<(f64, 
     Ok((dt, z))
 }
 
-/// What the solver says of dynamics, grips and breaking.
+/// The objection for a solver error in dynamics, loading or bond failure.
 fn of_simulation(error: &Error) -> Objection {
     let path = match error {
         Error::NoPathBetween => "time.breaking",

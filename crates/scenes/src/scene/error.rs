@@ -1,37 +1,37 @@
-//! What can be wrong with a scene, drawn with its source by miette.
+//! Errors of a scene, displayed with their source by miette.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
 
-/// The widest line that is drawn (bytes): nobody reads a wider one, and what draws it cannot count to 65,536.
+/// Longest line that is displayed (bytes): longer ones are unreadable, and the renderer cannot count to 65,536.
 const WIDEST_DRAWN: usize = 10_000;
 
-/// A name and the text that stands under it.
+/// A name and its text.
 #[derive(Debug, Clone)]
 pub(super) struct Origin {
     pub(super) name: String,
     pub(super) text: String,
 }
 
-/// A mistake inside the text.
+/// An error inside the text.
 #[derive(Debug, Clone)]
 pub struct Mistake {
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
-    /// The key it concerns, e.g. `system.viscous_damper.intensity`; empty for the whole scene.
+    /// Path of the key, e.g. `system.viscous_damper.intensity`; empty for the whole scene.
     pub path: String,
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// What was probably meant.
+    /// Suggestion.
     pub help: Option<String>,
-    /// What is drawn; nothing on a line that is too wide.
+    /// Displayed range; none on a line that is too long.
     pub(super) span: Option<SourceSpan>,
     pub(super) label: String,
     pub(super) source: NamedSource<String>,
 }
 
-/// A scene that cannot be run.
+/// Error of a scene file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -40,7 +40,7 @@ pub enum SceneError {
     Unreadable {
         /// Its path.
         path: String,
-        /// What the system said.
+        /// Error of the file system.
         source: std::io::Error,
     },
     /// The file is not text.
@@ -48,16 +48,16 @@ pub enum SceneError {
     NotUtf8 {
         /// Its path.
         path: String,
-        /// The first byte that is wrong, from 0.
+        /// Offset of the first invalid byte, from 0.
         offset: usize,
     },
-    /// The file holds nothing.
+    /// The file is empty.
     #[error("the scene {path} is empty")]
     Empty {
         /// Its path.
         path: String,
     },
-    /// A mistake at a line and column.
+    /// An error at a line and column.
     #[error("{}", headline(.0))]
     Mistake(Box<Mistake>),
 }
@@ -70,7 +70,7 @@ fn headline(mistake: &Mistake) -> String {
 }
 
 impl SceneError {
-    /// The mistake, if it has a place in the text.
+    /// The error, if it has a position in the text.
     #[must_use]
     pub fn mistake(&self) -> Option<&Mistake> {
         if let Self::Mistake(mistake) = self { Some(mistake) } else { None }
@@ -118,7 +118,7 @@ impl Diagnostic for SceneError {
     }
 }
 
-/// The length in bytes of the widest line that a range has a part in.
+/// Length in bytes of the longest line that overlaps a range.
 fn width(text: &str, range: &std::ops::Range<usize>) -> usize {
     let [start, end] = [range.start, range.end].map(|at| at.min(text.len()));
     let before = text.as_bytes()[..start].iter().rev().take_while(|&&byte| byte != b'\n').count();

@@ -1,12 +1,12 @@
-//! From the keys of a scene to its type.
+//! Conversion of keys to a scene type.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// A key that is unknown, missing or of another type, by its path.
+/// A key that is unknown, missing or of another type, with its path.
 pub type WrongKey = serde_path_to_error::Error<serde_json::Error>;
 
-/// Reads keys as a type that serde knows.
+/// Parses keys as a type that implements `Deserialize`.
 ///
 /// # Errors
 /// [`WrongKey`].

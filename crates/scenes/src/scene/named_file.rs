@@ -6,26 +6,26 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
-/// A file that a scene names, by its bytes: under the same path may stand another one tomorrow.
+/// A file that a scene names, identified by its bytes: its contents may change under the same path.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedFile {
-    /// As the scene has it: from its folder.
+    /// Path as given in the scene, relative to its folder.
     pub path: String,
     /// XXH64 of the bytes with the seed 0, in 16 hexadecimal digits, as `xxh64sum` prints it.
     pub xxh64: String,
 }
 
 impl NamedFile {
-    /// Reads a file from the folder of a scene, and says which bytes it was.
+    /// Reads a file relative to the folder of a scene, and computes its hash.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn read(path: &str, folder: &Path) -> io::Result<(Self, Vec<u8>)> {
         let bytes = std::fs::read(folder.join(path))?;
         Ok((Self::of(path, &bytes), bytes))
     }
 
-    /// A file that holds these bytes.
+    /// The identity of a file with these bytes.
     #[must_use]
     pub fn of(path: &str, bytes: &[u8]) -> Self {
         let xxh64 = format!("{:016x}", XxHash64::oneshot(0, bytes));
@@ -41,7 +41,7 @@ mod tests {
     fn a_file_is_known_by_the_hash_that_others_print_of_its_bytes() {
         let folder = std::env::temp_dir().join(format!("named-file-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        // The test vectors of XXH64.
+        // Test vectors of XXH64.
         for (contents, xxh64) in [("", "ef46db3751d8e999"), ("abc", "44bc2cf5ad770999")] {
             std::fs::write(folder.join("points.csv"), contents).unwrap();
             let (file, bytes) = NamedFile::read("points.csv", &folder).unwrap();

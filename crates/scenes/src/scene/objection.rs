@@ -1,14 +1,14 @@
-//! What a check says against a value of a scene.
+//! Objections of a check to a value of a scene.
 
-/// What is wrong with a value, and where it stands.
+/// An invalid value and its location.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message} (at `{path}`)")]
 pub struct Objection {
     /// The key, e.g. `system.viscous_damper.intensity` or `times[3]`.
     pub path: String,
-    /// What is wrong, e.g. `the intensity is -0.2 m^2/s^3 and must not be negative`.
+    /// Description, e.g. `the intensity is -0.2 m^2/s^3 and must not be negative`.
     pub message: String,
-    /// What to do about it, if that is known.
+    /// Remedy, if known.
     pub help: Option<String>,
 }
 
@@ -19,7 +19,7 @@ impl Objection {
         Self { path: path.into(), message: message.into(), help: None }
     }
 
-    /// The same with a hint, e.g. `did you mean ...?`.
+    /// Adds a hint, e.g. `did you mean ...?`.
     #[must_use]
     pub fn with_help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }

@@ -1,4 +1,4 @@
-//! Where in the text a key stands: serde knows the path of a mistake, the syntax tree its place.
+//! Positions of keys in the text: serde provides the path of an error, the syntax tree its position.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,10 +12,13 @@ use super::error::{Origin, SceneError};
 use super::{Objection, WrongKey};
 use crate::nearest::nearest;
 
-/// The keys of a scene: plain JSON (no comment, no trailing comma), no key twice, no number beyond the range of a double.
+/// Parses the keys of a scene as plain JSON.
+///
+/// It rejects comments, trailing commas, duplicate keys and numbers beyond the range of a double.
 pub(super) fn keys(origin: &Origin) -> Result<serde_json::Value, SceneError> {
     let keys = serde_json::from_str(&origin.text);
-    // serde_json words syntax errors better and is the stricter of the two; numbers out of range are told by name, with the tree.
+    // serde_json has better syntax messages and is stricter; numbers out of range are reported with their key, from
+    // the tree.
     if let Err(error) = &keys
         && let Err(syntax) = serde_json::from_str::<IgnoredAny>(&origin.text)
     {
@@ -29,13 +32,13 @@ fn is_range(error: &serde_json::Error) -> bool {
     error.to_string().starts_with("number out of range")
 }
 
-/// An error of serde where it stopped reading.
+/// An error of serde at the position where it stopped.
 fn here(origin: &Origin, error: &serde_json::Error) -> SceneError {
     let end = offset_of(&origin.text, error.line(), error.column());
     SceneError::at(origin, "", end..end + 1, without_position(error), "here", None)
 }
 
-/// The syntax tree of plain JSON, which knows the places.
+/// The syntax tree of plain JSON, with positions.
 fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
     let strict = ParseOptions {
         allow_comments: false,
@@ -57,7 +60,7 @@ fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
     tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })
 }
 
-/// Refuses keys given twice and numbers beyond the range of a double.
+/// Rejects duplicate keys and numbers beyond the range of a double.
 fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
     let mut open = vec![(String::new(), tree)];
     while let Some((path, value)) = open.pop() {
@@ -77,7 +80,7 @@ fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
             }
             Value::Object(object) => {
                 check_keys(origin, &path, object)?;
-                // Last in is first out: the first mistake in the text is the one shown.
+                // Last in, first out: the first error in the text is reported.
                 let inner = object.properties.iter().rev();
                 open.extend(
                     inner.map(|property| (join(&path, property.name.as_str()), &property.value)),
@@ -115,7 +118,7 @@ fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), Sc
     Ok(())
 }
 
-/// Gives an error of serde its place.
+/// Adds the position to an error of serde.
 pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
     let path = wrong.path().to_string();
     let path = path.trim_start_matches('.');
@@ -148,13 +151,13 @@ pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
     SceneError::at(origin, path, range, message, "this value", None)
 }
 
-/// Shows an objection at the value it names, or at the nearest one around it.
+/// Reports an objection at its value, or at the nearest enclosing one.
 pub(super) fn object_to(origin: &Origin, objection: &Objection) -> SceneError {
     let Objection { path, message, help } = objection;
     let range = parse(origin).map_or(0..0, |tree| {
         let place = find(&tree, path);
         let range = range_of(place.value);
-        // An object is named by its key or its opening brace: underlining all of it says less.
+        // An object is marked at its key or its opening brace: underlining all of it is less clear.
         match place.value {
             Value::Object(_) | Value::Array(_) => place.key.unwrap_or(range.start..range.start + 1),
             _ => range,
@@ -168,7 +171,7 @@ struct Place<'t, 'a> {
     value: &'t Value<'a>,
 }
 
-/// The value at `path`, or the innermost one on the way that exists.
+/// The value at `path`, or the innermost existing one along it.
 fn find<'t, 'a>(tree: &'t Value<'a>, path: &str) -> Place<'t, 'a> {
     let mut place = Place { key: None, value: tree };
     for step in path
@@ -223,7 +226,7 @@ fn without_position(error: &serde_json::Error) -> String {
     text.split_once(" at line ").map_or(text.as_str(), |(message, _)| message).to_owned()
 }
 
-/// Rust's words for types and keys in those of the person who wrote the scene.
+/// Replaces Rust's names of types and keys by terms of a scene file.
 fn in_plain_words(message: &str) -> String {
     let message = message.replacen("unknown field", "unknown key", 1).replacen(
         "missing field",
@@ -243,7 +246,7 @@ fn in_plain_words(message: &str) -> String {
     message
 }
 
-/// The byte at a line and column of serde_json, which count from 1 and bytes.
+/// Byte offset of a line and column of serde_json, which count from 1 and in bytes.
 fn offset_of(text: &str, line: usize, column: usize) -> usize {
     let lines_before: usize =
         text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();

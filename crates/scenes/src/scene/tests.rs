@@ -1,4 +1,4 @@
-//! Every way in which a scene can be wrong, with the text, line and column that are shown.
+//! Every error of a scene, with its text, line and column.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -60,7 +60,7 @@ fn parse(text: &str) -> Result<Sample, SceneError> {
     SceneFile::from_text("scene.json", text.to_owned())?.parse()
 }
 
-/// Replaces `from` in the good scene, which must be there, and expects a mistake.
+/// Replaces `from` in the valid scene, which must contain it, and expects an error.
 #[track_caller]
 fn mistake(
     from: &str,

@@ -1,4 +1,4 @@
-//! Why there is no page of scenes.
+//! Errors of schema generation.
 
 use std::io;
 use std::path::PathBuf;
@@ -8,46 +8,46 @@ use figures::finite::JsonError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 
-/// What the generator of schemas refuses.
+/// Error of the schema generator.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum SchemaError {
-    /// A schema has a form that the page cannot show.
+    /// The page cannot represent a form of a schema.
     #[error("the schema of {solver} has a form at `{place}` that the page cannot show: {schema}")]
     Form {
-        /// Which kind of scene.
+        /// Scene kind.
         solver: &'static str,
-        /// Which type and key.
+        /// Type and key.
         place: String,
-        /// What stands there.
+        /// The form.
         schema: String,
     },
-    /// Numbers whose description states no unit.
+    /// Descriptions of numbers lack units.
     #[error("{solver}: {} without a unit in the description: {}", .keys.len(), .keys.join(", "))]
     #[diagnostic(help("write it in parentheses into the doc comment: `(m)`, `(no unit)`"))]
     NoUnit {
-        /// Which kind of scene.
+        /// Scene kind.
         solver: &'static str,
-        /// Their types and paths in them.
+        /// Types and paths of the keys.
         keys: Vec<String>,
     },
-    /// Keys that neither a scene nor a type shows.
+    /// Neither a scene nor a type has an example of a key.
     #[error("{solver}: {} without an example: {}", .keys.len(), .keys.join(", "))]
     #[diagnostic(help("give a scene that has them, or `#[schemars(example = ...)]` to the type"))]
     NoExample {
-        /// Which kind of scene.
+        /// Scene kind.
         solver: &'static str,
-        /// Their types and paths in them.
+        /// Types and paths of the keys.
         keys: Vec<String>,
     },
-    /// A scene, or an example of a type, that does not fit its schema.
+    /// A scene or an example violates its schema.
     #[error("{source_of_it} does not fit the schema at `{place}`: {value}")]
     Misfit {
         /// The scene, or the type of the example.
         source_of_it: String,
-        /// Which type and key.
+        /// Type and key.
         place: String,
-        /// What stands there.
+        /// The value.
         value: String,
     },
     /// A built-in scene cannot be read.
@@ -57,18 +57,18 @@ pub enum SchemaError {
     /// The folder of scenes cannot be read.
     #[error("cannot list the scenes in {}", .path.display())]
     Folder {
-        /// Which folder.
+        /// The folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// A schema holds a number that is not finite.
+    /// A schema contains a number that is not finite.
     #[error(transparent)]
     Json(#[from] JsonError),
     /// A file could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// What was written could not be told.
+    /// The paths of the written files could not be printed.
     #[error("cannot print")]
     Print(#[source] io::Error),
 }

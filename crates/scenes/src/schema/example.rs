@@ -1,4 +1,4 @@
-//! Examples: for each key the first one that a built-in scene has, else that of its type.
+//! Examples: for each key the first in a built-in scene, else that of its type.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use super::rows::{Row, is_list_of_words, join, label, rows};
 use super::tree::{Holds, Tree};
 use crate::scene::SceneFile;
 
-/// A scene of the workspace.
+/// A built-in scene.
 #[derive(Debug, Clone)]
 pub(super) struct BuiltIn {
     /// Folder and name, e.g. `fpk/duffing`.
@@ -18,17 +18,17 @@ pub(super) struct BuiltIn {
     pub(super) value: Value,
 }
 
-/// A value, and the scene that has it; none for an example of a type.
+/// A value and its scene; none for an example of a type.
 pub(super) struct Example {
     pub(super) value: Value,
     pub(super) scene: Option<String>,
 }
 
-/// Examples by type and path in it.
+/// Examples by type and path.
 #[derive(Default)]
 pub(super) struct Examples(BTreeMap<(String, String), Example>);
 
-/// The scenes in the folders of a folder, by name.
+/// Scenes in the subfolders of a folder, by name.
 pub(super) fn built_in(folder: &Path) -> Result<Vec<BuiltIn>, SchemaError> {
     let mut scenes = Vec::new();
     for group in sorted(folder)?.into_iter().filter(|path| path.is_dir()) {
@@ -79,7 +79,7 @@ impl Examples {
     }
 }
 
-/// A value beside its schema.
+/// Traverses a value together with its schema.
 struct Walk<'a> {
     tree: &'a Tree,
     scene: Option<&'a str>,
@@ -87,7 +87,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Notes what stands at a path of a type, and all below it.
+    /// Records the value at a path of a type, and all values below it.
     fn value(
         &mut self,
         named: &str,
@@ -160,7 +160,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Keeps the first value that is met.
+    /// Keeps the first value.
     fn note(&mut self, named: &str, path: &str, value: &Value) {
         let scene = self.scene.map(str::to_owned);
         let place = (named.to_owned(), path.to_owned());

@@ -21,35 +21,34 @@ cp tests/scenes/fpk/duffing.json my.json
 cargo xtask run my.json --out target/run/my
 ```
 
-A key that is not on this page, or a value of another type, is refused with its line and column, and the key that was
-probably meant.
+A key that is not on this page, or a value of another type, is rejected with its line and column and the nearest known key.
 ";
 
 const HOW_TO_READ: &str = "\
 ## How to read the tables
 
-- **key**: where it stands, from the object of the table on: `single_peak.peak` is the key `peak` inside of `single_peak`.
-- **type**: what stands there. A link leads to the keys or the choices of an object.
-  Of several choices one is given: a word alone, as `\"stationary\"`, or an object whose only key is the word,
-  as `{ \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }`.
-- **unit**: of numbers; `-` for a pure number. Where it names `units`, it follows from that key of the scene: with `\"cm_g_us\"`
-  a \"length of `units`\" is in cm.
-- **default**: what is taken where the key is left out; *required* if it must be there; *optional* if its meaning says what is
-  without it. A line without is a choice.
-- **example**: the first built-in scene, by name, that has the key, or none of them where only the value stands.
+- **key**: path from the object of the table: `single_peak.peak` is the key `peak` inside `single_peak`.
+- **type**: type of the value. A link leads to the keys or the choices of an object.
+  Give one of several choices: a word alone, such as `\"stationary\"`, or an object whose only key is the word,
+  such as `{ \"single_peak\": { \"peak\": 1, \"peak_time\": 2 } }`.
+- **unit**: unit of a number; `-` for a dimensionless number. If it names `units`, it follows from that key of the scene: with
+  `\"cm_g_us\"` a \"length of `units`\" is in cm.
+- **default**: value if the key is omitted; *required* if it must be given; *optional* if its meaning states the effect of its
+  absence. A choice has no default.
+- **example**: value in the first built-in scene, by name, that has the key; without a link, from no scene.
 
-The page is made from the scene types and the built-in scenes by `cargo xtask schema --record`, and so are the schemas, which
-tell an editor what to complete and what to underline. In Visual Studio Code: `\"json.schemas\": [{ \"fileMatch\": [\"my.json\"],
+`cargo xtask schema --record` generates the page from the scene types and the built-in scenes, and also the schemas for
+completion and checks in an editor. In Visual Studio Code: `\"json.schemas\": [{ \"fileMatch\": [\"my.json\"],
 \"url\": \"./docs/schema/fpk-sph.schema.json\" }]`.
 ";
 
-/// How many places of a type are named.
+/// Largest number of places listed for a type.
 const MOST_PLACES: usize = 4;
 
-/// Most choices that a line names besides the link to them.
+/// Largest number of choices listed next to their link.
 const MOST_CHOICES: usize = 5;
 
-/// What the page tells of a solver.
+/// Description of a solver on the page.
 pub(super) struct Described {
     pub(super) solver: &'static str,
     pub(super) tree: Tree,
@@ -106,7 +105,7 @@ fn solver(of: &Described) -> String {
     )
 }
 
-/// A type: what it is, where it stands, its keys.
+/// Section of a type: its description, places and keys.
 fn section(of: &Described, named: &Named, places: &[&str]) -> String {
     let shown: Vec<String> =
         places.iter().take(MOST_PLACES).map(|place| format!("`{place}`")).collect();
@@ -153,7 +152,7 @@ fn line(of: &Described, named: &Named, row: &Row<'_>) -> Vec<String> {
     [key, kind, unit, default, meaning, example].iter().map(|text| cell(text)).collect()
 }
 
-/// Text that stays in its cell.
+/// Text escaped for a table cell.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
@@ -164,7 +163,7 @@ enum Count {
     Many,
 }
 
-/// What a value is, in words.
+/// Description of a value's kind.
 fn kind(of: &Described, holds: &Holds, count: Count) -> String {
     let word = |one: &str, many: &str| if count == Count::One { one } else { many }.to_owned();
     match holds {
@@ -191,7 +190,7 @@ fn kind(of: &Described, holds: &Holds, count: Count) -> String {
     }
 }
 
-/// A link to a type, with its choices where they are few.
+/// A link to a type, with its choices if they are few.
 fn link(of: &Described, name: &str) -> String {
     let link = format!("[{}](#{})", words_of(name), anchor(of.solver, name));
     match of.tree.get(name).map(|named| &named.holds) {
@@ -222,7 +221,7 @@ fn anchor(solver: &str, name: &str) -> String {
     format!("{solver}-{}", words_of(name).replace(' ', "-"))
 }
 
-/// Every type with each of its places in a scene, in the order in which a reader meets them.
+/// Every type with each of its places in a scene, in reading order.
 fn places(tree: &Tree) -> Vec<(String, String)> {
     let mut places = Vec::new();
     visit(tree, "", &tree.root().holds, &mut places);

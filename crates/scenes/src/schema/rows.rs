@@ -1,4 +1,4 @@
-//! The lines of a table of keys.
+//! Rows of a table of keys.
 
 use serde_json::Value;
 
@@ -6,14 +6,14 @@ use super::tree::{Holds, Named, Presence, Variant};
 
 /// A key of a type, or one of its choices.
 pub(super) struct Row<'a> {
-    /// From the type on, e.g. `single_peak.peak_time`.
+    /// Path from the type, e.g. `single_peak.peak_time`.
     pub(super) path: String,
     pub(super) about: &'a str,
     /// None for a choice.
     pub(super) presence: Option<&'a Presence>,
-    /// None for a word alone.
+    /// None for a single word.
     pub(super) holds: Option<&'a Holds>,
-    /// Given with the key.
+    /// Examples given with the key.
     pub(super) examples: &'a [Value],
 }
 
@@ -22,13 +22,13 @@ impl Row<'_> {
         self.holds.is_some_and(is_numeric)
     }
 
-    /// A word may stand for what has one; parentheses in what is said of other values are not theirs.
+    /// Whether the row may state a unit: for words and numbers; parentheses in other descriptions are no units.
     pub(super) fn may_have_unit(&self) -> bool {
         self.holds.is_none_or(is_numeric)
     }
 }
 
-/// Whether a value is numbers and nothing else.
+/// Whether a value consists of numbers only.
 fn is_numeric(holds: &Holds) -> bool {
     match holds {
         Holds::Number | Holds::Whole => true,
@@ -37,7 +37,7 @@ fn is_numeric(holds: &Holds) -> bool {
     }
 }
 
-/// All keys and choices of a type, those of its own objects below them; other types have their own.
+/// All keys and choices of a type, including those of its inline objects; named types have their own rows.
 pub(super) fn rows(named: &Named) -> Vec<Row<'_>> {
     let mut rows = Vec::new();
     collect("", &named.holds, &mut rows);
@@ -74,7 +74,7 @@ fn collect<'a>(path: &str, holds: &'a Holds, rows: &mut Vec<Row<'a>>) {
     }
 }
 
-/// Whether choices are words that need no explanation.
+/// Whether choices are words without descriptions.
 pub(super) fn is_list_of_words(variants: &[Variant]) -> bool {
     variants.iter().all(|variant| variant.about.is_empty() && variant.holds.is_none())
 }
@@ -89,7 +89,7 @@ pub(super) fn label(variant: &Variant) -> String {
     variant.name.clone().unwrap_or_else(form)
 }
 
-/// A path with a key behind it; either may be empty.
+/// Joins a path and a key; either may be empty.
 pub(super) fn join(path: &str, key: &str) -> String {
     let dot = if path.is_empty() || key.is_empty() { "" } else { "." };
     format!("{path}{dot}{key}")

@@ -1,4 +1,4 @@
-//! What the generator refuses, on small scenes.
+//! Errors of the generator, on small scenes.
 
 use std::path::PathBuf;
 
@@ -53,7 +53,7 @@ const DECAY: SceneKind = SceneKind {
     ingredients: |_| Vec::new(),
 };
 
-/// A folder of scenes, gone at the end.
+/// A temporary folder of scenes, removed at the end.
 struct Scenes(PathBuf);
 
 impl Scenes {

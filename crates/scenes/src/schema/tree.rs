@@ -1,33 +1,33 @@
-//! A JSON schema as schemars makes it, read into what a page can show.
+//! A schema of schemars, parsed into the forms that a page can show.
 
 use serde_json::{Map, Value};
 
 use super::error::SchemaError;
 
-/// All types of a scene, the scene itself first, the others in the order in which a reader meets them.
+/// All types of a scene, the scene itself first, the others in reading order.
 pub(super) struct Tree {
     pub(super) types: Vec<Named>,
 }
 
-/// A type with a name.
+/// A named type.
 pub(super) struct Named {
-    /// That of the Rust type, e.g. `WindowScene`.
+    /// Name of the Rust type, e.g. `WindowScene`.
     pub(super) name: String,
     pub(super) about: String,
     pub(super) holds: Holds,
-    /// Given with the type.
+    /// Examples given with the type.
     pub(super) examples: Vec<Value>,
 }
 
-/// What a value is.
+/// Kind of a value.
 pub(super) enum Holds {
     Text,
     Number,
     Whole,
     Flag,
-    /// Of any length, or of one.
+    /// A list of any length, or of a fixed length.
     List(Box<Holds>, Option<u64>),
-    /// By names that the user chooses.
+    /// A map with keys chosen by the user.
     Map(Box<Holds>),
     Object(Vec<Key>),
     Choice(Vec<Variant>),
@@ -41,25 +41,25 @@ pub(super) struct Key {
     pub(super) about: String,
     pub(super) presence: Presence,
     pub(super) holds: Holds,
-    /// Given with the key.
+    /// Examples given with the key.
     pub(super) examples: Vec<Value>,
 }
 
-/// Whether a key must be there.
+/// Whether a key is required.
 pub(super) enum Presence {
     Required,
-    /// Without it this is taken.
+    /// Default value.
     Default(Value),
-    /// Without it happens what its description says.
+    /// Optional; the description states the effect of its absence.
     Optional,
 }
 
 /// One of several values.
 pub(super) struct Variant {
-    /// The word that stands for it; none where the form of the value tells.
+    /// Its word; none where the form of the value identifies it.
     pub(super) name: Option<String>,
     pub(super) about: String,
-    /// What the word is the key of; none where it stands alone.
+    /// Value of which the word is the key; none for a single word.
     pub(super) holds: Option<Holds>,
 }
 
@@ -70,7 +70,7 @@ impl Tree {
         let mut tree = Self { types: Vec::new() };
         let mut reader = Reader { solver, definitions: &schema["$defs"], waiting: Vec::new() };
         tree.types.push(reader.named("scene", schema)?);
-        // Depth first: what a type needs comes behind it.
+        // Depth first: the types that a type uses follow it.
         let mut waiting = reader.take_waiting();
         while let Some(name) = waiting.pop() {
             if tree.get(&name).is_none() {
@@ -95,12 +95,12 @@ impl Tree {
 struct Reader<'a> {
     solver: &'static str,
     definitions: &'a Value,
-    /// Types that were named and not yet read.
+    /// Types that were named and not yet parsed.
     waiting: Vec<String>,
 }
 
 impl Reader<'_> {
-    /// The types that were named since, the last one first.
+    /// Types named since the last call, the last one first.
     fn take_waiting(&mut self) -> Vec<String> {
         let mut names = std::mem::take(&mut self.waiting);
         names.reverse();
@@ -128,7 +128,7 @@ impl Reader<'_> {
         }
         if schema.get("const").or_else(|| schema.get("enum")).is_some() {
             let mut words = self.variants(place, schema)?;
-            // Here the description is that of the key, which has it.
+            // The description belongs to the key, which has it.
             for word in &mut words {
                 word.about.clear();
             }
@@ -171,7 +171,7 @@ impl Reader<'_> {
         properties.iter().map(key).collect::<Result<_, _>>().map(Holds::Object)
     }
 
-    /// Several forms; one that may be absent is that one.
+    /// Several forms; an optional form is that form.
     fn any_of(&mut self, place: &str, choices: &[Value]) -> Result<Holds, SchemaError> {
         let choices: Vec<&Value> =
             choices.iter().filter(|choice| kind(choice) != Some("null")).collect();
@@ -224,7 +224,7 @@ fn examples(schema: &Value) -> Vec<Value> {
     schema["examples"].as_array().cloned().unwrap_or_default()
 }
 
-/// A description in one line.
+/// A description on one line.
 fn about(schema: &Value) -> String {
     let words = schema["description"].as_str().unwrap_or_default();
     words.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -1,11 +1,11 @@
-//! The unit that a description states in parentheses.
+//! The unit in the parentheses of a description.
 
-/// What a unit is made of, besides powers and numbers; `u` is the unit of a state that a description calls so.
+/// Symbols of units, besides powers and numbers; `u` is the unit of a state defined in a description.
 const SYMBOLS: [&str; 10] = ["m", "s", "kg", "N", "J", "Pa", "K", "rad", "u", "per"];
 
 /// The first unit in a description, and the description without it.
 ///
-/// A unit is what stands in parentheses and has the word `unit` or `units` in it, or is made of symbols of units alone.
+/// A unit is text in parentheses that contains the word `unit` or `units`, or consists of unit symbols only.
 pub(super) fn split(about: &str) -> Option<(&str, String)> {
     let mut from = 0;
     while let Some(open) = about[from..].find('(').map(|at| from + at) {
@@ -20,7 +20,7 @@ pub(super) fn split(about: &str) -> Option<(&str, String)> {
     None
 }
 
-/// Where the parenthesis that opens a text closes.
+/// Position at which the opening parenthesis of a text closes.
 fn closing(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     text.char_indices().find_map(|(at, c)| {
@@ -38,7 +38,7 @@ fn is_unit(text: &str) -> bool {
     if words.any(|word| word == "unit" || word == "units") {
         return true;
     }
-    // A power of a parenthesis leaves nothing before its `^`.
+    // A power of a parenthesis leaves an empty string before its `^`.
     let factors = text.split([' ', '/', '(', ')']).filter_map(|factor| factor.split('^').next());
     let factors: Vec<&str> = factors.filter(|factor| !factor.is_empty()).collect();
     factors.iter().any(|factor| SYMBOLS.contains(factor))

@@ -1,14 +1,14 @@
-//! Values as a reader writes them, cut where they are long.
+//! Values in readable form, shortened where they are long.
 
 use serde_json::{Number, Value};
 
-/// Most characters of a value in a table.
+/// Largest number of characters of a value in a table.
 const MOST: usize = 64;
 
-/// What of a value is shown.
+/// Shown part of a value.
 #[derive(Clone, Copy)]
 struct Cut {
-    /// Levels of inner values.
+    /// Levels of nested values.
     depth: usize,
     /// Entries of a list.
     entries: usize,
@@ -18,7 +18,7 @@ struct Cut {
 
 const ALL: usize = usize::MAX;
 
-/// From the whole value to its outermost part.
+/// From the whole value to its outermost level.
 const CUTS: [Cut; 8] = [
     Cut { depth: ALL, entries: ALL, keys: ALL },
     Cut { depth: ALL, entries: 3, keys: ALL },
@@ -30,7 +30,7 @@ const CUTS: [Cut; 8] = [
     Cut { depth: 0, entries: 1, keys: 1 },
 ];
 
-/// A value in one line; where it is long, entries and inner values are left out.
+/// A value on one line; long values omit entries and nested values.
 pub(super) fn compact(value: &Value) -> String {
     let fits = |text: &String| text.chars().count() <= MOST;
     CUTS.iter().map(|&cut| line(value, cut)).find(fits).unwrap_or_else(|| {
@@ -64,7 +64,7 @@ fn line(value: &Value, cut: Cut) -> String {
     }
 }
 
-/// Counts as they are, other numbers that are large or small by their power of ten.
+/// Integers as they are; other large or small numbers in scientific notation.
 fn number_of(number: &Number) -> String {
     match number.as_f64() {
         Some(value) if number.is_f64() && value != 0.0 && !(1e-4..1e6).contains(&value.abs()) => {

@@ -9,7 +9,7 @@ use super::reading::RandomParameter;
 use super::scene::SmpmScene;
 use crate::scene::Objection;
 
-/// A scene, read once: where particles start, the numbers of materials, and which of them are random.
+/// A parsed scene: initial particles, material parameters, and which of them are random.
 #[derive(Debug)]
 pub struct SceneExperiment<const D: usize> {
     config: Config<D>,
@@ -27,10 +27,10 @@ struct Prepared<const D: usize> {
 }
 
 impl<const D: usize> SceneExperiment<D> {
-    /// Reads a scene.
+    /// Parses a scene.
     ///
     /// # Errors
-    /// As the check of the scene.
+    /// Those of the check of the scene.
     pub fn new(scene: &SmpmScene) -> Result<Self, Objection> {
         let all = scene.numbers()?;
         let prepare = |(i, body): (usize, &super::scene::BodyScene)| {
@@ -55,7 +55,7 @@ impl<const D: usize> SceneExperiment<D> {
         })
     }
 
-    /// How many particles it has.
+    /// Number of particles.
     #[must_use]
     pub fn n_particles(&self) -> usize {
         self.bodies.iter().map(|body| body.fill.positions.len()).sum()

@@ -17,7 +17,7 @@ macro_rules! entry {
     }};
 }
 
-/// The parameters of a model, by its key in a scene, where the library has them under this name.
+/// Parameters of a model, by its key in a scene, if the library has them under this name.
 pub(super) fn entry(model: &str, name: &str, units: Units) -> Option<Entry> {
     match (model, name) {
         ("mie_gruneisen", "steel") => entry!(library::steel_equation(units)),

@@ -1,4 +1,4 @@
-//! Materials as they stand in a scene: parameters from a library, some set anew, some random.
+//! Materials of a scene: library parameters, overridden parameters, random parameters.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -20,23 +20,23 @@ use super::material_schema;
 use crate::nearest::nearest;
 use crate::scene::Objection;
 
-/// A material: an equation of state, and what bears shear.
+/// A material: equation of state and strength model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialScene {
-    /// What gives the pressure.
+    /// Equation of state: pressure.
     pub equation: EquationScene,
-    /// What gives the deviator; without it a fluid.
+    /// Strength model: deviatoric stress; a fluid without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthScene>,
-    /// Damage by Johnson and Cook, for the strength `johnson_cook` only; without it none.
+    /// Johnson-Cook damage, for the strength `johnson_cook` only; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "material_schema::damage", example = ParameterScene::of_library("steel"))]
     pub damage: Option<ParameterScene>,
-    /// The largest tension that a fluid bears (stress of `units`); without it any.
+    /// Largest tension of a fluid (stress of `units`); unlimited without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension_limit: Option<f64>,
-    /// Where and over how many cells an explosive burns; needed with `jwl`, and with it only.
+    /// Programmed burn of an explosive; required with `jwl`, and only valid with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detonation: Option<DetonationScene>,
 }
@@ -46,15 +46,15 @@ pub struct MaterialScene {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::air(), example = Self::bulk(), example = Self::rubber())]
 pub enum EquationScene {
-    /// Mie and Grueneisen: a solid or a liquid by its shock Hugoniot.
+    /// Mie-Grüneisen: a solid or a liquid from its shock Hugoniot.
     MieGruneisen(#[schemars(schema_with = "material_schema::mie_gruneisen")] ParameterScene),
-    /// A stiffened gas; an ideal one with `stiffness` 0.
+    /// A stiffened gas; an ideal gas with `stiffness` 0.
     StiffenedGas(#[schemars(schema_with = "material_schema::stiffened_gas")] ParameterScene),
-    /// Jones, Wilkins and Lee, with programmed burn: an explosive.
+    /// Jones-Wilkins-Lee with programmed burn: an explosive.
     Jwl(#[schemars(schema_with = "material_schema::jwl")] ParameterScene),
     /// A constant bulk modulus; with the strength `elastic`.
     ElasticBulk(#[schemars(schema_with = "material_schema::elastic_bulk")] ParameterScene),
-    /// A compressible neo-Hookean solid: pressure and deviator at once.
+    /// A compressible neo-Hookean solid: pressure and deviatoric stress together.
     NeoHookean(#[schemars(schema_with = "material_schema::neo_hookean")] ParameterScene),
 }
 
@@ -63,22 +63,22 @@ pub enum EquationScene {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::shear(), example = Self::hardening())]
 pub enum StrengthScene {
-    /// Elastic.
+    /// Linear elastic.
     Elastic(#[schemars(schema_with = "material_schema::elastic")] ParameterScene),
-    /// A flow stress that grows linearly with the plastic strain.
+    /// A flow stress that increases linearly with the plastic strain.
     VonMises(#[schemars(schema_with = "material_schema::von_mises")] ParameterScene),
-    /// Johnson and Cook: a metal by its strain, rate and temperature.
+    /// Johnson-Cook: flow stress of a metal from strain, rate and temperature.
     JohnsonCook(#[schemars(schema_with = "material_schema::johnson_cook")] ParameterScene),
 }
 
-/// Parameters by name: those of a library in the units of the scene, and what is set anew.
+/// Parameters by name: a library entry in the units of the scene, and overridden values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterScene {
-    /// An entry of the library whose parameters are taken; without it all must be set.
+    /// Library entry of the parameters; without it all must be set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub library: Option<String>,
-    /// Parameters that the library does not have, or has otherwise.
+    /// Parameters that the library lacks, or that differ from it.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub set: BTreeMap<String, f64>,
 }
@@ -87,13 +87,13 @@ pub struct ParameterScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DetonationScene {
-    /// Where it begins (length of `units`).
+    /// Detonation point (length of `units`).
     pub point: Vec<f64>,
-    /// Over how many cells the front is spread (no unit).
+    /// Number of cells over which the front is spread (no unit).
     pub cells: f64,
 }
 
-/// Which part of a material a parameter belongs to.
+/// Part of a material that a parameter belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
     /// The equation of state.
@@ -109,7 +109,7 @@ impl Part {
         [(Self::Equation, "equation"), (Self::Strength, "strength"), (Self::Damage, "damage")];
 }
 
-/// The numbers of a material.
+/// Parameters of a material.
 pub type Numbers = BTreeMap<(Part, &'static str), f64>;
 
 type Names = &'static [&'static str];
@@ -129,7 +129,7 @@ impl EquationScene {
         Self::NeoHookean(ParameterScene::of_numbers(&numbers))
     }
 
-    /// The key, the names of the parameters and what is given.
+    /// The key, the parameter names and the given values.
     fn parts(&self) -> (&'static str, Names, &ParameterScene) {
         match self {
             Self::MieGruneisen(given) => {
@@ -158,7 +158,7 @@ impl StrengthScene {
         Self::VonMises(ParameterScene::of_numbers(&numbers))
     }
 
-    /// Takes all that is not set anew from another entry of the library.
+    /// Takes all parameters that are not overridden from another library entry.
     pub fn take_from(&mut self, library: &str) {
         let (Self::Elastic(given) | Self::VonMises(given) | Self::JohnsonCook(given)) = self;
         given.library = Some(library.to_owned());
@@ -206,7 +206,7 @@ impl ParameterScene {
             let message = format!("there is no parameter `{name}`");
             let hint = match nearest(name, names.iter().copied()) {
                 Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("there are: {}", names.join(", ")),
+                None => format!("available: {}", names.join(", ")),
             };
             return Err(Objection::new(format!("{path}.set.{name}"), message).with_help(hint));
         }
@@ -225,7 +225,7 @@ impl ParameterScene {
     }
 }
 
-/// Makes a body: every pair of an equation of state and a strength, for one type of number and dimension.
+/// Builds a body: every pair of an equation of state and a strength model, for one number type and dimension.
 type BodyOf<S, const D: usize> = fn(
     &MaterialScene,
     &dyn Fn(Part, &'static str) -> S,
@@ -233,7 +233,7 @@ type BodyOf<S, const D: usize> = fn(
     [f64; D],
 ) -> Result<Body<S, D>, Error>;
 
-/// The bodies that are compiled with this crate, once for all programs that run scenes; none in unit tests.
+/// Bodies compiled with this crate, once for all programs that run scenes; none in unit tests.
 #[inline(never)]
 fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
     const OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
@@ -248,7 +248,7 @@ fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
     ALL
 }
 
-/// Whether bodies of such numbers are compiled with this crate: those whose step is compiled with smpm.
+/// Whether bodies of this number type are compiled with this crate: those whose step is compiled with smpm.
 const fn is_compiled<S: Number>(dimension: usize) -> bool {
     let mut k = 0;
     while !cfg!(test) && k < S::COMPILED.len() {
@@ -261,10 +261,10 @@ const fn is_compiled<S: Number>(dimension: usize) -> bool {
 }
 
 impl MaterialScene {
-    /// All its numbers.
+    /// All its parameters.
     ///
     /// # Errors
-    /// An [`Objection`] to a parameter that is missing or unknown, and to parts that do not go together.
+    /// An [`Objection`] to a missing or unknown parameter, and to incompatible parts.
     pub fn numbers(&self, units: Units, path: &str) -> Result<Numbers, Objection> {
         let mut numbers = Numbers::new();
         let (key, names, given) = self.equation.parts();
@@ -316,7 +316,7 @@ impl MaterialScene {
         Ok(())
     }
 
-    /// The place of a parameter, `equation.s1`, among its numbers.
+    /// Key of a parameter such as `equation.s1`.
     ///
     /// # Errors
     /// An [`Objection`] at `path` with the nearest name.
@@ -342,10 +342,10 @@ impl MaterialScene {
         })
     }
 
-    /// A body of it, with numbers that may be random.
+    /// A body of the material, with numbers that may be random.
     ///
     /// # Errors
-    /// What the model refuses.
+    /// Errors of the model.
     pub fn body<S: Number, const D: usize>(
         &self,
         of: &dyn Fn(Part, &'static str) -> S,

@@ -1,4 +1,4 @@
-//! What may stand under the models of a material: the parameters by name, with what each is, and the entries of the library.
+//! Schemas of material models: parameters by name, with their meanings, and the library entries.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
@@ -10,11 +10,11 @@ use smpm::material::{
 
 use super::material_library::{ENTRIES, entry};
 
-/// Quantities whose unit follows from that of the scene, as the solver calls them.
+/// Quantities whose unit follows from the scene, as the solver names them.
 const OF_UNITS: [&str; 5] =
     ["stress", "mass per volume", "length per time", "1 per time", "energy per mass and kelvin"];
 
-/// A function that gives the schema of each model, by its key in a scene.
+/// A function that returns the schema of each model, by its key in a scene.
 macro_rules! models {
     ($($name:ident: $parameters:ident;)+) => { $(
         pub(super) fn $name(_: &mut SchemaGenerator) -> Schema {
@@ -36,7 +36,7 @@ models! {
     damage: JohnsonCookDamageParameters;
 }
 
-/// What stands under a model: an entry of the library and what is set anew, or all parameters where the library has none.
+/// Schema of a model: a library entry and overridden parameters, or all parameters where the library has none.
 fn parameters(model: &str, names: &[&'static str], meanings: &[&str]) -> Schema {
     let library = |name: &str| entry(model, name, Units::SI);
     let parameter = |(&name, meaning): (&&str, &&str)| {
@@ -54,11 +54,11 @@ fn parameters(model: &str, names: &[&'static str], meanings: &[&str]) -> Schema 
     }
     examples.truncate(1);
     let about = format!(
-        "Parameters that the library does not have, or has otherwise. The examples are those of `{first}` in `si`."
+        "Parameters that the library lacks, or that differ from it. The examples are those of `{first}` in `si`."
     );
     let mut anew = set(&about, &numbers, &[]);
     anew["examples"] = json!(examples);
-    let about = "The entry of the library whose parameters are taken; without it all must be set.";
+    let about = "Library entry of the parameters; without it all must be set.";
     let entry = json!({ "description": about, "type": "string", "enum": entries });
     object(&json!({ "library": entry, "set": anew }), &[])
 }
@@ -69,7 +69,7 @@ fn set(about: &str, numbers: &Map<String, Value>, required: &[&str]) -> Value {
     set
 }
 
-/// An object of these keys and no others.
+/// An object with these keys and no others.
 fn object(properties: &Value, required: &[&str]) -> Schema {
     json_schema!({
         "type": "object",
@@ -79,7 +79,7 @@ fn object(properties: &Value, required: &[&str]) -> Schema {
     })
 }
 
-/// A meaning in the words of a scene, whose key `units` says in which units its numbers are.
+/// A meaning in terms of a scene, whose key `units` sets the units of its numbers.
 fn of_units(meaning: &str) -> String {
     OF_UNITS.iter().fold(meaning.trim().to_owned(), |text, quantity| {
         text.replace(&format!("({quantity})"), &format!("({quantity} of `units`)"))

@@ -1,4 +1,4 @@
-//! The names of quantities as a schema: the solver's own, each with what it is.
+//! Schema of the quantity names, each with its meaning.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 use smpm::Quantity;
 
-/// Stands for a name of a [`Quantity`] in the schema of a scene.
+/// Schema type of the name of a [`Quantity`].
 #[derive(Debug, Clone, Copy)]
 pub struct QuantityName;
 
@@ -28,11 +28,11 @@ fn meaning(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Pressure => "Pressure (stress of `units`).",
         Quantity::Stress(..) => "A component of the stress (stress of `units`).",
-        Quantity::Deviator(..) => "A component of the deviator of the stress (stress of `units`).",
-        Quantity::VonMises => "Stress of von Mises (stress of `units`).",
-        Quantity::FlowStress => "Present flow stress (stress of `units`).",
+        Quantity::Deviator(..) => "A component of the deviatoric stress (stress of `units`).",
+        Quantity::VonMises => "Von Mises stress (stress of `units`).",
+        Quantity::FlowStress => "Current flow stress (stress of `units`).",
         Quantity::PlasticStrain => "Equivalent plastic strain (no unit).",
-        Quantity::Temperature => "Temperature above that of the reference state (K).",
+        Quantity::Temperature => "Temperature rise above the reference state (K).",
         Quantity::Damage => "Damage, from 0 to 1 (no unit).",
         Quantity::Energy => "Internal energy per reference volume (stress of `units`).",
         Quantity::Density => "Mass per volume (density of `units`).",

@@ -1,4 +1,4 @@
-//! What a scene means: its law, configuration, plan and bodies, and what it may not say.
+//! Conversion of a scene: distributions, configuration, plan and bodies, with their checks.
 
 use std::collections::BTreeMap;
 
@@ -19,29 +19,32 @@ use super::scene::{
 use crate::nearest::nearest;
 use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
-/// A random parameter, found.
+/// A random parameter of a material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomParameter {
     /// The name of its material.
     pub material: String,
-    /// Which of its parameters.
+    /// Key of the parameter.
     pub key: (Part, &'static str),
     /// Its mean.
     pub mean: f64,
 }
 
-/// Most random parameters of a scene: the lanes of a jet.
+/// Largest number of random parameters of a scene: the lanes of a jet.
 pub const MOST_RANDOM: usize = 8;
 
-/// The largest lattice of a body in a scene, places outside of the body included: some sixty times the largest scene that is run here.
-/// A slip in the cell asks for many more, and is told before they are laid.
+/// Largest lattice of a body in a scene, including points outside of the body.
+///
+/// It is some sixty times the largest scene run here.
+///
+/// A typing error in the cell size gives many more, and is reported before they are created.
 const MOST_PLACES: f64 = 1e7;
 
 impl SmpmScene {
-    /// The numbers of every material.
+    /// The parameters of every material.
     ///
     /// # Errors
-    /// An [`Objection`] to what is missing or unknown.
+    /// An [`Objection`] to a missing or unknown parameter.
     pub fn numbers(&self) -> Result<BTreeMap<&str, Numbers>, Objection> {
         let units = self.units.units();
         let read = |(name, material): (&'_ String, &MaterialScene)| {
@@ -50,10 +53,10 @@ impl SmpmScene {
         self.materials.iter().map(|entry| Ok((entry.0.as_str(), read(entry)?))).collect()
     }
 
-    /// The random parameters, in their order.
+    /// The random parameters, in order.
     ///
     /// # Errors
-    /// An [`Objection`] to a name that there is not or that is given twice, and to too many of them.
+    /// An [`Objection`] to an unknown or duplicate name, and to too many of them.
     pub fn random_parameters(&self) -> Result<Vec<RandomParameter>, Objection> {
         if self.random.len() > MOST_RANDOM {
             let n = self.random.len();
@@ -80,10 +83,10 @@ impl SmpmScene {
         Ok(found)
     }
 
-    /// The law of `N` parameters: those of the scene, then certain ones.
+    /// The joint distribution of `N` parameters: those of the scene, then certain ones.
     ///
     /// # Errors
-    /// An [`Objection`] to a correlation, or to what no random vector has.
+    /// An [`Objection`] to a correlation, or to an invalid random vector.
     pub fn inputs<const N: usize>(&self) -> Result<RandomVector<N>, Objection> {
         let parameters = self.random_parameters()?;
         let (mut mean, mut deviations) = ([1.0; N], [0.0; N]);
@@ -126,7 +129,7 @@ impl SmpmScene {
     /// The configuration of the solver.
     ///
     /// # Errors
-    /// An [`Objection`] to a vector that has another number of components than the scene has dimensions.
+    /// An [`Objection`] to a vector whose number of components is not the dimension of the scene.
     pub fn config<const D: usize>(&self) -> Result<Config<D>, Objection> {
         let usual = Config::with_cell(self.grid.cell);
         let scheme = &self.scheme;
@@ -168,7 +171,7 @@ impl SmpmScene {
         })
     }
 
-    /// What is looked at. The scene has been checked.
+    /// The observed quantities of a checked scene.
     ///
     /// # Errors
     /// An [`Objection`] to a name or a point.
@@ -214,10 +217,10 @@ impl SmpmScene {
         self.quantities.iter().enumerate().map(quantity).collect()
     }
 
-    /// Where the particles of a body start.
+    /// The initial particles of a body.
     ///
     /// # Errors
-    /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 places.
+    /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 points.
     pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
         let (scene, path) = (&self.bodies[body], format!("bodies[{body}]"));
         let whole = Region::<D>::of(&scene.shape, &format!("{path}.shape"))?;
@@ -230,8 +233,9 @@ impl SmpmScene {
         let along = |k: usize| ((high[k] - low[k]) / spacing[k]).max(1.0);
         let places: f64 = (0..D).map(along).product();
         if places > MOST_PLACES {
-            let message =
-                format!("{path}: {places:.3e} places of particles, at most {MOST_PLACES:e}");
+            let message = format!(
+                "{path}: {places:.3e} lattice points for particles; at most {MOST_PLACES:e}"
+            );
             return Err(Objection::new("grid.cell", message));
         }
         Fill::of(spacing, (low, high), inside)
@@ -269,16 +273,16 @@ fn unknown<'a>(
     let known: Vec<&str> = known.map(String::as_str).collect();
     let hint = match nearest(name, known.iter().copied()) {
         Some(nearest) => format!("did you mean `{nearest}`?"),
-        None => format!("there are: {}", known.join(", ")),
+        None => format!("available: {}", known.join(", ")),
     };
     Objection::new(path, format!("there is no {what} `{name}`")).with_help(hint)
 }
 
 impl SmpmScene {
-    /// Reads a text under a name for messages.
+    /// Parses a text; messages refer to it by name.
     ///
     /// # Errors
-    /// As [`SceneFile::parse`].
+    /// Those of [`SceneFile::parse`].
     pub fn read(name: &str, text: &str) -> Result<Self, SceneError> {
         SceneFile::from_text(name, text.to_owned())?.parse()
     }
@@ -347,7 +351,7 @@ impl Scene for SmpmScene {
 }
 
 impl SmpmScene {
-    /// What needs the dimension: points, gauges, and every material by itself.
+    /// Checks that depend on the dimension: points, gauges, and every material by itself.
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
         self.inputs::<MOST_RANDOM>()?;
         self.plan::<D>()?;

@@ -1,4 +1,4 @@
-//! Regions of space that bodies fill.
+//! Regions of space filled by bodies.
 
 use super::coordinates::point;
 use super::scene::SolidScene;

@@ -1,4 +1,4 @@
-//! Runs a scene of bodies on a grid: mean and variance of every response, with what says whether to trust them.
+//! Runs a scene of bodies on a grid: mean and variance of every response, with trust indicators.
 
 mod fields;
 mod ingredients;
@@ -33,26 +33,26 @@ pub(crate) const KIND: SceneKind = SceneKind {
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
-/// What the schema `response-moments/1` adds to every result.
+/// Keys that this kind adds to every result: schema `response-moments/1`.
 #[derive(Debug, Serialize)]
 struct Content {
     work: WorkRecord,
-    /// Samples that could not be run, and why.
+    /// Samples that failed, and why.
     failures: Vec<Failure>,
     gauges: Vec<GaugeResult>,
 }
 
-/// Work counted.
+/// Work counters.
 #[derive(Debug, Serialize)]
 struct WorkRecord {
     particles: usize,
     steps: usize,
-    /// Whole runs, those with derivatives included.
+    /// Number of complete runs, including those with derivatives.
     runs: u64,
     cpu_seconds: f64,
 }
 
-/// A sample that could not be run.
+/// A sample that failed.
 #[derive(Debug, Serialize)]
 struct Failure {
     sample: u64,
@@ -129,9 +129,9 @@ fn run_in<const D: usize>(
     Ok(written)
 }
 
-const OTHER_TIMES: &str = "a run goes on from a checkpoint with the same times up to it; --overwrite starts from the beginning";
+const OTHER_TIMES: &str = "a run resumes only from a checkpoint with the same earlier times; --overwrite starts from the beginning";
 
-/// An error that a key of the scene is to blame for is shown there.
+/// Reports an error caused by a key of the scene at that key.
 fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunError {
     let at =
         |path: String| RunError::from(file.object_to(&Objection::new(path, error.to_string())));
@@ -177,7 +177,7 @@ fn by_gauge<const D: usize>(
     plan.gauges.iter().enumerate().map(gauge).collect()
 }
 
-/// One picture for each quantity: every gauge with a band of one standard deviation.
+/// One chart for each quantity: every gauge with a band of one standard deviation.
 fn drawings<const D: usize>(
     scene: &SmpmScene,
     plan: &Plan<D>,

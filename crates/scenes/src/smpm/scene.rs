@@ -1,4 +1,4 @@
-//! A scene of bodies on a grid as it stands in its JSON file.
+//! A scene of bodies on a grid as written in its JSON file.
 
 use std::collections::BTreeMap;
 
@@ -10,34 +10,34 @@ use smpm::{Quantity, Window};
 use super::material_scene::MaterialScene;
 use super::quantity_name::QuantityName;
 
-/// Bodies that move and deform on a background grid: their materials, what is random, what is looked at.
+/// Deformable bodies on a background grid: materials, random parameters, and observed quantities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmpmScene {
     /// Always `smpm`.
     pub solver: String,
-    /// One line for the reader.
+    /// Title, one line.
     pub title: String,
-    /// In which units all numbers of the scene are.
+    /// System of units of all numbers in the scene.
     pub units: UnitsScene,
     /// 1 for uniaxial strain, 2 for plane strain or axisymmetric, or 3 (no unit).
     pub dimension: usize,
-    /// Whether the first of two axes is the radius; without it not.
+    /// Whether the first of two axes is the radius; false without this key.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub axisymmetric: bool,
     /// The background grid and its particles.
     pub grid: GridScene,
-    /// How a step is done; a key that is left out has its usual value.
+    /// Time step algorithm; omitted keys have default values.
     #[serde(default)]
     pub scheme: SchemeScene,
-    /// Planes at which the motion is prescribed; without it none.
+    /// Planes with prescribed motion; none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boundaries: Vec<BoundaryScene>,
-    /// What bodies that meet do to each other.
+    /// Interaction of bodies in contact.
     #[serde(default, skip_serializing_if = "ContactScene::is_bonded")]
     #[schemars(extend("default" = ContactScene::default()), example = ContactScene::Friction { coefficient: 0.3 })]
     pub contact: ContactScene,
-    /// Acceleration of all particles along each axis (length/time^2 of `units`); without it none.
+    /// Acceleration of all particles along each axis (length/time^2 of `units`); none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(example = vec![0.0, -9.81])]
     pub gravity: Vec<f64>,
@@ -45,26 +45,28 @@ pub struct SmpmScene {
     pub materials: BTreeMap<String, MaterialScene>,
     /// The bodies.
     pub bodies: Vec<BodyScene>,
-    /// Random parameters, eight at most; without it none.
+    /// Random parameters, at most eight; none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub random: Vec<RandomScene>,
-    /// Correlations between them; without it none.
+    /// Correlations between them; none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(example = vec![CorrelationScene::between_steel_parameters()])]
     pub correlations: Vec<CorrelationScene>,
-    /// How mean and variance are found.
+    /// Method for mean and variance.
     pub method: MethodScene,
-    /// Where it is looked at, one at least.
+    /// Gauges, at least one.
     pub gauges: Vec<GaugeScene>,
-    /// What is looked at, one at least.
+    /// Observed quantities, at least one.
     #[schemars(with = "Vec<QuantityName>")]
     pub quantities: Vec<String>,
-    /// When, one at least: instants, or `[from, to]` for the mean over a span.
+    /// Times of observation, at least one: instants, or `[from, to]` for the mean over a window.
     pub times: Vec<TimeScene>,
-    /// Levels whose exceedance is asked for, by the name of a quantity (unit of that quantity); without it none.
+    /// Levels whose exceedance probability is computed, by quantity (unit of that quantity); none without this key.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub levels: BTreeMap<String, Vec<f64>>,
-    /// Whether fields are written for ParaView at every time: mean and, with `propagated`, standard deviation; without it not.
+    /// Whether fields are written for ParaView at every time; false without this key.
+    ///
+    /// The fields are the mean and, with `propagated`, the standard deviation.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fields: bool,
 }
@@ -82,7 +84,7 @@ pub enum UnitsScene {
 }
 
 impl UnitsScene {
-    /// The units.
+    /// Units of the scene.
     #[must_use]
     pub const fn units(self) -> Units {
         match self {
@@ -102,7 +104,7 @@ impl UnitsScene {
         }
     }
 
-    /// The unit of a quantity; empty for a pure number.
+    /// Unit of a quantity; empty for a dimensionless one.
     #[must_use]
     pub const fn of(self, quantity: Quantity) -> &'static str {
         let [length, _, stress, density, velocity] = self.names();
@@ -121,13 +123,13 @@ impl UnitsScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GridScene {
-    /// The edge of a cell (length of `units`).
+    /// Edge length of a cell (length of `units`).
     pub cell: f64,
     /// Particles along the edge of a cell (no unit).
     pub particles_per_cell: u32,
 }
 
-/// How a step is done.
+/// Time step algorithm.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SchemeScene {
@@ -135,11 +137,11 @@ pub struct SchemeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = ShapeScene::QuadraticBSpline))]
     pub shape: Option<ShapeScene>,
-    /// When the stress is updated.
+    /// Order of the stress update in a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = OrderScene::ModifiedStressLast), example = OrderScene::StressLast)]
     pub update_order: Option<OrderScene>,
-    /// How velocities come back from the grid to the particles.
+    /// Transfer of velocities from the grid to the particles (G2P).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = TransferScene::Flip { damping_time: None }))]
     pub transfer: Option<TransferScene>,
@@ -157,9 +159,9 @@ pub struct SchemeScene {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViscosityScene {
-    /// Of the square of the rate: spreads strong shocks over a few cells (no unit).
+    /// Coefficient of the squared rate: spreads strong shocks over a few cells (no unit).
     pub quadratic: f64,
-    /// Of the rate: damps the ripple behind them (no unit).
+    /// Coefficient of the rate: damps post-shock oscillations (no unit).
     pub linear: f64,
 }
 
@@ -177,7 +179,7 @@ pub enum ShapeScene {
     CubicBSpline,
 }
 
-/// Update orders.
+/// Order of the stress update.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderScene {
@@ -185,35 +187,35 @@ pub enum OrderScene {
     StressFirst,
     /// Last in a step (USL).
     StressLast,
-    /// Last, from what the particles give to the grid once more (MUSL).
+    /// Last, after a second momentum transfer from the particles (MUSL).
     ModifiedStressLast,
 }
 
-/// Transfers.
+/// Grid-to-particle transfers (G2P).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Flip { damping_time: Some(2.0) })]
 pub enum TransferScene {
-    /// The velocity and its gradient (APIC): keeps angular momentum.
+    /// Velocity and its gradient (APIC): conserves angular momentum.
     Apic,
-    /// The change of the velocity (FLIP): keeps energy.
+    /// Change of the velocity (FLIP): conserves energy.
     Flip {
-        /// The time over which it goes over to the velocity itself (time of `units`); without it never.
+        /// Relaxation time to the interpolated velocity (time of `units`); never without this key.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         damping_time: Option<f64>,
     },
 }
 
-/// What bodies that meet do to each other.
+/// Interaction of bodies in contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ContactScene {
-    /// They share one velocity and stick, as the paper's do.
+    /// Bonded: bodies share one velocity field, as in the paper.
     #[default]
     Bonded,
-    /// They slide and part. The normal is that of the body that is given first: the flatter or stiffer one.
+    /// Frictional contact with separation. The normal is that of the body given first: the flatter or stiffer one.
     Friction {
-        /// Coulomb's coefficient (no unit).
+        /// Coulomb's friction coefficient (no unit).
         coefficient: f64,
     },
 }
@@ -224,17 +226,17 @@ impl ContactScene {
     }
 }
 
-/// A plane.
+/// A plane with prescribed motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoundaryScene {
-    /// The axis it is normal to, from 1 (no unit).
+    /// Axis of its normal, from 1 (no unit).
     pub axis: usize,
     /// Its coordinate (length of `units`).
     pub position: f64,
-    /// On which side of it the bodies are.
+    /// Side of the plane on which the bodies are.
     pub side: SideScene,
-    /// What it does.
+    /// Boundary condition.
     pub kind: BoundaryKindScene,
 }
 
@@ -248,18 +250,18 @@ pub enum SideScene {
     Below,
 }
 
-/// What a plane does.
+/// Boundary condition of a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Absorbing { longitudinal: 0.6, shear: 0.32 })]
 pub enum BoundaryKindScene {
-    /// Mirrors.
+    /// Symmetry plane.
     Symmetry,
-    /// Holds.
+    /// All velocity components are zero.
     Clamped,
-    /// A wall without friction.
+    /// A rigid wall without friction.
     Rigid,
-    /// Lets waves out.
+    /// A non-reflecting boundary.
     Absorbing {
         /// Speed of longitudinal waves (length/time of `units`).
         longitudinal: f64,
@@ -276,12 +278,12 @@ pub struct BodyScene {
     pub name: String,
     /// The name of its material.
     pub material: String,
-    /// What it fills.
+    /// Region that it fills.
     pub shape: SolidScene,
-    /// What is cut out of that; without it nothing.
+    /// Region cut out of it; none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<SolidScene>,
-    /// Its velocity along each axis (length/time of `units`); without it at rest.
+    /// Its initial velocity along each axis (length/time of `units`); at rest without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<f64>,
 }
@@ -305,7 +307,7 @@ pub enum SolidScene {
         /// Its radius (length of `units`).
         radius: f64,
     },
-    /// A circular cylinder in three dimensions along the third axis.
+    /// A circular cylinder along the third axis, in three dimensions.
     Cylinder {
         /// The centre of its lower end (length of `units`).
         base: Vec<f64>,
@@ -320,19 +322,19 @@ pub enum SolidScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomScene {
-    /// `material.part.name`, e.g. `steel.strength.a`; its mean is the number in the scene.
+    /// `material.part.name`, e.g. `steel.strength.a`; its mean is the value in the scene.
     pub parameter: String,
-    /// Its law.
+    /// Its probability distribution.
     pub law: LawScene,
-    /// Standard deviation over the mean (no unit).
+    /// Coefficient of variation (no unit).
     pub coefficient_of_variation: f64,
 }
 
-/// Laws of a parameter.
+/// Distributions of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LawScene {
-    /// Normal; refused where it would leave the range too often.
+    /// Normal; rejected if too much probability lies outside the admissible range.
     Normal,
     /// Lognormal.
     Lognormal,
@@ -355,7 +357,7 @@ impl CorrelationScene {
     }
 }
 
-/// How mean and variance are found.
+/// Method for mean and variance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Frozen { as_printed: true })]
@@ -364,9 +366,9 @@ impl CorrelationScene {
 pub enum MethodScene {
     /// One run at the centre of the parameters, no variance.
     Deterministic,
-    /// The paper's derivatives at the local state: a baseline.
+    /// Derivatives at the local state, as in the paper: a baseline.
     Frozen {
-        /// As printed in the paper, errors included.
+        /// As printed in the paper, including its errors.
         #[serde(default)]
         as_printed: bool,
     },
@@ -374,23 +376,23 @@ pub enum MethodScene {
     Propagated,
     /// Central differences of whole runs.
     FiniteDifference {
-        /// How far, in standard deviations (no unit).
+        /// Step in standard deviations (no unit).
         step: f64,
     },
-    /// `2N + 1` whole runs, three deviations wide, for `N` random parameters.
+    /// `2N + 1` complete runs, three deviations wide, for `N` random parameters.
     SigmaPoints,
-    /// Whole runs at sampled parameters.
+    /// Complete runs at sampled parameters.
     MonteCarlo {
-        /// How many (no unit).
+        /// Number of samples (no unit).
         samples: u64,
-        /// Everything that is drawn follows from it (no unit).
+        /// Seed of all random numbers (no unit).
         seed: u64,
-        /// Whether the surrogate of one run with derivatives is the control variate.
+        /// Whether to use the surrogate of one run with derivatives as a control variate.
         control: bool,
     },
 }
 
-/// A gauge; it goes with the material.
+/// A gauge; it moves with the material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GaugeScene {
@@ -406,18 +408,18 @@ pub struct GaugeScene {
     pub within: Option<[Vec<f64>; 2]>,
 }
 
-/// When.
+/// Time of observation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum TimeScene {
     /// An instant (time of `units`).
     At(f64),
-    /// The mean over a span, from and to (time of `units`).
+    /// The mean over a window, from and to (time of `units`).
     Mean([f64; 2]),
 }
 
 impl TimeScene {
-    /// As a window.
+    /// The time as a window.
     #[must_use]
     pub const fn window(self) -> Window {
         match self {

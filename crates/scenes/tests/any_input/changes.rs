@@ -1,9 +1,9 @@
-//! Other bytes in a file.
+//! Byte changes in a file.
 
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// Other bytes at some places; now and then also another end from a place on.
+/// Changes bytes at some positions, and sometimes also truncates or extends the file.
 #[derive(Debug, Clone)]
 pub(crate) struct Changes {
     bytes: Vec<(Index, u8)>,

@@ -1,5 +1,8 @@
-//! Whatever a file holds, reading it ends in a scene, a result or a typed error: no panic, no hang, no memory beyond [`MOST_BYTES`].
-//! `PROPTEST_CASES` says how many are tried.
+//! For any file contents, reading ends in a scene, a result or a typed error.
+//!
+//! There is no panic, no hang, and no memory beyond [`MOST_BYTES`].
+//!
+//! `PROPTEST_CASES` sets the number of cases.
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
@@ -12,7 +15,7 @@ use std::alloc::System;
 
 use cap::Cap;
 
-/// An allocation beyond it ends the program.
+/// An allocation beyond it aborts the program.
 const MOST_BYTES: usize = 1 << 30;
 
 #[global_allocator]

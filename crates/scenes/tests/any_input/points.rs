@@ -1,4 +1,4 @@
-//! Files of points with changes of bytes: as lines, and as VTK writes them, in text, in base64 by zlib, and raw.
+//! Files of points with changed bytes: as CSV, and as VTK in text, in compressed base64, and raw.
 
 use std::sync::LazyLock;
 
@@ -29,7 +29,7 @@ _AwAAACAAAAAIAAAAGQAAAB4AAAALAAAAeAFjYACBC/azZoLATnswF048sAcAe8gGvngBY2AAgRf2YAp
 </AppendedData></VTKFile>
 "#;
 
-/// The same points, raw behind the head.
+/// The same points as raw appended data.
 static RAW: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let head = r#"<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="3">
 <PointData><DataArray type="Float64" Name="volume" format="appended" offset="76"/></PointData>
@@ -57,7 +57,7 @@ fn nodes(file: &str, bytes: &[u8]) -> Result<Nodes<2>, Objection> {
     Cloud::of(file, bytes)?.nodes(&BODY)
 }
 
-/// Read to points in the body, or refused: an error is an answer.
+/// The bytes are read to points in the body, or rejected with an error.
 fn is_read_or_refused(file: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     if let Ok(nodes) = nodes(file, bytes) {
         prop_assert!(!nodes.positions().is_empty());

@@ -1,4 +1,4 @@
-//! Built-in scenes with changes: of bytes, of numbers and texts, of keys that are gone, there twice, or hold what belongs to others.
+//! Built-in scenes with changed bytes, numbers and texts, and with keys removed, duplicated or given foreign values.
 
 use std::ops::Range;
 use std::path::Path;
@@ -12,7 +12,7 @@ use proptest::sample::Index;
 use scenes::scene::SceneFile;
 use scenes::{ALL, RunError, check};
 
-/// The texts of all built-in scenes, which are found from this package and from that of the targets of cargo-fuzz.
+/// Texts of all built-in scenes, found from this package and from that of the cargo-fuzz targets.
 pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
     let root = above
@@ -27,7 +27,7 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     files.sort();
     let built_in = files.iter().map(|file| std::fs::read_to_string(file).unwrap());
     let mut texts: Vec<String> = built_in.collect();
-    // Methods that no built-in scene has.
+    // Methods that no built-in scene uses.
     let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
     let damper = texts.iter().find(|text| text.contains(fit)).unwrap().clone();
     texts.extend(METHODS.map(|method| damper.replacen(fit, method, 1)));
@@ -42,23 +42,23 @@ const METHODS: [&str; 4] = [
         "integrator": "strang_oscillator", "seed": 1 }"#,
 ];
 
-/// What is done to a text.
+/// Change of a text.
 #[derive(Debug, Clone)]
 pub(crate) enum Change {
     Number(Index, String),
     Text(Index, String),
     Value(Index, String),
-    /// The second value in place of the first.
+    /// Replaces the first value by the second.
     Copy(Index, Index),
     Remove(Index),
     Double(Index),
     Byte(Index, u8),
     Cut(Index),
-    /// A value in so many lists.
+    /// Wraps a value in a number of lists.
     Nest(Index, usize),
 }
 
-/// A number as it may be written.
+/// A number in various notations.
 fn number() -> impl Strategy<Value = String> {
     let ends = [
         "0",
@@ -119,7 +119,7 @@ pub(crate) fn change() -> impl Strategy<Value = Change> {
     ]
 }
 
-/// Where things stand in a text.
+/// Positions of elements in a text.
 #[derive(Debug, Default)]
 struct Places {
     members: Vec<Range<usize>>,
@@ -129,7 +129,7 @@ struct Places {
 }
 
 impl Places {
-    /// None of what is no JSON any more.
+    /// None for text that is no JSON.
     fn of(text: &str) -> Self {
         let mut places = Self::default();
         let tree = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default());
@@ -158,13 +158,13 @@ fn chosen(ranges: &[Range<usize>], at: Index) -> Option<Range<usize>> {
     (!ranges.is_empty()).then(|| at.get(ranges).clone())
 }
 
-/// The text with what stands in a range replaced.
+/// The text with a range replaced.
 fn with(text: &str, range: Option<Range<usize>>, instead: &str) -> Option<String> {
     let range = range?;
     Some([&text[..range.start], instead, &text[range.end..]].concat())
 }
 
-/// None where there is nothing to change in this way.
+/// None if this change does not apply.
 pub(crate) fn changed(text: &str, change: &Change) -> Option<String> {
     let places = || Places::of(text);
     match change {
@@ -182,7 +182,7 @@ pub(crate) fn changed(text: &str, change: &Change) -> Option<String> {
             let end = comma.map_or(member.end, |comma| member.end + comma + 1);
             let start = match comma {
                 Some(_) => member.start,
-                // The last of an object goes with the comma before it.
+                // The last member of an object is removed with its preceding comma.
                 None => text[..member.start].trim_end().trim_end_matches(',').len(),
             };
             with(text, Some(start..end), "")
@@ -208,7 +208,7 @@ pub(crate) fn changed(text: &str, change: &Change) -> Option<String> {
     }
 }
 
-/// An error stands in the text, and can be shown.
+/// The error has a position in the text and can be displayed.
 fn show(error: RunError, text: &str) -> Result<(), TestCaseError> {
     if let RunError::Scene(error) = &error
         && let Some(mistake) = error.mistake()
@@ -221,7 +221,7 @@ fn show(error: RunError, text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A text is a scene, or an error that stands in it and can be shown.
+/// The text is a scene, or gives an error with a position that can be displayed.
 pub(crate) fn is_read_or_says_why_not(text: &str) -> Result<(), TestCaseError> {
     let read = SceneFile::from_text("scene.json", text.to_owned()).map_err(RunError::from);
     match read.and_then(|file| check(ALL, &file)) {
@@ -239,7 +239,7 @@ proptest! {
         let mut text = scene.get(&SCENES).clone();
         for change in &changes {
             text = changed(&text, change).unwrap_or(text);
-            // A tree this deep is no longer looked into here.
+            // A tree this deep is not inspected further.
             if matches!(change, Change::Nest(..)) {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Shards of small ensembles with changes of bytes, as they are and under a hash that is right again.
+//! Shards of small ensembles with changed bytes, as they are and with a corrected hash.
 
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -10,14 +10,14 @@ use twox_hash::XxHash64;
 
 use super::changes::changes;
 
-/// Before the body of a file stand its kind and the length of the body, behind it a hash.
+/// The body of a file follows its kind and the length of the body; a hash follows the body.
 const BEFORE: usize = 16;
 const BEHIND: usize = 8;
 
-/// So many times fewer inputs are tried where what is joined takes so many times longer.
+/// Factor by which fewer inputs are tried where the merge takes longer.
 const SLOWER: u32 = 100;
 
-/// Two shards of a scene, and where they are joined.
+/// Two shards of a scene, and the folder of the merge.
 pub(crate) struct Ensemble {
     scene: PathBuf,
     folder: PathBuf,
@@ -27,7 +27,7 @@ pub(crate) struct Ensemble {
 
 impl Ensemble {
     fn new(name: &str, text: &str) -> Self {
-        // A target of cargo-fuzz has no folder of cargo's.
+        // A cargo-fuzz target has no temporary folder of cargo.
         let tests = option_env!("CARGO_TARGET_TMPDIR").map(PathBuf::from);
         let root = tests.unwrap_or_else(std::env::temp_dir);
         let folder = root.join(format!("any-input-{name}"));
@@ -44,10 +44,10 @@ impl Ensemble {
         Self { scene, folder, first, second }
     }
 
-    /// Joins these bytes and the second shard.
+    /// Merges these bytes with the second shard.
     fn join(&self, name: &str, first: &[u8]) -> Result<Vec<PathBuf>, RunError> {
         let file = self.folder.join(format!("{name}.bin"));
-        // A file that is written over is on the disk before this goes on; a new one need not be.
+        // An overwritten file is on disk before this continues; a new one need not be.
         let _ = std::fs::remove_file(&file);
         std::fs::write(&file, first).unwrap();
         let options = Options {
@@ -116,12 +116,12 @@ pub(crate) static CRACKS: LazyLock<Ensemble> = LazyLock::new(|| {
 });
 
 impl Ensemble {
-    /// What stands in the first shard between its head and its hash.
+    /// The first shard between its head and its hash.
     pub(crate) fn body(&self) -> &[u8] {
         &self.first[BEFORE..self.first.len() - BEHIND]
     }
 
-    /// The first shard with another body, by one who knows its form, is joined to the second or refused: an error is an answer.
+    /// The first shard with a forged body merges with the second or is rejected with an error.
     pub(crate) fn forged(&self, body: &[u8]) -> Result<Vec<PathBuf>, RunError> {
         let mut forged = self.first[..8].to_vec();
         forged.extend((body.len() as u64).to_le_bytes());
@@ -156,7 +156,7 @@ proptest! {
 }
 
 proptest! {
-    // What is joined takes the mean run, or the bonds of a plate.
+    // The merge computes the reference run, or the bonds of a plate.
     #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases.div_ceil(SLOWER)))]
 
     #[test]

@@ -1,4 +1,4 @@
-//! The damper of section 4.1 by the methods of random-vibration, against its references.
+//! The damper of section 4.1 by the methods of random-vibration, compared with its references.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const IMPORTANCE: &str = "\"importance_sampling\": { \"samples\": 2000, \"step\"
 const SUBSET: &str = "\"subset_simulation\": { \"samples\": 300, \"correlation\": 0.8, \"runs\": 8, \
                       \"step\": 0.04, \"integrator\": \"strang_oscillator\", \"seed\": 6 }";
 
-/// The scene by a method, at t = 6 alone.
+/// The scene by a method, only at t = 6.
 fn by(method: &str, thresholds: &str) -> String {
     let mut text = DAMPER.to_owned();
     for (from, to) in [
@@ -72,13 +72,13 @@ fn a_grid_states_an_error_that_holds_its_distance_to_the_reference() {
             (last(&result, id).unwrap(), reference(name));
         let error = error.unwrap();
         assert_eq!(kind, "two_resolutions");
-        // Seen: 0.3 to 1.1 of it, for the estimate is of the leading order alone.
+        // Observed: 0.3 to 1.1 of the error, because the estimate covers only the leading order.
         let off = (value - expected).abs();
         assert!(off < 1.5 * error + 2.0 * known, "{id}: {value} {expected} {error:e}");
-        // It says something: the tail of 7e-7 is known to a third.
+        // The estimate is informative: the tail of 7e-7 is known to a third.
         assert!(error < 0.4 * value, "{id}: {value} {error:e}");
     }
-    // Beyond the grid it says that it does not know.
+    // Beyond the grid the value has no error estimate.
     assert_eq!(last(&result, "exceedance/9").unwrap(), (0.0, None, "unknown".to_owned()));
 }
 
@@ -88,7 +88,7 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
     let damper = result_of(&by(LINEARISED, "[1]"));
     let (value, error, kind) = last(&damper, "moment/2-0").unwrap();
     let (expected, _) = reference("q2");
-    // Seen by the claims: 1.03 % too small.
+    // Observed by the claims: 1.03 % too small.
     assert!((value / expected - 0.9897).abs() < 1e-3, "{value} {expected}");
     assert_eq!((error, kind.as_str()), (None, "unknown"));
     assert_eq!(damper["unknown"][0]["what"], "errors of all quantities");
@@ -105,7 +105,7 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
     for (id, expected) in [("moment/1", mean), ("moment/4", fourth)] {
         let (value, error, kind) = last(&exact, id).unwrap();
         assert_eq!(kind, "two_resolutions");
-        // Of the leading order: the next adds a part of the step.
+        // Of the leading order: the next order adds a fraction of the step.
         let error = error.unwrap();
         assert!((value - expected).abs() < 1.2 * error && error < 1e-5, "{id}: {value} {error:e}");
     }

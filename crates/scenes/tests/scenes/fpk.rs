@@ -1,4 +1,4 @@
-//! What a run writes, and how it goes on.
+//! Output of a run, and its continuation.
 
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
     let named = |id: &str| quantity.iter().find(|series| series["id"] == id).unwrap();
     assert_eq!(named("moment/0-0-2")["quantity"], "E[z^2]");
     assert_eq!(named("exceedance-cell/0.1")["quantity"], "P(|z| > 0.1)");
-    // At the start sigma_z = 0.05; 4 sigma of a ball hold all but 1.1e-3 of the mass.
+    // At the start sigma_z = 0.05; a ball of 4 sigma holds all but 1.1e-3 of the mass.
     let z = named("moment/0-0-2")["values"][0]["value"].as_f64().unwrap();
     assert!((z / 0.0025 - 1.0).abs() < 0.05, "{z}");
     std::fs::remove_dir_all(&folder).unwrap();

@@ -1,4 +1,4 @@
-//! Scenes that are run to their end, or refused: from outside, since a unit test that runs one compiles its solver a second time.
+//! Complete runs and rejected scenes, as integration tests: a unit test that runs one would compile its solver again.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 

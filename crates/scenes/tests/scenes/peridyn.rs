@@ -1,4 +1,4 @@
-//! A small scene to its end, and its mistakes one by one.
+//! A complete run of a small scene, and its errors one by one.
 
 mod points;
 
@@ -49,7 +49,7 @@ impl Ran {
         serde_json::from_str(&text).unwrap()
     }
 
-    /// The scene as it now stands in the folder, run again.
+    /// Runs the current scene in the folder again.
     fn again(&self, options: &Options) -> Result<Vec<PathBuf>, RunError> {
         run(ALL, &self.folder.join("scene.json"), options, &Progress::silent())
     }
@@ -65,7 +65,7 @@ fn run_text(name: &str, text: &str) -> Ran {
     run_beside(name, text, &[])
 }
 
-/// A text with files in the same folder.
+/// Runs a text with files in the same folder.
 fn run_beside(name: &str, text: &str, files: &[(&str, &[u8])]) -> Ran {
     let folder = std::env::temp_dir().join(format!("peridyn-scene-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
@@ -98,7 +98,7 @@ fn a_scene_tells_its_resolved_inputs_and_every_number_with_its_error() {
     assert!((resolved("noise_ratio") - 20.0).abs() < 1e-12);
     let outcomes = result["outcomes"].as_array().unwrap();
     let of = |outcome: &serde_json::Value| outcome["probability"]["value"].as_f64().unwrap();
-    // Each is a whole number of twelfths.
+    // Each probability is a multiple of one twelfth.
     assert!((outcomes.iter().map(of).sum::<f64>() - 1.0).abs() < 1e-12);
     assert_eq!(result["realisations"].as_array().unwrap().len(), 12);
     assert_eq!(result["load"].as_array().unwrap().len(), 10);
@@ -165,11 +165,11 @@ fn a_velocity_of_the_grips_is_a_strain_at_the_end() {
         [(stretch, velocity), ("\"z\": 0.9", "\"dt\": 1e-9"), ("\"value\": 1 ", "\"value\": 2 ")];
     let ran = run_text("velocity", &with(&changes));
     let strain = ran.result()["resolved"]["final_strain"].as_f64().unwrap();
-    // Both grips, 400 steps, over 16 mm.
+    // Both edges, 400 steps, over 16 mm.
     assert!((strain / (2.0 * 1e-3 * 400e-9 / 0.016) - 1.0).abs() < 1e-12, "{strain}");
 }
 
-/// The mistake that a text is refused with.
+/// The error for an invalid text.
 fn mistake(name: &str, text: &str) -> (String, String, usize, String) {
     mistake_beside(name, text, &[])
 }
@@ -192,7 +192,7 @@ const IDENTITY: &str = "\"identity\": { \"value\": 1 }";
 const SMOOTH: &str = "\"dense\": { \"value\": 1, \"correlation\": { \"function\": \"gaussian\", \"length\": 0.008 }, \"nugget\": 0 }";
 const LOGNORMAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
 
-/// What is written in place of what, the key, words of the message, and what is underlined.
+/// Replaced text, replacement, key, part of the message, and underlined text.
 const MISTAKES: [[&str; 5]; 14] = [
     [
         "{ \"shells\": 2 }",
@@ -302,7 +302,7 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
     }
 }
 
-/// The step is longer than any that is stable, which only the body tells.
+/// The step exceeds every stable step, which only the built body shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_the_body_is_built() {
     let ran = run_text("no-shard", &with(&[("\"z\": 0.9", "\"dt\": 1")]));

@@ -1,4 +1,4 @@
-//! A small scene to its end, and its mistakes one by one.
+//! A complete run of a small scene, and its errors one by one.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
 use twox_hash::XxHash64;
 
-/// A plate of steel runs into a wall, in uniaxial strain.
+/// A steel plate impacts a wall, in uniaxial strain.
 const PLATE: &str = r#"{
   "solver": "smpm",
   "title": "Plate impact",
@@ -38,7 +38,7 @@ fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>)
     (folder, result)
 }
 
-/// Once more into the same folder.
+/// Runs again into the same folder.
 fn again(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
@@ -116,7 +116,7 @@ fn a_frame_that_is_gone_is_missed_by_its_name() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Before the content stand eight letters and its length, behind it its hash.
+/// The content follows eight letters and its length; its hash follows the content.
 fn with_right_hash(mut bytes: Vec<u8>) -> Vec<u8> {
     let end = bytes.len() - 8;
     let hash = XxHash64::oneshot(0, &bytes[..end]);
@@ -137,7 +137,7 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
         for name in CHECKPOINTS {
             std::fs::write(out.join(name), bytes).unwrap();
         }
-        // What is at its end is not restored: there is more to do.
+        // The final state is not restored: more steps follow.
         again(&folder, &text.replace(TIMES, LONGER), Start::GoOn)
     };
     let refused = |bytes: &[u8]| {
@@ -186,7 +186,8 @@ fn a_scene_runs_to_its_end_by_every_method() {
         let result = std::fs::read_to_string(&written[0]).unwrap();
         let result: Value = serde_json::from_str(&result).unwrap();
         let pressure = &result["gauges"][0]["quantities"][0]["values"][2];
-        // p = rho_0 (C + S_1 u) u within a per cent, and its deviation 5 % of rho_0 S_1 u^2; the frozen one twice that.
+        // p = rho_0 (C + S_1 u) u within one per cent, and its deviation 5 % of rho_0 S_1 u^2; the frozen one twice
+        // that.
         let mean = pressure["mean"].as_f64().unwrap();
         assert!((mean / 0.474_420 - 1.0).abs() < 0.01, "{mean}");
         assert_eq!(pressure["standard_deviation"].is_number(), varies, "{method}");
@@ -226,7 +227,7 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
     }
 }
 
-/// The plate is too fast for its equation of state, which only a run tells.
+/// The plate is too fast for its equation of state, which only a run shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
     let sampled = r#"{ "monte_carlo": { "samples": 8, "seed": 1, "control": false } }"#;

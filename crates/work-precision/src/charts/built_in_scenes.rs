@@ -1,6 +1,6 @@
 //! Every built-in scene by every method that solves it: error against CPU time.
 //!
-//! One definition serves these charts and `advise`: the ladder of the scene's kind.
+//! These charts and `advise` share one definition: the ladder of the scene's kind.
 
 use figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::advise::{Advice, Judgement, Options, from_trials};
@@ -16,7 +16,7 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// The dearest trial of a method (CPU s).
+/// Largest cost of a trial (CPU s).
 const fn budget(profile: Profile) -> f64 {
     match profile {
         Profile::Quick => 0.2,
@@ -25,23 +25,23 @@ const fn budget(profile: Profile) -> f64 {
     }
 }
 
-/// A trial that costs less than this (CPU s) is run three times, so that the scatter of its cost is known.
+/// A trial cheaper than this (CPU s) runs three times, to measure the scatter of its cost.
 const REPEATED: f64 = 0.5;
 
-/// Quantities that stand on one chart.
+/// Quantities on one chart.
 struct Group {
-    /// The beginning of their ids; the end of them where it begins with a slash.
+    /// Prefix of their ids; their suffix if it begins with a slash.
     mark: &'static str,
     /// Their values.
     values: std::ops::Range<f64>,
-    /// Their name in the title.
+    /// Name in the title.
     words: &'static str,
-    /// Their name in that of the file.
+    /// Name in the file name.
     stem: &'static str,
 }
 
 const ANY: std::ops::Range<f64> = f64::NEG_INFINITY..f64::INFINITY;
-/// Between probabilities that thousands of paths see and those that need a tail.
+/// Limit between probabilities that thousands of paths resolve and those that require a tail method.
 const SMALL: f64 = 1e-3;
 
 const GROUPS: [Group; 5] = [
@@ -93,7 +93,9 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
-/// Runs a cheap trial twice more: its cost becomes the median of three. Half their range is the scatter, `None` where it ran once.
+/// Repeats a cheap trial twice: its cost becomes the median of three.
+///
+/// Returns half their range, or `None` for a single run.
 fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Result<Option<f64>, CaseError> {
     if trial.answer().is_none_or(|answer| answer.cpu_seconds > REPEATED) {
         return Ok(None);
@@ -105,7 +107,7 @@ fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Result<Option<f64>, CaseError> 
     Ok(Some(0.5 * (costs[costs.len() - 1] - costs[0])))
 }
 
-/// `scatters` are those of the costs of the trials.
+/// Charts of a scene; `scatters` are those of the costs of the trials.
 fn drawings_of(
     scene: &BuiltIn,
     trials: Vec<Trial>,
@@ -114,7 +116,7 @@ fn drawings_of(
     let title = scene.file.text_at_top("title").unwrap_or_default();
     let (folder, name) = scene.name.split_once('/').unwrap_or(("", &scene.name));
     let stem = format!("{folder}-scene-{}", name.replace('_', "-"));
-    // The tolerance plays no part in what trials know.
+    // The tolerance has no effect on the results of trials.
     let options = Options { tolerance: 0.01, budget: Options::BUDGET, quantities: Vec::new() };
     let advice = from_trials(scene.ladder.clone(), trials, &options)?;
     let mut drawings = Vec::new();
@@ -155,7 +157,7 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
         y_label: "largest relative error".into(),
         caption: vec![
             format!("At the last time: {shown}."),
-            "Errors as `advise` judges them: the run's own, two standard errors of samples, or what other runs contradict it by.".into(),
+            "Errors as in `advise`: the run's own estimate, two standard errors of samples, or the deviation from other runs.".into(),
             "Bars along the cost: half the range of three runs, below half a second.".into(),
             advice.ladder.left_out.to_owned(),
             Machine::read().caption(),
@@ -163,7 +165,7 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
     }
 }
 
-/// One series for each method: the largest error over a group of quantities. What samples do not see has no point.
+/// One series for each method: the largest error over a group of quantities. Events without samples have no point.
 fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<Method> {
     let method = |m: usize| {
         let trials = advice.trials.iter().zip(scatters).filter(|(trial, _)| trial.method == m);
@@ -186,11 +188,11 @@ fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<
 fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
     let answer = match &trial.outcome {
         Outcome::Answered(answer) => answer,
-        // A run that failed has no cost to stand at.
+        // A failed run has no cost.
         Outcome::Failed { .. } => return None,
     };
     let error = |&q: &usize| advice.judgements[q].error_of(trial);
-    // A method that answers other questions is not on this chart.
+    // A method without any of these quantities is not on this chart.
     of_group.iter().find_map(error)?;
     let errors: Option<Vec<f64>> = of_group.iter().map(error).collect();
     let largest = errors.map(|errors| errors.into_iter().fold(0.0, f64::max));
@@ -210,7 +212,7 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>)
     })
 }
 
-/// Without the noun, which stands in the legend.
+/// Label without the noun, which is in the legend.
 fn short_label(label: &str) -> String {
     let mut words = label.split(' ');
     match (words.next(), words.next(), words.next()) {

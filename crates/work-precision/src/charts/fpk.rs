@@ -1,4 +1,4 @@
-//! Error against CPU time for both oscillators, and the probability of exceedance over time.
+//! Error against CPU time for both oscillators, and the exceedance probability over time.
 
 use std::time::Duration;
 
@@ -24,13 +24,13 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// When the error is taken.
+/// Time of the error.
 const TIME: f64 = 6.0;
-/// The threshold of the probability.
+/// Threshold of the probability.
 const THRESHOLD: f64 = 1.0;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    // One thread: CPU time is then what one core would take.
+    // One thread, so CPU time is that of one core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
         let mut drawings = Vec::new();
@@ -69,10 +69,10 @@ struct Ladder {
     points: Vec<Point>,
 }
 
-/// Error against CPU time: of `E[q^2]`, and of `P(|q| > 1)`.
+/// Charts of error against CPU time: of `E[q^2]`, and of `P(|q| > 1)`.
 ///
 /// # Errors
-/// Those of the runs and of the drawings, and a reference that is missing.
+/// Errors of the runs and of the charts, and a missing reference.
 pub fn work_precision(
     context: &Context<'_>,
     problem: &Problem,
@@ -89,7 +89,7 @@ pub fn work_precision(
         y_label: y_label.into(),
         caption: vec![
             format!(
-                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one draw: its bar, one standard error, counts.",
+                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one ensemble: its bar is one standard error.",
                 reference.value,
                 reference.error.unwrap_or(0.0)
             ),
@@ -126,7 +126,7 @@ pub(super) fn cost_in_seconds(errors: Measure, reference_error: f64) -> Reading 
     Reading::Cost { unit: "s".into(), errors, reference_error }
 }
 
-/// Size of an error with its standard error, or why there is none.
+/// Magnitude of an error with its standard error, or why it is unknown.
 type Sized = Result<(f64, Option<f64>), String>;
 
 fn relative_error((value, standard_error): (f64, Option<f64>), reference: f64) -> Sized {
@@ -141,7 +141,7 @@ fn log10_error((value, standard_error): (f64, Option<f64>), reference: f64) -> S
     nonzero((value / reference).log10().abs(), error)
 }
 
-/// A logarithmic axis has no place for an error of nothing.
+/// Rejects an error of zero, which a logarithmic axis cannot show.
 fn nonzero(error: f64, standard_error: Option<f64>) -> Sized {
     if error > 0.0 { Ok((error, standard_error)) } else { Err("no error to the last digit".into()) }
 }
@@ -193,7 +193,7 @@ fn ladders(
     Ok(ladders)
 }
 
-/// The method of the paper by its lattices, and by its Courant number.
+/// Ladders of the paper's method over lattices, and over Courant numbers.
 fn papers_ladders(
     context: &Context<'_>,
     problem: &Problem,
@@ -274,7 +274,7 @@ fn sampled_ladders(
     Ok(ladders)
 }
 
-/// Runs of the density solver until the next configuration is none.
+/// Runs the density solver until there is no further configuration.
 fn density(
     context: &Context<'_>,
     problem: &Problem,
@@ -343,10 +343,10 @@ fn monte_carlo(
         .collect()
 }
 
-/// Beyond this time a run is not repeated.
+/// CPU time above which a run is not repeated.
 pub(super) const LONG: Duration = Duration::from_secs(3);
 
-/// The result with its median CPU time and half the range: three runs where one is short.
+/// The result with its median CPU time and half the range; three runs if one is short.
 pub(super) fn timed<T>(
     long: Duration,
     mut work: impl FnMut() -> Result<T, CaseError>,
@@ -368,10 +368,10 @@ pub(super) fn timed<T>(
     Ok((result, costs[costs.len() / 2], spread))
 }
 
-/// The exceedance of every threshold over time, with the references as points.
+/// Exceedance probability of every threshold over time, with references as points.
 ///
 /// # Errors
-/// Those of the run and of the drawing, and a scene without a density method.
+/// Errors of the run and of the chart, and a scene without a density method.
 pub fn exceedance(
     context: &Context<'_>,
     problem: &Problem,
@@ -435,14 +435,14 @@ pub fn exceedance(
     Ok(Drawing::time_series(&format!("{name}-exceedance"), &chart)?)
 }
 
-/// Smallest probability on the picture: what the claims reach down to, and a decade more.
+/// Smallest probability on the chart: one decade below the claims.
 const SHOWN: f64 = 1e-10;
 
 fn group_thousands(n: usize) -> String {
     group_thousands_u64(n as u64)
 }
 
-/// 12345 as `12,345`.
+/// Formats 12345 as `12,345`.
 pub(super) fn group_thousands_u64(n: u64) -> String {
     let digits = n.to_string();
     let mut grouped = String::new();

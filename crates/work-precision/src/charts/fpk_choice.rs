@@ -1,4 +1,4 @@
-//! Cost against error of everything that answers the same question: which method is the cheapest for a tolerance.
+//! Error against cost of all methods for the same quantities: the cheapest method for a tolerance.
 
 mod records;
 mod runs;
@@ -32,7 +32,7 @@ pub(crate) const CHART: ChartKind = ChartKind {
 };
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    // One thread: CPU time is then what one core would take.
+    // One thread, so CPU time is that of one core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
         let scenes = [linear(context)?, damper(context)?, hysteresis(context)?, shaken(context)?];
@@ -45,10 +45,10 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
-/// The levels of the probabilities.
+/// Levels of the probabilities.
 const LEVELS: [(&str, f64); 3] = [("tail-3", 1e-3), ("tail-6", 1e-6), ("tail-9", 1e-9)];
 
-/// Thresholds at which a normal law has exactly the probabilities of [`LEVELS`], by bisection.
+/// Thresholds at which a normal distribution has exactly the probabilities of [`LEVELS`], by bisection.
 fn normal_targets<const D: usize>(law: &NormalLaw<D>) -> Vec<Target> {
     let mut weights = [0.0; D];
     weights[0] = 1.0;
@@ -80,7 +80,7 @@ fn tabled_targets(
         .collect()
 }
 
-/// Counts of particles along each side of a box.
+/// Numbers of particles along each side of a box.
 const SIDES: [usize; 5] = [21, 29, 41, 57, 81];
 
 fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
@@ -173,7 +173,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
     Ok(scene)
 }
 
-/// Nothing in it is not linear: any rule will do.
+/// The system is linear, so any rule is exact.
 const OF_SHAKEN: Linearisation<4> = Linearisation {
     order: [
         (0, Quadrature::Hermite),
@@ -206,7 +206,7 @@ fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
         n_steps: 200,
     };
     let mut scene = setting.scene();
-    // Around the lattice of the claims.
+    // Lattices around that of the claims.
     let ladders = usual(&[1.2, 1.0, 0.9].map(|c| coarsened(KANAI_TAJIMI_LATTICE, c)));
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_SHAKEN)?);

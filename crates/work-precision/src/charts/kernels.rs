@@ -1,4 +1,4 @@
-//! The kernels beside one another: values and slopes at equal support, Fourier transforms at equal spread.
+//! Comparison of kernels: values and slopes at equal support, Fourier transforms at equal spread.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ pub(crate) const CHART: ChartKind = ChartKind {
 /// Points along a curve.
 const POINTS: u32 = 400;
 
-/// What is smaller than this of a transform is not drawn; the error of its integral is below 1e-10.
+/// Smallest value of a transform that is drawn; the error of its integral is below 1e-10.
 const SMALLEST_TRANSFORM: f64 = 1e-7;
 
 fn draw(_: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -79,7 +79,7 @@ fn at_equal_support(
     Ok(Drawing::time_series(name, &data)?)
 }
 
-/// Where a transform is negative, or too small to be seen, its line has a gap.
+/// Chart of the transforms; a line has a gap where the transform is negative or too small.
 fn transforms() -> Result<Drawing, CaseError> {
     let lines = all::<3>()
         .into_iter()
@@ -122,7 +122,7 @@ fn transform(kernel: &dyn Kernel<3>, k: f64) -> f64 {
     let sum: f64 = (0..PANELS)
         .map(|panel| {
             let start = f64::from(panel) * width;
-            // Up to the edge and not onto it, where a kernel that is cut is zero already.
+            // Up to the edge but excluding it, where a truncated kernel is already zero.
             let end = (start + width) * (1.0 - f64::EPSILON);
             integrand(start) + 4.0 * integrand(start + 0.5 * width) + integrand(end)
         })

@@ -1,4 +1,4 @@
-//! Which ingredients of the built-in scenes their answers need.
+//! Ablation pages: which ingredients of the built-in scenes affect their results.
 
 use std::fmt::Write as _;
 
@@ -14,26 +14,26 @@ use crate::draw::ChartKind;
 
 pub(crate) const FPK: ChartKind = ChartKind {
     name: "fpk",
-    title: "dampers, hysteresis, filters, windows, fresh lattices: what each scene needs",
+    title: "dampers, hysteresis, filters, modulating functions, remeshing: which ingredients each scene needs",
     draw: |context| page(context, "fpk", "fpk-sph"),
 };
 
 pub(crate) const SMPM: ChartKind = ChartKind {
     name: "smpm",
-    title: "random parameters, strengths, shape functions, viscosity: what each scene needs",
+    title: "random parameters, strengths, shape functions, viscosity: which ingredients each scene needs",
     draw: |context| page(context, "smpm", "smpm"),
 };
 
 pub(crate) const PERIDYN: ChartKind = ChartKind {
     name: "peridyn",
-    title: "random fields, holes, corrections, noise: what each scene needs",
+    title: "random fields, holes, corrections, noise: which ingredients each scene needs",
     draw: |context| page(context, "peridyn", "peridyn-sde"),
 };
 
-/// Below this change of every quantity an ingredient is not needed.
+/// Change of every quantity below which an ingredient is not needed.
 const TOLERANCE: f64 = 0.01;
 
-/// The largest cost of a run with all ingredients (CPU s).
+/// Largest cost of a run with all ingredients (CPU s).
 const fn budget(profile: Profile) -> f64 {
     match profile {
         Profile::Quick => 0.3,
@@ -42,7 +42,7 @@ const fn budget(profile: Profile) -> f64 {
     }
 }
 
-/// Ingredients that are kept though no asked quantity needs them, and why.
+/// Ingredients kept although no requested quantity needs them, with the reason.
 const KEPT: [(&str, &str, &str); 7] = [
     ("smpm/contact_explosion", "the limit of tension of water", TENSION),
     ("smpm/plate_impact", "the randomness of steel.equation.gruneisen", EXACT),
@@ -56,11 +56,11 @@ const KEPT: [(&str, &str, &str); 7] = [
     ("smpm/contact_explosion_thick", "the randomness of steel.equation.gruneisen_slope", SOURCE),
     ("smpm/contact_explosion_thick", "the limit of tension of water", TENSION),
 ];
-const TENSION: &str = "it costs nothing, and water that is pulled apart at a later end needs it";
-const EXACT: &str = "the exact answer does not depend on it, which `verify smpm/plate-impact` claims of the methods";
+const TENSION: &str = "it costs nothing, and water in tension at a later time needs it";
+const EXACT: &str = "the exact result does not depend on it, and `verify smpm/plate-impact` claims this for the methods";
 const SOURCE: &str = "the first example of the source varies these together";
 
-/// A page as data.
+/// Data of a page.
 #[derive(Serialize)]
 struct Row {
     scene: String,
@@ -102,7 +102,7 @@ fn head(solver: &str) -> String {
         "# What the scenes of {solver} need\n\nWritten by `cargo xtask chart --ladder`. Each built-in scene is run by its own method, at the \
          largest size within the budget of the run, with and without each ingredient. An ingredient is needed if a quantity at the \
          last time changes by more than {} % beyond the errors of both runs; it is not needed if every change stays below that, \
-         errors included, or if the runs agree in every digit; between the two the runs do not tell. Changes without an error are of runs that tell none. Where the scene without it does not run to its end, the error stands there. Cost is that without the ingredient over that with it.\n",
+         errors included, or if the runs agree in every digit; otherwise the result is undecided. A change is printed without an error if the runs estimate none. If the scene without the ingredient fails, the table has the error text. Cost is the ratio of the run without the ingredient to the run with it.\n",
         100.0 * TOLERANCE
     )
 }
@@ -128,10 +128,10 @@ fn cells(scene: &str, ingredient: &str, effect: &Effect) -> Vec<String> {
     let (verdict, change) = match effect {
         Effect::Needed(change) => ("needed".to_owned(), change),
         Effect::NotNeeded(change) => (not_needed(scene, ingredient), change),
-        Effect::Untold(change) => ("not told".to_owned(), change),
+        Effect::Undecided(change) => ("undecided".to_owned(), change),
         Effect::Fails { reason } => {
             let reason = reason.lines().next().unwrap_or_default();
-            let cells = [ingredient, "not run to its end", "", reason, ""];
+            let cells = [ingredient, "the run failed", "", reason, ""];
             return cells.map(markdown::text).to_vec();
         }
     };
@@ -154,8 +154,8 @@ fn row(scene: &str, run: &str, (ingredient, effect): &(String, Effect)) -> Row {
     let (verdict, change) = match effect {
         Effect::Needed(change) => ("needed".to_owned(), Some(change)),
         Effect::NotNeeded(change) => (not_needed(scene, ingredient), Some(change)),
-        Effect::Untold(change) => ("not told".to_owned(), Some(change)),
-        Effect::Fails { reason } => (format!("the run ends: {reason}"), None),
+        Effect::Undecided(change) => ("undecided".to_owned(), Some(change)),
+        Effect::Fails { reason } => (format!("the run fails: {reason}"), None),
     };
     Row {
         scene: scene.to_owned(),

@@ -1,4 +1,4 @@
-//! How many ranks an ensemble can use: a model of the job, fed with the costs of blocks as they are measured.
+//! Efficiency of an ensemble over the number of ranks, from a model of the job with measured block costs.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,22 +18,24 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// Blocks of the ensemble that is shared among ever more ranks.
+/// Number of blocks of the ensemble with fixed size.
 const STRONG: u64 = 10_000;
-/// Blocks of each rank where the ensemble grows with the ranks.
+/// Number of blocks of each rank for an ensemble that grows with the ranks.
 const WEAK: u64 = 20;
-/// From asking for a block to having it, where nobody else asks (s): rank 0 looks every millisecond, and the network is beside it.
+/// Time from a request for a block to its arrival on an idle rank 0 (s).
+///
+/// It is the polling interval of a millisecond plus the network.
 const ROUND_TRIP: f64 = 1.1e-3;
 const MOST_RANKS: u64 = 10_000;
 
-/// What was measured of the blocks of a scene.
+/// Measured costs of the blocks of a scene.
 struct Measured {
     name: &'static str,
-    /// Of each (s).
+    /// Time of each block (s).
     seconds: Vec<f64>,
-    /// Of rank 0 for each (s).
+    /// Time of rank 0 for each block (s).
     taking: f64,
-    /// Of the file of each.
+    /// File size of each block.
     bytes: f64,
 }
 
@@ -42,7 +44,7 @@ impl Measured {
         self.seconds.iter().sum::<f64>() / self.seconds.len() as f64
     }
 
-    /// Standard deviation over mean.
+    /// Coefficient of variation.
     fn spread(&self) -> f64 {
         let mean = self.mean();
         let squares: f64 = self.seconds.iter().map(|s| (s - mean) * (s - mean)).sum();
@@ -88,12 +90,12 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
 fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
     Curves {
         words: Words {
-            title: "Part of the time of all ranks that goes into blocks, by the model".into(),
+            title: "Fraction of the time of all ranks spent on blocks, by the model".into(),
             subtitle: ensemble.to_owned(),
             x_label: "ranks".into(),
             y_label: "efficiency".into(),
             caption: vec![
-                "Block costs drawn from those measured on one rank; rank 0 takes in one result at a time.".into(),
+                "Block costs drawn from those measured on one rank; rank 0 processes one result at a time.".into(),
                 Machine::read().caption(),
             ],
         },
@@ -104,11 +106,11 @@ fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
     }
 }
 
-/// Runs the ensembles block by block, each on one thread in a process of its own.
+/// Runs the ensembles block by block, each on one thread in a separate process.
 fn measure(context: &Context<'_>) -> Result<Vec<Measured>, CaseError> {
     let folder = tempfile::tempdir()?;
     let mut measured = Vec::new();
-    // Enough blocks for a spread.
+    // Enough blocks for a standard deviation.
     let cracks = cracks(192)?;
     for scene in scenes()?.into_iter().filter(|scene| scene.shards) {
         let scene = if scene.name == cracks.name { &cracks } else { &scene };
@@ -142,7 +144,7 @@ fn ranks() -> Vec<u64> {
     decades.filter(|&n| n <= MOST_RANKS).collect()
 }
 
-/// The most ranks up to which a curve lies above a value.
+/// Largest number of ranks up to which a curve exceeds a value.
 fn most_at(curve: &[CurvePoint], least: f64) -> f64 {
     let above = |point: &&CurvePoint| point.value().is_some_and(|value| value >= least);
     curve.iter().take_while(above).last().map_or(0.0, |point| point.x)
@@ -155,7 +157,7 @@ fn efficiency(of: &Measured, n_ranks: u64, n_blocks: u64) -> f64 {
     draw.sum / (n_ranks as f64 * seconds)
 }
 
-/// Costs of blocks, drawn from those that were measured.
+/// Random block costs, drawn from the measured ones.
 struct Draw<'a> {
     of: &'a Measured,
     stream: Stream,
@@ -165,7 +167,7 @@ struct Draw<'a> {
 impl Draw<'_> {
     fn next(&mut self) -> f64 {
         let n = self.of.seconds.len();
-        // 2^64 is no multiple of n, by a part that is far below what a double holds.
+        // 2^64 is no multiple of n, but the bias is far below the precision of a double.
         let place = usize::try_from(self.stream.next_u64() % n as u64).unwrap_or_default();
         let cost = self.of.seconds[place];
         self.sum += cost;
@@ -173,9 +175,9 @@ impl Draw<'_> {
     }
 }
 
-/// When the last result is taken in: ranks ask in the order in which they are free, and rank 0 answers one at a time.
+/// Time at which the last result is processed: idle ranks send requests in order, and rank 0 answers one at a time.
 fn job_time(n_ranks: u64, n_blocks: u64, taking: f64, mut cost: impl FnMut() -> f64) -> f64 {
-    // Times are positive, so that their bits are in their order.
+    // Times are positive, so their bit patterns are ordered.
     let mut asking: BinaryHeap<Reverse<u64>> = (0..n_ranks).map(|_| Reverse(0)).collect();
     let (mut answered, mut left) = (0.0_f64, n_blocks);
     let mut first_words = n_ranks;
@@ -205,14 +207,14 @@ mod tests {
         }
     }
 
-    /// However many ranks there are, rank 0 takes in one result after the other.
+    /// For any number of ranks, rank 0 processes results one after the other.
     #[test]
     fn rank_zero_is_a_limit() {
         let time = job_time(1_000, 5_000, 0.01, || 0.1);
         assert!((time / (5_000.0 * 0.01) - 1.0).abs() < 0.01, "{time}");
     }
 
-    /// One block of ten that is ten times as long holds up the others for its own length at most.
+    /// One block of ten with ten times the length delays the others by at most its own length.
     #[test]
     fn uneven_blocks_balance() {
         let mut number = 0;

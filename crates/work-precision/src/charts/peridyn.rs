@@ -1,4 +1,4 @@
-//! Error against cost for the schemes of peridyn-sde: of the stationary law, of the rate of breaking, of crack paths.
+//! Error against cost for the schemes of peridyn-sde: stationary distribution, bond failure rate, crack paths.
 
 use figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
 use peridyn_sde::statistics::Bootstrap;
@@ -17,11 +17,11 @@ use crate::problems::peridyn::one_bond::{BONDS, seen};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "peridyn",
-    title: "schemes of peridyn-sde: error of the stationary law, of the rate of breaking and of crack paths against CPU time",
+    title: "schemes of peridyn-sde: error of the stationary distribution, of the bond failure rate and of crack paths against CPU time",
     draw,
 };
 
-/// What a run found, and what it cost (CPU seconds) with the scatter of that.
+/// Result of a run, and its cost (CPU seconds) with scatter.
 struct Priced {
     found: Measured,
     seconds: f64,
@@ -29,11 +29,11 @@ struct Priced {
     label: String,
 }
 
-/// A run of some scheme at a step.
+/// A run of a scheme at a step.
 type Runs<'a> = dyn Fn(Scheme, f64) -> Result<Priced, CaseError> + Sync + 'a;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    // One thread: CPU seconds are those of the work.
+    // One thread, so CPU seconds measure the work.
     let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
     let share = match context.profile {
         Profile::Quick => 0.1,
@@ -53,7 +53,7 @@ fn priced(
     Ok(Priced { found, seconds, scatter, label })
 }
 
-/// A series of a scheme over steps: the relative errors of what it finds.
+/// Series of a scheme over steps: relative errors of its results.
 fn series(
     context: &Context<'_>,
     name: &str,
@@ -101,7 +101,7 @@ fn drawing(
     Ok(Drawing::work_precision(name, &WorkPrecision { words, reading, series })?)
 }
 
-/// The mean energy of a network over `kT/2` for each unknown, over the same time by every scheme and step.
+/// Mean energy of a network over `kT/2` per unknown, over the same time for every scheme and step.
 fn energy<T: Real, const L: usize>(
     network: &Network<2>,
     dynamics: &Dynamics,
@@ -174,7 +174,11 @@ fn stationary(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     );
     drawing(
         "peridyn-stationary",
-        ("Error of the stationary law against cost", subtitle, "relative error of the mean energy"),
+        (
+            "Error of the stationary distribution against cost",
+            subtitle,
+            "relative error of the mean energy",
+        ),
         caption,
         (all, 0.0),
     )
@@ -209,10 +213,11 @@ fn breaking(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         format!("{BONDS} bonds in 8 lanes of f64 (16 of f32) over {times:.0} relaxation times. Bars: one standard error."),
         "Reference: the lowest eigenvalue of the killed process. Where a bar reaches below the picture, the error is that of sampling.".into(),
     ];
-    let subtitle = "a bond as an Ornstein-Uhlenbeck path, strength three deviations: the rate at which it breaks".into();
+    let subtitle =
+        "a bond as an Ornstein-Uhlenbeck path, strength three deviations: its failure rate".into();
     drawing(
         "peridyn-breaking",
-        ("Error of the rate of breaking against cost", subtitle, "relative error of the rate"),
+        ("Error of the bond failure rate against cost", subtitle, "relative error of the rate"),
         caption,
         (all, 0.0),
     )
@@ -241,7 +246,7 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         priced(of(z), || spread(&plate(scheme, z).cracks::<f64, 8>(realisations, 7)?.heights(0.65)))
     };
     context.progress("reference of paths");
-    // Other noise, and more of it.
+    // Independent noise, with more realisations.
     let reference =
         plate(Scheme::LeimkuhlerMatthews, 0.45).cracks::<f32, 16>(4 * realisations, 8)?;
     let exact = spread(&reference.heights(0.65))?;
@@ -281,7 +286,7 @@ fn paths_caption(realisations: u64, exact: Measured) -> Vec<String> {
             "{realisations} paths each, plate of 32 rows, white noise with s0/sigma = 10. Bars: one standard error, a quarter of the bootstrap interval."
         ),
         format!(
-            "Reference: Leimkuhler-Matthews, z = 0.45, {} other paths: {:.4} ± {:.4} widths. Errors below the bars tell nothing.",
+            "Reference: Leimkuhler-Matthews, z = 0.45, {} other paths: {:.4} ± {:.4} widths. Errors below the bars are not significant.",
             4 * realisations,
             exact.value,
             exact.standard_error.unwrap_or(f64::NAN)

@@ -36,10 +36,10 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
-/// A scalar loop of Euler's method over one path: from normals, the number of steps and their length to a state.
+/// A scalar Euler loop over one path: from normals, number and length of steps to a state.
 type Rival<'a> = dyn Fn(&mut dyn FnMut() -> f64, usize, f64) -> f64 + 'a;
 
-/// A problem and how finely it is looked at.
+/// A problem and its resolution.
 struct Problem<'a, S, const D: usize, const M: usize> {
     name: &'a str,
     equation: &'a str,
@@ -49,7 +49,7 @@ struct Problem<'a, S, const D: usize, const M: usize> {
     weak: Study,
     observable: (&'a str, fn(&[f64; D]) -> f64),
     rival: Option<&'a Rival<'a>>,
-    /// The name of the problem in the record of diffrax.
+    /// Name of the problem in the record of diffrax.
     diffrax: Option<&'a str>,
 }
 
@@ -115,7 +115,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         }
         q
     };
-    // The implicit rule is left out: the damper is not Lipschitz at rest, and Newton's method does not converge there.
+    // The implicit rule is omitted: the damper is not Lipschitz at rest, and Newton's method does not converge there.
     let methods: Vec<_> =
         second_order().into_iter().filter(|method| method.id != "trapezoidal").collect();
     let study = Study {
@@ -214,7 +214,7 @@ where
     context.progress(&format!("{}: weak errors", problem.name));
     let weak = attempt(&problem.weak, pair, methods, target, &[observable])?;
     context.progress(&format!("{}: CPU time", problem.name));
-    // Both studies have the same coarsest level: the times of the longer one serve both.
+    // Both studies have the same coarsest level, so the times of the longer one serve both.
     let longer =
         if problem.weak.n_levels > problem.strong.n_levels { problem.weak } else { problem.strong };
     let times: Vec<Vec<Timing>> =
@@ -235,7 +235,7 @@ where
             let runs = runs(&errors(&outcomes[0]), &failures(&outcomes[0], study), times);
             series.push(Series { name: "rival: scalar Euler loop".into(), runs });
         }
-        // Of diffrax the strong errors are recorded.
+        // Recorded results of diffrax are strong errors only.
         let recorded = problem.diffrax.filter(|_| kind == "strong");
         let diffrax = Diffrax::read()?;
         if let Some(name) = recorded {
@@ -257,7 +257,7 @@ where
         let reading = Reading::Cost {
             unit: "µs a path".into(),
             errors: Measure::Absolute,
-            // That of a finer reference is not known; the subtitle says how fine it is.
+            // The error of a finer reference is unknown; the subtitle states its resolution.
             reference_error: 0.0,
         };
         let chart = WorkPrecision { words, reading, series };
@@ -287,7 +287,7 @@ fn caption(study: &Study, has_rival: bool, diffrax: Option<&Diffrax>) -> Vec<Str
     .collect()
 }
 
-/// The methods of diffrax on a problem, as recorded.
+/// Recorded results of diffrax on a problem.
 fn diffrax_series(record: &Diffrax, problem: &str) -> Vec<Series> {
     [("euler", "Euler"), ("heun", "Heun"), ("shark", "ShARK")]
         .into_iter()
@@ -326,7 +326,7 @@ fn diffrax_caption(record: &Diffrax) -> String {
     )
 }
 
-/// What is said of each level that some paths did not reach the end of.
+/// Text for each level at which some paths failed.
 fn failures(outcome: &Outcome, study: &Study) -> Vec<Option<String>> {
     let words = |Failure { n_paths, first, error }: &Failure| {
         format!("{n_paths} of {} paths, the first, {first}: {error}", study.n_paths)
@@ -360,7 +360,7 @@ fn runs(errors: &Errors, failures: &[Option<String>], times: &[Timing]) -> Vec<R
         .collect()
 }
 
-/// CPU time of one path (microseconds): median and half range of five rounds; and what the first path said that failed.
+/// CPU time of one path (microseconds): median and half range of five rounds; and the error of the first failed path.
 struct Timing {
     n_steps: usize,
     cost: f64,

@@ -25,15 +25,15 @@ pub(crate) const CHART: ChartKind = ChartKind {
 
 /// Sizes of the sampled ensembles.
 const LADDER: [usize; 5] = [10, 30, 100, 300, 1000];
-/// Beyond this time a run is not repeated.
+/// CPU time above which a run is not repeated.
 const LONG: Duration = Duration::from_secs(3);
-/// Parts of the samples that are timed apart.
+/// Parts of the samples that are timed separately.
 const THIRDS: usize = 3;
-/// Of the samples that are judged, and of those that judge.
+/// Seed of the compared samples, and of the reference samples.
 const SEEDS: [u64; 2] = [11, 2019];
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    // One thread: CPU time is then what one core would take.
+    // One thread, so CPU time is that of one core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
         let mut drawings = vec![shock(context)?];
@@ -48,7 +48,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
-/// How much of the ladder is run.
+/// Rungs of the ladder to run.
 fn ladder(context: &Context<'_>) -> &'static [usize] {
     if context.profile == Profile::Quick { &LADDER[..2] } else { &LADDER }
 }
@@ -57,7 +57,7 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
     let shock = Shock::USUAL;
     let mut scene = Problem::PlateImpact.scene()?;
     let strength = scene.random[0].coefficient_of_variation;
-    // The scheme and the cell are those of the scene.
+    // Scheme and cell are those of the scene.
     scene = shock.scene(&scene.scheme, scene.grid.cell)?;
     scene.times.truncate(1);
     context.progress("shock");
@@ -73,7 +73,7 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
         x_label: "CPU time on one thread (s)".into(),
         y_label: "relative error of Var p".into(),
         caption: vec![
-            "Against the exact variance: p is linear in S1 and does not depend on gamma0 and a. What is left at the right is the error of the grid, which all methods but the frozen share.".into(),
+            "Against the exact variance: p is linear in S1 and does not depend on gamma0 and a. The remainder at the right is the grid error, common to all methods but the frozen one.".into(),
         ],
     };
     solved.drawing("smpm-cost-shock-pressure", words, &question)
@@ -93,7 +93,7 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
     let plan = scene.plan::<2>()?;
     let study = Study::new(&experiment, scene.inputs::<5>()?, plan)?;
     let n_samples = if context.profile == Profile::Quick { 60 } else { 1000 };
-    context.progress("explosion: the samples that judge");
+    context.progress("explosion: reference samples");
     let judge = study.monte_carlo(MonteCarlo { seed: SEEDS[1], n_samples });
     let mut drawings = Vec::new();
     for (q, (_, id, letter)) in quantities.into_iter().enumerate() {
@@ -126,17 +126,17 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
     Ok(drawings)
 }
 
-/// What is asked of the methods.
+/// Quantities compared between methods.
 struct Question {
     responses: Vec<usize>,
-    /// The variance of each.
+    /// Reference variance of each.
     truth: Vec<f64>,
-    /// The relative error of these, in the median.
+    /// Median relative error of the references.
     truth_error: f64,
 }
 
 impl Question {
-    /// The median over the responses of the relative error.
+    /// Median of the relative error over the responses.
     fn error(&self, variance: impl Fn(usize) -> f64) -> f64 {
         let off = |(&response, truth): (&usize, &f64)| (variance(response) / truth - 1.0).abs();
         let errors: Vec<f64> = self.responses.iter().zip(&self.truth).map(off).collect();
@@ -144,7 +144,7 @@ impl Question {
     }
 }
 
-/// A method with one answer: its variance of every response.
+/// A method with a single result: its variance of every response.
 struct Single {
     name: &'static str,
     cost: f64,
@@ -152,18 +152,18 @@ struct Single {
     variances: Vec<f64>,
 }
 
-/// A scene, solved by all methods.
+/// A scene solved by all methods.
 struct Solved<const N: usize> {
     singles: Vec<Single>,
-    /// The jets' Taylor moments, which are the control variate.
+    /// Taylor moments from jets: the control variate.
     surrogate: Vec<Moments<N>>,
-    /// Normals and responses of the samples that could be run.
+    /// Normals and responses of the successful samples.
     samples: Vec<([f64; N], Vec<f64>)>,
     n_failed: usize,
     ladder: Vec<usize>,
-    /// CPU time of the mean run, the run with jets, a sample (s).
+    /// CPU time of the reference run, the run with jets, and a sample (s).
     costs: [f64; 3],
-    /// Half the range of the last over thirds of the samples.
+    /// Half the range of the last time over thirds of the samples.
     sample_spread: f64,
 }
 
@@ -231,7 +231,7 @@ impl<const N: usize> Solved<N> {
         })
     }
 
-    /// Raw or controlled moments of a response by some of the samples.
+    /// Raw or controlled moments of a response from some of the samples.
     fn sampled(
         &self,
         response: usize,
@@ -250,8 +250,9 @@ impl<const N: usize> Solved<N> {
         Ok(if is_controlled { controlled.estimate()? } else { controlled.raw()? })
     }
 
-    /// Runs of `n` samples: the error of all such runs that the samples hold, and its standard error; of a single one, that
-    /// of its variance.
+    /// Error of ensembles of `n` samples: the mean over all disjoint ensembles, with its standard error.
+    ///
+    /// For a single ensemble the standard error is that of its variance.
     fn ensemble(
         &self,
         question: &Question,
@@ -326,10 +327,10 @@ impl<const N: usize> Solved<N> {
     }
 }
 
-/// The step of differences, in standard deviations.
+/// Step of differences, in standard deviations.
 const DIFFERENCE: f64 = 0.02;
 
-/// A logarithmic axis has no place for an error of nothing.
+/// A logarithmic axis cannot show an error of zero.
 pub(super) fn outcome(error: f64) -> RunOutcome {
     if error > 0.0 && error.is_finite() {
         RunOutcome::Error { value: error, standard_error: None }

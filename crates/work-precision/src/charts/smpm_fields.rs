@@ -1,4 +1,4 @@
-//! Mean and standard deviation of the flow stress over a plate in contact with an explosion: fields from one run with jets.
+//! Mean and standard deviation of the flow stress in a plate under an explosion: fields from one run with jets.
 
 use figures::{Drawing, Field, Region, Words};
 use perturbation_moments::{Jet, Scalar};
@@ -16,18 +16,18 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// When (us).
+/// Time (us).
 const TIME: f64 = 10.0;
-/// Megapascals in a megabar.
+/// Megapascals per megabar.
 const MPA: f64 = 1e5;
-/// The corners that are shown (cm).
+/// Corners of the picture (cm).
 const FROM: [f64; 2] = [-6.0, 0.0];
 const TO: [f64; 2] = [14.0, 12.5];
-/// The bodies of the scene, in its order.
+/// Bodies of the scene, in order.
 const BODIES: [&str; 3] = ["products of TNT", "steel", "water"];
 const STEEL: usize = 1;
 
-/// A particle: its place, its body, mean and deviation of its flow stress (MPa).
+/// A particle: position, body, mean and deviation of its flow stress (MPa).
 struct Seen {
     place: [f64; 2],
     body: usize,
@@ -67,7 +67,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![draw(0, "mean", "Mean")?, draw(1, "deviation", "Standard deviation")?])
 }
 
-/// Every particle of a run, of second order in the mean and of first in the deviation.
+/// All particles of a run, with second-order mean and first-order deviation.
 fn particles(run: &Simulation<Jet, 2>) -> Vec<Seen> {
     let of = |(number, body): (usize, &Body<Jet, 2>)| -> Vec<Seen> {
         let one = |particle: usize| {
@@ -86,11 +86,11 @@ fn particles(run: &Simulation<Jet, 2>) -> Vec<Seen> {
     run.bodies().iter().enumerate().flat_map(of).collect()
 }
 
-/// Cells of a picture and who is in them.
+/// Cells of a picture and the particles in them.
 struct Grid {
     cell: f64,
     count: [usize; 2],
-    /// Particles of each body, row by row from below.
+    /// Number of particles of each body, row by row from the bottom.
     held: Vec<Vec<[usize; 3]>>,
 }
 
@@ -121,12 +121,12 @@ impl Grid {
         (0..=self.count[axis]).map(|k| FROM[axis] + self.cell * k as f64).collect()
     }
 
-    /// The body that has the most particles in a cell.
+    /// The body with the most particles in a cell.
     fn owner(held: [usize; 3]) -> Option<usize> {
         (0..3).max_by_key(|&body| held[body]).filter(|&body| held[body] > 0)
     }
 
-    /// The mean of a moment over the particles of steel in each cell that is theirs.
+    /// Mean of a moment over the steel particles in each cell that belongs to steel.
     fn values(&self, seen: &[Seen], moment: usize) -> Vec<Vec<Option<f64>>> {
         let mut sums = vec![vec![0.0; self.count[0]]; self.count[1]];
         for particle in seen.iter().filter(|particle| particle.body == STEEL) {

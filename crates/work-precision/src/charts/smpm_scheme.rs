@@ -1,5 +1,6 @@
-//! Which scheme should be the usual one: FLIP, FLIP that damps and APIC with every shape function, on a plane shock and on the
-//! energy of an explosion, against CPU time.
+//! Choice of the default scheme: FLIP, damped FLIP and APIC with every shape function.
+//!
+//! Measured on a plane shock and on the energy of an explosion, against CPU time.
 
 use std::time::Duration;
 
@@ -22,25 +23,25 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// Cells of the shock (cm), the one of the table in the middle.
+/// Cells of the shock (cm); the middle one is in the table.
 const SHOCK_CELLS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
 /// Cells of the explosion (cm).
 const EXPLOSION_CELLS: [f64; 3] = [1.0, 0.5, 0.25];
-/// Those of the table.
+/// Cells in the table.
 const TABLED: (f64, f64) = (0.05, 0.5);
-/// Coefficients of the linear viscosity: today's, and two larger ones.
+/// Coefficients of the linear viscosity: the current one, and two larger ones.
 const VISCOSITIES: [f64; 3] = [0.06, 0.3, 1.0];
-/// Of these the first are drawn, all are in the table.
+/// Number of coefficients with charts; the table contains all.
 const PICTURED: usize = 2;
-/// Until when the energy is followed (us).
+/// End time of the energy (us).
 const TIME: f64 = 40.0;
-/// FLIP that damps does so while a sound wave in steel runs over this many cells.
+/// Relaxation of damped FLIP: the time in which a sound wave in steel crosses this many cells.
 const DAMPED_OVER: f64 = 20.0;
 const SOUND_SPEED: f64 = 0.6;
 const MOST_STEPS: u64 = 100_000;
 const LONG: Duration = Duration::from_secs(3);
 
-/// How velocities come back.
+/// Grid-to-particle transfer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Transfer {
     Flip,
@@ -57,7 +58,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// The two poor shape functions with FLIP, the others with every transfer.
+    /// The two less accurate shape functions with FLIP, the others with every transfer.
     fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for (shape, shape_name) in SHAPES {
@@ -95,7 +96,7 @@ impl Candidate {
     }
 }
 
-/// What came of a candidate at a cell; errors with their sign, or why there are none.
+/// Results of a candidate at a cell; signed errors, or why they are missing.
 #[derive(Debug, Clone, Serialize)]
 struct Measured {
     scheme: String,
@@ -123,7 +124,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     } else {
         (&SHOCK_CELLS, &EXPLOSION_CELLS, &VISCOSITIES)
     };
-    // One thread: CPU time is then what one core would take.
+    // One thread, so CPU time is that of one core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
         let (mut shocks, mut explosions) = (Vec::new(), Vec::new());
@@ -147,7 +148,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
-/// A run that is timed, whatever comes of it.
+/// A timed run with any outcome.
 fn measured<T>(
     (candidate, linear, cell): (Candidate, f64, f64),
     mut run: impl FnMut() -> Result<T, CaseError>,
@@ -198,7 +199,7 @@ fn explosion(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, C
     Ok(row)
 }
 
-/// What is drawn of the rows.
+/// Rows on a chart.
 struct Picture<'a> {
     id: &'a str,
     title: &'a str,
@@ -230,7 +231,7 @@ fn pictures(
         },
         Picture {
             id: "ripple",
-            title: "Ripple behind a shock: which scheme",
+            title: "Post-shock oscillation: which scheme",
             y_label: "deviation of p over particles, over p",
             subtitle: &of_shock,
             rows: shocks,
@@ -297,7 +298,7 @@ impl Picture<'_> {
     }
 }
 
-/// Of the page.
+/// Column heads of the page.
 const HEADS: [&str; 9] = [
     "scheme",
     "linear viscosity",
@@ -310,7 +311,7 @@ const HEADS: [&str; 9] = [
     "CPU, explosion (s)",
 ];
 
-/// Everything at one cell of each problem.
+/// All results at one cell of each problem.
 fn page(shocks: &[Measured], explosions: &[Measured]) -> Result<Drawing, CaseError> {
     let mut text = format!(
         "# Which scheme\n\nA plane shock of 0.47 Mbar in steel, cells of {} mm; the energy of an explosion over {TIME} us, cells of {} mm. MUSL, quadratic viscosity 1.5, 2 particles a cell along each axis. FLIP that damps goes over to the grid's velocity in the time in which sound runs {DAMPED_OVER} cells. {}\n\n",

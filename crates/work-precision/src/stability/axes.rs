@@ -1,18 +1,18 @@
-//! What every map says of its axes.
+//! Axes and labels common to all maps.
 
 use figures::Words;
 
-/// `n` values in equal steps.
+/// `n` equally spaced values.
 pub(super) fn linear(n: u32, from: f64, to: f64) -> Vec<f64> {
     (0..n).map(|k| from + (to - from) * f64::from(k) / f64::from(n - 1)).collect()
 }
 
-/// `n` values in equal factors.
+/// `n` logarithmically spaced values.
 pub(super) fn logarithmic(n: u32, from: f64, to: f64) -> Vec<f64> {
     linear(n, from.ln(), to.ln()).into_iter().map(f64::exp).collect()
 }
 
-/// The words of a map with one line at its foot.
+/// Title and labels of a map with a one-line caption.
 pub(super) fn words(
     title: String,
     subtitle: &str,

@@ -1,14 +1,16 @@
-//! What `fpk-sph` can bear on the damper of Canor & Denoël 2013, section 4.1: reach of the neighbourhood, step, reach and
-//! count of the lattice, time, exponent of the damper.
+//! Stability limits of `fpk-sph` on the damper of Canor & Denoël 2013, section 4.1.
+//!
+//! Swept are the support radius, the step, half-width and particle count of the lattice, the time, and the exponent of
+//! the damper.
 //!
 //! The predicted step is the diffusion limit of Runge-Kutta 4,
 //!
 //! $$ \Delta t = \frac{0.25 \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
 //!
-//! with the deformed cells `F_i` in spacings. The length is `l = R`, the reach in spacings, for the log-density fit; for the
-//! flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit gives to a wave of the lattice.
-//! `l(R)` is had from the estimator on a lattice at rest, the trace from a run with 81 x 81 particles, whose steps are at
-//! most 0.01: it is 4 times the trace of 41 x 41, since `F` is in spacings.
+//! with the deformed cells `F_i` in spacings. The length is `l = R`, the support radius in spacings, for the
+//! log-density fit. For the flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit
+//! gives to a wave of the lattice. `l(R)` comes from the estimator on an undeformed lattice, the trace from a run with
+//! 81 x 81 particles and steps of at most 0.01. It is 4 times the trace of 41 x 41, since `F` is in spacings.
 
 use figures::{Drawing, Scale};
 use fpk_sph::score::LatticePlaces;
@@ -30,15 +32,15 @@ pub(crate) const MAP: ChartKind = ChartKind {
     draw,
 };
 
-/// Most steps of a run: a hundred times what an accurate one takes.
+/// Work limit in steps: a hundred times that of an accurate run.
 const MOST_STEPS: u64 = 10_000;
-/// Of E[q^2].
+/// Tolerance of E[q^2].
 const TOLERANCE: f64 = 0.01;
-/// The time of the sweeps that do not sweep it: noise at its plateau.
+/// Time of the other sweeps: noise at its plateau.
 const TIME: f64 = 4.0;
-/// Particles along an axis of the run that is compared with or gives the diffusion limit.
+/// Particles along an axis of the reference run, which also gives the diffusion limit.
 const FINE: usize = 81;
-/// The same of the runs that are swept.
+/// Particles along an axis of the swept runs.
 const COARSE: usize = 41;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -64,25 +66,26 @@ fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)
 }
 
-/// What the map of reach and step says of its line.
+/// Caption of the line in the map of support radius and step.
 const REACH_AND_STEP: &str = "Boundary: the diffusion limit 0.25 l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings; \
      the trace from a run with 81 x 81 particles; l = R, the reach, for the log-density fit, and \
      l² = min(R², 10.4 / k²) for the flow-map fit, k the steepest gradient that it gives to a wave. \
      No line where the reach holds too few neighbours: such a run does not start.";
 
-/// The diffusion limit of [`COARSE`] particles a side from that of [`FINE`]: it goes with the square of the spacing.
+/// Diffusion limit for [`COARSE`] particles per side from that for [`FINE`]: it scales with the squared spacing.
 fn of_coarse(limit_of_fine: f64) -> f64 {
     limit_of_fine * ((FINE - 1) as f64 / (COARSE - 1) as f64).powi(2)
 }
 
-/// An odd count of particles along an axis.
+/// An odd number of particles along an axis.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens of particles")]
 fn odd(count: f64) -> usize {
     2 * (0.5 * count).round() as usize + 1
 }
 
-/// Square of the length, in spacings, that the diffusion limit of a method holds against on an even lattice; none where the
-/// reach holds too few neighbours.
+/// Squared length, in spacings, in the diffusion limit of a method on an undeformed lattice.
+///
+/// None if the support holds too few neighbours.
 fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
     let mut estimator = method.combination().estimator.build::<2>();
     if estimator.check_resolution(reach).is_err() {
@@ -99,11 +102,11 @@ fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
     Ok(Some(2.0 / estimator.spread(&identity, reach, &identity)))
 }
 
-/// A run to a time.
+/// Result of a run to a time.
 struct Run {
-    /// `E[q^2]` there.
+    /// `E[q^2]` at the end.
     second_moment: f64,
-    /// The least diffusion limit that its steps reported.
+    /// Smallest diffusion limit reported by its steps.
     least_limit: f64,
 }
 
@@ -150,7 +153,7 @@ impl Damper {
         Ok(Run { second_moment: simulation.raw_moment([2, 0]), least_limit })
     }
 
-    /// The run with [`FINE`] particles a side, in steps of at most 0.01.
+    /// The run with [`FINE`] particles per side, in steps of at most 0.01.
     fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
         let step = StepRule::DiffusionLimited { longest: 0.01 };
         let combination = Combination { step, ..method.combination() };
@@ -158,7 +161,7 @@ impl Damper {
         self.run(system, combination, lattice, TIME, &mut Work::new(MOST_STEPS))
     }
 
-    /// The relative error of `E[q^2]` against the reference.
+    /// Relative error of `E[q^2]` against the reference.
     fn error(
         &self,
         combination: Combination,
@@ -188,9 +191,9 @@ impl Damper {
             self.error(combination, InitialLattice::box_of(COARSE), TIME, work)
         };
         let own = resolved(method, method.combination().support_over_spacing)?
-            .ok_or("the method's own reach is refused")?;
+            .ok_or("the default support radius of the method is rejected")?;
         let limit = of_coarse(self.fine_run(self.system.clone(), method)?.least_limit);
-        // Where the reach is refused there is no stable step.
+        // If the support is rejected there is no stable step.
         let limit = |ratio: f64| match resolved(method, ratio) {
             Ok(length) => Some(length.map_or(0.0, |length| limit * length / own)),
             Err(_) => None,
@@ -236,7 +239,7 @@ impl Damper {
         })
     }
 
-    /// The noise dies from t = 6 on and the cloud falls onto a slow manifold.
+    /// The noise decays from t = 6 on and the cloud collapses onto a slow manifold.
     fn time(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
         let run = |time: f64, count: f64, work: &mut Work| {
             self.error(method.combination(), InitialLattice::box_of(odd(count)), time.round(), work)
@@ -315,7 +318,7 @@ impl Damper {
             let found = self.run(system(exponent)?, combination, lattice, TIME, work)?;
             Ok((found.second_moment / fine.second_moment - 1.0).abs())
         };
-        // Between the exponents that were run the limit is taken as linear.
+        // The limit is interpolated linearly between the exponents that were run.
         let limit = |exponent: f64| {
             let after = across.partition_point(|&e| e < exponent - 1e-12);
             let limit_at = |k: usize| Some(of_coarse(fine_runs.get(k)?.as_ref().ok()?.least_limit));

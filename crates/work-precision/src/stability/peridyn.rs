@@ -1,4 +1,6 @@
-//! What `peridyn-sde` can bear: step, temperature, horizon, nodes without bonds, rate of loading, mobility, damage, influence.
+//! Stability limits of `peridyn-sde`.
+//!
+//! Swept are step, temperature, horizon, unbonded nodes, loading rate, mobility, damage and influence.
 
 pub(crate) mod damage;
 pub(crate) mod horizon;
@@ -15,7 +17,7 @@ use scenes::causes::with_causes;
 
 use crate::context::CaseError;
 
-/// A point of a curve, or why there is none.
+/// A point of a curve, or the reason why it is missing.
 fn point(x: f64, found: Result<f64, CaseError>) -> CurvePoint {
     match found {
         Ok(y) => CurvePoint::at(x, y),
@@ -23,7 +25,7 @@ fn point(x: f64, found: Result<f64, CaseError>) -> CurvePoint {
     }
 }
 
-/// Eigenvalues with their vectors of length one, the lowest first.
+/// Eigenvalues with normalised eigenvectors, the lowest first.
 fn modes(matrix: DMatrix<f64>) -> Result<Vec<(f64, DVector<f64>)>, CaseError> {
     let of = SymmetricEigen::try_new(matrix, f64::EPSILON, 10_000)
         .ok_or("the eigenvalues of a matrix were not found")?;

@@ -1,5 +1,4 @@
-//! Step length against what the methods of `sde-integrators` can bear: the oscillator, the cubic drift, noise in
-//! proportion to the state.
+//! Largest steps of the methods of `sde-integrators`: oscillator, cubic drift, multiplicative noise.
 
 use figures::{Drawing, Scale};
 use sde_integrators::{
@@ -23,9 +22,12 @@ pub(crate) const MAP: ChartKind = ChartKind {
     draw,
 };
 
-/// Steps of a run, and the most that one may take.
+/// Steps of a run, and its work limit.
 const STEPS: u64 = 10_000;
-/// Of the stationary variance, of the second moment of the cubic, of the decay rate of the second moment.
+/// Tolerance of every map.
+///
+/// It applies to the stationary variance, to the second moment of the cubic, and to the decay rate of the second
+/// moment.
 const TOLERANCE: f64 = 0.1;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -86,7 +88,7 @@ where
             format!("{name} on the oscillator q'' + 2 ξ ω q' + ω² q = W"),
             "error of the stationary E q², from the exact law of the step; and 32 paths of 10,000 steps",
             ["damping ratio ξ", "h ω"],
-            "Boundary: spectral radius of a step. Just outside it a path of 10,000 steps grows and no error tells.",
+            "Boundary: spectral radius of a step. Just outside it a path of 10,000 steps grows and no error is reported.",
         ),
         scale: Scale::Log,
         across: linear(n, 0.01, 0.96),
@@ -139,7 +141,7 @@ fn cubic(n: u32, sigma: f64) -> Result<Drawing, CaseError> {
             },
             subtitle,
             ["start x₀", "step h"],
-            "Boundary: |x₀| = √(2/h), beyond which the first step is too large to come back from. It knows nothing of noise.",
+            "Boundary: |x₀| = √(2/h), beyond which the first step is too large to return. It does not include noise.",
         ),
         scale: Scale::Log,
         across: linear(n, 1.0, 12.0),
@@ -152,7 +154,7 @@ fn cubic(n: u32, sigma: f64) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)
 }
 
-/// The second moment leaves the numbers.
+/// The second moment overflows.
 #[derive(Debug, thiserror::Error)]
 #[error("the second moment overflows after {steps:.0} steps: it grows by {amplification} a step")]
 struct SecondMomentOverflow {
@@ -160,7 +162,7 @@ struct SecondMomentOverflow {
     steps: f64,
 }
 
-/// The decay rate of `E X^2` on `dX = -X dt + sqrt(2 r) X dB`, by quadrature over a step of the code.
+/// Decay rate of `E X^2` on `dX = -X dt + sqrt(2 r) X dB`, by quadrature over a step of the code.
 fn mean_square(n: u32, id: &str, name: &str, formula: Formula) -> Result<Drawing, CaseError> {
     let run = |ray: f64, size: f64, work: &mut Work| -> Result<f64, CaseError> {
         work.spend(STEPS)?;
@@ -195,7 +197,7 @@ fn mean_square(n: u32, id: &str, name: &str, formula: Formula) -> Result<Drawing
 mod tests {
     use super::*;
 
-    /// The prediction is a theorem for the linear problems and for the cubic without noise: no run may contradict it.
+    /// The prediction is a theorem for the linear problems and for the cubic without noise: every run must agree.
     #[test]
     fn no_run_of_the_linear_maps_contradicts_the_boundary() {
         let none = "0 against the prediction";
@@ -208,7 +210,7 @@ mod tests {
         ] {
             assert!(drawing.table.contains(none), "{}: {}", drawing.name, drawing.table);
         }
-        // A boundary of another method is contradicted.
+        // The boundary of another method is contradicted.
         let wrong = oscillator(3, "BAOAB", &Baoab, &|xi| Some(2.0 * xi)).unwrap();
         assert!(!wrong.table.contains(none), "{}", wrong.table);
     }

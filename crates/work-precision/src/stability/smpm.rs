@@ -1,5 +1,6 @@
-//! What `smpm` can bear: step, viscosity, particles per cell, update order and shape function on a plane shock; energy over an
-//! explosion; noise of cells crossed in the plastic strain; gas that parts; Taylor series where they end.
+//! Stability limits of `smpm`: shock, explosion energy, cell crossing, numerical fracture, Taylor series.
+//!
+//! The shock sweeps cover step, viscosity, particles per cell, update order and shape function.
 
 mod breakdown;
 mod energy;

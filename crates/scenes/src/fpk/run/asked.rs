@@ -1,4 +1,4 @@
-//! What a density scene asks and starts from, in the dimension of its system.
+//! Requested results and initial distribution of a density scene, in the dimension of its system.
 
 use sde_integrators::GaussianMixture;
 
@@ -7,8 +7,9 @@ use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
 use crate::kind::RunError;
 
-/// What the scene asks, in the dimension of its system. The scene has been checked: its lists have as many entries as
-/// the system has states.
+/// Requested results of the scene, in the dimension of its system.
+///
+/// The scene has been checked: its lists have as many entries as the system has states.
 pub(super) fn asked<const D: usize>(
     scene: &FpkScene,
     system: &System,
@@ -28,14 +29,14 @@ pub(super) fn asked<const D: usize>(
     })
 }
 
-/// A scene that was not checked.
+/// The scene was not checked.
 #[derive(Debug, thiserror::Error)]
 #[error("the scene is of another dimension than its system, which has {states} states")]
 pub(super) struct OtherDimension {
     pub(super) states: usize,
 }
 
-/// The law of the scene in the dimension of its system.
+/// Initial distribution of the scene in the dimension of its system.
 pub(super) fn law<const D: usize>(
     scene: &FpkScene,
     system: &System,

@@ -1,4 +1,4 @@
-//! What can be left out of a density scene.
+//! Ingredients that can be left out of a density scene.
 
 use crate::fpk::lattice_scene::{DegreeScene, LatticeScene};
 use crate::fpk::law_scene::LawScene;
@@ -9,13 +9,15 @@ use crate::fpk::system_scene::{ShakenScene, SystemScene};
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
 
-/// Intervals along a length, at the least, of a lattice that has lost states: 21 particles across resolve a density in two and three.
+/// Minimum number of intervals along a length of a lattice with fewer states.
+///
+/// 21 particles across resolve a density in two and three dimensions.
 const INTERVALS: f64 = 20.0;
 
-/// States from which on the flow-map fit is quadratic by itself.
+/// Number of states from which the flow-map fit is quadratic by default.
 const QUADRATIC_FROM: usize = 5;
 
-/// Dampers, hysteresis, cubic springs, filters of the noise, its window, fresh lattices, the highest terms of the fit.
+/// Dampers, hysteresis, cubic springs, noise filters, modulating function, remeshing, highest terms of the fit.
 pub(super) fn ingredients(scene: &FpkScene) -> Vec<Ingredient> {
     let without =
         |name: &str, change: fn(&mut FpkScene) -> bool| ingredient(name, changed(scene, change));
@@ -23,10 +25,10 @@ pub(super) fn ingredients(scene: &FpkScene) -> Vec<Ingredient> {
         unfiltered(scene),
         linear(scene),
         without("the dampers", undamp_storeys),
-        without("the window of the noise", |scene| {
+        without("the modulating function", |scene| {
             window(&mut scene.system).is_some_and(|window| replace(window, WindowScene::Stationary))
         }),
-        without("fresh lattices", |scene| {
+        without("remeshing", |scene| {
             lattice(&mut scene.method)
                 .is_some_and(|lattice| lattice.fresh_lattices.take().is_some())
         }),
@@ -35,7 +37,7 @@ pub(super) fn ingredients(scene: &FpkScene) -> Vec<Ingredient> {
     all.into_iter().flatten().collect()
 }
 
-/// The structure alone, in white noise.
+/// The structure alone, under white noise.
 fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
     let (structure, states_lost) = match &scene.system {
         SystemScene::KanaiTajimi { structure, .. } => (structure, 2),
@@ -56,7 +58,7 @@ fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
     Some(Ingredient { states_lost, ..ingredient })
 }
 
-/// The oscillator whose spring and damper are linear.
+/// The oscillator with a linear spring and a linear damper.
 fn linear(scene: &FpkScene) -> Option<Ingredient> {
     let (name, structure, states_lost) = match scene.system.clone() {
         SystemScene::ViscousDamper(damper) => ("the damper", damper.structure, 0),
@@ -75,7 +77,7 @@ fn linear(scene: &FpkScene) -> Option<Ingredient> {
     Some(Ingredient { states_lost, ..ingredient(name, Some(scene))? })
 }
 
-/// Lists by state are shorter; moments of lost states are not asked for, nor are pictures of them.
+/// Removes the last states: lists become shorter, and moments and pictures of the removed states are dropped.
 fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
     let mut scene = scene.clone();
     if lost == 0 {
@@ -100,7 +102,7 @@ fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
             shorten(count, lost);
         }
         if let Some(spacing) = &mut lattice.spacing {
-            // A lattice that is fine enough for many states has too few neighbours in fewer.
+            // A lattice that suffices for many states has too few neighbours in fewer dimensions.
             *spacing = spacing.min(2.0 * lattice.reach / INTERVALS);
         }
     }
@@ -119,7 +121,7 @@ fn undamp_storeys(scene: &mut FpkScene) -> bool {
     replace(&mut frame.damper_coefficient, [0.0; 2])
 }
 
-/// The window of the noise, or of the ground motion, where the system has one.
+/// Modulating function of the noise or of the ground motion, if the system has one.
 fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
     Some(match system {
         SystemScene::LinearOscillator(structure) | SystemScene::Duffing { structure, .. } => {
@@ -150,7 +152,7 @@ fn lattice(method: &mut MethodScene) -> Option<&mut LatticeScene> {
     }
 }
 
-/// The flow map fitted by quadratic polynomials, where it is by cubic ones; the log-density fit has no lower degree.
+/// Replaces cubic by quadratic polynomials in the flow-map fit; the log-density fit has no lower degree.
 fn lower_degree(scene: &mut FpkScene) -> bool {
     let is_cubic = scene.moments.first().is_some_and(|powers| powers.len() < QUADRATIC_FROM);
     match &mut scene.method {
@@ -173,7 +175,7 @@ mod tests {
         let scene: FpkScene = serde_json::from_str(text).unwrap();
         let all = ingredients(&scene);
         for Ingredient { name, scene, .. } in &all {
-            // What is left is a scene.
+            // The remainder is a valid scene.
             let text = Value::Object(scene.clone()).to_string();
             let file = SceneFile::from_text(name, text).unwrap();
             file.parse::<FpkScene>().unwrap_or_else(|error| panic!("without {name}: {error:?}"));
@@ -186,19 +188,19 @@ mod tests {
         let damper = names(include_str!("../../../../../tests/scenes/fpk/viscous_damper.json"));
         assert_eq!(
             damper,
-            [("the damper".to_owned(), 0), ("the window of the noise".to_owned(), 0)]
+            [("the damper".to_owned(), 0), ("the modulating function".to_owned(), 0)]
         );
         let shaken =
             names(include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"));
         let expected =
-            [("the filter of the ground".to_owned(), 2), ("the window of the noise".to_owned(), 0)];
+            [("the filter of the ground".to_owned(), 2), ("the modulating function".to_owned(), 0)];
         assert_eq!(shaken, expected);
         let hysteresis = names(include_str!("../../../../../tests/scenes/fpk/bouc_wen.json"));
         assert_eq!(hysteresis[0], ("the hysteresis".to_owned(), 1));
         let storeys = names(include_str!("../../../../../tests/scenes/fpk/two_storey.json"));
         assert_eq!(storeys[0], ("the dampers".to_owned(), 0));
         let duffing = names(include_str!("../../../../../tests/scenes/fpk/duffing.json"));
-        let expected = ["the cubic spring", "fresh lattices", "the cubic terms of the fit"];
+        let expected = ["the cubic spring", "remeshing", "the cubic terms of the fit"];
         assert_eq!(duffing, expected.map(|name| (name.to_owned(), 0)));
     }
 }

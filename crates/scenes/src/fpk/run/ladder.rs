@@ -1,4 +1,4 @@
-//! A density scene by every method that solves it.
+//! Ladder of methods for a density scene.
 
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::{Scene, SceneFile};
 
-/// Steps of a sampled path in a period: where a splitting or a method of order 1.5 is used, and for forward Euler.
+/// Steps of a sampled path per period: for splittings and methods of order 1.5, and for forward Euler.
 const STEPS_PER_PERIOD: [f64; 2] = [64.0, 1024.0];
-/// Fewest paths.
+/// Smallest number of paths.
 const FIRST_PATHS: f64 = 1000.0;
-/// The lattice where the scene has none reaches so many standard deviations.
+/// Half-width in standard deviations of the lattice for a scene without one.
 const REACH: f64 = 6.0;
-/// Half a lattice of the paper, in standard deviations (section 4.1.1: 0.6 and 0.4 over 0.15 and 0.10).
+/// Half-width of the paper's lattice, in standard deviations (section 4.1.1: 0.6 and 0.4 over 0.15 and 0.10).
 const PAPERS_REACH: f64 = 4.0;
-/// The seed of trials.
+/// Seed of the trials.
 const SEED: u64 = 20_260_101;
 
-/// The methods that solve a scene, its own first.
+/// Methods that solve a scene, its own first.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let (scene, system) = file.build::<FpkScene>()?;
     let scene = Arc::new(scene);
@@ -61,9 +61,9 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-const LEFT_OUT: &str = "Sampled paths judge others where they are stepped by a splitting or to order 1.5, not by forward Euler; the bias of their step is in no standard error.";
+const LEFT_OUT: &str = "Sampled paths are the reference for other methods if their integrator is a splitting or of order 1.5, not forward Euler; standard errors do not include the bias of the time step.";
 
-/// The scene observed at its last time alone, without pictures.
+/// The scene observed only at its last time, without pictures.
 fn bare(scene: &FpkScene) -> FpkScene {
     let until = scene.times.until;
     let times = Times { until, every: until };
@@ -91,7 +91,7 @@ fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
     }
 }
 
-/// A box in two dimensions, where corners cost little; a ball in more.
+/// A box in two dimensions, where corners are cheap; a ball in higher dimensions.
 fn default_lattice(states: usize) -> LatticeScene {
     let mut lattice = LatticeScene {
         count: None,
@@ -110,7 +110,7 @@ fn default_lattice(states: usize) -> LatticeScene {
     lattice
 }
 
-/// The fewest intervals along a length with which a fit has its neighbours.
+/// Smallest number of intervals along a length for which a fit has enough neighbours.
 fn first_intervals(states: usize) -> f64 {
     match states {
         1 => 20.0,
@@ -141,7 +141,7 @@ fn by_lattice(
     }
 }
 
-/// The lattice with so many intervals along a length, the geometric mean over its axes; their number and their words.
+/// The lattice with a number of intervals along a length, as the geometric mean over its axes; returns size and label.
 fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64, String) {
     let mut lattice = lattice.clone();
     if let Some(counts) = &mut lattice.count {
@@ -155,7 +155,7 @@ fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64,
         let label = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
         (lattice, size, label)
     } else {
-        // Two digits, as one would write it.
+        // Two digits, as a user would write it.
         let spacing = two_digits(2.0 * lattice.reach / intervals);
         lattice.spacing = Some(spacing);
         let size = 2.0 * lattice.reach / spacing;
@@ -163,7 +163,7 @@ fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64,
     }
 }
 
-/// The key that sets a method.
+/// The scene key that selects a method.
 #[derive(Serialize)]
 struct Choice<'a> {
     method: &'a MethodScene,
@@ -179,7 +179,7 @@ fn count(size: f64) -> usize {
     usize::try_from(whole(size)).unwrap_or(usize::MAX)
 }
 
-/// The method of the paper as printed, where it is told how to start: two states, a Gaussian.
+/// The method of the paper as printed, for the start it defines: two states, a Gaussian.
 fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)> {
     let LawScene::Gaussian { standard_deviation, .. } = &scene.initial else { return None };
     if states != 2 {
@@ -210,13 +210,13 @@ fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)>
     Some((own, method))
 }
 
-/// Monte Carlo; the step is the scene's where it samples by this integrator.
+/// Monte Carlo; the step is the scene's if it uses the same integrator.
 fn sampled(
     scene: &Arc<FpkScene>,
     integrator: IntegratorScene,
     period: f64,
 ) -> (MethodScene, Method) {
-    // Steps of first order leave a bias that is larger than the scatter of many paths.
+    // Steps of first order leave a bias larger than the scatter of many paths.
     let standing = match integrator {
         IntegratorScene::EulerMaruyama | IntegratorScene::SemiImplicitEuler => Standing::Judged,
         IntegratorScene::StrangOscillator
@@ -249,14 +249,14 @@ fn sampled(
     (of(2), method)
 }
 
-/// Fewest cells of a grid along an axis, and its steps in a period for each.
+/// Smallest number of cells of a grid along an axis, and its steps per period for each cell.
 const FIRST_GRID: (usize, f64) = (28, 0.6);
-/// Fewest samples of importance sampling.
+/// Smallest number of samples of importance sampling.
 const FIRST_OF_IMPORTANCE: u64 = 300;
-/// Fewest samples of a level of subset simulation.
+/// Smallest number of samples of a level of subset simulation.
 const FIRST_OF_LEVEL: usize = 100;
 
-/// The methods of `random-vibration` that answer what the scene asks: those that its check does not refuse.
+/// Methods of `random-vibration` that apply to the scene: those that its check accepts.
 fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Method)> {
     let (cells, per_cell) = FIRST_GRID;
     let steps_per_period = per_cell * cells as f64;
@@ -323,11 +323,13 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
     Method { name, growth, standing, first, rung: Box::new(rung) }
 }
 
-/// Estimates of one probability, best first; the ids of others are left out.
+/// Estimates of one probability, best first; ids of other estimates are omitted.
 const EXCEEDANCES: [&str; 3] = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
 
-/// Moments and probabilities at the last time. A moment is related to the deviations of its states, where the scene asks for their
-/// second moments: a covariance may be zero.
+/// Moments and probabilities at the last time.
+///
+/// The scale of a moment is the product of its states' deviations where the scene requests their second moments,
+/// because a covariance may be zero.
 pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
     let series = result["quantities"].as_array().map_or(&[][..], Vec::as_slice);
     let last = |series: &Value| -> Option<(String, String, f64, Option<f64>)> {
@@ -367,8 +369,9 @@ pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
     all.iter().filter_map(quantity).collect()
 }
 
-/// How far above a counted frequency its probability may be at two standard errors [wilson1927]: where few events were counted the
-/// deviation of the frequency is as uncertain as they are.
+/// Upper limit of a probability above its counted frequency at two standard errors [wilson1927].
+///
+/// With few counted events the deviation of the frequency is as uncertain as their number.
 fn of_counts(frequency: f64, standard_error: f64) -> f64 {
     const Z: f64 = 2.0;
     // n in s.e.^2 = p (1 - p) / n.
@@ -466,7 +469,7 @@ mod tests {
         assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false]);
         let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
         assert_eq!(answering(hysteresis), [false, true, true, true]);
-        // Its own method comes first, with its own numbers.
+        // Its own method comes first, with its own parameters.
         let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
         let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");
         assert_eq!(names(&own)[0], all[1]);

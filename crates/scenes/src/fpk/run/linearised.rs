@@ -14,7 +14,7 @@ use crate::fpk::system::{System, Visitor};
 use crate::kind::RunError;
 use crate::run_result::Unknown;
 
-/// Statistical linearisation of a scene.
+/// Solves a scene by statistical linearisation.
 pub(super) struct Linearised<'a> {
     pub(super) scene: &'a FpkScene,
     pub(super) system: &'a System,
@@ -22,10 +22,10 @@ pub(super) struct Linearised<'a> {
     pub(super) step: f64,
 }
 
-/// `2^4 - 1`: the coarser run has twice the step, and the order is 4.
+/// `2^4 - 1`: the coarser run has twice the step, at order 4.
 const RICHARDSON: f64 = 15.0;
 
-/// A system that the check of the scene refuses.
+/// A system that the check of the scene rejects.
 #[derive(Debug, thiserror::Error)]
 #[error("linearisation needs additive noise")]
 struct NotAdditive;
@@ -55,7 +55,7 @@ impl Linearised<'_> {
         let clock = CpuClock::start();
         let fine = laws(step)?;
         let work = WorkRecord { cpu_seconds: clock.seconds(), ..WorkRecord::default() };
-        // A linear system keeps a normal distribution: what is left is the error of Runge-Kutta 4.
+        // A linear system keeps a normal distribution, so the only error is that of Runge-Kutta 4.
         let is_exact = named.is_linear() && law.components().len() == 1;
         let coarse = if is_exact { laws(2.0 * step)? } else { Vec::new() };
         let coarser = [(coarse, RICHARDSON)];
@@ -73,7 +73,7 @@ impl Linearised<'_> {
         let quantities = asked_series(scene, named, &moment, &exceedance);
         let unknown = (!is_exact).then(|| Unknown {
             what: "errors of all quantities".to_owned(),
-            reason: "the distribution is taken for normal; no second run shows what that costs: \
+            reason: "the distribution is approximated as normal, and no second run estimates that error: \
                      compare with `monte_carlo`"
                 .to_owned(),
         });
@@ -82,7 +82,7 @@ impl Linearised<'_> {
     }
 }
 
-/// All states: those with kinks first, then those in which the drift is a polynomial.
+/// All states: first those with kinks, then those in which the drift is a polynomial.
 fn order<const D: usize>(kinks: &[(usize, Quadrature)]) -> [(usize, Quadrature); D] {
     let is_smooth = |k: &usize| kinks.iter().all(|(state, _)| state != k);
     let smooth = (0..D).filter(is_smooth).map(|k| (k, Quadrature::Hermite));

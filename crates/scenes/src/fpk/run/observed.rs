@@ -12,13 +12,13 @@ pub(super) struct Observed {
     pub(super) value: f64,
     pub(super) error: Option<f64>,
     pub(super) error_kind: ErrorOrigin,
-    /// What the value rests on, where that is not firm.
+    /// A note on an unreliable value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) note: Option<String>,
 }
 
 impl Observed {
-    /// A value with its error from a coarser run, where that gave one.
+    /// A value with its error from a coarser run, if there was one.
     pub(super) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
         let error = error.filter(|error| error.is_finite());
         let error_kind =
@@ -26,8 +26,10 @@ impl Observed {
         Self { t, value, error, error_kind, note: None }
     }
 
-    /// What a fine run observed. Its error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its
-    /// divisor, where all have come so far. `pick` takes time and value.
+    /// Results of a fine run with errors from the coarser runs.
+    ///
+    /// The error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its divisor, where all of
+    /// them reached the time. `pick` selects time and value.
     pub(super) fn of_runs<R>(
         fine: &[R],
         coarser: &[(Vec<R>, f64)],
@@ -43,7 +45,7 @@ impl Observed {
         fine.iter().enumerate().map(observed).collect()
     }
 
-    /// A probability; an error of zero where none is left would say that it is known.
+    /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
     pub(super) fn without_zero_error(mut self, note: &str) -> Self {
         if self.value == 0.0 {
             (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
@@ -58,7 +60,7 @@ impl Observed {
         Self { t, value: estimate.value, error, error_kind, note: None }
     }
 
-    /// The value, unless its error leaves nothing of it.
+    /// The value, unless its error is as large.
     pub(super) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
     }

@@ -1,4 +1,4 @@
-//! A density scene on a conservative grid, with two coarser ones for its error.
+//! A density scene on a conservative grid, with two coarser grids for its error.
 
 use random_vibration::{GridConfig, GridDensity, GridError};
 
@@ -12,14 +12,14 @@ use crate::fpk::system::System;
 use crate::kind::{Run, RunError};
 use crate::run_result::Unknown;
 
-/// What was observed at one time.
+/// Results at one time.
 struct Row {
     t: f64,
     moments: Vec<f64>,
     exceedances: Vec<f64>,
 }
 
-/// The grid of the scene, and two that are coarser by a root of two.
+/// Runs the grid of the scene, and two that are coarser by a factor of sqrt(2).
 pub(super) fn solve(
     scene: &FpkScene,
     system: &System,
@@ -83,9 +83,11 @@ pub(super) fn solve(
     Ok(Outcome { work, unknown: unknown.into_iter().collect(), quantities, ..Outcome::default() })
 }
 
-/// A grid with fewer cells and one with fewer steps, and what their differences are divided by: Richardson's estimate at the order 2
-/// of the splitting in time, and at 3 of the remapping, as is seen on the damper. Coarser in both at once, the two errors cancel: seen on the
-/// damper, a difference of 8e-5 for an error of 9e-4.
+/// A grid with fewer cells and one with fewer steps, and the divisors of their differences.
+///
+/// The divisors follow from Richardson's estimate at order 2 of the splitting in time and order 3 of the remapping, as
+/// observed for the damper. A grid coarser in both at once lets the two errors cancel: for the damper the difference
+/// was 8e-5 for an error of 9e-4.
 fn coarser(config: &GridConfig) -> [(GridConfig, f64, &'static str); 2] {
     let part = config.cells as f64 * std::f64::consts::FRAC_1_SQRT_2;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "fewer than cells")]

@@ -1,4 +1,4 @@
-//! What a method made of a density scene, before it is written.
+//! Results of a density scene by a method, before output.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use figures::Drawing;
 use super::record::{Series, WorkRecord};
 use crate::run_result::Unknown;
 
-/// What a method made of a scene.
+/// Results of a scene by a method.
 #[derive(Debug, Default)]
 pub(super) struct Outcome {
     pub(super) work: WorkRecord,
@@ -19,6 +19,6 @@ pub(super) struct Outcome {
     pub(super) drawings: Vec<Drawing>,
     /// Files already written.
     pub(super) files: Vec<PathBuf>,
-    /// The result is that of a shard, or on another rank.
+    /// The result is that of a shard, or is on another rank.
     pub(super) is_elsewhere: bool,
 }

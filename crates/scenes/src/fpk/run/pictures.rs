@@ -1,4 +1,4 @@
-//! What is seen of the cloud itself: marginal densities over planes, and files for ParaView.
+//! Pictures of the cloud: marginal densities over planes, and files for ParaView.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -17,22 +17,22 @@ use crate::kind::{RunError, SolverError};
 use crate::machine::Machine;
 use crate::output::write_to_disk;
 
-/// The bandwidth of a plane's density over the spacing of the lattice.
+/// Bandwidth of a plane's density over the spacing of the lattice.
 const BANDWIDTH_OVER_SPACING: f64 = 0.6;
-/// Times as near as this (s) are one.
+/// Times closer than this (s) are equal.
 const SAME_TIME: f64 = 1e-9;
-/// Coordinates that ParaView shows; the others are columns.
+/// Number of coordinates that ParaView shows; further states are columns.
 const SHOWN: usize = 3;
 
 impl Seen {
-    /// Leaves out what comes after a time: the run that has seen it may have been longer.
+    /// Drops results after a time: the run that recorded them may have been longer.
     pub(super) fn until(mut self, last: f64) -> Self {
         self.frames.retain(|(t, _)| *t < last + SAME_TIME);
         self
     }
 }
 
-/// Looks at a run and keeps what its scene wants to see.
+/// Observes a run and stores the pictures that its scene requests.
 pub(super) struct Pictures<'a> {
     scene: &'a FpkScene,
     states: &'a [&'static str],
@@ -43,7 +43,7 @@ pub(super) struct Pictures<'a> {
     failure: Option<SolverError>,
 }
 
-/// What was seen so far.
+/// Pictures so far.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Seen {
     n_times: usize,
@@ -71,7 +71,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Looks at a time of observation.
+    /// Observes the run at a time of observation.
     pub(super) fn look<S: Sde<D, M>, const D: usize, const M: usize>(
         &mut self,
         standing: &Standing<'_, S, D, M>,
@@ -86,12 +86,12 @@ impl<'a> Pictures<'a> {
         self.failure = seen.err();
     }
 
-    /// What a checkpoint holds of it.
+    /// Content for a checkpoint.
     pub(super) const fn seen(&self) -> &Seen {
         &self.seen
     }
 
-    /// The pictures, and the files that were written.
+    /// Returns the pictures and the files written.
     pub(super) fn finish(self) -> Result<(Vec<Drawing>, Vec<PathBuf>), RunError> {
         if let Some(failure) = self.failure {
             return Err(RunError::Solver(failure));
@@ -140,7 +140,7 @@ impl<'a> Pictures<'a> {
         Ok(())
     }
 
-    /// The particles at a time: the first three states as places, the others, mass and density as columns.
+    /// Writes the particles at a time: the first three states as positions; the others, mass and density as columns.
     fn write_cloud<S: Sde<D, M>, const D: usize, const M: usize>(
         &mut self,
         simulation: &Simulation<S, D, M>,

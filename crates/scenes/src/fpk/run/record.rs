@@ -1,4 +1,4 @@
-//! What is told of a run: its quantities over time, each value with its error.
+//! Result file of a run: quantities over time, each value with its error.
 
 use serde::Serialize;
 
@@ -9,19 +9,19 @@ use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
 use crate::run_result::{ErrorOrigin, Unknown};
 
-/// What the schema `run-result/1` adds to every result.
+/// Keys that this kind adds to the schema `run-result/1`.
 #[derive(Debug, Serialize)]
 pub(super) struct Content {
     pub(super) seed: Option<u64>,
     pub(super) work: WorkRecord,
     /// Why the run ended before its last time.
     pub(super) stopped: Option<String>,
-    /// What is not known, and why; nothing else is missing.
+    /// Unknown errors, and why; nothing else is missing.
     pub(super) unknown: Vec<Unknown>,
     pub(super) quantities: Vec<Series>,
 }
 
-/// Work counted.
+/// Work counters.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct WorkRecord {
     pub(super) particles: Option<usize>,
@@ -41,7 +41,7 @@ pub(super) struct Series {
     pub(super) values: Vec<Observed>,
 }
 
-/// An estimator of exceedance, as the end of an id and as a field.
+/// An exceedance estimator: suffix of its id, and its field.
 type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
 
 const CELL: &str = "cell";
@@ -51,7 +51,7 @@ const ESTIMATORS: [Estimator; 3] = [
     ("indicator", |e| Some(e.indicator)),
 ];
 
-/// All quantities of the scene; those that the method does not give are left out.
+/// All quantities of the scene, without those that the method does not compute.
 pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
     let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
     let mut all = Vec::new();
@@ -103,8 +103,9 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
     all
 }
 
-/// The moments and the exceedances of a scene by a method with one estimator; `moment` and `exceedance` take places in the lists
-/// of the scene. What has no value is left out.
+/// Moments and exceedances of a scene by a method with one estimator.
+///
+/// `moment` and `exceedance` take indices in the lists of the scene. Quantities without a value are omitted.
 pub(super) fn asked_series(
     scene: &FpkScene,
     system: &System,
@@ -123,13 +124,13 @@ pub(super) fn asked_series(
     moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
 }
 
-/// `moment/2-0`.
+/// Id of a moment, e.g. `moment/2-0`.
 pub(super) fn moment_id(powers: &[u32]) -> String {
     let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
     format!("moment/{}", powers.join("-"))
 }
 
-/// `E[q^2 v]`, without what is to the power of zero.
+/// Symbol of a moment, e.g. `E[q^2 v]`, without states to the power of zero.
 pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
     let factor = |(name, &power): (&&str, &u32)| match power {
         0 => None,
@@ -140,7 +141,7 @@ pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
     format!("E[{}]", factors.join(" "))
 }
 
-/// The name of what exceeds the thresholds.
+/// Name of the demand.
 pub(super) fn demand_name(scene: &FpkScene, system: &System) -> String {
     scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Runs a density scene by Monte Carlo: shards of paths one after the other, a part of them, or those of other runs joined.
+//! Runs a density scene by Monte Carlo: shards in sequence, a part of them, or merged shards of other runs.
 
 use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
@@ -23,11 +23,13 @@ pub(super) struct Sampled<'a> {
     pub(super) run: &'a Run<'a>,
 }
 
-/// Paths of one shard, about: enough for every thread to have some of its blocks.
+/// Approximate number of paths per shard: every thread has several of its blocks.
 const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
-/// Paths of a block of a rank: a quarter of a second of the damper, beside which the tables of its steps, made for each block, cost little.
+/// Number of paths per block of a rank.
+///
+/// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
-/// What a checkpoint calls the shards that are done.
+/// Name of the finished shards in a checkpoint.
 const SHARDS: &str = "shards";
 
 impl Visitor for Sampled<'_> {
@@ -40,7 +42,7 @@ impl Visitor for Sampled<'_> {
 }
 
 impl Sampled<'_> {
-    /// The ensemble of which `shard` runs a part.
+    /// Runs the ensemble; `shard` runs a part of it.
     fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Outcome, RunError> {
         let Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
@@ -73,7 +75,7 @@ impl Sampled<'_> {
         Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
     }
 
-    /// The blocks that the ranks of the job have sampled; `None` on the ranks that do not have the result.
+    /// Blocks sampled by the ranks of the job; `None` on ranks without the result.
     fn on_ranks<const D: usize>(
         &self,
         shard: Shard<'_, D>,
@@ -94,7 +96,7 @@ impl Sampled<'_> {
         run.on_ranks(ranks, inputs, n, &compute, &tell)
     }
 
-    /// The shards of this process, one after the other, those of a checkpoint among them.
+    /// Runs the shards of this process in sequence, including those of a checkpoint.
     fn here<const D: usize>(
         &self,
         shard: Shard<'_, D>,
@@ -104,7 +106,7 @@ impl Sampled<'_> {
         let Self { scene, system: named, sampling, run } = self;
         let checkpoint = run.checkpoint(inputs, &["/title"])?;
         let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
-        // Shards that are run apart are whole numbers of those that are run one after the other.
+        // A separate shard is a whole number of the shards that are run in sequence.
         let parts = match run.part() {
             Part::Shard(place) => place.n_shards(),
             Part::Whole | Part::Merged(_) => 1,
@@ -123,7 +125,7 @@ impl Sampled<'_> {
     }
 }
 
-/// The first moment that the scene asks for, or else the first exceedance, at the last time: its estimate so far.
+/// Current estimate of the first moment of the scene, or else of the first exceedance, at the last time.
 fn words<const D: usize>(
     scene: &FpkScene,
     system: &System,

@@ -1,4 +1,4 @@
-//! Exceedance probabilities of a density scene by importance sampling or subset simulation, each by itself.
+//! Exceedance probabilities of a density scene by importance sampling or subset simulation, each estimated separately.
 
 use random_vibration::{Estimate, SubsetConfig, TailError, TailPaths, Tails};
 use sde_integrators::{Error, GaussianMixture};
@@ -15,7 +15,7 @@ use crate::fpk::system::{System, Visitor};
 use crate::kind::{Run, RunError};
 use crate::run_result::Unknown;
 
-/// The exceedances of a scene.
+/// Solves the exceedances of a scene.
 pub(super) struct TailsOf<'a> {
     pub(super) scene: &'a FpkScene,
     pub(super) system: &'a System,
@@ -27,7 +27,7 @@ pub(super) struct TailsOf<'a> {
     pub(super) how: Estimator,
 }
 
-/// How one probability is estimated.
+/// Estimator of one probability.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Estimator {
     /// Importance sampling of both tails.
@@ -57,7 +57,7 @@ impl Estimator {
     }
 }
 
-/// Makes the paths to a time in so many steps, so that all else is compiled once for a number of states.
+/// Creates the paths to a time in a number of steps; all other code is compiled once for each number of states.
 type PathsTo<'s, const D: usize> =
     &'s dyn Fn(&GaussianMixture<D>, (f64, usize)) -> Result<TailPaths<'s, D>, PathsError>;
 
@@ -112,7 +112,7 @@ impl TailsOf<'_> {
     }
 }
 
-/// Steps to a time, each of a length at most; the slack keeps roundoff from adding one.
+/// Number of steps to a time, given the longest step; the tolerance prevents roundoff from adding one.
 fn steps(t: f64, longest: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,

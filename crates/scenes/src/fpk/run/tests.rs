@@ -1,4 +1,4 @@
-//! What a density scene may not say.
+//! Invalid density scenes and their messages.
 
 use fpk_sph::Scheme;
 
@@ -7,7 +7,7 @@ use super::*;
 const SCENE: &str = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
 
-/// The scene with one text in place of another, and what reading it says: message, line, column, help.
+/// Replaces a text of the scene and returns the resulting message with line, column and help.
 fn mistake(from: &str, to: &str) -> (String, usize, usize, Option<String>) {
     mistake_in(SCENE, from, to)
 }
@@ -99,7 +99,7 @@ fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
     let fit = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
     let (message, _, _, help) = mistake_in(BOUC_WEN, fit, sampled);
     assert_eq!(message, "the integrator Strang does not step this system");
-    assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));
+    assert_eq!(help.as_deref(), Some("available: forward Euler, Strang with hysteresis"));
 }
 
 const LATTICE: &str = "\"count\": [41, 41], \"reach\": 6";
@@ -122,7 +122,7 @@ fn leap_frog_is_refused_where_there_is_noise_or_damping_and_serves_where_there_i
     let (message, line, _, help) = mistake(LATTICE, &with_scheme("leap_frog"));
     assert_eq!(message, "leap_frog does not serve this system, which has noise");
     assert_eq!(line, 19);
-    assert!(help.unwrap().contains("there are: forward_euler, heun, runge_kutta_4"));
+    assert!(help.unwrap().contains("available: forward_euler, heun, runge_kutta_4"));
     let linear = include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json");
     let lattice = "\"count\": [47, 47], \"reach\": 7";
     let quiet = linear.replacen("\"noise_intensity\": 0.2", "\"noise_intensity\": 0", 1).replacen(
@@ -268,7 +268,7 @@ fn one_probability_needs_a_threshold_a_normal_start_and_an_integrator_of_the_sys
     };
     let (message, .., help) = mistake_in(BOUC_WEN, FLOW, &method("shark", "0.01"));
     assert_eq!(message, "the integrator ShARK does not step this system");
-    assert_eq!(help.as_deref(), Some("there are: forward Euler, Strang with hysteresis"));
+    assert_eq!(help.as_deref(), Some("available: forward Euler, Strang with hysteresis"));
     let (message, ..) = mistake(FIT, &method("strang_oscillator", "1e-6"));
     assert_eq!(message, "0.000001 was given; it must be such that a path has at most 100000 steps");
     let scene = SCENE.replacen(FIT, &method("strang_oscillator", "0.01"), 1);

@@ -1,4 +1,4 @@
-//! The error of a density run from coarser runs, and what stays unknown.
+//! Error estimates of a density run from coarser runs.
 
 use fpk_sph::{Config, Error, InitialLattice};
 
@@ -6,15 +6,17 @@ use super::observed::Observed;
 use crate::fpk::density::{DensityRun, Row};
 use crate::run_result::Unknown;
 
-/// The coarser runs have these times the particles along a length. The first shows the order best. The others are for
-/// systems of many states, where a lattice that much coarser no longer carries the density.
+/// Resolutions of the coarser runs, as particles along a length relative to the fine run.
+///
+/// The first shows the order best. The others serve systems of many states, where a lattice that much coarser no
+/// longer resolves the density.
 const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 
-/// A fine run, and the coarser ones that show its error.
+/// A fine run, and the coarser runs for its error.
 pub(super) struct TwoResolutions {
     pub(super) fine: DensityRun,
     coarser: Vec<Coarser>,
-    /// Why there are not more of them.
+    /// Why coarser runs are missing.
     failed: Vec<String>,
 }
 
@@ -26,11 +28,13 @@ struct Coarser {
 }
 
 impl TwoResolutions {
-    /// Runs coarser ones by `solve` until they have seen every time that the fine one has. `config` is that of a part of
-    /// the particles along a length. What a coarser run cannot do says nothing against the fine one.
+    /// Runs coarser configurations by `solve` until their results cover every time of the fine run.
+    ///
+    /// The argument is the configuration for a fraction of the particles along a length. A failure of a coarser run
+    /// does not count against the fine one.
     ///
     /// # Errors
-    /// Those of `solve` that are no word of the solver.
+    /// Errors of `solve` that are not errors of the solver.
     pub(super) fn new<E, const D: usize>(
         fine: DensityRun,
         config: impl Fn(f64) -> Option<Config<D>>,
@@ -62,7 +66,7 @@ impl TwoResolutions {
         Ok(Self { fine, coarser, failed })
     }
 
-    /// The errors that no coarser run shows.
+    /// Errors that no coarser run estimates.
     pub(super) fn unknown(&self) -> Option<Unknown> {
         let seen = |row: &&Row| self.coarser.iter().all(|coarser| coarser.run.at(row.t).is_none());
         let first = self.fine.rows.iter().find(seen)?;
@@ -75,8 +79,10 @@ impl TwoResolutions {
         })
     }
 
-    /// The fine value with `|fine - coarse| / (r^2 - 1)`, `r` the ratio of the spacings: Richardson's estimate at the
-    /// order 2 that the verification measures.
+    /// The fine value with Richardson's error estimate.
+    ///
+    /// The estimate is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the
+    /// verification measures.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -91,7 +97,7 @@ impl TwoResolutions {
     }
 }
 
-/// Intervals of the lattice along a length: the geometric mean over the axes.
+/// Number of intervals of the lattice along a length: the geometric mean over the axes.
 fn per_length<const D: usize>(lattice: &InitialLattice<D>) -> f64 {
     match lattice {
         InitialLattice::Ball { spacing, .. } => 1.0 / spacing,
@@ -108,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    /// A run that has seen one moment at these times.
+    /// A run that recorded one moment at these times.
     fn run(moment: f64, times: &[f64]) -> DensityRun {
         let row = |&t: &f64| Row {
             t,

@@ -1,18 +1,18 @@
-//! Points as lines of numbers between commas.
+//! Points from comma-separated values.
 
 use super::table::{COLUMNS, MOST_POINTS, Table};
 
-/// What is wrong, and where.
+/// An error with its location.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Wrong {
-    /// Of the file.
+    /// In the file.
     File(String),
-    /// Of a line.
+    /// In a line.
     Line(u64, String),
 }
 
 impl Wrong {
-    /// In one line, with the name of the file.
+    /// The error on one line, with the name of the file.
     pub(super) fn of(&self, file: &str) -> String {
         match self {
             Self::File(what) => format!("{file} {what}"),
@@ -21,7 +21,7 @@ impl Wrong {
     }
 }
 
-/// Reads a head and rows of as many fields. Lines that begin with `#` and blanks around fields do not count.
+/// Reads a header and rows with as many fields. Lines that begin with `#` and blanks around fields are ignored.
 pub(super) fn read(bytes: &[u8]) -> Result<Table, Wrong> {
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
@@ -78,7 +78,9 @@ fn broken(error: &::csv::Error, counted: &mut Counted<'_>) -> Wrong {
     }
 }
 
-/// Lines counted so far. The reader says where it was before a row: at the end of the last one, before comments and empty lines.
+/// Lines counted so far.
+///
+/// The reader reports its position before a row: the end of the last row, before comments and empty lines.
 struct Counted<'a> {
     bytes: &'a [u8],
     at: usize,

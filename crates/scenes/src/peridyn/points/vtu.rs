@@ -1,4 +1,4 @@
-//! Points as VTK writes them: an `UnstructuredGrid` in XML, whose arrays are text, base64 or raw, compressed by zlib or not.
+//! Points in VTK format: an `UnstructuredGrid` in XML with text, base64 or raw arrays, optionally compressed by zlib.
 //!
 //! Source: VTK file formats, XML formats (vtk.org); the layout of compressed arrays in `vtkXMLWriter`.
 
@@ -10,13 +10,13 @@ use roxmltree::{Document, Node};
 
 use super::table::{COLUMNS, MOST_POINTS, Table};
 
-/// The tag that data behind the head begin with.
+/// Tag at which appended data begin.
 const APPENDED: &[u8] = b"<AppendedData";
 
-/// No array has as many bytes: a short one that is compressed can hold more than there is memory for.
+/// Upper bound on the bytes of an array: a short compressed array can expand beyond the memory.
 const MOST_BYTES: usize = 3 * 8 * MOST_POINTS + 1;
 
-/// Why a file does not hold points.
+/// Error of a file of points.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(super) enum VtuError {
     #[error("it is no XML: {0}")]
@@ -42,7 +42,7 @@ pub(super) enum VtuError {
 }
 
 impl VtuError {
-    /// What to do about it.
+    /// Help for the error.
     pub(super) fn help(&self) -> Option<&'static str> {
         match self {
             Self::Unread { attribute: "compressor", .. } => {
@@ -56,16 +56,16 @@ impl VtuError {
     }
 }
 
-/// How numbers are laid down.
+/// Layout of numbers.
 struct Layout<'a> {
     /// Bytes of a number in a header.
     header: usize,
     compressed: bool,
-    /// What stands behind the head after its underscore, and whether in base64.
+    /// Appended data after the underscore, and whether they are in base64.
     appended: Option<(&'a [u8], bool)>,
 }
 
-/// Reads the points and those of their arrays that are wanted.
+/// Reads the points and their required arrays.
 pub(super) fn read(bytes: &[u8]) -> Result<Table, VtuError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(VtuError::Empty);
@@ -100,7 +100,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, VtuError> {
     let arrays = data.iter().flat_map(Node::children);
     for array in arrays.filter(|node| node.has_tag_name("DataArray")) {
         let name = array.attribute("Name").unwrap_or_default();
-        // Places are those of the points.
+        // Positions come from the points.
         let wanted = COLUMNS.iter().position(|&column| column == name).filter(|&k| k >= 2);
         if let Some(k) = wanted {
             table.columns[k] = Some(layout.array(array, name, n_points)?);
@@ -110,7 +110,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, VtuError> {
     Ok(table)
 }
 
-/// The XML up to the data behind it, and the data from their tag on.
+/// Splits the file into its XML and the appended data from their tag on.
 fn split(bytes: &[u8]) -> (&[u8], Option<&[u8]>) {
     match bytes.windows(APPENDED.len()).position(|window| window == APPENDED) {
         Some(at) => (&bytes[..at], Some(&bytes[at..])),
@@ -152,7 +152,7 @@ impl<'a> Layout<'a> {
         Ok(Self { header, compressed, appended })
     }
 
-    /// The numbers of an array, as many as there must be.
+    /// The numbers of an array, with the expected count.
     fn array(&self, node: Node<'_, '_>, name: &str, expected: usize) -> Result<Vec<f64>, VtuError> {
         let broken = || VtuError::Array { name: name.to_owned() };
         let format = node.attribute("format").unwrap_or("ascii");
@@ -188,7 +188,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// The bytes of an array, which begins where the stream does.
+    /// The bytes of an array that begins at the start of the stream.
     fn bytes(&self, stream: &Stream<'_>) -> Option<Vec<u8>> {
         let count = |bytes: &[u8], k: usize| {
             let number = bytes.get(k * self.header..(k + 1) * self.header)?;
@@ -200,7 +200,7 @@ impl<'a> Layout<'a> {
             let mut all = stream.take(0, self.header.checked_add(length)?)?;
             return Some(all.split_off(self.header));
         }
-        // Number of blocks, the size of all but the last, that of the last or zero, and what each is compressed to.
+        // Number of blocks, size of all but the last, size of the last or zero, and compressed size of each.
         let n_blocks = count(&stream.take(0, self.header)?, 0)?;
         let length = n_blocks.checked_add(3)?.checked_mul(self.header)?;
         let header = stream.take(0, length)?;
@@ -222,19 +222,19 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Bytes as they are or in base64.
+/// Raw or base64-encoded bytes.
 struct Stream<'a> {
     bytes: &'a [u8],
     base64: bool,
 }
 
 impl Stream<'_> {
-    /// How many characters stand for so many bytes that were encoded together.
+    /// Number of characters that encode a number of bytes together.
     fn length_of(&self, n_bytes: usize) -> Option<usize> {
         if self.base64 { n_bytes.div_ceil(3).checked_mul(4) } else { Some(n_bytes) }
     }
 
-    /// The first bytes of what was encoded together from a character on.
+    /// The first bytes of a sequence that is encoded together from a character on.
     fn take(&self, from: usize, n_bytes: usize) -> Option<Vec<u8>> {
         let characters = self.length_of(n_bytes)?;
         let bytes = self.bytes.get(from..from.checked_add(characters)?)?;
@@ -265,7 +265,7 @@ fn appended_data(bytes: &[u8]) -> Result<(&[u8], bool), VtuError> {
     Ok((&bytes[end + start + 1..], base64))
 }
 
-/// Little-endian numbers of the type of an array.
+/// Little-endian numbers of an array's type.
 fn numbers(bytes: &[u8], array: Node<'_, '_>) -> Option<Vec<f64>> {
     fn each<const N: usize>(bytes: &[u8], of: impl Fn([u8; N]) -> f64) -> Option<Vec<f64>> {
         let (numbers, rest) = bytes.as_chunks::<N>();

@@ -1,4 +1,4 @@
-//! Ends of realisations, and the map of damage, for ParaView.
+//! Final states of realisations and the damage map, for ParaView.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -11,7 +11,7 @@ use crate::kind::SolverError;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 
-/// A file for each realisation that the scene names, and one for the ensemble; nothing where it names none.
+/// Writes a file for each realisation that the scene names and one for the ensemble; nothing if it names none.
 pub(super) fn write(
     scene: &CrackScene,
     problem: &CrackProblem,
@@ -37,7 +37,7 @@ pub(super) fn write(
     Ok(written)
 }
 
-/// Nodes where they were at the start.
+/// Nodes at their initial positions.
 fn at_rest(problem: &CrackProblem) -> Result<(ParticleStore<2>, Handle<[f64; 2]>), SolverError> {
     let positions = problem.nodes().positions();
     let mut store = ParticleStore::<2>::new(positions.len());

@@ -1,4 +1,4 @@
-//! What can be left out of a scene of cracks.
+//! Ingredients that can be left out of a crack scene.
 
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
@@ -7,7 +7,7 @@ use crate::peridyn::scene_body::{SurfaceScene, VolumeScene};
 use crate::peridyn::scene_dynamics::{DynamicsScene, TemperatureScene};
 use crate::peridyn::scene_field::VariationScene;
 
-/// Random fields, holes, corrections of volume and surface, noise, double precision.
+/// Random fields, holes, volume and surface correction, noise, double precision.
 pub(super) fn ingredients(scene: &CrackScene) -> Vec<Ingredient> {
     let without =
         |name: &str, change: fn(&mut CrackScene) -> bool| ingredient(name, changed(scene, change));
@@ -15,10 +15,10 @@ pub(super) fn ingredients(scene: &CrackScene) -> Vec<Ingredient> {
         without("the random strength", |s| replace(&mut s.strength, VariationScene::Uniform)),
         without("the random stiffness", |s| replace(&mut s.stiffness, VariationScene::Uniform)),
         without("the holes", |s| replace(&mut s.body.holes, Vec::new())),
-        without("the correction of volume", |s| {
+        without("the volume correction", |s| {
             replace(&mut s.bonds.volume_correction, VolumeScene::None)
         }),
-        without("the correction of the surface", |s| {
+        without("the surface correction", |s| {
             replace(&mut s.bonds.surface_correction, SurfaceScene::None)
         }),
         without("the noise", |s| {
@@ -43,7 +43,7 @@ mod tests {
         let expected: [(&str, &[&str]); 2] = [
             (
                 include_str!("../../../../../tests/scenes/peridyn/plate_with_hole.json"),
-                &["the random strength", "the holes", "the correction of volume"],
+                &["the random strength", "the holes", "the volume correction"],
             ),
             (
                 include_str!("../../../../../tests/scenes/peridyn/white_noise_plate.json"),

@@ -1,4 +1,4 @@
-//! A scene of cracks by every scheme and precision that runs it.
+//! Ladder of schemes and precisions for a crack scene.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -9,13 +9,16 @@ use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
 use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
 use crate::scene::SceneFile;
 
-/// Fewest realisations: those that run side by side in single precision. A bootstrap needs ten.
+/// Smallest number of realisations: those that run side by side in single precision. A bootstrap needs ten.
 const FIRST: f64 = 16.0;
 
-const LEFT_OUT: &str = "All trials have the spacing, the horizon and the step of the scene: what these do is in no figure; change them and compare.";
+const LEFT_OUT: &str = "All trials use the spacing, the horizon and the step of the scene, so their errors are not included: change them and compare.";
 
-/// The ways to run a scene, its own first: other precisions, and in overdamped dynamics other explicit schemes at the same step. An
-/// implicit one is for larger steps, so that at the same it could only lose.
+/// Methods for a scene, its own first.
+///
+/// The others are other precisions, and for overdamped dynamics other explicit schemes at the same step.
+///
+/// Implicit schemes are omitted: they are for larger steps, so at the same step they could only be slower.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let scene: CrackScene = file.parse()?;
     let own = scheme(&scene.dynamics);
@@ -38,7 +41,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-/// The keys that set a method and its size.
+/// Keys that set a method and its size.
 #[derive(Serialize)]
 struct Choice<'a> {
     dynamics: &'a DynamicsScene,
@@ -92,14 +95,14 @@ fn method(
     Method {
         name: format!("{name}, {lanes}"),
         growth: Growth::Samples,
-        // All schemes leave out the same: the step.
+        // All schemes omit the same error: that of the step.
         standing: Standing::Judge,
         first: FIRST,
         rung: Box::new(rung),
     }
 }
 
-/// Means and spreads of the failure load, of the exit and of the length.
+/// Means and standard deviations of failure load, exit and length.
 pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
     let laws = [
         ("failure_load", "failure load"),
@@ -124,7 +127,7 @@ fn law(id: &str, words: &str, law: &Value) -> Vec<Quantity> {
     let deviation = &law["standard_deviation"];
     let ends = (deviation["low"].as_f64(), deviation["high"].as_f64());
     if let (Some(value), (Some(low), Some(high))) = (deviation["value"].as_f64(), ends) {
-        // An interval of 95 % has two standard errors to each side.
+        // A 95 % interval extends two standard errors to each side.
         all.push(quantity("standard_deviation", value, Some(0.5 * (high - low))));
     }
     all

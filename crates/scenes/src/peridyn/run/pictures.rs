@@ -1,4 +1,4 @@
-//! Pictures of an ensemble of cracks: where they run, and what the body bears.
+//! Pictures of an ensemble of cracks: crack paths and loads.
 
 use figures::{Band, Drawing, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 use peridyn_sde::CrackRun;
@@ -10,7 +10,7 @@ use crate::machine::Machine;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 
-/// Millimetres of a metre.
+/// Millimetres per metre.
 const MM: f64 = 1e3;
 
 pub(super) fn drawings(
@@ -33,7 +33,7 @@ pub(super) fn drawings(
     Ok(drawings)
 }
 
-/// The probability of damage with the quantiles of the path.
+/// Damage probability with the quantiles of the path.
 fn path_map(
     scene: &CrackScene,
     problem: &CrackProblem,
@@ -59,7 +59,7 @@ fn path_map(
     })
 }
 
-/// The mean of a value over the nodes in each box of a lattice; none where there is no node.
+/// Mean of a value over the nodes in each box of a lattice; none for a box without nodes.
 fn by_boxes(
     places: &[[f64; 2]],
     values: &[f64],
@@ -69,7 +69,7 @@ fn by_boxes(
     let mut sums = vec![vec![(0.0, 0_usize); columns]; rows];
     for (place, value) in places.iter().zip(values) {
         let [column, row] = place.map(|x| boxes((x / spacing).floor()));
-        // A point on the far edge is of the last box.
+        // A point on the far edge belongs to the last box.
         let (sum, count) = &mut sums[row.min(rows - 1)][column.min(columns - 1)];
         *sum += value;
         *count += 1;
@@ -82,7 +82,7 @@ fn mm(point: [f64; 2]) -> [f64; 2] {
     point.map(|x| MM * x)
 }
 
-/// The quantiles of the path, as far as half of the cracks come.
+/// Quantiles of the path, as far as half of the cracks reach.
 fn quantiles(
     scene: &CrackScene,
     problem: &CrackProblem,
@@ -142,7 +142,7 @@ fn boxes(count: f64) -> usize {
     count.round().max(0.0) as usize
 }
 
-/// The mean load over the mean strain, and the range of most realisations.
+/// Mean load over mean strain, with the range of most realisations.
 fn load(scene: &CrackScene, run: &CrackRun, record: &Record) -> TimeSeries {
     let strain = |at: &LoadAt| 1e6 * at.strain;
     let mean = |at: &LoadAt| (strain(at), Some(at.load.value));
@@ -156,7 +156,7 @@ fn load(scene: &CrackScene, run: &CrackRun, record: &Record) -> TimeSeries {
         words: Words {
             title: scene.title.clone(),
             subtitle: format!(
-                "Load on the upper grip, mean over {} realisations; shaded: from 5 % to 95 % of them",
+                "Reaction at the upper edge, mean over {} realisations; shaded: from 5 % to 95 % of them",
                 scene.ensemble.realisations
             ),
             x_label: "mean strain (10⁻⁶)".into(),

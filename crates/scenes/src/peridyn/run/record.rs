@@ -1,4 +1,4 @@
-//! What is told of an ensemble of cracks.
+//! Result file of an ensemble of cracks.
 
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{
@@ -13,13 +13,13 @@ use crate::peridyn::scene_problem::{CrackProblem, Resolved};
 use crate::run_result::{ErrorOrigin, Unknown, error_of};
 use crate::scene::NamedFile;
 
-/// Every so many spacings the path is looked at, where the scene does not say.
+/// Default distance of path abscissae, in spacings.
 const ABSCISSAE_EVERY: usize = 4;
 
-/// What the schema `crack-ensemble/1` adds to every result.
+/// Keys that this kind adds to every result: schema `crack-ensemble/1`.
 #[derive(Debug, Serialize)]
 pub(super) struct Content<'a> {
-    /// The files that the scene names.
+    /// Files that the scene names.
     pub(super) files: &'a [NamedFile],
     pub(super) resolved: &'a Resolved,
     pub(super) seed: u64,
@@ -28,14 +28,14 @@ pub(super) struct Content<'a> {
     pub(super) record: &'a Record,
 }
 
-/// Work counted.
+/// Work counters.
 #[derive(Debug, Serialize)]
 pub(super) struct WorkRecord {
-    /// Of each realisation.
+    /// Steps of each realisation.
     steps: u64,
     /// Bonds times steps times realisations.
     bond_steps: u64,
-    /// Of the run itself, all threads.
+    /// CPU time of the run on all threads.
     cpu_seconds: f64,
 }
 
@@ -47,53 +47,53 @@ impl WorkRecord {
     }
 }
 
-/// The laws of what was observed.
+/// Distributions of the observed quantities.
 #[derive(Debug, Serialize)]
 pub(super) struct Record {
-    /// What is not known, and why; nothing else is missing.
+    /// Unknown errors, and why; nothing else is missing.
     pub(super) unknown: Vec<Unknown>,
-    /// Runs that ended with an error, in its words.
+    /// Realisations that ended in an error, with its text.
     pub(super) failures: Vec<Failure>,
-    /// The probability of each outcome.
+    /// Probability of each outcome.
     outcomes: Vec<Outcome>,
-    /// Where cracks pass abscissae (m).
+    /// Crack height at abscissae (m).
     path: Vec<PathAt>,
     /// Height at which cracks leave the body (m).
     exit: Option<Law>,
-    /// Length of cracks, zero where none grew (m).
+    /// Crack length, zero for no growth (m).
     length: Option<Law>,
-    /// The largest mean load of a window (N).
+    /// The largest window-averaged load (N).
     pub(super) failure_load: Option<Law>,
-    /// Bonds that broke, without those of the notch.
+    /// Number of broken bonds, without those of the notch.
     broken_bonds: Option<Number>,
-    /// One for each realisation, by number.
+    /// One entry for each realisation, by number.
     realisations: Vec<Realisation>,
-    /// The mean load on the upper grip (N), window by window.
+    /// The mean load at the upper edge (N), window by window.
     pub(super) load: Vec<LoadAt>,
 }
 
-/// What one realisation came to.
+/// Result of one realisation.
 #[derive(Debug, Serialize)]
 struct Realisation {
     number: u64,
     outcome: &'static str,
-    /// m.
+    /// Crack length (m).
     length: f64,
-    /// m.
+    /// Exit height (m).
     exit: Option<f64>,
-    /// N.
+    /// Failure load (N).
     failure_load: Option<f64>,
     broken_bonds: u64,
 }
 
-/// A realisation that was lost.
+/// A failed realisation.
 #[derive(Debug, Serialize)]
 pub(super) struct Failure {
     realisation: u64,
     reason: String,
 }
 
-/// How realisations end.
+/// Outcomes of realisations.
 #[derive(Debug, Serialize)]
 struct Outcome {
     outcome: &'static str,
@@ -115,15 +115,15 @@ impl From<Estimate> for Number {
     }
 }
 
-/// The law of a number.
+/// Distribution of a number.
 #[derive(Debug, Serialize)]
 pub(super) struct Law {
-    /// Realisations that have it.
+    /// Number of realisations with a value.
     realisations: usize,
-    /// Those that do not.
+    /// Number of realisations without a value.
     missing: usize,
     pub(super) mean: Number,
-    /// With its interval by the bootstrap; none of fewer than 10 values.
+    /// Bootstrap confidence interval; none for fewer than 10 values.
     standard_deviation: Option<Interval>,
     quantiles: Vec<Quantile>,
 }
@@ -152,11 +152,11 @@ impl From<&Distribution> for Law {
     }
 }
 
-/// Where cracks pass an abscissa.
+/// Crack height at an abscissa.
 #[derive(Debug, Serialize)]
 struct PathAt {
     x: f64,
-    /// Probability that a crack comes there.
+    /// Probability that a crack reaches it.
     reach: Number,
     height: Option<Law>,
 }
@@ -168,15 +168,15 @@ impl From<&Band> for PathAt {
     }
 }
 
-/// The load of a window.
+/// Load in a window.
 #[derive(Debug, Serialize)]
 pub(super) struct LoadAt {
-    /// Middle of the window (s).
+    /// Centre of the window (s).
     time: f64,
     /// Mean strain at that time.
     pub(super) strain: f64,
     pub(super) load: Number,
-    /// Over realisations.
+    /// Standard deviation over realisations.
     pub(super) standard_deviation: f64,
 }
 
@@ -274,7 +274,7 @@ pub(super) fn from_tip_to_exit(scene: &CrackScene, problem: &CrackProblem) -> Ve
     (1..=between).map(|k| tip + forward * f64::from(k)).chain([exit]).collect()
 }
 
-/// The mean with its standard error, and the standard deviation; none of fewer than two values.
+/// Mean with standard error, and standard deviation; none for fewer than two values.
 fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, f64)> {
     let mut sample = Accumulator::default();
     values.for_each(|value| sample.push(value));

@@ -1,4 +1,4 @@
-//! Fields for ParaView: every particle with its mean and, where derivatives are carried, its standard deviation.
+//! Fields for ParaView: every particle with its mean and, if derivatives are propagated, its standard deviation.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -13,15 +13,15 @@ use crate::kind::SolverError;
 use crate::output::write_to_disk;
 use crate::smpm::scene::SmpmScene;
 
-/// Always shown, besides the quantities of the scene.
+/// Quantities that are always written, besides those of the scene.
 const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];
 
-/// Writes a frame at every time that a scene looks at. Those that a run has passed which this one goes on from are there already.
+/// Writes a frame at every time of a scene. Frames before a resumed state exist already.
 pub(super) struct Fields {
     wanted: bool,
     quantities: Vec<Quantity>,
     folder: PathBuf,
-    /// Time and file of each frame there will be.
+    /// Time and file of each frame.
     frames: Vec<(f64, String)>,
     are_shown: bool,
     failure: Option<SolverError>,
@@ -46,7 +46,7 @@ impl Fields {
         }
     }
 
-    /// A run with derivatives, as it passes a time; the first `n_random` lanes are parameters.
+    /// Writes a run with derivatives as it passes a time; the first `n_random` lanes are parameters.
     pub(super) fn of_jets<const D: usize>(
         &mut self,
         time: f64,
@@ -59,7 +59,7 @@ impl Fields {
         self.frame(time, run, mean, Some(&deviation));
     }
 
-    /// The mean run once more, in numbers.
+    /// The reference run again, in `f64`.
     pub(super) fn of_numbers<X: Experiment<D, N>, const D: usize, const N: usize>(
         &mut self,
         study: &Study<'_, X, D, N>,
@@ -71,7 +71,7 @@ impl Fields {
         Ok(())
     }
 
-    /// Says that a run was shown to its end.
+    /// Marks all frames as written.
     pub(super) const fn are_shown(&mut self) {
         self.are_shown = true;
     }
@@ -128,7 +128,7 @@ impl Fields {
         Ok(())
     }
 
-    /// The files that were written, the series first.
+    /// Files written, the series first.
     pub(super) fn finish(self) -> Result<Vec<PathBuf>, SolverError> {
         if let Some(failure) = self.failure {
             return Err(failure);
@@ -139,8 +139,12 @@ impl Fields {
         let files: Vec<PathBuf> =
             self.frames.iter().map(|(_, name)| self.folder.join(name)).collect();
         if let Some(missing) = files.iter().find(|file| !file.exists()) {
-            let words = "was written by the run that this one went on from, and is gone";
-            return Err(format!("{} {words}: --overwrite starts over", missing.display()).into());
+            let words = "is missing; the resumed run wrote it";
+            return Err(format!(
+                "{} {words}: --overwrite starts from the beginning",
+                missing.display()
+            )
+            .into());
         }
         let path = self.folder.join("fields.pvd");
         let frames = self.frames.iter().map(|(time, name)| (*time, name.as_str()));

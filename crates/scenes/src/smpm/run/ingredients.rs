@@ -1,11 +1,11 @@
-//! What can be left out of a scene of bodies.
+//! Ingredients that can be left out of a scene of bodies.
 
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
 use crate::smpm::material_scene::MaterialScene;
 use crate::smpm::scene::{OrderScene, ShapeScene, SmpmScene, ViscosityScene};
 
-/// Random parameters one by one, strengths of materials, limits of tension, the scheme where it is not the plainest.
+/// Single random parameters, strength models, tension limits, and each refinement of the scheme.
 pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
     let mut all = Vec::new();
     for (k, random) in scene.random.iter().enumerate() {
@@ -16,7 +16,7 @@ pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
     }
     for name in scene.materials.keys() {
         for (key, words, take) in PARTS {
-            // What is random in a part that is gone cannot stay random.
+            // Random parameters of a removed part are removed too.
             let start = format!("{name}.{key}.");
             if scene.random.iter().all(|random| !random.parameter.starts_with(&start)) {
                 let scene = changed(scene, |scene| scene.materials.get_mut(name).is_some_and(take));
@@ -39,7 +39,7 @@ pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
     all.into_iter().flatten().collect()
 }
 
-/// Takes a part out of a material; `false` where there is none.
+/// Removes a part of a material; `false` if there is none.
 type Take = fn(&mut MaterialScene) -> bool;
 
 const PARTS: [(&str, &str, Take); 3] = [
@@ -48,7 +48,7 @@ const PARTS: [(&str, &str, Take); 3] = [
     ("tension_limit", "the limit of tension", |material| material.tension_limit.take().is_some()),
 ];
 
-/// One random parameter stays at its mean; without any there is no variance to compare.
+/// Fixes one random parameter at its mean; without any there is no variance to compare.
 fn certain(scene: &mut SmpmScene, k: usize) -> bool {
     scene.random.remove(k);
     !scene.random.is_empty()
@@ -70,7 +70,7 @@ mod tests {
         let names: Vec<&str> = all.iter().map(|ingredient| ingredient.name.as_str()).collect();
         assert!(names.contains(&"the randomness of steel.strength.a"), "{names:?}");
         assert!(names.contains(&"the limit of tension of water"), "{names:?}");
-        // The strength of the steel is what is random here.
+        // The strength of the steel is random here.
         assert!(!names.contains(&"the strength of steel"), "{names:?}");
         assert!(names.contains(&"smooth shape functions"), "{names:?}");
         for Ingredient { name, scene, .. } in all {

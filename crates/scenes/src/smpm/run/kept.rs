@@ -9,15 +9,15 @@ use smpm::uncertainty::{Keep, Standing};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::clock::CpuClock;
 
-/// What a checkpoint holds of a run.
+/// Content of a checkpoint for a run.
 #[derive(Debug, Serialize, Deserialize)]
 struct KeptRun {
     standing: Standing,
-    /// Of all runs of the scene by then, in all processes (s).
+    /// CPU time of all runs of the scene so far, in all processes (s).
     cpu_seconds: f64,
 }
 
-/// The checkpoint of a scene, where it has one, as the keeper of its study. A part of it has the name of the run.
+/// The checkpoint of a scene, if any, as the storage of its study. The name of a part is that of the run.
 #[derive(Debug)]
 pub(super) struct KeptRuns<'a> {
     pub(super) checkpoint: Option<&'a Checkpoint>,
@@ -27,9 +27,9 @@ pub(super) struct KeptRuns<'a> {
 
 #[derive(Debug, Default)]
 struct State {
-    /// CPU time of the processes before this one (s).
+    /// CPU time of earlier processes (s).
     past_seconds: f64,
-    /// What the study was told in words.
+    /// Error that was passed to the study as text.
     failure: Option<CheckpointError>,
 }
 
@@ -44,12 +44,12 @@ impl<'a> KeptRuns<'a> {
         state.past_seconds + self.clock.seconds()
     }
 
-    /// What the checkpoint has refused.
+    /// Error of the checkpoint.
     pub(super) fn into_failure(self) -> Option<CheckpointError> {
         self.state.into_inner().unwrap_or_else(PoisonError::into_inner).failure
     }
 
-    /// Notes an error, and tells it.
+    /// Stores an error and returns its text.
     fn failed(&self, failure: CheckpointError) -> Box<dyn Error + Send + Sync> {
         let words = failure.to_string();
         self.state.lock().unwrap_or_else(PoisonError::into_inner).failure = Some(failure);

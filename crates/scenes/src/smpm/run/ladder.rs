@@ -1,4 +1,4 @@
-//! A scene of bodies by every method that finds mean and variance.
+//! Ladder of methods for mean and variance of a scene of bodies.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -8,16 +8,16 @@ use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits
 use crate::scene::SceneFile;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
-/// Fewest samples.
+/// Smallest number of samples.
 const FIRST_SAMPLES: f64 = 10.0;
-/// The seed of trials.
+/// Seed of the trials.
 const SEED: u64 = 20_260_101;
-/// Half of a central difference, in standard deviations.
+/// Half width of a central difference, in standard deviations.
 const DIFFERENCE: f64 = 0.1;
 
-const LEFT_OUT: &str = "All trials have the cell of the scene: the error of the grid is in no figure; halve the cell and compare.";
+const LEFT_OUT: &str = "All trials use the cell of the scene, so the grid error is not included: halve the cell and compare.";
 
-/// The methods that solve a scene, its own first. Without random parameters there is one.
+/// Methods that solve a scene, its own first; a single one without random parameters.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let scene: SmpmScene = file.parse()?;
     let mut methods = vec![("deterministic, no variance", MethodScene::Deterministic)];
@@ -36,7 +36,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
         ];
     }
     if let Some(own) = methods.iter_mut().find(|(_, method)| is_alike(method, &scene.method)) {
-        // With its own step or seed.
+        // With the scene's own step or seed.
         own.1 = scene.method;
     }
     methods.sort_by_key(|(_, method)| *method != scene.method);
@@ -44,13 +44,13 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-/// The keys that set a method.
+/// Keys that set a method.
 #[derive(Serialize)]
 struct Choice {
     method: MethodScene,
 }
 
-/// The scene by a method at one size. Trials look at the last time alone, and write no fields.
+/// The scene by a method at one size. Trials use only the last time and write no fields.
 fn rung(scene: &SmpmScene, method: MethodScene, size: (f64, String)) -> Option<Rung> {
     let scene = SmpmScene { method, ..scene.clone() };
     let last = scene.times.last().copied();
@@ -117,7 +117,7 @@ fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
-/// What a Taylor series leaves out is told by its own curvature, unless a switch between elastic and plastic is near.
+/// Truncation error of the Taylor series from its own curvature, unless an elastic-plastic switch is near.
 fn moments(id: &str, words: &str, response: &Value, is_propagated: bool) -> Vec<Quantity> {
     let number = |key: &str| response[key].as_f64();
     let Some(mean) = number("mean") else { return Vec::new() };
@@ -138,7 +138,7 @@ fn moments(id: &str, words: &str, response: &Value, is_propagated: bool) -> Vec<
         return vec![quantity("mean", mean, of_mean, mean.abs())];
     };
     let of_deviation = number("variance_standard_error").map(|error| error / deviation);
-    // Of the variance, of which the deviation is the root.
+    // Of the variance, whose square root is the deviation.
     let taylor = left_out.map(|part| 0.5 * part * deviation);
     vec![
         quantity("mean", mean, of_mean.or(taylor), mean.abs().max(deviation)),

@@ -1,4 +1,4 @@
-//! The methods of a scene, one by one.
+//! Methods of a scene.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,18 +18,18 @@ use crate::kind::{Cut, Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
-/// What a run ends with.
+/// Result of a run.
 #[derive(Debug)]
 pub(super) enum Solved {
-    /// All that was asked for.
+    /// The complete answer.
     Whole(Answer),
     /// The file of a shard.
     Shard(PathBuf),
-    /// Another rank has the result.
+    /// Another rank holds the result.
     Elsewhere,
 }
 
-/// What came of a scene.
+/// Complete answer of a scene.
 #[derive(Debug)]
 pub(super) struct Answer {
     /// In the order of the plan.
@@ -43,12 +43,12 @@ pub(super) struct Answer {
 /// A response with its moments.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Response {
-    /// Begin and end of the window; an instant where they are equal.
+    /// Start and end of the window; equal for an instant.
     pub(super) window: [f64; 2],
-    /// At the centre of the parameters.
+    /// Value at the centre of the parameters.
     pub(super) centre: f64,
     pub(super) mean: f64,
-    /// Of the mean, where it was sampled.
+    /// Standard error of the mean, if sampled.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mean_standard_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -57,10 +57,10 @@ pub(super) struct Response {
     pub(super) variance_standard_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) standard_deviation: Option<f64>,
-    /// Whether to believe a Taylor series.
+    /// Trust in a Taylor series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) trust: Option<Indicators>,
-    /// Levels and the chance that they are exceeded.
+    /// Levels and their exceedance probabilities.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) exceedance: Vec<Chance>,
 }
@@ -72,31 +72,35 @@ impl Response {
     }
 }
 
-/// What speaks for or against a Taylor series.
+/// Trust indicators of a Taylor series.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Indicators {
-    /// The root of curvature's part in the variance over that of the slope; below 0.03 the variance is mostly right within a
-    /// per cent. Unknown without mixed derivatives or where nothing varies.
+    /// Square root of the variance by curvature over that by slope.
+    ///
+    /// Below 0.03 the variance is mostly accurate within one per cent.
+    ///
+    /// Unknown without mixed derivatives or where nothing varies.
     curvature_ratio: Option<f64>,
-    /// Standard deviations between the gauge and a switch between elastic and plastic, at the end of the window; none where
-    /// nothing yields.
+    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
+    ///
+    /// None without yielding at the gauge.
     switch_distance: Option<f64>,
     /// The distance is below two.
     switch_within_two_deviations: bool,
 }
 
-/// A level and the chance that it is exceeded.
+/// A level and its exceedance probability.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Chance {
     level: f64,
     probability: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     standard_error: Option<f64>,
-    /// `normal_law` of the moments, or `count` of samples.
+    /// `normal_law` from the moments, or `count` of samples.
     by: &'static str,
 }
 
-/// Runs the method of a scene with the law of `N` parameters, of which those beyond the scene's are certain.
+/// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
 pub(super) fn solve<const D: usize, const N: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
@@ -106,11 +110,11 @@ pub(super) fn solve<const D: usize, const N: usize>(
 ) -> Result<Solved, SolveError> {
     let kept = KeptRuns::new(checkpoint(scene, run)?);
     let solved = solve_kept::<D, N>(scene, experiment, plan, fields, run, &kept);
-    // Of a checkpoint that has failed a study knows no more than that.
+    // The study knows only that the checkpoint failed.
     kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
 }
 
-/// The checkpoint of a scene whose samples are not those of files or of other ranks.
+/// Checkpoint of a scene whose samples are neither merged nor distributed over ranks.
 fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Checkpoint>, RunError> {
     if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
         return Ok(None);
@@ -122,7 +126,7 @@ fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Chec
     run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
 }
 
-/// The same, with runs that go on from those that were kept.
+/// Solves the scene with runs that resume from stored ones.
 fn solve_kept<const D: usize, const N: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
@@ -131,11 +135,11 @@ fn solve_kept<const D: usize, const N: usize>(
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
 ) -> Result<Solved, SolveError> {
-    // A file that is no shard of this scene is refused before anything is run.
+    // A file that is no shard of this scene is rejected before any run.
     let shards = shards(scene, plan, run)?;
     // The check of the scene has built these inputs with more certain parameters.
     let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
-    run.progress.stage("mean run");
+    run.progress.stage("reference run");
     let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
@@ -172,7 +176,7 @@ fn solve_kept<const D: usize, const N: usize>(
     Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
 }
 
-/// The responses by a method that samples nothing, and how many runs it took beside the mean run.
+/// Responses by a method without samples, and its number of runs besides the reference run.
 fn expanded<const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
     table: &Table<'_, D>,
@@ -223,12 +227,12 @@ fn expanded<const D: usize, const N: usize>(
     })
 }
 
-/// Why a scene has no answer.
+/// Error of a scene.
 #[derive(Debug)]
 pub(super) enum SolveError {
-    /// The solver refused or stopped.
+    /// The solver rejected its input or stopped.
     Solver(Error),
-    /// What is around it did.
+    /// Error outside the solver.
     Run(RunError),
 }
 
@@ -244,18 +248,18 @@ impl From<RunError> for SolveError {
     }
 }
 
-/// What a checkpoint calls the samples that were run.
+/// Name of the samples in a checkpoint.
 const SAMPLES: &str = "samples";
-/// What samples do not depend on.
+/// Keys that do not affect samples.
 const ASIDE_OF_SAMPLES: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
-/// What a run does not depend on before the times differ, which its standing tells.
+/// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
-/// Samples of a block of a rank.
+/// Samples per block of a rank.
 const SAMPLES_OF_BLOCK: u64 = 4;
-/// Samples of a thread between two looks.
+/// Samples per thread between two reports.
 const SAMPLES_OF_THREAD: usize = 4;
 
-/// The samples of all shards, where such files are to be joined.
+/// Samples of all shards, if shard files are merged.
 fn shards<const D: usize>(
     scene: &SmpmScene,
     plan: &Plan<D>,
@@ -274,17 +278,17 @@ fn shards<const D: usize>(
     Ok(Some(samples))
 }
 
-/// What came of the samples that were to be run.
+/// Result of the requested samples.
 enum Samples<const N: usize> {
-    /// All, and the CPU time that went into them on other ranks or before (s).
+    /// All samples, and their CPU time on other ranks or in earlier processes (s).
     All(Sampled<N>, f64),
     /// The file of a shard.
     Shard(PathBuf),
-    /// Another rank has them.
+    /// Another rank holds them.
     Elsewhere,
 }
 
-/// All samples that are to be run, those of a checkpoint among them, or those of shards or of the blocks of ranks.
+/// All requested samples: computed, from a checkpoint, from shards, or from blocks of ranks.
 fn sampled<const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
     judge: MonteCarlo,
@@ -345,7 +349,7 @@ fn sampled<const D: usize, const N: usize>(
     })
 }
 
-/// Keeps new samples beside those that were known, which may be more than the scene asks for now.
+/// Stores new samples next to the known ones, which may be more than the scene now requests.
 fn keep(
     checkpoint: &Checkpoint,
     known: &Responses,
@@ -359,10 +363,10 @@ fn keep(
     checkpoint.keep(SAMPLES, &all)
 }
 
-/// Responses by the number of their sample.
+/// Responses by sample number.
 type Responses = BTreeMap<u64, Vec<f64>>;
 
-/// The mean of the last response so far, with its standard error.
+/// Current mean of the last response, with its standard error.
 fn words<'a, const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
     so_far: impl Iterator<Item = &'a Vec<f64>>,
@@ -386,7 +390,7 @@ fn error_of(estimate: &Estimate) -> Option<f64> {
     }
 }
 
-/// The responses of a plan at the centre.
+/// Responses of a plan at the centre.
 struct Table<'a, const D: usize> {
     scene: &'a SmpmScene,
     plan: &'a Plan<D>,

@@ -9,7 +9,7 @@ use super::*;
 
 const BODY: &str = "\"spacing\": 0.001,";
 
-/// Places of the nodes of the plate, moved by up to so many spacings.
+/// Positions of the nodes of the plate, displaced by at most a number of spacings.
 fn places(moved: f64) -> Vec<[f64; 2]> {
     let along = |k: usize| (k as f64 + 0.5) * 0.001;
     let shift = |k: usize| 0.001 * moved * (k as f64 * 2.4).sin();
@@ -17,7 +17,7 @@ fn places(moved: f64) -> Vec<[f64; 2]> {
     (0..256).map(place).collect()
 }
 
-/// Under a head with what stands behind the places.
+/// A header and rows of positions and further columns.
 fn csv(head: &str, places: &[[f64; 2]], rest: impl Fn(usize) -> String) -> String {
     let mut text = format!("x,y{head}\n");
     for (k, [x, y]) in places.iter().enumerate() {
@@ -30,7 +30,7 @@ fn named(file: &str) -> String {
     format!("{BODY} \"points\": \"{file}\",")
 }
 
-/// The field of strength as it stands in the plate.
+/// The strength field of the plate.
 fn field() -> &'static str {
     PLATE.split("\"strength\": ").nth(1).unwrap().split(",\n  \"ensemble\"").next().unwrap()
 }
@@ -74,7 +74,7 @@ fn columns_of_a_file_are_the_strength_and_the_stiffness_of_every_realisation() {
     for key in ["resolved", "realisations", "load", "path"] {
         assert_eq!(of_vtu[key], of_csv[key], "{key}");
     }
-    // The body of even strength and stiffness breaks otherwise.
+    // The body of uniform strength and stiffness breaks differently.
     let even = with(&[(BODY, &named("points.csv")), (field(), "\"uniform\"")]);
     let even = run_beside("columns-even", &even, &[("points.csv", lines.as_bytes())]).result();
     assert_ne!(even["load"], of_csv["load"]);
@@ -116,7 +116,7 @@ fn holes_are_taken_out_of_the_lattice() {
 
 const FIRST_POINT: &str = "0.0005,0.0005,1e-9\n";
 
-/// Names and contents of files, and words of the message; `right` is a file that is read.
+/// Names and contents of files, and parts of the message; `right` is a valid file.
 fn wrong_files(right: &str) -> [(&'static str, Vec<u8>, &'static str); 17] {
     let instead = |line: &str| right.replacen(FIRST_POINT, &format!("{line}\n"), 1);
     let bytes = |text: String| text.into_bytes();
@@ -254,7 +254,7 @@ fn grips_without_a_node_are_refused() {
     assert_eq!(found.1, "no node lies within 0.002 m of the upper edge");
 }
 
-/// The built-in scene, and the same without its hole. Seen: 15 of 16 end there, and 13 of 16 run through.
+/// The built-in scene, and the same without its hole. Observed: 15 of 16 cracks end there, and 13 of 16 run through.
 #[test]
 fn a_hole_draws_cracks_that_run_through_the_plate_without_it() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,4 +1,4 @@
-//! What a run of a method cost and how far it was off, and the charts of that.
+//! Cost and error of a run of a method, and their charts.
 
 use figures::{Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::machine::Machine;
@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::charts::fpk::cost_in_seconds;
 
-/// One run of one method, for one question.
+/// One run of one method for one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Record {
-    /// The question.
+    /// The quantity.
     pub(super) quantity: String,
     /// The method.
     pub(super) method: String,
@@ -17,57 +17,57 @@ pub(super) struct Record {
     pub(super) label: String,
     /// CPU time on one thread (s).
     pub(super) cpu_seconds: f64,
-    /// Half the range of that over repeated runs.
+    /// Half the range of that time over repeated runs.
     pub(super) cpu_spread: f64,
-    /// What came of it.
+    /// Result or failure.
     pub(super) outcome: Outcome,
 }
 
-/// One scene with the records of all methods.
+/// One scene with the results of all methods.
 pub(super) struct Scene {
-    /// Begins the names of its charts.
+    /// Prefix of the names of its charts.
     pub(super) name: &'static str,
     pub(super) title: String,
-    /// What was asked, moments first.
+    /// Quantities, moments first.
     pub(super) quantities: Vec<Quantity>,
     pub(super) records: Vec<Record>,
 }
 
-/// One question.
+/// One quantity.
 pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) title: String,
-    /// The relative error of its reference.
+    /// Relative error of its reference.
     pub(super) reference_error: f64,
 }
 
-/// What came of a run.
+/// Result or failure of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Outcome {
     /// A deterministic result with its relative error against the reference.
     Off {
-        /// The size of the error.
+        /// Magnitude of the error.
         error: f64,
     },
     /// A sampled result.
     Sampled {
         /// Its relative standard error.
         predicted: f64,
-        /// The standard error of that, where it is known.
+        /// Standard error of that estimate, if known.
         uncertainty: Option<f64>,
-        /// The relative error that this one draw had, where it had a result.
+        /// Relative error of this sample, if it has a result.
         seen: Option<f64>,
     },
     /// No result.
     Nothing {
-        /// Why.
+        /// Reason.
         reason: String,
     },
 }
 
 impl Record {
-    /// The error by which methods are compared: that of a deterministic result, the standard error of a sampled one.
+    /// Error by which methods are compared: of a deterministic result the error, of a sampled one the standard error.
     pub(super) const fn error(&self) -> Option<f64> {
         match self.outcome {
             Outcome::Off { error } => Some(error),
@@ -78,7 +78,7 @@ impl Record {
 
     fn run(&self) -> Run {
         let outcome = match &self.outcome {
-            // A logarithmic axis has no place for an error of nothing.
+            // A logarithmic axis cannot show an error of zero.
             Outcome::Off { error } if *error > 0.0 => {
                 RunOutcome::Error { value: *error, standard_error: None }
             }
@@ -105,7 +105,7 @@ impl Record {
     }
 }
 
-/// The methods of a list of records, in the order in which they first appear.
+/// Methods in a list of records, in order of first appearance.
 pub(super) fn methods<'r>(records: impl Iterator<Item = &'r Record>) -> Vec<&'r str> {
     let mut names: Vec<&str> = Vec::new();
     for record in records {
@@ -116,7 +116,7 @@ pub(super) fn methods<'r>(records: impl Iterator<Item = &'r Record>) -> Vec<&'r 
     names
 }
 
-/// A chart for each question of a scene.
+/// One chart for each quantity of a scene.
 pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
     let mut drawings = Vec::new();
     for quantity in &scene.quantities {
@@ -136,8 +136,8 @@ pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
             y_label: "relative error".into(),
             caption: vec![
                 format!(
-                    "Sampled methods: the relative standard error; in brackets the error seen, in standard errors. \
-                     Others: the error against the reference, which is known to {:.0e}.",
+                    "Sampled methods: the relative standard error; in brackets the observed error, in standard errors. \
+                     Others: the error against the reference, whose own error is {:.0e}.",
                     quantity.reference_error
                 ),
                 "Across: median CPU time of three runs, the bar half their range (one run beyond 1 s).".into(),

@@ -1,4 +1,4 @@
-//! The runs of each method on one scene.
+//! Runs of each method on one scene.
 
 use std::time::Duration;
 
@@ -15,13 +15,13 @@ use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};
 
-/// The methods of the density solver that every scene is given: a new one is one line.
+/// Methods of the density solver for every scene: a new one is one line.
 const METHODS: &[(&str, Method)] = &[
     ("particles, log-density fit", Method::LogDensityFit),
     ("particles, flow-map fit", Method::FlowMapFit),
 ];
 
-/// A method of the density solver on lattices ever finer.
+/// A method of the density solver on successively finer lattices.
 pub(super) struct Ladder<const D: usize> {
     pub(super) name: &'static str,
     pub(super) method: Method,
@@ -34,10 +34,10 @@ pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladde
     METHODS.iter().map(ladder).collect()
 }
 
-/// Beyond this time a run is not repeated.
+/// CPU time above which a run is not repeated.
 const LONG: Duration = Duration::from_secs(1);
 
-/// How much of a ladder is run: its first two rungs in a quick run.
+/// Rungs of a ladder to run: the first two in a quick run.
 fn rungs<T: Clone>(context: &Context<'_>, all: &[T]) -> Vec<T> {
     let n = if context.profile == Profile::Quick { all.len().min(2) } else { all.len() };
     all[..n].to_vec()
@@ -50,25 +50,25 @@ pub(super) struct Target {
     pub(super) reference: Reference,
 }
 
-/// What is asked of all methods.
+/// Quantities and inputs common to all methods.
 pub(super) struct Setting<'a, S, I, const D: usize> {
     pub(super) name: &'static str,
     pub(super) title: String,
     pub(super) system: &'a S,
     pub(super) law: &'a GaussianMixture<D>,
-    /// The period by which the steps of the particles are measured (s).
+    /// Period that determines the steps of the particles (s).
     pub(super) period: f64,
     pub(super) time: f64,
     /// `E[q^2]` and `E[q'^2]`.
     pub(super) moments: [([u32; D], Reference); 2],
     pub(super) targets: Vec<Target>,
-    /// How a path is stepped.
+    /// Integrator of a path.
     pub(super) integrator: &'a I,
     pub(super) named_integrator: IntegratorScene,
     pub(super) n_steps: u32,
 }
 
-/// The name of the question about both second moments.
+/// Name of the quantity with both second moments.
 const MOMENTS: &str = "moments";
 
 impl<S, I, const D: usize> Setting<'_, S, I, D> {
@@ -100,7 +100,7 @@ impl<S, I, const D: usize> Setting<'_, S, I, D> {
         }
     }
 
-    /// The worse of the errors of both moments.
+    /// The larger error of both moments.
     fn moment_error(&self, values: &[f64]) -> Outcome {
         let off = |((_, reference), value): (&(_, Reference), &f64)| {
             (value / reference.value - 1.0).abs()
@@ -108,7 +108,7 @@ impl<S, I, const D: usize> Setting<'_, S, I, D> {
         deterministic(self.moments.iter().zip(values).map(off).fold(0.0, f64::max))
     }
 
-    /// Records of a deterministic method that answers all questions at once.
+    /// Records of a deterministic method that computes all quantities at once.
     fn deterministic(
         &self,
         (method, label): (&str, &str),
@@ -149,7 +149,7 @@ fn deterministic(error: f64) -> Outcome {
     }
 }
 
-/// The density solver, its tails integrated over cells.
+/// Solves with the density solver; tails are integrated over cells.
 pub(super) fn solve_with_particles<S, I, const D: usize>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, D>,
@@ -205,12 +205,12 @@ fn particles<S, I, const D: usize>(
     };
     let tails: Vec<f64> =
         row.exceedances.iter().map(|p| p.cell_integrated.unwrap_or(p.log_interpolated)).collect();
-    // A moment needs no integral over cells.
+    // A moment requires no integral over cells.
     let moment_cost = (row.cpu_seconds, tail_cost.1);
     setting.deterministic(words, (moment_cost, tail_cost), &row.moments, &tails)
 }
 
-/// The grid, in two dimensions.
+/// Solves on the grid, in two dimensions.
 pub(super) fn solve_on_grid<S, I>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, 2>,
@@ -241,7 +241,7 @@ where
     Ok(records)
 }
 
-/// Statistical linearisation, with the tail of its normal law.
+/// Solves by statistical linearisation, with the tail of its normal distribution.
 pub(super) fn solve_linearised<S, I, const D: usize>(
     setting: &Setting<'_, S, I, D>,
     rule: &Linearisation<D>,
@@ -261,7 +261,7 @@ where
     Ok(setting.deterministic(words, ((cost, spread), (cost, spread)), &moments, &tails))
 }
 
-/// Monte Carlo, importance sampling and subset simulation.
+/// Samples by Monte Carlo, importance sampling and subset simulation.
 pub(super) fn sample<S, I, const D: usize>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, D>,
@@ -288,7 +288,7 @@ where
             let config = SubsetConfig { n_samples, correlation: 0.8, n_runs: SUBSET_RUNS };
             let label = format!("{SUBSET_RUNS} x {}", group_thousands_u64(n_samples as u64));
             let run = || Ok(tail.subset(target.threshold, &config, n_samples as u64)?);
-            // A standard deviation from n values is known to 1/sqrt(2 (n - 1)).
+            // A standard deviation from n values has the relative error 1/sqrt(2 (n - 1)).
             let known_to = (2.0 * (SUBSET_RUNS as f64 - 1.0)).sqrt().recip();
             records.push(one(target, ("subset simulation", &label), Some(known_to), run)?);
         }
@@ -296,7 +296,7 @@ where
     Ok(records)
 }
 
-/// Independent runs of subset simulation, whose scatter is its error.
+/// Independent runs of subset simulation; their scatter is the error.
 const SUBSET_RUNS: u64 = 10;
 
 fn plain<S, I, const D: usize>(
@@ -333,7 +333,7 @@ where
         let p = target.reference.value;
         let expected = p * paths as f64;
         let outcome = if expected >= 1.0 {
-            // By the binomial law, so that a draw without a hit has its error too.
+            // From the binomial distribution, so that a sample without hits has an error too.
             let predicted = ((1.0 - p) / expected).sqrt();
             let seen = Some((estimate.value / p - 1.0).abs());
             Outcome::Sampled { predicted, uncertainty: None, seen }
@@ -345,7 +345,7 @@ where
     Ok(records)
 }
 
-/// A method that sees one probability at a time.
+/// Runs a method that estimates one probability at a time.
 fn one(
     target: &Target,
     (method, label): (&str, &str),
@@ -355,7 +355,7 @@ fn one(
     let mut reason = None;
     let (estimate, cpu_seconds, cpu_spread) = timed(LONG, || match run() {
         Ok(estimate) => Ok(Some(estimate)),
-        // A design point that is not found is a result, too.
+        // A missing design point is a result too.
         Err(error) => {
             reason = Some(error.to_string());
             Ok(None)

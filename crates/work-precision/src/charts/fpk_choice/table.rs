@@ -1,4 +1,4 @@
-//! The cheapest method for a tolerance, as a table.
+//! Table of the cheapest method for a tolerance.
 
 use figures::markdown::{table, text};
 use figures::{Drawing, DrawingError, settled};
@@ -7,31 +7,31 @@ use serde::Serialize;
 
 use super::records::{Outcome, Record, Scene, methods};
 
-/// Relative errors for which a method is chosen.
+/// Relative tolerances of the table.
 const TOLERANCES: [f64; 5] = [0.1, 0.03, 0.01, 0.003, 0.001];
 
-/// What a method costs for a tolerance.
+/// Cost of a method for a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Cost {
     method: String,
     cpu_seconds: f64,
-    /// Whether that follows from the law of the inverse root and was not run.
+    /// Whether the cost is extrapolated by the inverse square root and was not measured.
     projected: bool,
 }
 
-/// One question with all that was run, and the choice.
+/// One quantity with all runs and the choice.
 #[derive(Debug, Serialize)]
 struct Choice<'a> {
     scene: &'a str,
     quantity: &'a str,
     title: &'a str,
     reference_error: f64,
-    /// For each tolerance all methods that reach it, the cheapest first; nothing below the error of the reference.
+    /// For each tolerance all methods that reach it, cheapest first; nothing below the error of the reference.
     by_tolerance: Vec<(f64, Vec<Cost>)>,
     records: Vec<&'a Record>,
 }
 
-/// Everything that was recorded.
+/// All records.
 #[derive(Debug, Serialize)]
 struct Recorded<'a> {
     date: Option<String>,
@@ -39,10 +39,11 @@ struct Recorded<'a> {
     choices: Vec<Choice<'a>>,
 }
 
-/// What a method needs for a tolerance.
+/// Cost of a method for a tolerance.
 ///
-/// A deterministic one: the cheapest run from which on all are within, so that an error which happens to cross zero does
-/// not count. A sampled one: from its longest run by the law of the inverse root, at least its shortest run.
+/// For a deterministic method it is that of the cheapest run from which all finer runs are within the tolerance, so an
+/// error that happens to cross zero does not count. For a sampled method it is extrapolated from the longest run by
+/// the inverse square root, and is at least the cost of its shortest run.
 fn cost(records: &[&Record], tolerance: f64) -> Option<Cost> {
     let mut runs: Vec<&Record> =
         records.iter().copied().filter(|record| record.error().is_some()).collect();
@@ -92,7 +93,7 @@ fn choices(scenes: &[Scene]) -> Vec<Choice<'_>> {
     choices
 }
 
-/// The table as a page, with everything that was recorded beside it.
+/// The table as a page, with all records as its data.
 pub(super) fn page(scenes: &[Scene]) -> Result<Drawing, DrawingError> {
     let recorded = Recorded { date: date(), machine: Machine::read(), choices: choices(scenes) };
     Drawing::page("fpk-choice", markdown(&recorded), &recorded)
@@ -105,13 +106,13 @@ fn markdown(recorded: &Recorded<'_>) -> String {
         String::new(),
         format!("Written by `cargo xtask chart fpk`; {date}, {}.", recorded.machine.caption()),
         String::new(),
-        "Each cell: the cheapest method and its CPU seconds on one thread; in brackets those of the particles, where they \
-         are not the cheapest (– where none of their runs reached the tolerance). \
-         The error is relative. For sampled methods it is one standard error, and their cost is scaled by the law of the \
-         inverse root from the longest run; a cost with * was not run. The bias of their time steps is not in it. \
-         A deterministic method counts from the run on from which all finer ones are within the tolerance; its error is \
-         known here because there is a reference, a sampled method brings its own. \
-         No entry below the error of the reference. The pictures and `fpk-choice.json` hold every run."
+        "Each cell: the cheapest method and its CPU seconds on one thread; in brackets those of the particles, if they \
+         are not the cheapest (– if none of their runs reached the tolerance). \
+         The error is relative. For sampled methods it is one standard error, without the bias of their time steps. Their \
+         cost is extrapolated by the inverse square root from the longest run; a cost with * was not run. \
+         A deterministic method counts from the run from which all finer ones are within the tolerance. Its error is \
+         known here from a reference; a sampled method estimates its own. \
+         There is no entry below the error of the reference. The pictures and `fpk-choice.json` contain every run."
             .to_owned(),
     ];
     let heads: Vec<String> = std::iter::once("question".to_owned())
@@ -145,7 +146,7 @@ fn cell(costs: &[Cost]) -> String {
     format!("{} {}{beside}", best.method, seconds(best))
 }
 
-/// Two digits, without an exponent.
+/// Formats two digits without an exponent.
 fn two_digits(value: f64) -> String {
     if value >= 10.0 {
         return format!("{value:.0}");

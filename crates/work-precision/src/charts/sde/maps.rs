@@ -1,4 +1,4 @@
-//! Maps of stability: the largest stable step, by formula and as measured on a step of the code.
+//! Stability maps: the largest stable step, by formula and as measured on a step of the code.
 
 use figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 use sde_integrators::Sriw1;
@@ -6,7 +6,7 @@ use sde_integrators::Sriw1;
 use crate::context::CaseError;
 use crate::problems::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
 
-/// The largest stable step over the strength of the noise: formula as line, measured by quadrature as points.
+/// Largest stable step over the noise strength: formula as a line, quadrature over a step as points.
 pub(super) fn mean_square() -> Result<Drawing, CaseError> {
     let methods = [
         ("Euler-Maruyama", Formula::Theta(0.0)),
@@ -52,7 +52,7 @@ pub(super) fn mean_square() -> Result<Drawing, CaseError> {
     Ok(Drawing::time_series("sde-stability-mean-square", &chart)?)
 }
 
-/// The largest stable step of a linear oscillator over its damping ratio.
+/// Largest stable step of a linear oscillator over its damping ratio.
 pub(super) fn oscillator() -> Result<Drawing, CaseError> {
     use crate::problems::sde::oscillator_limits as limits;
     let ratio = |k: i32| 0.01 + 0.0245 * f64::from(k);

@@ -1,4 +1,4 @@
-//! The step of a law that wears bonds out: the exact step of the crate against Euler's explicit one.
+//! Step size of a damage law with memory: exact step of the crate and explicit Euler step.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::BondLaw;
@@ -14,7 +14,7 @@ pub(crate) const MAP: ChartKind = ChartKind {
     draw,
 };
 
-/// Exponents `n` and `m`, with the `z` beyond which some start turns negative.
+/// Exponents `n` and `m`, with the `z` beyond which some initial value turns negative.
 const EXPONENTS: [((f64, f64), f64); 5] = [
     ((1.0, 1.0), 1.0),
     ((1.0, 2.0), 1.0),
@@ -23,7 +23,7 @@ const EXPONENTS: [((f64, f64), f64); 5] = [
     ((0.5, 1.0), 0.0),
 ];
 
-/// What is left of a bond has become negative.
+/// The remaining stiffness of a bond became negative.
 #[derive(Debug, thiserror::Error)]
 #[error("step {step}: what is left of the bond is {alpha}")]
 struct Negative {
@@ -31,7 +31,7 @@ struct Negative {
     alpha: f64,
 }
 
-/// Steps of Euler's rule, as a rival.
+/// Euler steps, as a baseline.
 fn euler(
     wear: &Wear,
     stretch: impl Fn(f64) -> f64,
@@ -53,7 +53,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![negative(is_quick)?, error(is_quick)?])
 }
 
-/// The share of starts from which Euler's rule turns negative at a constant stretch, over `z = h lambda e^(k s)`.
+/// Fraction of initial values for which Euler's rule turns negative at constant stretch, over `z = h lambda e^(k s)`.
 fn negative(is_quick: bool) -> Result<Drawing, CaseError> {
     let zs = logarithmic(if is_quick { 30 } else { 90 }, 0.05, 40.0);
     let n_starts = if is_quick { 99 } else { 499 };
@@ -72,7 +72,7 @@ fn negative(is_quick: bool) -> Result<Drawing, CaseError> {
                     least_seen = least_seen.min(z);
                 }
             }
-            // What one step of the law of the crate leaves.
+            // Remainder after one step of the crate.
             for start in [1e-3, 0.5, 0.999] {
                 let law = Wear { sensitivity: 0.0, rate: z, n, m, start }.law()?;
                 let mut exposure = 0.0;
@@ -104,14 +104,14 @@ fn negative(is_quick: bool) -> Result<Drawing, CaseError> {
     Ok(Drawing { table: rows.join("\n"), ..Drawing::curves("peridyn-damage-negative", &chart)? })
 }
 
-/// The error under a ramp of stretch, until half of the bond is left, over the number of steps.
+/// Error under a stretch ramp, until half of the bond remains, over the number of steps.
 fn error(is_quick: bool) -> Result<Drawing, CaseError> {
     let ramp = |t: f64| 1e-3 * t;
     let fine = if is_quick { 20_000 } else { 100_000 };
     let counts: &[u32] =
         if is_quick { &[1, 10, 100] } else { &[1, 2, 5, 10, 20, 40, 80, 160, 320, 640] };
     let (mut series, mut rows, mut own) = (Vec::new(), Vec::new(), 0.0_f64);
-    // Until about half is left.
+    // Until about half remains.
     let all = [((1.0, 1.0), 0.2266), ((2.0, 2.0), 0.3839), ((0.5, 1.0), 0.22)];
     for (look, ((n, m), until)) in all.into_iter().enumerate() {
         let wear = Wear { sensitivity: 2e4, rate: 1.0, n, m, start: 0.99 };

@@ -1,4 +1,4 @@
-//! How many spacings a horizon has: stiffness, anisotropy, and what a horizon that ends on nodes would do.
+//! Horizon in spacings: stiffness, anisotropy, and the effect of a horizon that passes through nodes.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
@@ -43,7 +43,7 @@ fn stiffness(m: f64, volume_correction: VolumeCorrection) -> Result<[f64; 2], Ca
     Ok([one / C11, (0.5 * both - one) / (C11 / 3.0)])
 }
 
-/// Horizons a little beside the whole multiples, the multiples, and those of the crate.
+/// Horizons slightly beside integer multiples, the multiples, and those of the crate.
 fn horizons(is_quick: bool) -> Vec<f64> {
     let mut all = linear(if is_quick { 24 } else { 116 }, 1.613, 6.413);
     for m in 2..=6 {
@@ -93,7 +93,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let refused = refusal()?;
     rows.push(format!("  {refused}"));
     let caption = format!(
-        "Points: m.015, as the crate proposes. Crosses: horizons that end on nodes are refused. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
+        "Points: m.015, as the crate proposes. Crosses: horizons that pass through nodes are rejected. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
         100.0 * kept.0,
         100.0 * kept.1
     );
@@ -106,14 +106,14 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     ])
 }
 
-/// A refused horizon between two that are not is a cross, and no gap in the line.
+/// A rejected horizon between two accepted ones is a cross, without a gap in the line.
 fn joined(points: Vec<CurvePoint>) -> Vec<CurvePoint> {
     let (values, ended): (Vec<_>, Vec<_>) =
         points.into_iter().partition(|point| point.value().is_some());
     values.into_iter().chain(ended).collect()
 }
 
-/// The least and the largest share of bonds of three spacings that a horizon of `3 dx` keeps by `<`, over some spacings.
+/// Smallest and largest fraction of bonds of three spacings that a horizon of `3 dx` keeps by `<`, over some spacings.
 fn kept_by_note() -> Result<(f64, f64), CaseError> {
     let (mut least, mut largest) = (1.0_f64, 0.0_f64);
     for k in 1..=20 {
@@ -130,11 +130,11 @@ fn kept_by_note() -> Result<(f64, f64), CaseError> {
     Ok((least, largest))
 }
 
-/// What the crate says of a horizon of three spacings.
+/// Error text of the crate for a horizon of three spacings.
 fn refusal() -> Result<String, CaseError> {
     match Horizon::new(3.0, 1.0) {
         Err(error @ Error::HorizonOnNodes { .. }) => Ok(error.to_string()),
-        other => Err(format!("a horizon on nodes was not refused: {other:?}").into()),
+        other => Err(format!("a horizon through nodes was not rejected: {other:?}").into()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The weight of bonds by their length: critical step, energy lost at a surface, energy of a lattice and of a crack.
+//! Influence functions: critical step, energy deficit at a surface, energy of a lattice and of a crack.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
@@ -26,7 +26,7 @@ const INFLUENCES: [(&str, Influence); 3] = [
 ];
 const PLATE: Condition = Condition::PlaneStress { thickness: 1.0 };
 
-/// The step at `z = 2` of a plate whose nodes move for themselves, times `M E t`.
+/// Step at `z = 2` of a plate with independent nodes, times `M E t`.
 fn critical_step(shells: u32, influence: Influence) -> Result<f64, CaseError> {
     let nodes = Nodes::lattice(1.0, ([0.0; 2], [28.0; 2]), PLATE, |_| true)?;
     let n = nodes.positions().len();
@@ -47,7 +47,7 @@ fn critical_step(shells: u32, influence: Influence) -> Result<f64, CaseError> {
     Ok(2.0 * dt / run.relative_step() * MODULUS)
 }
 
-/// The energy that a strain along an edge lacks near it, as the depth of a layer that is not there (horizons).
+/// Energy deficit of a strain near an edge, as the depth of a layer without stiffness (horizons).
 fn lost_layer(shells: u32, influence: Influence) -> Result<f64, CaseError> {
     let horizon = Horizon::of_shells(shells, 1.0)?;
     let config = config(horizon, influence, VolumeCorrection::Ramp);
@@ -62,7 +62,7 @@ fn lost_layer(shells: u32, influence: Influence) -> Result<f64, CaseError> {
     Ok(lost / horizon.radius())
 }
 
-/// Energies of a uniform extension and of a crack over those meant, less one.
+/// Relative errors of the energies of a uniform extension and of a crack.
 fn energies(shells: u32, influence: Influence) -> Result<[f64; 2], CaseError> {
     let horizon = Horizon::of_shells(shells, 1.0)?;
     let config = config(horizon, influence, VolumeCorrection::Ramp);
@@ -103,7 +103,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![Drawing { table, ..step }, layer, energy])
 }
 
-/// What is drawn.
+/// Charts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Of {
     Step,

@@ -1,4 +1,4 @@
-//! How fast a plate may be pulled, with and without the affine predictor.
+//! Loading rate limit of a plate, with and without the affine predictor.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
@@ -13,45 +13,45 @@ use crate::draw::ChartKind;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-load",
-    title: "a notched plate pulled in a number of overdamped steps: where its bonds break",
+    title: "a notched plate under tension in a number of overdamped steps: where its bonds break",
     draw,
 };
 
 const STRENGTH: f64 = 0.01;
-/// The mean strain at the end, over the strength.
+/// Mean strain at the end, over the strength.
 const STRAIN: f64 = 0.5;
 const NOTCH: f64 = 0.3;
 const Z: f64 = 0.9;
 const SHELLS: u32 = 3;
 const PREDICTORS: [(&str, Pull); 2] =
-    [("affine predictor", Pull::Predicted), ("grips alone", Pull::Grips)];
+    [("affine predictor", Pull::Predicted), ("edges alone", Pull::Grips)];
 
-/// What moves with the grips.
+/// Nodes that follow the prescribed displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pull {
-    /// Every node, along their affine field.
+    /// All nodes, by the affine field.
     Predicted,
-    /// Nothing but them.
+    /// Only the edge regions.
     Grips,
 }
 
-/// A square plate of the edge one, its notch half way up on the left.
+/// A square plate of unit width, with a notch at half height on the left.
 struct Plate {
     nodes: Nodes<2>,
     bonds: Bonds,
     per_edge: usize,
     cut: Vec<usize>,
-    /// Step of `z` by Euler's method.
+    /// Step for `z` with Euler's method.
     dt: f64,
 }
 
-/// What broke.
+/// Broken bonds.
 struct Broken {
-    /// Share of all bonds, near the middle line and near the grips; what is left lies between.
+    /// Fraction of all bonds near the centre line, and near the loaded edges; the remainder is between.
     middle: f64,
     grips: f64,
     all: f64,
-    /// Columns that parted in front of the notch, over those there.
+    /// Fraction of the columns ahead of the notch that separated.
     crack: f64,
 }
 
@@ -74,13 +74,13 @@ impl Plate {
         Ok(plate)
     }
 
-    /// Rows of the grips, as many as a horizon has.
+    /// Rows of the edge regions, as many as in a horizon.
     fn grips(&self) -> [Vec<usize>; 2] {
         let (n, rows) = (self.per_edge, SHELLS as usize);
         [(0..rows * n).collect(), ((n - rows) * n..n * n).collect()]
     }
 
-    /// Pulled apart until a time.
+    /// Loads the plate in tension until a time.
     fn run(
         &self,
         pull: Pull,
@@ -166,7 +166,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
             let found = plate.pulled(pull, count)?;
             let x = count as f64;
             rows.push(format!(
-                "  {name:16} {count:6} steps: {:5.1} % of the columns parted; broken {:.2} %, of them {:.2} near the notch's line, {:.2} near the grips",
+                "  {name:16} {count:6} steps: {:5.1} % of the columns parted; broken {:.2} %, of them {:.2} near the notch's line, {:.2} near the edges",
                 100.0 * found.crack, 100.0 * found.all, 100.0 * found.middle, 100.0 * found.grips
             ));
             ahead.push(CurvePoint::at(x, 100.0 * found.crack));
@@ -175,7 +175,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         }
         crack.push(Curve::marked(name, look, ahead));
         places.push(Curve::marked(format!("{name}: near the line of the notch"), look, middle));
-        places.push(Curve::marked(format!("{name}: near the grips"), look + 2, grips));
+        places.push(Curve::marked(format!("{name}: near the edges"), look + 2, grips));
     }
     let table = rows.join("\n");
     let crack = Drawing::curves("peridyn-load-crack", &picture(&plate, Of::Crack, crack))?;
@@ -183,7 +183,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![Drawing { table, ..crack }, places])
 }
 
-/// What is drawn.
+/// Charts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Of {
     Crack,
@@ -198,7 +198,7 @@ fn picture(plate: &Plate, of: Of, series: Vec<Curve>) -> Curves {
             "columns in front of the notch that parted (%)",
         ),
         Of::Places => (
-            "Pulled fast by its grips alone, a plate breaks at them and not at its notch",
+            "Loaded fast at its edges alone, a plate breaks there and not at its notch",
             "broken bonds, of all (%)",
         ),
     };
@@ -211,7 +211,7 @@ fn picture(plate: &Plate, of: Of, series: Vec<Curve>) -> Curves {
             x_label: "steps of the ramp".into(),
             y_label: y_label.into(),
             caption: vec![format!(
-                "What the grips do travels inwards over n² steps, {} here; with the predictor every node moves along at once, and relaxation has the crack alone to follow.",
+                "The prescribed displacement travels inwards over n² steps, {} here; with the predictor every node moves at once, and relaxation only follows the crack.",
                 n * n
             )],
         },

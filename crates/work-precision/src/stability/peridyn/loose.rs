@@ -1,4 +1,4 @@
-//! Nodes that have lost all bonds: how far they walk, and what it costs to hold them.
+//! Nodes without bonds: their random walk, and the bias of a confinement.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{Breaking, Dynamics, Mobility, Scheme, Simulation, SimulationConfig};
@@ -22,7 +22,7 @@ pub(crate) const MAP: ChartKind = ChartKind {
 const CONFINEMENTS: [f64; 4] = [0.0, 1e-3, 1e-2, 1e-1];
 const LANES: usize = 16;
 const STEP: f64 = 0.1;
-/// The strength of bonds of the plate, and what it is over the noise.
+/// Strength of the bonds of the plate, and its ratio to the noise.
 const STRENGTH: (f64, f64) = (0.01, 10.0);
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -30,7 +30,9 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![over_time(is_quick)?, bias(is_quick)?])
 }
 
-/// Mean square displacement of loose nodes at some times, with its standard error; springs and `kT` of one.
+/// Mean square displacement of unbonded nodes at some times, with its standard error.
+///
+/// Spring constants and `kT` are one.
 fn walk(n_nodes: usize, confinement: f64, times: &[f64]) -> Result<Vec<(f64, f64)>, CaseError> {
     let chain = Network::chain(n_nodes)?;
     let mobility = Mobility::identity(&chain.free, 1.0)?;
@@ -53,20 +55,20 @@ fn walk(n_nodes: usize, confinement: f64, times: &[f64]) -> Result<Vec<(f64, f64
         }
         let squares = (0..LANES).flat_map(|lane| run.displacements(lane)).map(|[u]| u * u);
         let variance = squares.sum::<f64>() / (n_nodes * LANES) as f64;
-        // Of a normal law.
+        // Of a normal distribution.
         found.push((variance, variance * (2.0 / (n_nodes * LANES) as f64).sqrt()));
     }
     Ok(found)
 }
 
-/// `2 kT M t` of a free walk, `kT/epsilon (1 - exp(-2 epsilon M t))` of a held one.
+/// `2 kT M t` of a free walk, `kT/epsilon (1 - exp(-2 epsilon M t))` of a confined one.
 fn exact(confinement: f64, t: f64) -> f64 {
     if confinement > 0.0 { -(-2.0 * confinement * t).exp_m1() / confinement } else { 2.0 * t }
 }
 
 fn over_time(is_quick: bool) -> Result<Drawing, CaseError> {
     let (n_nodes, until) = if is_quick { (50, 40.0) } else { (100, 1000.0) };
-    // Whole steps.
+    // Integer numbers of steps.
     let times: Vec<f64> = logarithmic(if is_quick { 5 } else { 10 }, 1.0, until)
         .into_iter()
         .map(|t| (t / STEP).round() * STEP)
@@ -107,7 +109,7 @@ fn over_time(is_quick: bool) -> Result<Drawing, CaseError> {
     Ok(Drawing { table: rows.join("\n"), ..Drawing::curves("peridyn-loose-variance", &chart)? })
 }
 
-/// What `epsilon` takes off the variance of a mode, against how far it lets a loose node go.
+/// Variance reduction of a mode by `epsilon`, against the displacement of an unbonded node.
 fn bias(is_quick: bool) -> Result<Drawing, CaseError> {
     let mut plate = Network::square(8, 3)?;
     let modes = modes(plate.stiffness())?;
@@ -154,7 +156,7 @@ fn bias(is_quick: bool) -> Result<Drawing, CaseError> {
             subtitle: format!("plate of 8 x 8 nodes, three shells, held along one edge; s₀ = {}, s₀/σ = {}", STRENGTH.0, STRENGTH.1),
             x_label: "ε over λ of the softest mode".into(),
             y_label: "part of the variance that is lost; spacings".into(),
-            caption: vec!["Lines: ε/(λ + ε). Points: the stationary law of a step by Leimkuhler and Matthews' method with ε, against that without. The softest mode falls with the size of the plate: what ε costs is to be looked at for each body.".into()],
+            caption: vec!["Lines: ε/(λ + ε). Points: the stationary distribution of a Leimkuhler-Matthews step with ε, relative to that without. The softest mode falls with the size of the plate: what ε costs is to be looked at for each body.".into()],
         },
         across: Scale::Log,
         upwards: Scale::Log,

@@ -1,4 +1,4 @@
-//! Strength over noise: how many bonds of a plate break that nobody loads.
+//! Strength over noise: fraction of bonds of an unloaded plate that break.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::Scheme;
@@ -19,10 +19,10 @@ pub(crate) const MAP: ChartKind = ChartKind {
 };
 
 const STRENGTH: f64 = 0.01;
-/// Of the stiffest mode; Heun's rate of breaking is within 2 % there.
+/// In units of the stiffest mode; the bond failure rate of Heun's method is within 2 % there.
 const Z: f64 = 0.2;
 
-/// The rate of first passage over a level, by a table: the ratio of it to `(1 + b) e^(-b^2/2)` is smooth.
+/// First-passage rate over a level, from a table of its smooth ratio to `(1 + b) e^(-b^2/2)`.
 struct Rates {
     ratios: Vec<f64>,
 }
@@ -94,7 +94,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         for ratio in linear(if is_quick { 10 } else { 46 }, 3.0, 12.0) {
             line.push((ratio, predicted(ratio, time / lambda)));
         }
-        // Below one bond of all lanes a share is not seen.
+        // A fraction below one bond of all lanes is not observable.
         line.retain(|&(_, share)| share * n_bonds * LANES as f64 > 1e-3);
         series.push(Curve::line(format!("after {time}/λ"), look, line));
         series.push(Curve::points("", look, points));
@@ -103,7 +103,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![Drawing { table: rows.join("\n"), ..drawing }])
 }
 
-/// The mean of the lanes and its standard error.
+/// Mean of the lanes and its standard error.
 fn mean(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -136,7 +136,7 @@ fn picture(series: Vec<Curve>, n_bonds: f64) -> Curves {
 mod tests {
     use super::*;
 
-    /// Linear interpolation of a ratio that changes by its size over one: an eighth of the square of the step, 2e-3.
+    /// Error of linear interpolation of a ratio with unit relative change: an eighth of the squared step, 2e-3.
     #[test]
     fn the_table_of_rates_is_that_of_the_eigenvalue() {
         let rates = Rates::new();

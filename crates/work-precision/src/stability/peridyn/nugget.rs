@@ -1,4 +1,4 @@
-//! A mobility that couples nodes: what a smooth correlation without a nugget costs.
+//! A mobility that couples nodes: the cost of a smooth correlation without a nugget.
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use nalgebra::DVector;
@@ -19,12 +19,15 @@ pub(crate) const MAP: ChartKind = ChartKind {
     draw,
 };
 
-/// Where no nugget at all is drawn.
+/// Abscissa of points without a nugget.
 const NONE: f64 = 1e-14;
-/// Steps of a run that is held against the eigenvalue.
+/// Steps of a run that is compared with the eigenvalue.
 const STEPS: i32 = 100;
 
-/// The eigenvalues of `M K` are the squares of a product of factors: below this part of the largest they are roundoff.
+/// The slowest eigenvalue of `M K` is roundoff.
+///
+/// The eigenvalues are squared singular values of a product of factors: below this fraction of the largest they are
+/// roundoff.
 #[derive(Debug, thiserror::Error)]
 #[error("the slowest mode is {value:e} of the fastest, which is roundoff of {n} unknowns")]
 struct Unresolved {
@@ -34,9 +37,9 @@ struct Unresolved {
 
 /// The slowest mode of `M K`.
 struct Slowest {
-    /// Over the fastest.
+    /// Steps from the eigenvalue, in units of the fastest mode.
     steps: f64,
-    /// Per step of `z = 1`, in a run: the same, up to the code.
+    /// Steps from a run at `z = 1`: the same, up to errors of the code.
     in_run: f64,
 }
 
@@ -49,7 +52,7 @@ fn slowest(network: &Network<2>, mobility: &Mobility) -> Result<Slowest, CaseErr
         return Err("a network without a mode".into());
     };
     let (value, n) = (low / high, network.n_unknowns());
-    // NaN fails too.
+    // Also true for NaN.
     if !matches!(value.partial_cmp(&(n as f64 * f64::EPSILON)), Some(std::cmp::Ordering::Greater)) {
         return Err(Unresolved { value, n }.into());
     }
@@ -57,7 +60,7 @@ fn slowest(network: &Network<2>, mobility: &Mobility) -> Result<Slowest, CaseErr
     Ok(Slowest { steps: high / low, in_run })
 }
 
-/// One over the rate at which a shape decays in a step.
+/// Inverse of the decay rate of a mode shape in a step.
 fn decay(
     network: &Network<2>,
     mobility: &Mobility,
@@ -77,7 +80,7 @@ fn decay(
         let _ = run.step()?;
     }
     let after = run.displacements(0);
-    // Along the shape: what roundoff wakes of other modes is across it.
+    // Component along the mode shape: modes excited by roundoff are orthogonal to it.
     let along: f64 =
         unknowns.iter().zip(shape).map(|(&(node, k), value)| after[node][k] * scale * value).sum();
     let part = along / (scale * scale * shape.norm_squared());
@@ -141,7 +144,7 @@ fn picture(series: Vec<Curve>, alone: f64, n: f64) -> Curves {
             subtitle: format!("{n} x {n} nodes, two shells, held along one edge; Gaussian correlation of the integral scale l, factorised in full"),
             x_label: "nugget, over what nodes share; leftmost: none".into(),
             y_label: "steps of z = 1 for the slowest mode to fall by e".into(),
-            caption: vec!["The largest eigenvalue of M K over its smallest. Crosses: the matrix is refused as not positive definite, with the row of its pivot.".into()],
+            caption: vec!["The largest eigenvalue of M K over its smallest. Crosses: the matrix is rejected as not positive definite, with the row of its pivot.".into()],
         },
         across: Scale::Log,
         upwards: Scale::Log,
@@ -154,7 +157,7 @@ fn picture(series: Vec<Curve>, alone: f64, n: f64) -> Curves {
 mod tests {
     use super::*;
 
-    /// With `M` of one the modes are those of `K`.
+    /// For `M = 1` the modes are those of `K`.
     #[test]
     fn without_correlation_the_steps_are_the_condition_of_the_stiffness() {
         let network = Network::square(5, 2).unwrap();

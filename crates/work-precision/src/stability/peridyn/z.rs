@@ -1,4 +1,4 @@
-//! The step against the stiffest mode: by scheme, in a body that is stretched.
+//! The step relative to the stiffest mode: by scheme, and in a stretched body.
 
 mod stretched;
 
@@ -31,7 +31,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(vec![variance(is_quick)?, stretched::map(is_quick)?])
 }
 
-/// Steps about the limit, and for implicit schemes far beyond.
+/// Steps around the limit, and for implicit schemes far beyond.
 fn steps(is_quick: bool, is_implicit: bool) -> Vec<f64> {
     let mut steps = logarithmic(if is_quick { 4 } else { 10 }, 0.1, 1.8);
     steps.extend([1.95, 1.998, 2.002, 2.2]);
@@ -41,7 +41,7 @@ fn steps(is_quick: bool, is_implicit: bool) -> Vec<f64> {
     steps
 }
 
-/// The variance of the stiffest mode of a chain over `kT/lambda`.
+/// Variance of the stiffest mode of a chain over `kT/lambda`.
 fn variance(is_quick: bool) -> Result<Drawing, CaseError> {
     let chain = Network::chain(10)?;
     let (lambda, mode) = modes(chain.stiffness())?.pop().ok_or("a chain without a mode")?;
@@ -64,7 +64,7 @@ fn variance(is_quick: bool) -> Result<Drawing, CaseError> {
         series.push(Curve::points("", look, points));
     };
     for (look, scheme) in SCHEMES.into_iter().enumerate() {
-        // The code knows its stiffest mode to a part in a thousand.
+        // The code estimates its stiffest mode to one part in a thousand.
         let known = rate(&chain, &overdamped(&mobility, 0.0, scheme))?;
         let ratio = |z: f64| -> Result<f64, CaseError> {
             let covariance = law_of(&chain, &mobility, scheme, z * known / lambda)?.covariance;

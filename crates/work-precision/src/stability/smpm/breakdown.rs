@@ -1,4 +1,4 @@
-//! Where Taylor series end: the coefficient of variation, first yield, the arrival of a shock.
+//! Limits of Taylor series: coefficient of variation, first yield, arrival of a shock.
 
 use figures::{
     Drawing, Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
@@ -12,32 +12,32 @@ use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
 use crate::context::{CaseError, Context, Profile};
 use crate::problems::smpm::problems::{Problem, experiment};
 
-/// Above this ratio of curvature to slope the variance of a Taylor series is not to be believed.
+/// Ratio of curvature to slope above which the variance of a Taylor series is not reliable.
 const TRUSTED: f64 = 0.03;
-/// Beyond this coefficient of variation a normal law would leave the range of its parameter.
+/// Coefficient of variation above which a normal distribution would leave the range of its parameter.
 const MOST_NORMAL: f64 = 0.2;
-/// Of the map over time.
+/// Coefficient of variation of the map over time.
 const USUAL: f64 = 0.05;
-/// A variance below this part of the largest over time is none: the wave is not there yet.
+/// Fraction of the largest variance over time below which the wave has not arrived.
 const NOTHING: f64 = 1e-6;
-/// Of central differences, in standard deviations.
+/// Step of central differences, in standard deviations.
 const DIFFERENCE: f64 = 0.02;
-/// Of the raw samples whose standard error is drawn.
+/// Number of raw samples whose standard error is drawn.
 const RAW: f64 = 100.0;
 
-/// The gauge at a point of the plate that runs into a wall.
+/// The gauge at a point of the plate that impacts a wall.
 const POINT: &str = "P";
 
-/// What is looked at, by gauge, quantity and time.
+/// Observed responses, by gauge, quantity and time.
 struct Look {
     problem: Problem,
     words: &'static str,
     quantities: &'static [&'static str],
-    /// The first time, the time between two (us), and how many.
+    /// First time, interval (us), and number of times.
     times: (f64, f64, u32),
-    /// Over the coefficient of variation: name of the file, words, gauge, quantity, time (us).
+    /// Maps over the coefficient of variation: file name, label, gauge, quantity, time (us).
     at: &'static [(&'static str, &'static str, &'static str, usize, f64)],
-    /// Over time: name of the file, words, gauge, quantity.
+    /// Maps over time: file name, label, gauge, quantity.
     over_time: &'static [(&'static str, &'static str, &'static str, usize)],
 }
 
@@ -98,28 +98,30 @@ impl Look {
     }
 }
 
-/// The methods, in the order of [`Judged::errors`].
+/// Methods, in the order of [`Judged::errors`].
 const METHODS: [&str; 4] =
     ["frozen, corrected", "propagated, by jets", "finite differences", "sigma points"];
 
-/// A law, solved by all methods and by the samples that judge them; all by response.
+/// A distribution, solved by all methods and by the reference samples; all by response.
 struct Judged {
     coefficient_of_variation: f64,
-    /// Gauge, quantity and time of each.
+    /// Gauge, quantity and time of each response.
     responses: Vec<(String, usize, f64)>,
     variance: Vec<f64>,
-    /// Of each method, the error of its variance over the sampled one; or why it has none.
+    /// Error of each method's variance relative to the sampled one, or why it is missing.
     errors: Vec<Result<Vec<f64>, String>>,
-    /// Of the controlled and of the raw variance of [`RAW`] samples, over that variance.
+    /// Standard errors of the controlled variance and of the raw variance, relative to that variance.
+    ///
+    /// The raw variance is that of [`RAW`] samples.
     standard_error: Vec<f64>,
     raw_error: Vec<f64>,
-    /// The curvature ratio, and the distance to a switch (deviations); or why there is none.
+    /// Curvature ratio and distance to a switch (deviations), or why they are missing.
     indicators: Vec<(f64, f64)>,
     n_failed: usize,
 }
 
 impl Judged {
-    /// The errors of a response as a line of the table below the picture.
+    /// Errors of a response as a row of the table below the picture.
     fn row(&self, response: usize) -> String {
         let of = |errors: &Result<Vec<f64>, String>| match errors {
             Ok(errors) => format!("{:+9.2} %", 100.0 * errors[response]),
@@ -136,7 +138,7 @@ impl Judged {
         )
     }
 
-    /// Solves under one coefficient of variation for all parameters.
+    /// Solves for one coefficient of variation of all parameters.
     fn of<const D: usize, const N: usize>(
         scene: &SmpmScene,
         strength: f64,
@@ -252,10 +254,10 @@ pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
-/// A line beside the errors: its name, and its value at a response.
+/// A line on the chart of errors: its name, and its value at a response.
 type Level = (&'static str, fn(&Judged, usize) -> f64);
 
-/// The error of every method over the coefficient of variation, with the indicator's warning.
+/// Error of every method over the coefficient of variation, with warnings of the indicators.
 fn over_variation(
     (name, what, problem): (&str, &str, &str),
     judged: &[Judged],
@@ -311,12 +313,12 @@ fn over_variation(
     let mut rows = vec![format!("  {what}: {}", METHODS.join(" | "))];
     rows.extend(judged.iter().map(|one| one.row(response)));
     let name = format!("smpm-breakdown-{name}");
-    // Every method is asked at the same coefficients.
+    // Every method runs at the same coefficients.
     let chart = WorkPrecision { words, reading: Reading::Parameter, series };
     Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows.join("\n")))
 }
 
-/// The error of every method over time, and where it is warned of.
+/// Error of every method over time, with warnings.
 fn over_time(
     (name, what, problem): (&str, &str, &str),
     judged: &Judged,
@@ -338,7 +340,7 @@ fn over_time(
         lines.push(Line { name: (*method).to_owned(), points });
     }
     let own = responses.iter().map(|&(time, r)| (time, Some(judged.standard_error[r])));
-    lines.push(Line { name: "standard error of the judge".into(), points: own.collect() });
+    lines.push(Line { name: "standard error of the reference".into(), points: own.collect() });
     let jets = judged.errors[1].as_ref().map_err(Clone::clone)?;
     let warned = |letter: char, name: &str| ReferencePoints {
         name: name.into(),
@@ -362,7 +364,7 @@ fn over_time(
     let rows: Vec<String> = responses.iter().map(row).collect();
     let chart = TimeSeries {
         words: Words {
-            title: format!("Where derivatives do not say the variance: {what}"),
+            title: format!("Where derivatives do not determine the variance: {what}"),
             subtitle: format!("{problem}, coefficient of variation {USUAL}, normal"),
             x_label: "time (us)".into(),
             y_label: "relative error of the variance".into(),

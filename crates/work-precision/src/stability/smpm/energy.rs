@@ -1,4 +1,4 @@
-//! The energy of an explosion over the Courant number.
+//! Energy of an explosion over the Courant number.
 
 use figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use rayon::prelude::*;
@@ -10,13 +10,13 @@ use crate::problems::smpm::schemes::{Explosion, FLIP, ORDERS, SHAPES, scheme};
 use crate::stability::Work;
 use crate::stability::axes::logarithmic;
 
-/// Until when it is followed (us).
+/// End time (us).
 const TIME: f64 = 40.0;
 /// Edge of a cell (cm).
 const CELL: f64 = 0.5;
 const MOST_STEPS: u64 = 20_000;
 
-/// Linear and quadratic functions in all update orders; the others, and APIC, in the usual one.
+/// Linear and quadratic functions in all update orders; the others, and APIC, in the default order.
 fn schemes() -> Vec<(String, SchemeScene)> {
     let of = |(shape, shape_name): (ShapeScene, &str),
               (order, order_name): (OrderScene, &str),
@@ -36,12 +36,12 @@ fn schemes() -> Vec<(String, SchemeScene)> {
     all
 }
 
-/// A run: its Courant number, and the change of the energy or why there is none.
+/// A run: its Courant number, and the energy change or why it is missing.
 type Point = (f64, Result<f64, String>);
 
 pub(super) fn chart(n: u32) -> Result<Drawing, CaseError> {
     let mut numbers = logarithmic(n, 0.1, 0.95);
-    // Refused: a wave would cross a cell.
+    // Rejected: a wave would cross a cell.
     numbers.push(1.1);
     let follow = |scheme: &SchemeScene, courant: f64| -> Point {
         let scheme = SchemeScene { courant_number: Some(courant), ..scheme.clone() };
@@ -81,7 +81,7 @@ pub(super) fn chart(n: u32) -> Result<Drawing, CaseError> {
             x_label: "Courant number".into(),
             y_label: "change of the energy, over that of the start".into(),
             caption: vec![
-                "A plus marks a gain, a cross above a typed error: beyond 1 a wave crosses a cell and the number is refused; within it the energy grew by 20 %, or a particle became faster in the step than it was allowed for.".into(),
+                "A plus marks a gain, a cross above a typed error: beyond 1 a wave crosses a cell and the number is rejected; within it the energy grew by 20 %, or a particle became faster in the step than it was allowed for.".into(),
             ],
         },
         reading: Reading::Parameter,

@@ -1,4 +1,4 @@
-//! Numerical fracture: a gas whose particles move apart until they no longer see each other.
+//! Numerical fracture: a gas whose particles separate until they no longer interact.
 
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
@@ -14,19 +14,19 @@ const SHAPES: [(Shape, &str); 4] = [
 ];
 const TRANSFERS: [(Transfer, &str); 2] =
     [(Transfer::Flip { damping_time: f64::INFINITY }, "FLIP"), (Transfer::Apic, "APIC")];
-/// A volume that is off by this much is that of particles that part.
+/// Relative volume error that indicates separation.
 const PARTED: f64 = 0.05;
-/// How far the gas is stretched.
+/// Largest stretch of the gas.
 const MOST_STRETCH: f64 = 12.0;
 
-/// Stretches, and the volume of the particles in the middle over the true one, until the run ends; and why it did.
+/// Stretches and the volume ratio of the central particles until the run ends, with the reason.
 struct Stretched {
     ratios: Vec<(f64, f64)>,
     end: Option<String>,
 }
 
 impl Stretched {
-    /// The stretch at which the volume is off by [`PARTED`].
+    /// Stretch at which the volume error reaches [`PARTED`].
     fn parts_at(&self) -> Option<f64> {
         self.ratios.iter().find(|(_, ratio)| (ratio - 1.0).abs() > PARTED).map(|&(at, _)| at)
     }
@@ -43,7 +43,7 @@ impl Stretched {
     }
 }
 
-/// A gas without noteworthy pressure, each particle of which moves at `v = x/(1 s)`: the exact stretch is `1 + t`.
+/// A gas with negligible pressure whose particles move at `v = x/(1 s)`: the exact stretch is `1 + t`.
 fn stretch(shape: Shape, transfer: Transfer, per_cell: f64) -> Result<Stretched, CaseError> {
     let equation = StiffenedGas::new(StiffenedGasParameters {
         density: 1.0,
@@ -114,7 +114,8 @@ pub(super) fn chart() -> Result<Drawing, CaseError> {
 mod tests {
     use super::*;
 
-    /// Hats see two cells, quadratic splines three: a gas with two particles a cell parts later with them.
+    /// Hat functions span two cells, quadratic splines three: a gas with two particles per cell separates later with
+    /// splines.
     #[test]
     fn a_stretched_gas_parts_later_the_farther_its_shape_function_reaches() {
         let flip = TRANSFERS[0].0;
@@ -122,7 +123,7 @@ mod tests {
         let [hat, quadratic, cubic] =
             [Shape::Linear, Shape::QuadraticBSpline, Shape::CubicBSpline].map(parts);
         assert!(1.5 < hat && hat < quadratic && quadratic < cubic, "{hat} {quadratic} {cubic}");
-        // A particle of GIMP reaches at most one cell to either side.
+        // A GIMP particle reaches at most one cell to either side.
         let gimp = stretch(Shape::Gimp, flip, 2.0).unwrap();
         assert!(gimp.parts_at().is_none() && gimp.end.unwrap().contains("half length"));
     }

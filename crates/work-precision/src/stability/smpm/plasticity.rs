@@ -1,4 +1,4 @@
-//! The plastic strain that noise of crossed cells makes, at gauge H of an explosion.
+//! Plastic strain caused by cell-crossing noise, at gauge H of an explosion.
 
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::problems::smpm::schemes::{Explosion, FLIP, SHAPES, scheme};
 /// Edges of cells (cm).
 const CELLS: [f64; 2] = [0.5, 0.25];
 
-/// Followed until `end` (us).
+/// Runs to `end` (us) and draws the chart.
 pub(super) fn chart(end: f64) -> Result<Drawing, CaseError> {
     let times: Vec<f64> = (1..=60).map(|k| end * f64::from(k) / 60.0).collect();
     let [_, _, quadratic, cubic] = SHAPES;

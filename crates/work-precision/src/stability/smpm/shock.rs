@@ -8,13 +8,13 @@ use crate::problems::smpm::schemes::{FLIP, ORDERS, SHAPES, Shock, scheme};
 use crate::stability::axes::{linear, logarithmic, words};
 use crate::stability::{Panel, Work};
 
-/// Most steps of a run: ten times what a usual one takes.
+/// Work limit in steps: ten times that of a usual run.
 const MOST_STEPS: u64 = 10_000;
-/// Of the pressure behind the front.
+/// Tolerance of the pressure behind the front.
 const TOLERANCE: f64 = 0.05;
 /// Cells of half a millimetre (cm).
 const CELL: f64 = 0.05;
-/// What is damped where the viscosity is not swept.
+/// Linear viscosity where it is not swept.
 const VISCOSITY: f64 = 0.3;
 
 /// Every shape function with modified stress last, and the other update orders with quadratic B-splines.
@@ -30,7 +30,7 @@ pub(super) fn maps(n: u32) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
-/// The larger of ripple and error of the mean.
+/// The larger of post-shock oscillation and error of the mean.
 fn error(scheme: &SchemeScene, per_cell: u32, work: &mut Work) -> Result<f64, CaseError> {
     let mut scene = Shock::USUAL.scene(scheme, CELL)?;
     scene.grid.particles_per_cell = per_cell;
@@ -38,14 +38,13 @@ fn error(scheme: &SchemeScene, per_cell: u32, work: &mut Work) -> Result<f64, Ca
     Ok(behind.ripple.max(behind.pressure.abs()))
 }
 
-/// The Courant number at which a wave crosses a cell in a step.
+/// Courant number at which a wave crosses a cell in a step.
 const REFUSED: f64 = 1.0;
 
-const SUBTITLE: &str =
-    "pressure behind a shock of 0.47 Mbar in steel: the larger of ripple and error of the mean";
+const SUBTITLE: &str = "pressure behind a shock of 0.47 Mbar in steel: the larger of post-shock oscillation and error of the mean";
 
 const FOOT: &str = "A plate at 1 km/s on a rigid wall, cells of 0.5 mm, quadratic viscosity 1.5. \
-     Boundary: a wave crosses a cell in a step; such a Courant number is refused.";
+     Boundary: a wave crosses a cell in a step; such a Courant number is rejected.";
 
 fn viscosity(
     n: u32,
@@ -113,7 +112,7 @@ mod tests {
     use super::*;
     use crate::stability::{Map, Outcome};
 
-    /// Every run ends in a number or in an error that says what was out of range.
+    /// Every run ends in a number or in an error that names what was out of range.
     #[test]
     fn beyond_the_courant_limit_every_run_is_refused_and_within_it_none_is_without_a_number() {
         let order = (OrderScene::ModifiedStressLast, "MUSL");
@@ -129,7 +128,7 @@ mod tests {
                 }
             }
         }
-        // 1.4 of linear viscosity damps the ringing at a small step.
+        // A linear viscosity of 1.4 damps the oscillation at a small step.
         let damped = map.points.iter().find(|point| point.x > 1.0 && point.y < 0.2).unwrap();
         assert!(matches!(damped.outcome, Outcome::Accurate { .. }), "{damped:?}");
     }

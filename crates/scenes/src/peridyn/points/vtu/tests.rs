@@ -1,4 +1,4 @@
-//! Every format of an array against the same numbers, and files that are none.
+//! Every array format compared with the same numbers, and invalid files.
 
 use std::io::Write;
 
@@ -9,7 +9,7 @@ use super::*;
 const POINTS: [[f64; 2]; 3] = [[0.25, 0.1], [0.5, -2.0], [1e-3, 0.3]];
 const VOLUMES: [f64; 3] = [1.5, 2.5, 0.1];
 
-/// A head with a number type, and two arrays with a format and what stands in them.
+/// A file with a header number type, two arrays with a format and their contents.
 fn file(header: &str, arrays: [&str; 2], appended: &str) -> Vec<u8> {
     let [points, volumes] = arrays;
     format!(
@@ -28,7 +28,7 @@ fn bytes() -> [Vec<u8>; 2] {
     [points, VOLUMES.iter().flat_map(|volume| volume.to_le_bytes()).collect()]
 }
 
-/// In blocks, each by zlib, with the header encoded apart.
+/// Compresses blocks by zlib, with the header encoded separately.
 fn compressed(bytes: &[u8], length: usize) -> String {
     let deflate = |block: &[u8]| {
         let mut out = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
@@ -83,7 +83,7 @@ fn a_file_of_this_workspace_is_read_as_it_was_written() {
     assert_eq!(table.names.remove(2), "id");
     check(&table);
     for length in 0..out.len() {
-        // What is cut short before the end of the volumes is refused, wherever it is cut.
+        // A file truncated anywhere before the end of the volumes is rejected.
         if let Ok(mut table) = read(&out[..length]) {
             table.names.retain(|name| name != "id");
             check(&table);
@@ -122,7 +122,7 @@ fn files_that_are_no_points_of_a_plane_are_refused_in_words() {
     assert_eq!(refused(two.as_bytes()), "there are 2 pieces; there must be one");
 }
 
-/// A third of a megabyte that holds 240 MB, and a count of points without any.
+/// A third of a megabyte that expands to 240 MB, and a count of points without data.
 #[test]
 fn more_than_can_be_read_is_refused_before_it_is_there() {
     let zeros = compressed(&vec![0; MOST_BYTES], MOST_BYTES);

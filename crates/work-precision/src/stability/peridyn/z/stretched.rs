@@ -1,4 +1,4 @@
-//! A body that is stretched becomes stiffer across its bonds than it was when its step was checked.
+//! A stretched body: its transverse bond stiffness exceeds that of the initial step check.
 
 use figures::{Drawing, Scale};
 use nalgebra::DMatrix;
@@ -14,11 +14,11 @@ use crate::problems::peridyn::network::Network;
 use crate::stability::axes::{linear, words};
 use crate::stability::{Panel, Work};
 
-/// Steps in which it is stretched, and steps after that.
+/// Steps during the stretching, and steps after it.
 const STEPS: [u64; 2] = [200, 8000];
 /// Distance from the uniform stretch, in spacings.
 const TOLERANCE: f64 = 0.01;
-/// `kT` over the stiffness of a bond (spacings squared): what an instability grows from.
+/// `kT` over the stiffness of a bond (spacings squared): the perturbation from which an instability grows.
 const TEMPERATURE: f64 = 1e-16;
 
 /// A square whose two outer layers on each side follow a uniform stretch.
@@ -32,7 +32,9 @@ fn plate() -> Result<Network<2>, CaseError> {
     Ok(network)
 }
 
-/// The stiffest mode of the free nodes at a uniform stretch: a bond adds `k n n^T` along and `k (1 - 1/(1 + e))` across itself.
+/// Stiffest mode of the free nodes at a uniform stretch.
+///
+/// A bond adds `k n n^T` along and `k (1 - 1/(1 + e))` across itself.
 fn stiffest(network: &Network<2>, stretch: f64) -> Result<f64, CaseError> {
     let unknowns = network.unknowns();
     let mut number = vec![None; network.free.len() * 2];
@@ -59,7 +61,7 @@ fn stiffest(network: &Network<2>, stretch: f64) -> Result<f64, CaseError> {
     Ok(modes(matrix)?.pop().ok_or("a plate without a mode")?.0)
 }
 
-/// The largest distance of a node from the uniform stretch, in spacings.
+/// Largest distance of a node from the uniform stretch, in spacings.
 fn follow(
     network: &Network<2>,
     (stretch, dt): (f64, f64),
@@ -105,7 +107,7 @@ pub(super) fn map(is_quick: bool) -> Result<Drawing, CaseError> {
             "A step that is stable at rest is not stable in a body that is stretched far".into(),
             "plate of 9 x 9 nodes, finite strain, unbreakable bonds, Euler's method, hardly any noise; distance from the uniform stretch, in spacings",
             ["uniform stretch of the plate", "z = h M λ of the stiffest mode at rest"],
-            "Boundary: z λ(stretch)/λ(rest) = 2, since tension makes a bond stiff across itself. The check at the start knows the body at rest: z of 2 and more is refused. What comes later is not told: nodes swing through each other by about a spacing, and no number overflows.",
+            "Boundary: z λ(stretch)/λ(rest) = 2, since tension makes a bond stiff across itself. The initial check uses the body at rest: z of 2 and more is rejected. Later instability is not reported: nodes swing through each other by about a spacing, and no number overflows.",
         ),
         scale: Scale::Linear,
         across: linear(across, 0.0, 3.0),
@@ -122,7 +124,7 @@ pub(super) fn map(is_quick: bool) -> Result<Drawing, CaseError> {
 mod tests {
     use super::*;
 
-    /// The boundary is a theorem: no accurate run outside, and within it none that ends.
+    /// The boundary is a theorem: no accurate run outside it, and no failed run inside it.
     #[test]
     fn no_run_contradicts_the_boundary_and_what_is_refused_says_why() {
         let drawing = map(true).unwrap();

@@ -18,19 +18,19 @@ pub const TARGETS: [&str; 9] =
 #[non_exhaustive]
 pub enum RecordError {
     /// The target does not exist.
-    #[error("there is no target `{name}`; there are {}", TARGETS.join(", "))]
+    #[error("there is no target `{name}`; available: {}", TARGETS.join(", "))]
     NoTarget {
         /// Its name.
         name: String,
     },
     /// Files differ from the commit.
-    #[error("not recorded: these files are not as committed: {}", .files.join(", "))]
+    #[error("not recorded: these files differ from the commit: {}", .files.join(", "))]
     Uncommitted {
         /// Files outside `docs`.
         files: Vec<String>,
     },
     /// There is no commit.
-    #[error("not recorded: there is no git here, or no commit")]
+    #[error("not recorded: there is no commit")]
     NoCommit,
     /// A target failed.
     #[error("the target `{name}` failed")]

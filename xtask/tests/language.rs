@@ -1,8 +1,8 @@
-//! The language of pages, comments and messages: the field's words, short sentences, short lines.
+//! Language check of pages, comments and messages: standard terms, short sentences, short lines.
 //!
-//! Read are the prose of Markdown pages, and the comments and strings of Rust files. Generated pages are left out: their text
-//! comes from the sources.
-//! `language/pending.txt` counts what a file still has from before; a count may fall, and not rise.
+//! It reads the prose of Markdown pages, and the comments and strings of Rust files. Generated pages are excluded, because
+//! their text comes from the sources. `language/pending.txt` holds the allowed findings of each file; a count may only
+//! decrease.
 
 #[path = "shared/folder.rs"]
 mod folder;
@@ -18,12 +18,12 @@ use words::ENTRIES;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-/// No line of a page is longer, in characters.
+/// Largest length of a page's line, in characters.
 const LONGEST_LINE: usize = 400;
-/// No sentence is longer, in words.
+/// Largest length of a sentence, in words.
 const LONGEST_SENTENCE: usize = 40;
 
-/// Written by a command, from sources that are read here.
+/// Pages that a command generates from sources checked here.
 const GENERATED: [&str; 6] = [
     "docs/verification.md",
     "docs/benchmarks.md",
@@ -33,23 +33,23 @@ const GENERATED: [&str; 6] = [
     "CHANGELOG.md",
 ];
 
-/// These files name the words that are not used.
+/// Files that list the avoided words.
 const ABOUT_WORDS: [&str; 2] = ["xtask/tests/language.rs", "xtask/tests/language/words.rs"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-// ---- what is read ----
+// ---- prose ----
 
-/// A stretch of prose: the number of its first line, and its text without code.
+/// A piece of prose: the number of its first line, and its text without code.
 #[derive(Debug, PartialEq)]
 struct Prose {
     line: usize,
     text: String,
 }
 
-/// Without what is between backticks, and without the targets of links.
+/// Removes code spans and the targets of links.
 fn without_code(line: &str) -> String {
     let spans: Vec<&str> = line.split('`').collect();
     let mut text = spans.iter().step_by(2).copied().collect::<Vec<_>>().join("x");
@@ -62,7 +62,7 @@ fn without_code(line: &str) -> String {
     text
 }
 
-/// Paragraphs, list items, headings and rows of tables of a page.
+/// Lines of prose on a page: paragraphs, list items, headings and rows of tables.
 fn of_page(page: &str) -> Vec<Prose> {
     let (mut all, mut code): (Vec<Prose>, bool) = (Vec::new(), false);
     for (i, line) in page.lines().enumerate() {
@@ -75,7 +75,7 @@ fn of_page(page: &str) -> Vec<Prose> {
     all
 }
 
-/// Comments of a source, neighbouring lines joined, and its strings.
+/// Comments of a source, with adjacent lines joined, and its strings.
 fn of_source(source: &str) -> Vec<Prose> {
     let (mut all, mut last_comment): (Vec<Prose>, usize) = (Vec::new(), 0);
     let mut code = false;
@@ -97,7 +97,7 @@ fn of_source(source: &str) -> Vec<Prose> {
         } else {
             code = false;
             let strings: Vec<&str> = line.split('"').skip(1).step_by(2).collect();
-            // A sentence has a space; a key or a path has none.
+            // A sentence contains a space; a key or a path contains none.
             let sentences = strings.into_iter().filter(|text| text.contains(' '));
             all.extend(sentences.map(|text| Prose { line: i + 1, text: without_code(text) }));
         }
@@ -105,14 +105,14 @@ fn of_source(source: &str) -> Vec<Prose> {
     all
 }
 
-/// Whether a line of a comment belongs to the sentence before it.
+/// Whether a line of a comment continues the sentence before it.
 fn continues(text: &str) -> bool {
     !text.is_empty() && !text.starts_with(['-', '|', '#', '$', '*'])
 }
 
-// ---- what is found ----
+// ---- findings ----
 
-/// The words of a text in small letters, with what separates sentences as words of their own.
+/// Words of a text in small letters, with sentence separators as separate words.
 fn words_of(text: &str) -> Vec<String> {
     let is_inside = |c: char| c.is_alphanumeric() || matches!(c, '\'' | '-');
     let (mut all, mut word) = (Vec::new(), String::new());
@@ -134,7 +134,7 @@ fn words_of(text: &str) -> Vec<String> {
     all
 }
 
-/// The phrases of the list that a text has, each with what to write instead.
+/// Avoided phrases in a text, each with its replacement.
 fn avoided(text: &str) -> Vec<(&'static str, &'static str)> {
     let words = words_of(text);
     let mut found = Vec::new();
@@ -156,9 +156,9 @@ fn long_sentences(text: &str) -> Vec<usize> {
     lengths.filter(|&length| length > LONGEST_SENTENCE).collect()
 }
 
-/// What is wrong with a file, a line for each.
+/// Findings in a file, one line each.
 fn found_in(path: &str, text: &str) -> Vec<String> {
-    let is_page = path.ends_with(".md");
+    let is_page = Path::new(path).extension().is_some_and(|ending| ending == "md");
     let mut found = Vec::new();
     for Prose { line, text } in if is_page { of_page(text) } else { of_source(text) } {
         for (phrase, write) in avoided(&text) {
@@ -184,7 +184,7 @@ fn found_in(path: &str, text: &str) -> Vec<String> {
 
 // ---- the tree ----
 
-/// The counts of `pending.txt` by path.
+/// Counts of `pending.txt` by path.
 fn pending(text: &str) -> BTreeMap<String, usize> {
     let entry = |line: &str| {
         let (count, path) = line.split_once(' ')?;
@@ -193,7 +193,7 @@ fn pending(text: &str) -> BTreeMap<String, usize> {
     text.lines().filter_map(entry).collect()
 }
 
-/// Every file that is read, by its path from the root, with what is wrong with it.
+/// Findings in every checked file, by its path from the root.
 fn found_in_tree() -> std::io::Result<BTreeMap<String, Vec<String>>> {
     let mut all = BTreeMap::new();
     for ending in [".md", ".rs"] {
@@ -201,7 +201,7 @@ fn found_in_tree() -> std::io::Result<BTreeMap<String, Vec<String>>> {
             let path = file.strip_prefix(root()).unwrap_or(&file);
             let path = path.to_string_lossy().replace('\\', "/");
             let is_left_out = |part: &&str| path.starts_with(*part) || path.ends_with(*part);
-            if !GENERATED.iter().chain(&ABOUT_WORDS).any(|part| is_left_out(&part)) {
+            if !GENERATED.iter().chain(&ABOUT_WORDS).any(is_left_out) {
                 let found = found_in(&path, &fs::read_to_string(&file)?);
                 all.insert(path, found);
             }
@@ -210,8 +210,10 @@ fn found_in_tree() -> std::io::Result<BTreeMap<String, Vec<String>>> {
     Ok(all)
 }
 
-/// `LANGUAGE_RECORD=1 cargo test -p xtask --test language` writes the counts anew, which is right where they fell;
-/// `LANGUAGE_SHOW=PATH` lists what is found in the files whose paths begin so.
+/// Findings do not exceed the pending counts.
+///
+/// `LANGUAGE_RECORD=1 cargo test -p xtask --test language` rewrites the counts, after they have decreased.
+/// `LANGUAGE_SHOW=PATH` lists the findings in files whose paths begin with `PATH`.
 #[test]
 fn pages_comments_and_messages_use_the_words_of_the_field() -> Outcome {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language/pending.txt");

@@ -15,7 +15,7 @@ pub enum ChartError {
         value: f64,
     },
     /// A value on a logarithmic axis is zero or negative.
-    #[error("series `{series}`: the {quantity} {value} has no place on a logarithmic axis")]
+    #[error("series `{series}`: the {quantity} {value} cannot be drawn on a logarithmic axis")]
     NotPositive {
         /// Name of the series.
         series: String,
@@ -31,7 +31,7 @@ pub enum ChartError {
         title: String,
     },
     /// The drawing library failed.
-    #[error("the picture could not be made: {message}")]
+    #[error("the picture could not be drawn: {message}")]
     Picture {
         /// Error text of the drawing library.
         message: String,

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum TransportError {
     /// The other rank has exited.
-    #[error("rank {rank} is gone")]
+    #[error("rank {rank} has exited")]
     Gone {
         /// The rank addressed; the receiving rank itself where all others have exited.
         rank: usize,
@@ -14,7 +14,7 @@ pub enum TransportError {
     #[error("MPI cannot be started: it was started before in this process")]
     Started,
     /// The MPI library does not allow calls from one thread of several.
-    #[error("this MPI allows threads to the level {found} only; Funneled is needed")]
+    #[error("the MPI library supports the thread level {found}; at least Funneled is required")]
     Threads {
         /// Thread level that it supports.
         found: String,
@@ -39,7 +39,9 @@ pub enum JobError {
         message: String,
     },
     /// A rank was started with another program or other inputs.
-    #[error("rank {rank} is of another job: its {field} is {found}, that of rank 0 is {expected}")]
+    #[error(
+        "rank {rank} belongs to another job: its {field} is {found}, that of rank 0 is {expected}"
+    )]
     ForeignRank {
         /// The rank.
         rank: usize,
@@ -61,7 +63,7 @@ pub enum JobError {
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A message has an unknown format.
-    #[error("a message from rank {rank} cannot be read")]
+    #[error("a message from rank {rank} cannot be decoded: start all ranks with the same program")]
     Message {
         /// The sender.
         rank: usize,
@@ -69,7 +71,7 @@ pub enum JobError {
         source: postcard::Error,
     },
     /// A result cannot be serialised.
-    #[error("the result of block {block} has no form in bytes")]
+    #[error("the result of block {block} cannot be serialised")]
     Encode {
         /// Number of the block.
         block: u64,
@@ -77,7 +79,7 @@ pub enum JobError {
         source: postcard::Error,
     },
     /// A message was not expected in this state.
-    #[error("rank {rank} sent {found} where {expected} was due")]
+    #[error("rank {rank} sent {found}; expected was {expected}")]
     OutOfTurn {
         /// The sender.
         rank: usize,
@@ -90,6 +92,6 @@ pub enum JobError {
     #[error(transparent)]
     Transport(#[from] TransportError),
     /// The computing thread of rank 0 could not be started.
-    #[error("the thread of rank 0 that computes could not be started")]
+    #[error("the computing thread of rank 0 could not be started")]
     Thread(#[source] std::io::Error),
 }

@@ -193,12 +193,15 @@ fn a_rank_of_another_job_is_refused_by_what_differs_on_both_ends() {
     let returned = on_threads(2, other, |_, block| Ok(block), &mut Kept::default());
     for end in returned {
         let text = end.unwrap_err().to_string();
-        assert_eq!(text, "rank 1 is of another job: its seed is 8, that of rank 0 is 7");
+        assert_eq!(text, "rank 1 belongs to another job: its seed is 8, that of rank 0 is 7");
     }
     let longer = |rank: usize| job(if rank == 1 { 5 } else { 4 });
     let returned = on_threads(2, longer, |_, block| Ok(block), &mut Kept::default());
     let text = returned.into_iter().next().unwrap().unwrap_err().to_string();
-    assert_eq!(text, "rank 1 is of another job: its number of blocks is 5, that of rank 0 is 4");
+    assert_eq!(
+        text,
+        "rank 1 belongs to another job: its number of blocks is 5, that of rank 0 is 4"
+    );
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub enum Error {
         value: f64,
     },
     /// The number of radii differs from the number of points.
-    #[error("{radii} radii were given for {points} points")]
+    #[error("{radii} radii for {points} points: give one for each point")]
     RadiiLength {
         /// Number of points.
         points: usize,
@@ -39,7 +39,9 @@ pub enum Error {
         radii: usize,
     },
     /// A half list requires a symmetric criterion.
-    #[error("a half list needs a symmetric criterion, and {criterion:?} is none")]
+    #[error(
+        "a half list requires a symmetric criterion; {criterion:?} is not symmetric: use Max or Mean, or a full list"
+    )]
     NotSymmetric {
         /// The criterion.
         criterion: Criterion,
@@ -69,7 +71,7 @@ pub enum Error {
         value: f64,
     },
     /// The position of a query is NaN or infinite.
-    #[error("the place has coordinate {value} along axis {axis}, which is not finite")]
+    #[error("the position has coordinate {value} along axis {axis}, which is not finite")]
     PlaceNotFinite {
         /// Axis of the coordinate.
         axis: usize,
@@ -77,7 +79,7 @@ pub enum Error {
         value: f64,
     },
     /// A list is read with a different number of points than it was built from.
-    #[error("a list of {listed} points is read with {points} points")]
+    #[error("a list of {listed} points is read with {points} points: rebuild it")]
     ListLength {
         /// Number of points that the list was built from.
         listed: usize,
@@ -85,7 +87,7 @@ pub enum Error {
         points: usize,
     },
     /// A row of a list contains an index that is no point.
-    #[error("row {i} of a list of {points} points holds {j}")]
+    #[error("row {i} contains the index {j}; there are {points} points")]
     NotAPoint {
         /// The row.
         i: usize,
@@ -95,7 +97,7 @@ pub enum Error {
         points: usize,
     },
     /// The number of points exceeds a 32-bit index.
-    #[error("{points} points are more than the {} that a list can index", u32::MAX)]
+    #[error("{points} points; a list can index at most {}", u32::MAX)]
     TooManyPoints {
         /// Number of points.
         points: usize,

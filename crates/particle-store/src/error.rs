@@ -14,7 +14,9 @@ pub enum Error {
         name: String,
     },
     /// A handle of another store is out of range.
-    #[error("a handle to column {index} is used on a store of {n_columns} columns")]
+    #[error(
+        "a handle to column {index} is used on a store with {n_columns} columns: look it up by name in this store"
+    )]
     UnknownHandle {
         /// The column the handle points to.
         index: usize,
@@ -32,7 +34,7 @@ pub enum Error {
         found: Kind,
     },
     /// A column with this name exists already.
-    #[error("there is a column named {name:?} already")]
+    #[error("a column named {name:?} exists already")]
     DuplicateName {
         /// The name.
         name: String,
@@ -55,7 +57,7 @@ pub enum Error {
     },
     /// An order contains a duplicate or an index out of range.
     #[error(
-        "entry {position} of the order is {value}: out of range of {n_particles} or named before"
+        "entry {position} of the order is {value}: a duplicate, or not below the number of particles {n_particles}"
     )]
     NotAPermutation {
         /// Position in the order.
@@ -67,7 +69,7 @@ pub enum Error {
     },
     /// Data derived from indices, such as a neighbour list, are older than the current order of the particles.
     #[error(
-        "made for generation {made_for} of the particles, which are in generation {generation}"
+        "derived from generation {made_for} of the particles, whose current generation is {generation}: recompute"
     )]
     StaleGeneration {
         /// The generation of the data.
@@ -76,7 +78,7 @@ pub enum Error {
         generation: u64,
     },
     /// An index is out of range.
-    #[error("there is no place {place} among {n_particles} particles")]
+    #[error("index {place} is out of range of {n_particles} particles")]
     NoSuchPlace {
         /// The index.
         place: usize,
@@ -84,7 +86,7 @@ pub enum Error {
         n_particles: usize,
     },
     /// A particle occurs twice in the groups.
-    #[error("place {place} is named twice in the groups to be merged")]
+    #[error("index {place} occurs twice in the groups to be merged")]
     NamedTwice {
         /// The index.
         place: usize,
@@ -98,7 +100,7 @@ pub enum Error {
         length: usize,
     },
     /// The mass of a group, the weight of means, is not positive and finite.
-    #[error("group {group} has the mass {mass}, not positive and finite")]
+    #[error("the mass of group {group} is {mass}; it must be positive and finite")]
     InvalidMass {
         /// The group.
         group: usize,
@@ -106,7 +108,7 @@ pub enum Error {
         mass: f64,
     },
     /// The shares of a split are not positive or do not sum to one.
-    #[error("the shares of a split are positive and add up to one; here the sum is {sum}")]
+    #[error("the shares of a split sum to {sum}; they must be positive and sum to one")]
     InvalidShares {
         /// Their sum.
         sum: f64,
@@ -118,7 +120,7 @@ pub enum Error {
         name: String,
     },
     /// A rule does not apply: the column has no real numbers, or is the mass or position, whose rules are fixed.
-    #[error("column {name:?} cannot follow the rule {rule:?}")]
+    #[error("the rule {rule:?} does not apply to column {name:?}")]
     RuleMismatch {
         /// Name of the column.
         name: String,
@@ -132,7 +134,7 @@ pub enum Error {
         found: [u8; 8],
     },
     /// The snapshot has an unsupported format.
-    #[error("snapshot format {found} is not the supported {supported}")]
+    #[error("the snapshot has format {found}; supported is {supported}")]
     UnsupportedVersion {
         /// Format of the snapshot.
         found: u32,
@@ -140,7 +142,7 @@ pub enum Error {
         supported: u32,
     },
     /// The snapshot has another dimension.
-    #[error("a snapshot of {found} dimensions is restored in {expected}")]
+    #[error("the snapshot has {found} dimensions; the store has {expected}")]
     DimensionMismatch {
         /// Dimension of the snapshot.
         found: u32,
@@ -148,7 +150,7 @@ pub enum Error {
         expected: usize,
     },
     /// The snapshot is truncated.
-    #[error("the snapshot ends too early")]
+    #[error("the snapshot is truncated")]
     Truncated,
     /// The snapshot is inconsistent.
     #[error("corrupt snapshot: {what}")]
@@ -157,7 +159,9 @@ pub enum Error {
         what: &'static str,
     },
     /// The content does not match its hash.
-    #[error("corrupt snapshot: content hash {computed:016x}, {stored:016x} was written")]
+    #[error(
+        "corrupt snapshot: its contents have the hash {computed:016x}, stored is {stored:016x}"
+    )]
     HashMismatch {
         /// Hash in the snapshot.
         stored: u64,
@@ -165,9 +169,7 @@ pub enum Error {
         computed: u64,
     },
     /// A `.vtu` file holds points of at most three dimensions.
-    #[error(
-        "particles in {dimension} dimensions are no points of a vtu file, which have three at most"
-    )]
+    #[error("particles have {dimension} dimensions; points of a vtu file have at most three")]
     TooManyDimensions {
         /// Dimension of the store.
         dimension: usize,
@@ -179,7 +181,7 @@ pub enum Error {
         what: String,
     },
     /// A name contains a character that XML does not allow.
-    #[error("name {name:?} holds a control character and cannot be written as XML")]
+    #[error("name {name:?} contains a control character, which XML does not allow")]
     NameNotXml {
         /// The name.
         name: String,
@@ -188,7 +190,7 @@ pub enum Error {
     #[error("reading or writing failed")]
     Io(#[from] std::io::Error),
     /// A width, radius or spacing is not positive and finite.
-    #[error("{what} along axis {axis} is {value}, not positive and finite")]
+    #[error("{what} along axis {axis} is {value}; it must be positive and finite")]
     InvalidLength {
         /// `half width`, `radius` or `spacing`.
         what: &'static str,
@@ -198,7 +200,7 @@ pub enum Error {
         value: f64,
     },
     /// A lattice has no points along an axis.
-    #[error("a lattice needs at least one point along axis {axis}")]
+    #[error("the lattice has no point along axis {axis}; at least one is required")]
     ZeroCount {
         /// The axis.
         axis: usize,

@@ -55,7 +55,7 @@ pub enum GridError {
         limit: f64,
     },
     /// An output time is before the current time.
-    #[error("the output time {value} is before the present time {limit}")]
+    #[error("the output time {value} is before the current time {limit}")]
     Time {
         /// The requested time.
         value: f64,

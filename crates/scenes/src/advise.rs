@@ -91,7 +91,7 @@ pub enum AdviseError {
         help: String,
     },
     /// Standard output could not be written.
-    #[error("cannot write the advice")]
+    #[error("cannot print the advice")]
     Write(#[source] std::io::Error),
 }
 

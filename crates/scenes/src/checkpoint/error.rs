@@ -22,7 +22,7 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// The content of a part does not match its name.
-    #[error("the part `{name}` of the checkpoint")]
+    #[error("the part `{name}` of the checkpoint is invalid")]
     Part {
         /// Name of the part.
         name: String,
@@ -54,10 +54,10 @@ pub struct Refusal {
 #[non_exhaustive]
 pub enum Reason {
     /// It has no checkpoint signature.
-    #[error("is no checkpoint")]
+    #[error("is not a checkpoint")]
     NoCheckpoint,
     /// Its length is wrong.
-    #[error("is cut off: {found} bytes of {expected}")]
+    #[error("is cut off: it has {found} bytes of {expected}")]
     CutOff {
         /// Its actual length (bytes).
         found: u64,
@@ -65,7 +65,7 @@ pub enum Reason {
         expected: u64,
     },
     /// Its hash does not match its bytes.
-    #[error("is damaged: its bytes have the hash {found:016x}, written was {expected:016x}")]
+    #[error("is damaged: its bytes have the hash {found:016x}, stored is {expected:016x}")]
     Damaged {
         /// Hash of its bytes.
         found: u64,

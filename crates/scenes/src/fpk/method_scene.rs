@@ -296,7 +296,7 @@ fn check_integrator(
         return Ok(());
     }
     let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
-    let message = format!("the integrator {} does not step this system", integrator.name());
+    let message = format!("the integrator {} does not apply to this system", integrator.name());
     Err(Objection::new(format!("{path}.integrator"), message)
         .with_help(format!("available: {}", names.join(", "))))
 }

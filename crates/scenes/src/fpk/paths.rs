@@ -84,7 +84,7 @@ pub enum PathsError {
     #[error(transparent)]
     Tails(#[from] TailError),
     /// The shards contain other quantities.
-    #[error("the shards have {found} results at each time, asked for are {expected}")]
+    #[error("the shards have {found} results at each time; the scene requests {expected}")]
     OtherResults {
         /// Number in the shards.
         found: usize,
@@ -92,7 +92,7 @@ pub enum PathsError {
         expected: usize,
     },
     /// The integrator does not apply to the system.
-    #[error("the integrator {} does not step this system", .0.name())]
+    #[error("the integrator {} does not apply to this system", .0.name())]
     NotOffered(IntegratorScene),
 }
 

@@ -74,7 +74,7 @@ pub enum SystemScene {
         ground_frequency: f64,
         /// `zeta_g`, the damping ratio of the soil; 0.6 for firm soil (no unit).
         ground_damping: f64,
-        /// `omega_f`, the low-cut frequency below which the ground motion has no power (rad/s).
+        /// `omega_f`, the low-cut frequency below which ground motion is filtered out (rad/s).
         low_cut_frequency: f64,
         /// `zeta_f`, the damping ratio of the low-cut filter (no unit).
         low_cut_damping: f64,

@@ -55,7 +55,7 @@ impl Cut {
 
 /// An unknown file in the folder of the blocks.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{} is no block of this run, which has {n_blocks} of them", .path.display())]
+#[error("{} is not a block of this run, which has {n_blocks} blocks", .path.display())]
 struct UnknownFile {
     path: PathBuf,
     n_blocks: u64,
@@ -63,7 +63,7 @@ struct UnknownFile {
 
 /// The block number in a file differs from its name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{} holds block {found}; its name says {expected}", .path.display())]
+#[error("{} contains block {found}; by its name it is block {expected}", .path.display())]
 struct OtherBlock {
     path: PathBuf,
     found: u64,

@@ -37,7 +37,7 @@ pub struct PlaceError {
 #[non_exhaustive]
 pub enum ShardsError {
     /// No file was given.
-    #[error("no file of a shard was given")]
+    #[error("no shard file was given")]
     None,
     /// A shard is missing.
     #[error("shard {0} is missing")]
@@ -51,7 +51,7 @@ pub enum ShardsError {
         file: PathBuf,
     },
     /// A shard has the wrong number of results.
-    #[error("a shard holds {found} {what}, {expected} expected")]
+    #[error("a shard has {found} {what}; {expected} are required")]
     OtherContent {
         /// Kind of results.
         what: &'static str,

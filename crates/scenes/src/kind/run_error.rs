@@ -21,7 +21,7 @@ pub enum RunError {
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
     /// This build has no scene kind.
-    #[error("no kind of scene can be run yet")]
+    #[error("this build supports no solver")]
     NoKinds,
     /// The solver rejected its input or stopped.
     #[error("the run ended in an error")]

@@ -24,7 +24,7 @@ pub struct BuiltIn {
 #[non_exhaustive]
 pub enum BuiltInError {
     /// The scene cannot be read or is invalid.
-    #[error("the scene {name}")]
+    #[error("the scene {name} failed")]
     Scene {
         /// Name of the scene.
         name: String,

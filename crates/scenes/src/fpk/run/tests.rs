@@ -98,7 +98,7 @@ fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
                    \"integrator\": \"strang_oscillator\" }";
     let fit = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
     let (message, _, _, help) = mistake_in(BOUC_WEN, fit, sampled);
-    assert_eq!(message, "the integrator Strang does not step this system");
+    assert_eq!(message, "the integrator Strang does not apply to this system");
     assert_eq!(help.as_deref(), Some("available: forward Euler, Strang with hysteresis"));
 }
 
@@ -267,7 +267,7 @@ fn one_probability_needs_a_threshold_a_normal_start_and_an_integrator_of_the_sys
         )
     };
     let (message, .., help) = mistake_in(BOUC_WEN, FLOW, &method("shark", "0.01"));
-    assert_eq!(message, "the integrator ShARK does not step this system");
+    assert_eq!(message, "the integrator ShARK does not apply to this system");
     assert_eq!(help.as_deref(), Some("available: forward Euler, Strang with hysteresis"));
     let (message, ..) = mistake(FIT, &method("strang_oscillator", "1e-6"));
     assert_eq!(message, "0.000001 was given; it must be such that a path has at most 100000 steps");

@@ -3,6 +3,7 @@
 //! What every change must pass is in `.ci/run`. These checks take longer or need more than the Rust toolchain; one whose tool
 //! is absent is skipped, and the table at the end says so.
 
+mod claims;
 mod plans;
 mod surroundings;
 mod table;
@@ -19,9 +20,11 @@ const HELP: &str = "\
 Checks whose tools need not be there; one that cannot run is skipped with its reason.
 
 Usage: cargo xtask audit [NAME]... [--list]
+       cargo xtask audit claims [--only MUTANT]... [--crate NAME]... [--list] [--record]
 
   NAME      run only these checks
   --list    list the checks
+  claims    alone and first, takes arguments of its own: `audit claims --help`
 
 The exit code is 1 if a check failed; a skipped one has not failed.
 ";
@@ -36,7 +39,7 @@ struct Check {
     plan: fn(&Surroundings) -> Plan,
 }
 
-const CHECKS: [Check; 10] = [
+const CHECKS: [Check; 11] = [
     Check {
         name: "deny",
         purpose: "licences, sources, bans and advisories of all dependencies",
@@ -66,6 +69,12 @@ const CHECKS: [Check; 10] = [
         purpose: "tests of the small crates notice changed code",
         tool: Some("mutants"),
         plan: plans::mutants,
+    },
+    Check {
+        name: "claims",
+        purpose: "the claims of a crate notice one wrong constant or sign in it",
+        tool: None,
+        plan: plans::claims,
     },
     Check {
         name: "any-input",
@@ -101,6 +110,11 @@ const CHECKS: [Check; 10] = [
 
 /// The command line after `audit`.
 pub(crate) fn run(arguments: &[String]) -> ExitCode {
+    if let Some((first, rest)) = arguments.split_first()
+        && first == "claims"
+    {
+        return claims::run(rest);
+    }
     if arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
         return print(HELP);
     }

@@ -97,6 +97,7 @@ pub const ALL: &[Case] = &[
     sde::oscillator_bias::CASE,
     sde::oscillator_ensemble::CASE,
     sde::fields::CASE,
+    sde::refinement::CASE,
     sde_ensembles::reproducibility::CASE,
     sde_ensembles::failures::CASE,
     sde_ensembles::first_passage::CASE,

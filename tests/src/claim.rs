@@ -8,12 +8,18 @@ mod tests;
 
 use figures::{ErrorKind, Measured, Reference, Spread};
 
-use crate::report::Claim;
+use crate::report::{Claim, ClaimKind};
 
-/// Begins the reason of a claim that is held to where it was seen.
-const BAND: &str = "as measured, ";
+/// Begins the reason of a regression bound.
+const REGRESSION_BOUND: &str = "as measured, ";
 /// Begins the reason of a Monte Carlo claim; a colon ends it.
 const BIAS_BOUND: &str = "bias bound ";
+
+/// A reason begins so where the error seen is no measure of what the error may be: roundoff, whose bound counts operations; a
+/// sample whose error happened to be small; a chaotic quantity.
+const NOT_BY_ERROR: [&str; 3] = ["roundoff: ", "statistics: ", "chaos: "];
+/// A tolerance over so many times the error seen is loose.
+const LOOSE: f64 = 10.0;
 
 /// A Monte Carlo claim passes within this many standard errors of its bias bound.
 pub const STANDARD_ERRORS: f64 = 4.0;
@@ -56,7 +62,7 @@ pub enum Criterion<'a> {
         /// Where the bias bound comes from.
         reason: &'a str,
     },
-    /// The signed error lies where it was seen: a regression claim, no statement of accuracy.
+    /// The signed error lies where it was measured: a regression bound, no statement of accuracy.
     AsMeasured {
         /// Smallest error that passes.
         from: f64,
@@ -94,6 +100,7 @@ impl Claim {
             error_kind: kind,
             tolerance: finite(verdict.tolerance),
             passed: verdict.objection.is_none() && unusable.is_none(),
+            kind: Some(criterion.kind(kind, measured, reference)),
             reason: with_objection(verdict.reason, unusable.or(verdict.objection)),
         }
     }
@@ -111,7 +118,7 @@ impl Claim {
         Self::judge(subject, kind, measured, reference, Criterion::Within { tolerance, reason })
     }
 
-    /// A value without a reference, held to the range in which it was seen: a regression claim.
+    /// A value without a reference, held to the range in which it was measured: a regression bound.
     #[must_use]
     pub fn as_measured(
         subject: Subject,
@@ -137,7 +144,11 @@ impl Claim {
             error_kind: ErrorKind::Absolute,
             tolerance: None,
             passed: objection.is_none(),
-            reason: with_objection(format!("{BAND}value in [{from}, {to}]: {reason}"), objection),
+            kind: Some(ClaimKind::RegressionBound),
+            reason: with_objection(
+                format!("{REGRESSION_BOUND}value in [{from}, {to}]: {reason}"),
+                objection,
+            ),
         }
     }
 
@@ -151,6 +162,7 @@ impl Claim {
     ) -> Self {
         let error = (n_different as f64, 0.0);
         let mut claim = Self::within(subject, ErrorKind::Absolute, error, 0.0, reason);
+        claim.kind = Some(ClaimKind::Structural);
         claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
         if n_compared == 0 {
             claim.passed = false;
@@ -158,16 +170,48 @@ impl Claim {
         claim
     }
 
-    /// Whether it is held to where it was seen: it says how wrong a method is.
+    /// The same claim, counted as one of structure: a property without a reference value, e.g. an invariant or a typed error.
+    ///
+    /// Equal bits and counts (an absolute tolerance of zero about an exact whole number) are structural without it.
     #[must_use]
-    pub fn is_band(&self) -> bool {
-        self.reason.starts_with(BAND)
+    pub fn structural(mut self) -> Self {
+        self.kind = Some(ClaimKind::Structural);
+        self
     }
 
-    /// Whether it says that an aim was missed: a band, or a tolerance wider than what was wanted.
+    /// What kind of statement it is; for a claim of a report without kinds, a regression bound by its reason, else accuracy.
+    #[must_use]
+    pub fn kind(&self) -> ClaimKind {
+        let by_reason = || match self.reason.starts_with(REGRESSION_BOUND) {
+            true => ClaimKind::RegressionBound,
+            false => ClaimKind::Accuracy,
+        };
+        self.kind.unwrap_or_else(by_reason)
+    }
+
+    /// Whether it is a regression bound: it says how wrong a method is.
+    #[must_use]
+    pub fn is_regression_bound(&self) -> bool {
+        self.kind() == ClaimKind::RegressionBound
+    }
+
+    /// Whether its tolerance is over ten times the error seen and its reason does not begin with `roundoff: `, `statistics: `
+    /// or `chaos: `. A claim with a standard error is judged by that, and is not loose.
+    #[must_use]
+    pub fn is_loose(&self) -> bool {
+        let is_within = !self.is_regression_bound()
+            && self.standard_error.is_none()
+            && !self.reason.starts_with(BIAS_BOUND);
+        let is_by_error = !NOT_BY_ERROR.iter().any(|prefix| self.reason.starts_with(prefix));
+        let (Some(error), Some(tolerance)) = (self.error, self.tolerance) else { return false };
+        let one = if self.error_kind == ErrorKind::Ratio { 1.0 } else { 0.0 };
+        is_within && is_by_error && tolerance - one > LOOSE * (error.abs() - one)
+    }
+
+    /// Whether it says that an aim was missed: a regression bound, or a tolerance wider than what was wanted.
     #[must_use]
     pub fn falls_short(&self) -> bool {
-        self.is_band() || self.reason.contains("not reached")
+        self.is_regression_bound() || self.reason.contains("not reached")
     }
 
     /// The reason as the case gives it, without the numbers of a Monte Carlo claim before it.
@@ -203,6 +247,7 @@ impl Claim {
             tolerance: None,
             reason: format!("error: {message}"),
             passed: false,
+            kind: Some(ClaimKind::Structural),
         }
     }
 }
@@ -214,6 +259,19 @@ struct Verdict {
 }
 
 impl Criterion<'_> {
+    /// A count is structural by itself: an absolute tolerance of zero about a whole number that is known exactly.
+    fn kind(self, kind: ErrorKind, measured: Measured, reference: Reference) -> ClaimKind {
+        let is_count = kind == ErrorKind::Absolute
+            && measured.standard_error.is_none()
+            && reference.error.is_none()
+            && reference.value.fract() == 0.0;
+        match self {
+            Self::AsMeasured { .. } => ClaimKind::RegressionBound,
+            Self::Within { tolerance: 0.0, .. } if is_count => ClaimKind::Structural,
+            Self::Within { .. } | Self::MonteCarlo { .. } => ClaimKind::Accuracy,
+        }
+    }
+
     fn decide(
         self,
         kind: ErrorKind,
@@ -248,7 +306,7 @@ impl Criterion<'_> {
                 let outside = !(from <= error && error <= to);
                 let objection = no_reason(reason)
                     .or_else(|| outside.then(|| format!("the error {error:.3e} is outside")));
-                let reason = format!("{BAND}error in [{from}, {to}]: {reason}");
+                let reason = format!("{REGRESSION_BOUND}error in [{from}, {to}]: {reason}");
                 Verdict { tolerance: from.abs().max(to.abs()), reason, objection }
             }
         }

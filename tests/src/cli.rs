@@ -42,6 +42,9 @@ struct Verify {
     /// Print every claim instead of one line per case
     #[arg(long)]
     claims: bool,
+    /// List the claims whose tolerance is over ten times the error without a reason for it
+    #[arg(long)]
+    loose: bool,
     /// List the cases instead of running them
     #[arg(long)]
     list: bool,
@@ -88,6 +91,7 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
         out: arguments.out.unwrap_or_else(|| default_folder("verify")),
         json: arguments.json,
         rows: if arguments.claims { verify::Rows::Claims } else { verify::Rows::Cases },
+        loose: if arguments.loose { verify::Loose::Listed } else { verify::Loose::Counted },
     };
     let report = verify::verify(cases::ALL, &options, output)?;
     Ok(if report.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })

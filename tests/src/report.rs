@@ -3,7 +3,9 @@
 //! The fields and their order are the schema; they are kept stable.
 //! Numbers are finite or `null`: [`figures::finite`] refuses the rest.
 
-use figures::ErrorKind;
+use std::fmt;
+
+use figures::{ErrorKind, number};
 use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
 use work_precision::context::Profile;
@@ -87,6 +89,82 @@ pub struct Claim {
     pub reason: String,
     /// The verdict.
     pub passed: bool,
+    /// What kind of statement it is. Absent in reports older than the key: see [`Claim::kind`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<ClaimKind>,
+}
+
+/// What kind of statement a claim is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimKind {
+    /// An error against a reference: within a tolerance, or a bias bound and standard errors.
+    Accuracy,
+    /// The same bits, a count, a typed error or another yes or no: a property without a reference value.
+    Structural,
+    /// A value or an error held to where it was measured: no statement of accuracy.
+    RegressionBound,
+}
+
+impl ClaimKind {
+    /// The name in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Accuracy => "accuracy",
+            Self::Structural => "structural",
+            Self::RegressionBound => "regression bound",
+        }
+    }
+}
+
+/// The claims that hold, by kind, those that do not, and those whose tolerance is loose.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Claims of accuracy that hold.
+    pub accuracy: usize,
+    /// Structural claims that hold.
+    pub structural: usize,
+    /// Regression bounds that hold.
+    pub regression_bounds: usize,
+    /// Claims of any kind that do not hold.
+    pub failed: usize,
+    /// Claims with a tolerance over ten times the error and no reason for it: [`Claim::is_loose`].
+    pub loose: usize,
+}
+
+impl Counts {
+    /// Counts these claims.
+    #[must_use]
+    pub fn of<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Self {
+        let mut counts = Self::default();
+        for claim in claims {
+            counts.loose += usize::from(claim.is_loose());
+            let count = match claim.kind() {
+                _ if !claim.passed => &mut counts.failed,
+                ClaimKind::Accuracy => &mut counts.accuracy,
+                ClaimKind::Structural => &mut counts.structural,
+                ClaimKind::RegressionBound => &mut counts.regression_bounds,
+            };
+            *count += 1;
+        }
+        counts
+    }
+
+    /// All claims.
+    #[must_use]
+    pub const fn all(&self) -> usize {
+        self.accuracy + self.structural + self.regression_bounds + self.failed
+    }
+}
+
+impl fmt::Display for Counts {
+    /// `N of accuracy, M structural, K regression bounds; F failed`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { accuracy, structural, regression_bounds, failed, .. } = self;
+        let bounds = number::counted(*regression_bounds, "regression bound");
+        write!(f, "{accuracy} of accuracy, {structural} structural, {bounds}; {failed} failed")
+    }
 }
 
 impl Report {
@@ -106,6 +184,17 @@ impl Report {
             passed,
             failed: total - passed,
         }
+    }
+
+    /// All claims, case by case.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        self.cases.iter().flat_map(|case| &case.claims)
+    }
+
+    /// How many claims of each kind hold, how many do not, and how many are loose.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts::of(self.claims())
     }
 
     /// The claims that did not hold.
@@ -169,6 +258,7 @@ mod tests {
             "tolerance",
             "reason",
             "passed",
+            "kind",
             "passed",
             "failed",
         ];
@@ -181,6 +271,41 @@ mod tests {
         }
         assert!(text.contains("\"standard_error\": null"), "{text}");
         assert!(text.contains("\"profile\": \"quick\""), "{text}");
+        assert!(text.contains("\"kind\": \"accuracy\""), "{text}");
+    }
+
+    #[test]
+    fn a_report_without_kinds_is_read_and_its_kinds_are_found() {
+        let mut report = sample();
+        let bound = Claim::as_measured(
+            Subject::new("self-check/pi/steps", "steps", "", "by hand"),
+            figures::Measured::exact(3.0),
+            2.0,
+            4.0,
+            "counted",
+        );
+        report.cases[0].claims.push(bound);
+        let mut value = serde_json::to_value(&report).unwrap();
+        for claim in value["cases"][0]["claims"].as_array_mut().unwrap() {
+            claim.as_object_mut().unwrap().remove("kind");
+        }
+        let read: Report = serde_json::from_value(value).unwrap();
+        let kinds: Vec<ClaimKind> = read.claims().map(Claim::kind).collect();
+        assert_eq!(kinds, [ClaimKind::Accuracy, ClaimKind::RegressionBound]);
+        assert_eq!(read.counts(), report.counts());
+    }
+
+    #[test]
+    fn kinds_are_counted_apart_and_a_failed_claim_for_none() {
+        let mut claims = sample().cases.swap_remove(0).claims;
+        claims.push(Claim { passed: false, ..claims[0].clone() });
+        claims.push(claims[0].clone().structural());
+        let counts = Counts::of(&claims);
+        assert_eq!(
+            counts.to_string(),
+            "1 of accuracy, 1 structural, 0 regression bounds; 1 failed"
+        );
+        assert_eq!(counts.all(), 3);
     }
 
     #[test]

@@ -20,7 +20,7 @@ pub use self::page::render_page;
 pub use self::recorded::render_record;
 pub use self::run::{Outcome, run_cases};
 pub use self::select::{TableError, check_table, select};
-pub use self::table::{Rows, Style, write_failures, write_summary};
+pub use self::table::{Rows, Style, write_failures, write_loose, write_summary};
 use crate::case::{Case, Profile};
 use crate::report::Report;
 
@@ -39,6 +39,17 @@ pub struct Options {
     pub recording: Recording,
     /// What has a row in what is printed.
     pub rows: Rows,
+    /// Whether loose claims are listed.
+    pub loose: Loose,
+}
+
+/// Whether the claims with a loose tolerance are listed; they are counted in any case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loose {
+    /// Each with its error, tolerance and reason.
+    Listed,
+    /// Their number.
+    Counted,
 }
 
 /// Why there is no report. Claims that fail are in the report instead.
@@ -86,6 +97,15 @@ pub enum VerifyError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Record(#[from] RecordError),
+    /// A proof with loose claims is not recorded.
+    #[error("{} a tolerance over ten times the error and no reason for it:\n  {}", have(.claims.len()), .claims.join("\n  "))]
+    #[diagnostic(help(
+        "tighten the tolerance, or begin the reason with `roundoff: `, `statistics: ` or `chaos: ` where that is true"
+    ))]
+    LooseClaims {
+        /// Id, error, tolerance and reason of each.
+        claims: Vec<String>,
+    },
     /// What the report is made from cannot be read.
     #[error("what the proof is made from cannot be read")]
     Source(#[from] SourceError),
@@ -128,16 +148,31 @@ pub fn verify(
     if let Some(path) = &options.json {
         write_file(path, &finite::to_json(&report)?)?;
     }
-    if let Some((path, fingerprint)) = &recorded {
-        write_file(path, &render_record(&report, fingerprint))?;
-    }
     if options.rows == Rows::Claims {
         write_failures(&report, output).map_err(to_terminal)?;
+    }
+    if options.loose == Loose::Listed {
+        write_loose(&report, output).map_err(to_terminal)?;
     }
     writeln!(output, "report: {}", options.out.join("index.html").display())
         .map_err(to_terminal)?;
     write_summary(&report, output).map_err(to_terminal)?;
+    if let Some((path, fingerprint)) = &recorded {
+        refuse_loose(&report)?;
+        write_file(path, &render_record(&report, fingerprint))?;
+    }
     Ok(report)
+}
+
+/// An error seen on one machine fails no run on another, but what is recorded has no loose claims.
+fn refuse_loose(report: &Report) -> Result<(), VerifyError> {
+    let loose = report.claims().filter(|claim| claim.is_loose());
+    let claims: Vec<String> = loose.map(table::loose_words).collect();
+    if claims.is_empty() { Ok(()) } else { Err(VerifyError::LooseClaims { claims }) }
+}
+
+fn have(count: usize) -> String {
+    format!("{} {}", number::counted(count, "claim"), if count == 1 { "has" } else { "have" })
 }
 
 /// Where the report is recorded, and what it is made from.
@@ -279,16 +314,19 @@ mod tests {
             json: Some(json.clone()),
             recording: Recording::Off,
             rows: Rows::Claims,
+            loose: Loose::Listed,
         };
         let mut output = Vec::new();
         let report = verify(&CASES, &options, &mut output).unwrap();
         let text = String::from_utf8(output).unwrap();
-        assert!(text.ends_with("\n4 passed, 1 failed\n"), "{text}");
+        let last = "\n4 of accuracy, 0 structural, 0 regression bounds; 1 failed\n";
+        assert!(text.ends_with(last), "{text}");
+        assert!(text.contains("\n0 loose claims (tolerance"), "{text}");
         assert!(text.contains("FAIL self-check/stops/ran"), "{text}");
         let written = std::fs::read_to_string(out.join("report.json")).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&written).unwrap(), report);
         assert_eq!(std::fs::read_to_string(json).unwrap(), written);
-        assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("4 passed"));
+        assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("4 of accuracy"));
         std::fs::remove_dir_all(&out).unwrap();
         // For the eye: `cargo test -p verification rows -- --nocapture`.
         print!("{text}");
@@ -302,6 +340,7 @@ mod tests {
             json: None,
             recording: Recording::On(root.into()),
             rows: Rows::Cases,
+            loose: Loose::Counted,
         }
     }
 
@@ -320,7 +359,10 @@ mod tests {
         );
         verify(&CASES, &recording(&root, &[]), &mut Vec::new()).unwrap();
         let page = std::fs::read_to_string(root.join("docs/verification.md")).unwrap();
-        assert!(page.contains("4 passed, 1 failed"), "{page}");
+        assert!(
+            page.contains("4 of accuracy, 0 structural, 0 regression bounds; 1 failed"),
+            "{page}"
+        );
         assert_eq!(
             said_of(&root, &CASES),
             "docs/verification.md is up to date with cases, scenes and references\n"
@@ -330,6 +372,31 @@ mod tests {
             said_of(&root, &CASES[..1]),
             "warning: docs/verification.md is stale: case self-check/stops removed, tests/scenes/a.json changed\n"
         );
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+
+    #[test]
+    fn a_proof_with_a_loose_claim_is_listed_but_not_recorded() {
+        let cases = [Case {
+            id: "self-check/loose",
+            run: |context| {
+                let subject = context.subject("value", "x", "m", METHOD);
+                let values = (1.0 + 1e-6, 1.0);
+                Ok(vec![Claim::within(subject, ErrorKind::Relative, values, 1e-4, "truncation")])
+            },
+            ..CASES[0]
+        }];
+        let root = fingerprint::tests::workspace("verify-loose");
+        let options = Options { loose: Loose::Listed, ..recording(&root, &[]) };
+        let mut output = Vec::new();
+        let error = verify(&cases, &options, &mut output).unwrap_err();
+        let words = "self-check/loose/value: error +1.00e-6, tolerance 1.00e-4: truncation";
+        assert!(error.to_string().contains("1 claim has a tolerance"), "{error}");
+        assert!(error.to_string().contains(words), "{error}");
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.contains(&format!("LOOSE {words}\n")), "{text}");
+        assert!(text.contains("1 loose claim ("), "{text}");
+        assert!(!root.join("docs").exists());
         std::fs::remove_dir_all(&root).unwrap();
     }
 

@@ -3,6 +3,7 @@
 //! What every change must pass is in `.ci/run`. These checks take longer or need more than the Rust toolchain; one whose tool
 //! is absent is skipped, and the table at the end says so.
 
+mod claims;
 mod plans;
 mod surroundings;
 mod table;
@@ -19,9 +20,11 @@ const HELP: &str = "\
 Checks whose tools need not be there; one that cannot run is skipped with its reason.
 
 Usage: cargo xtask audit [NAME]... [--list]
+       cargo xtask audit claims [--only MUTANT]... [--crate NAME]... [--list] [--record]
 
   NAME      run only these checks
   --list    list the checks
+  claims    alone and first, takes arguments of its own: `audit claims --help`
 
 The exit code is 1 if a check failed; a skipped one has not failed.
 ";
@@ -36,7 +39,7 @@ struct Check {
     plan: fn(&Surroundings) -> Plan,
 }
 
-const CHECKS: [Check; 11] = [
+const CHECKS: [Check; 12] = [
     Check {
         name: "language",
         purpose: "pages, comments and messages use the field's words, short sentences, short lines",
@@ -74,6 +77,12 @@ const CHECKS: [Check; 11] = [
         plan: plans::mutants,
     },
     Check {
+        name: "claims",
+        purpose: "the claims of a crate notice one wrong constant or sign in it",
+        tool: None,
+        plan: plans::claims,
+    },
+    Check {
         name: "any-input",
         purpose: "a million inputs of each kind make no solver or reader panic, hang or eat memory",
         tool: None,
@@ -107,6 +116,11 @@ const CHECKS: [Check; 11] = [
 
 /// The command line after `audit`.
 pub(crate) fn run(arguments: &[String]) -> ExitCode {
+    if let Some((first, rest)) = arguments.split_first()
+        && first == "claims"
+    {
+        return claims::run(rest);
+    }
     if arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
         return print(HELP);
     }

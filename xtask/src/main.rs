@@ -17,7 +17,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
 
   verify [FILTER]... [--quick|--full] [--list] [--json FILE] [--out DIR]
                               run the proof; fails if a claim does not hold
-  verify --record [--full]    the same, and write docs/verification.md
+  verify --loose [FILTER]...  the same, and list the claims whose tolerance is over ten
+                              times the error without a reason for it
+  verify --record [--full]    the same, and write docs/verification.md; refused with a loose claim
   verify --stale              say whether that page is older than cases, scenes and references
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume|--overwrite] [--shard K/N]
                               run a scene; killed, it goes on with --resume, or starts
@@ -51,6 +53,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   audit [NAME]... [--list]    checks that take longer or need tools that may be absent:
                               licences, features, interfaces, coverage, mutants, oldest
                               Rust, packages; one that cannot run is skipped
+  audit claims [--only NAME]... [--crate NAME]... [--record]
+                              build with one constant or sign wrong at a time: do the
+                              claims of its crate notice? --record writes docs/mutants.md
 
 `cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability and schema as
 the tests are built: slower, with checks of overflow, and without another build of everything after `cargo test`.

@@ -1,7 +1,10 @@
 //! What is claimed of `neighbour-search`: the pairs of brute force, no more and no fewer.
 
+use std::collections::BTreeMap;
+
 use neighbour_search::{
     BruteForce, CellGrid, Criterion, Domain, LeafTree, NeighbourList, NeighbourSearch, Radii,
+    SkinList, Update,
 };
 use sde_integrators::{Noise, Purpose, Stream};
 
@@ -45,26 +48,86 @@ const CLOUDS: [(Cloud, &str); 8] = [
     (Cloud::Empty, "empty"),
 ];
 
+/// Entries that differ from brute force and entries compared, of all dimensions, by the name of the claim.
+type Found = BTreeMap<String, (usize, usize)>;
+
+/// The claim of the clouds that have no pair.
+const NO_PAIR: &str = "no-pair";
+
+/// One claim per search, space and cloud, over all dimensions; one for the clouds without a pair.
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let mut claims = Vec::new();
+    let mut found = Found::new();
     // Radii that give tens of neighbours to a uniform cloud of 1,500 points.
-    dimension::<1>(context, 0.02, &mut claims)?;
-    dimension::<2>(context, 0.08, &mut claims)?;
-    dimension::<3>(context, 0.2, &mut claims)?;
-    dimension::<4>(context, 0.3, &mut claims)?;
+    dimension::<1>(context, 0.02, &mut found)?;
+    dimension::<2>(context, 0.08, &mut found)?;
+    dimension::<3>(context, 0.2, &mut found)?;
+    dimension::<4>(context, 0.3, &mut found)?;
+    let mut largest = 4;
     if context.profile > Profile::Quick {
-        dimension::<5>(context, 0.4, &mut claims)?;
-        dimension::<6>(context, 0.5, &mut claims)?;
+        dimension::<5>(context, 0.4, &mut found)?;
+        dimension::<6>(context, 0.5, &mut found)?;
+        largest = 6;
     }
+    let mut claims: Vec<Claim> =
+        found.iter().map(|(id, counts)| claim(context, id, largest, *counts)).collect();
+    claims.push(skin(context)?);
     Ok(claims)
 }
 
-/// One claim per dimension, search, space and cloud: full and half lists, visits by rows, a uniform radius and every
-/// criterion of radii that vary 70-fold.
+/// A list with a skin has the pairs of brute force after every step of points that move by a fifth of the skin a step, whether it
+/// is rebuilt or reused.
+fn skin(context: &Context<'_>) -> Result<Claim, CaseError> {
+    const N: usize = 600;
+    const N_STEPS: usize = 60;
+    const SKIN: f64 = 0.05;
+    let radii = Radii::Uniform(0.15);
+    let mut random = Noise::new(13).stream(Purpose::Field, 0);
+    let mut uniform = || -> [f64; 3] { std::array::from_fn(|_| random.next_uniform()) };
+    let mut points: Vec<[f64; 3]> = (0..N).map(|_| uniform()).collect();
+    let steps: Vec<[f64; 3]> = (0..N)
+        .map(|_| {
+            let direction = uniform().map(|x| x - 0.5);
+            let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+            direction.map(|x| 0.2 * SKIN * x / length)
+        })
+        .collect();
+    let mut list = SkinList::<3>::new(SKIN)?;
+    let mut expected = NeighbourList::new();
+    let (mut different, mut compared, mut reused) = (0, 0, 0);
+    for _ in 0..N_STEPS {
+        reused += usize::from(list.update(&points, radii)? == Update::Reused);
+        BruteForce::new().full_list(&points, radii, &mut expected)?;
+        let mut n_found = 0;
+        list.for_each_pair(&points, |pair| {
+            n_found += 1;
+            let is_expected =
+                u32::try_from(pair.j).is_ok_and(|j| expected.of(pair.i).binary_search(&j).is_ok());
+            different += usize::from(!is_expected);
+        })?;
+        different += expected.n_pairs().abs_diff(n_found);
+        compared += expected.n_pairs();
+        for (x, step) in points.iter_mut().zip(&steps) {
+            for k in 0..3 {
+                x[k] += step[k];
+            }
+        }
+    }
+    if reused == 0 {
+        return Err("no list was reused: the skin is not tested".into());
+    }
+    let method = format!(
+        "{N} points, {N_STEPS} steps of a fifth of the skin, {reused} of them without a new list"
+    );
+    let subject = context.subject("skin-list", "pairs that differ", "", &method);
+    let reason = "a list is reused only while no two points can have come closer by its skin";
+    Ok(Claim::same_bits(subject, different, compared, reason))
+}
+
+/// Full and half lists, visits by rows, a uniform radius and every criterion of radii that vary 70-fold.
 fn dimension<const D: usize>(
     context: &Context<'_>,
     radius: f64,
-    claims: &mut Vec<Claim>,
+    found: &mut Found,
 ) -> Result<(), CaseError> {
     context.progress(&format!("{D}-D"));
     for (cloud, name) in CLOUDS {
@@ -84,13 +147,21 @@ fn dimension<const D: usize>(
             for (search_name, mut search) in searches {
                 let (different, compared) =
                     compare(search.as_mut(), &domain, &points, &own, radius)?;
-                let id = format!("{search_name}/{name}{space}/{D}d");
-                claims.push(claim(context, &id, points.len(), different, compared));
+                let id = format!("{search_name}/{name}{space}");
+                let has_pairs = points.len() > 1;
+                let id = if has_pairs { id } else { NO_PAIR.to_owned() };
+                let counts = found.entry(id).or_default();
+                counts.0 += different;
+                // Without a pair the lists are compared, one by one.
+                counts.1 += if has_pairs { compared } else { LISTS };
             }
         }
     }
     Ok(())
 }
+
+/// How many full lists a comparison makes: one radius and four criteria.
+const LISTS: usize = 5;
 
 /// Entries that differ from brute force, and entries and points compared.
 fn compare<const D: usize>(
@@ -137,22 +208,21 @@ fn compare<const D: usize>(
 fn claim(
     context: &Context<'_>,
     id: &str,
-    n_points: usize,
-    different: usize,
-    compared: usize,
+    largest: usize,
+    (different, compared): (usize, usize),
 ) -> Claim {
-    let setup =
-        format!("{id}, {n_points} points; one radius and four criteria, full, half and by rows");
-    let subject = context.subject(id, "pairs that differ", "", &setup);
-    if n_points < 2 {
-        // No pair can be compared: what is claimed is that none is found.
-        let none = figures::Measured::exact(different as f64);
-        let reason = "a cloud of fewer than two points has no pair";
-        Claim::as_measured(subject, none, 0.0, 0.0, reason)
+    let dimensions = format!("one to {largest} dimensions");
+    let (quantity, setup, reason) = if id == NO_PAIR {
+        let setup = format!("both searches, no point and one point, periodic or not, {dimensions}");
+        ("pairs found where there is none", setup, "a cloud of fewer than two points has no pair")
     } else {
+        let setup = format!(
+            "{id}, 1,500 points, {dimensions}; one radius and four criteria, full, half and by rows"
+        );
         let reason = "the same comparison of squared distances in both, so ties fall alike";
-        Claim::same_bits(subject, different, compared, reason)
-    }
+        ("pairs that differ", setup, reason)
+    };
+    Claim::same_bits(context.subject(id, quantity, "", &setup), different, compared, reason)
 }
 
 impl Cloud {

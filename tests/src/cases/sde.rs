@@ -8,4 +8,5 @@ pub(crate) mod oscillator_bias;
 pub(crate) mod oscillator_ensemble;
 pub(crate) mod oscillator_limits;
 pub(crate) mod quartic;
+pub(crate) mod refinement;
 pub(crate) mod stationary;

@@ -156,11 +156,52 @@ fn the_grounds_of_a_monte_carlo_claim_are_without_its_numbers() {
 }
 
 #[test]
-fn bands_and_missed_aims_fall_short() {
-    let band = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
-    assert!(band.is_band() && band.falls_short());
+fn regression_bounds_and_missed_aims_fall_short() {
+    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
+    assert!(bound.is_regression_bound() && bound.falls_short());
     let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
-    assert!(!held.is_band() && !held.falls_short());
+    assert!(!held.is_regression_bound() && !held.falls_short());
     let missed = Claim { reason: "1 % is not reached: switches".into(), ..held };
-    assert!(!missed.is_band() && missed.falls_short());
+    assert!(!missed.is_regression_bound() && missed.falls_short());
+}
+
+#[test]
+fn the_kind_of_a_claim_follows_from_how_it_is_judged() {
+    let kind_of =
+        |kind, value, reference, tolerance| within(kind, value, reference, tolerance).kind();
+    assert_eq!(kind_of(ErrorKind::Relative, 1.0, 1.0, 0.1), ClaimKind::Accuracy);
+    // A count: no tolerance about a whole number.
+    assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.0), ClaimKind::Structural);
+    assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.5), ClaimKind::Accuracy);
+    assert_eq!(kind_of(ErrorKind::Absolute, 0.25, 0.25, 0.0), ClaimKind::Accuracy);
+    assert_eq!(Claim::same_bits(subject(), 0, 10, WHY).kind(), ClaimKind::Structural);
+    assert_eq!(Claim::case_error("a", "b").kind(), ClaimKind::Structural);
+    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
+    assert_eq!(bound.kind(), ClaimKind::RegressionBound);
+    let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
+    assert_eq!(held.structural().kind(), ClaimKind::Structural);
+}
+
+#[test]
+fn a_tolerance_over_ten_times_the_error_is_loose() {
+    let is_loose = |error: f64, tolerance, reason: &str| {
+        let claim = within(ErrorKind::Absolute, 1.0 + error, 1.0, tolerance);
+        Claim { reason: reason.into(), ..claim }.is_loose()
+    };
+    assert!(is_loose(0.125, 1.5, "truncation") && !is_loose(0.125, 1.0, "truncation"));
+    assert!(is_loose(0.0, 1e-12, "truncation") && !is_loose(0.0, 0.0, "truncation"));
+    for reason in ["roundoff: 40 operations", "statistics: a small sample", "chaos: the last bit"] {
+        assert!(!is_loose(0.0, 1e-12, reason), "{reason}");
+        assert!(is_loose(0.0, 1e-12, reason.split_once(' ').unwrap().1), "{reason}");
+    }
+    // A factor of 1 is no error.
+    assert!(!within(ErrorKind::Ratio, 1.25, 1.0, 3.0).is_loose());
+    assert!(within(ErrorKind::Ratio, 1.125, 1.0, 3.0).is_loose());
+    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 200.0, WHY);
+    assert!(!bound.is_loose());
+    let (measured, reference) = (Measured::sampled(1.0, 1.0), Reference::exact(1.0));
+    let criterion = Criterion::MonteCarlo { bias_bound: 1.0, reason: WHY };
+    assert!(
+        !Claim::judge(subject(), ErrorKind::Absolute, measured, reference, criterion).is_loose()
+    );
 }

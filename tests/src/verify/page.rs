@@ -5,7 +5,7 @@ use minijinja::{AutoEscape, Environment, Value, context};
 use scenes::machine;
 
 use crate::case::InlineChart;
-use crate::report::{CaseRecord, Claim, Report};
+use crate::report::{CaseRecord, Claim, Counts, Report};
 
 const TEMPLATE: &str = include_str!("page.html");
 
@@ -17,11 +17,12 @@ pub fn render_page(report: &Report, charts: &[InlineChart]) -> Result<String, mi
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_template("page.html", TEMPLATE)?;
+    let counts = report.counts();
     let seconds: f64 = report.cases.iter().map(|case| case.seconds).sum();
     let cases: Vec<Value> =
         report.cases.iter().enumerate().map(|(i, case)| case_value(i, case, charts)).collect();
     environment.get_template("page.html")?.render(context! {
-        passed => report.passed,
+        counts => counts_value(counts),
         failed => report.failed,
         version => &report.version,
         commit => report.commit.as_deref().map(machine::short),
@@ -41,6 +42,7 @@ pub fn render_page(report: &Report, charts: &[InlineChart]) -> Result<String, mi
 
 fn case_value(index: usize, case: &CaseRecord, charts: &[InlineChart]) -> Value {
     let claims: Vec<Value> = case.claims.iter().map(|claim| claim_value(claim, &case.id)).collect();
+    let counts = Counts::of(&case.claims);
     let charts = charts.iter().filter(|chart| chart.case_id == case.id);
     let charts: Vec<Value> =
         charts.map(|chart| context! { title => &chart.title, svg => &chart.svg }).collect();
@@ -50,11 +52,21 @@ fn case_value(index: usize, case: &CaseRecord, charts: &[InlineChart]) -> Value 
         title => &case.title,
         source => &case.source,
         seconds => format!("{:.2}", case.seconds),
-        passed => case.claims.iter().filter(|claim| claim.passed).count(),
-        failed => case.claims.iter().filter(|claim| !claim.passed).count(),
+        counts => counts_value(counts),
+        failed => counts.failed,
         claims => claims,
         charts => charts,
         skipped => &case.skipped,
+    }
+}
+
+fn counts_value(counts: Counts) -> Value {
+    context! {
+        accuracy => counts.accuracy,
+        structural => counts.structural,
+        regression_bounds => counts.regression_bounds,
+        bounds_word => if counts.regression_bounds == 1 { "bound" } else { "bounds" },
+        loose => counts.loose,
     }
 }
 
@@ -70,6 +82,7 @@ fn claim_value(claim: &Claim, case_id: &str) -> Value {
         error_kind => claim.error.map(|_| claim.error_kind.name()),
         tolerance => number::short(claim.tolerance),
         reason => &claim.reason,
+        kind => claim.kind().name(),
         passed => claim.passed,
     }
 }
@@ -114,8 +127,12 @@ mod tests {
         let page = render_page(&report, &[chart]).unwrap();
         for expected in [
             "<strong>Skipped</strong> ranks: no &lt;MPI&gt;",
-            "1 passed",
+            "1 of accuracy",
+            "0 structural",
+            "0 regression bounds",
+            "0 loose",
             "2 failed",
+            "<td>structural</td>",
             "a page &amp; its &lt;claims&gt;",
             "truncation &lt; 1 %",
             "<svg ",

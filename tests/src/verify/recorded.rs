@@ -9,13 +9,15 @@ use scenes::machine;
 use self::rows::{Rows, of_case};
 use super::fingerprint::Fingerprint;
 use crate::case::Profile;
-use crate::report::{CaseRecord, Claim, Report};
+use crate::report::{CaseRecord, Claim, Counts, Report};
 
-const HOW_TO_READ: &str = "How to read it. A claim holds if its error is within its tolerance, if it is within its bias bound and four \
-standard errors, or, where a method is known to be wrong, if the error is where it was seen: a *band*. *used* is the part of the \
-tolerance that the error takes. A case of many claims shows the worst of each quantity and reason, the worst first, and *of* how many; what \
-failed, is a band or misses an aim comes before them and is all there. *by* and *why* are numbers in the lists below a table. CPU \
-time is that of all threads; what several cases share is counted in the first that asks.\n";
+const HOW_TO_READ: &str = "How to read it. A claim is one of three kinds. *Accuracy*: the error against a reference is within its \
+tolerance, or within its bias bound and four standard errors. *Structural*: equal bits, counts, typed errors, properties without a \
+reference value. *Regression bound*: the value or the error stays where it was measured; this says nothing on accuracy. *used* is \
+the part of the tolerance that the error takes. A case of many claims shows the worst of each quantity and reason, the worst first, \
+and *of* how many; what failed, is a regression bound or misses an aim comes before them and is all there. *by* and *why* are \
+numbers in the lists below a table. A claim is *loose* if its tolerance is over ten times the error and its reason does not begin with \
+`roundoff:`, `statistics:` or `chaos:`. CPU time is that of all threads; what several cases share is counted in the first that asks.\n";
 
 /// The page of a report, made from what `fingerprint` says.
 #[must_use]
@@ -33,17 +35,16 @@ pub fn render_record(report: &Report, fingerprint: &Fingerprint) -> String {
 
 fn head(report: &Report, fingerprint: &Fingerprint) -> String {
     let date = machine::date().unwrap_or_else(|| "date unknown".to_owned());
-    let flag = flag(report.profile);
+    let (flag, counts) = (flag(report.profile), report.counts());
     format!(
         "# Verification\n\nWritten by `cargo xtask verify --record{flag}`: profile {}, {}, {}, \
-         {} passed, {} failed. {date}; {}; {}; version {}; CPU time {} s.\n\nDefinitions `{}`: the hash of the text of all \
+         {counts}; {} loose. {date}; {}; {}; version {}; CPU time {} s.\n\nDefinitions `{}`: the hash of the text of all \
          cases, scenes and references. `cargo xtask verify --stale` says which of them changed since. A change of a solver \
          is not among them: run again.\n\n{HOW_TO_READ}",
         report.profile.name(),
         counted(report.cases.len(), "case"),
-        counted(report.passed + report.failed, "claim"),
-        report.passed,
-        report.failed,
+        counted(counts.all(), "claim"),
+        counts.loose,
         report.machine.hardware(),
         machine::commit_words(report.commit.as_deref()),
         report.version,
@@ -70,19 +71,30 @@ fn crate_of(case: &CaseRecord) -> &str {
 fn summary(report: &Report, crates: &[&str]) -> String {
     let row = |name: &&str| {
         let cases = || report.cases.iter().filter(|case| crate_of(case) == *name);
-        let claims = || cases().flat_map(|case| &case.claims);
-        let count = |is_counted: bool| claims().filter(|claim| claim.passed == is_counted).count();
+        let counts = Counts::of(cases().flat_map(|case| &case.claims));
         vec![
             format!("[{name}](#{name})"),
             cases().count().to_string(),
-            claims().count().to_string(),
-            count(true).to_string(),
-            count(false).to_string(),
-            claims().filter(|claim| claim.is_band()).count().to_string(),
+            counts.all().to_string(),
+            counts.accuracy.to_string(),
+            counts.structural.to_string(),
+            counts.regression_bounds.to_string(),
+            counts.failed.to_string(),
+            counts.loose.to_string(),
             seconds(cases().map(|case| case.cpu_seconds).sum()),
         ]
     };
-    let heads = ["crate", "cases", "claims", "passed", "failed", "bands", "CPU (s)"];
+    let heads = [
+        "crate",
+        "cases",
+        "claims",
+        "accuracy",
+        "structural",
+        "regression bounds",
+        "failed",
+        "loose",
+        "CPU (s)",
+    ];
     let rows: Vec<Vec<String>> = crates.iter().map(row).collect();
     format!("\n{}", markdown::table(&heads.map(str::to_owned), &rows))
 }

@@ -5,10 +5,12 @@ use std::io::{self, IsTerminal, Write};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 use figures::{ErrorKind, number};
 
-use crate::report::{CaseRecord, Claim, Report};
+use crate::report::{CaseRecord, Claim, ClaimKind, Counts, Report};
 
 /// Stands for the method of the row above.
 const DITTO: &str = "\"";
+/// The width of a number of claims.
+const COUNT: usize = 6;
 /// Rows stand in from the heading of their case.
 const INDENT: u16 = 2;
 
@@ -45,12 +47,12 @@ impl Style {
         Self { width, colour: false, rows }
     }
 
-    /// Case, title, worst claims, seconds, verdict.
-    fn case_columns(self) -> [usize; 5] {
-        let (numbers, gaps) = (8 + 5, 4 * 2);
+    /// Case, title, worst claims, claims of accuracy, structural ones, regression bounds, seconds, verdict.
+    fn case_columns(self) -> [usize; 8] {
+        let (numbers, gaps) = (3 * COUNT + 8 + 5, 7 * 2);
         let text = usize::from(self.width) - numbers - gaps;
         let (id, title) = (text * 3 / 10, text * 3 / 10);
-        [id, title, text - id - title, 8, 5]
+        [id, title, text - id - title, COUNT, COUNT, COUNT, 8, 5]
     }
 
     /// Claim, quantity, method, measured, reference, error, tolerance, seconds, verdict.
@@ -73,8 +75,9 @@ impl Style {
 pub(super) fn write_header(style: Style, output: &mut dyn Write) -> io::Result<()> {
     match style.rows {
         Rows::Cases => {
-            let names = ["case", "problem", "worst claim of each kind: error / tolerance"];
-            write_line(names.map(str::to_owned), ("seconds", "verdict"), style, output)?;
+            let names = ["case", "problem", "worst claim of each kind of error: error / tolerance"];
+            let last = ["accur.", "struct", "bounds", "seconds", "verdict"];
+            write_line(names.map(str::to_owned), last.map(str::to_owned), style, output)?;
         }
         Rows::Claims => {
             let mut table = empty_table();
@@ -107,13 +110,15 @@ pub(super) fn write_case(
     }
 }
 
-/// Id, title, the claims that come closest to their tolerances, seconds and verdict; then each claim that fails.
+/// Id, title, the claims that come closest to their tolerances, how many of each kind hold, seconds and verdict; then each claim
+/// that fails.
 fn write_case_line(case: &CaseRecord, style: Style, output: &mut dyn Write) -> io::Result<()> {
-    let n_failed = case.claims.iter().filter(|claim| !claim.passed).count();
-    let verdict = if n_failed == 0 { "pass" } else { "FAIL" };
-    let counted = format!("{} ({})", worst(case), number::counted(case.claims.len(), "claim"));
-    let words = [case.id.clone(), case.title.clone(), counted];
-    write_line(words, (&format!("{:.2}", case.seconds), verdict), style, output)?;
+    let Counts { accuracy, structural, regression_bounds, failed, .. } = Counts::of(&case.claims);
+    let verdict = if failed == 0 { "pass" } else { "FAIL" };
+    let words = [case.id.clone(), case.title.clone(), worst(case)];
+    let [a, b, c] = [accuracy, structural, regression_bounds].map(|count| count.to_string());
+    let last = [a, b, c, format!("{:.2}", case.seconds), verdict.to_owned()];
+    write_line(words, last, style, output)?;
     for claim in case.claims.iter().filter(|claim| !claim.passed) {
         writeln!(output, "  FAIL {}: {}", claim.id, claim.reason)?;
     }
@@ -143,16 +148,17 @@ fn worst(case: &CaseRecord) -> String {
 /// A line of the table of cases; what is too long for its column ends in an ellipsis.
 fn write_line(
     words: [String; 3],
-    (seconds, verdict): (&str, &str),
+    last: [String; 5],
     style: Style,
     output: &mut dyn Write,
 ) -> io::Result<()> {
-    let [id, title, worst, number, last] = style.case_columns();
+    let [id, title, worst, a, b, c, number, word] = style.case_columns();
+    let [accuracy, structural, bounds, seconds, verdict] = last;
     let [of_id, of_title, of_worst] = words;
     // An id is what other commands take: it is never cut.
     let title = (title + id).saturating_sub(of_id.chars().count().max(id));
     let line = format!(
-        "{of_id:<id$}  {:<title$}  {:<worst$}  {seconds:>number$}  {verdict:<last$}",
+        "{of_id:<id$}  {:<title$}  {:<worst$}  {accuracy:>a$}  {structural:>b$}  {bounds:>c$}  {seconds:>number$}  {verdict:<word$}",
         shortened(&of_title, title),
         shortened(&of_worst, worst),
     );
@@ -217,8 +223,18 @@ fn cells(claim: &Claim, case_id: &str, seconds: String, name_width: usize) -> Ve
         measure(claim),
         number::short(claim.tolerance),
         seconds,
-        if claim.passed { "pass".into() } else { "FAIL".into() },
+        verdict(claim).into(),
     ]
+}
+
+/// The verdict; a claim that holds and is not of accuracy is named by its kind.
+const fn verdict(claim: &Claim) -> &'static str {
+    match (claim.passed, claim.kind) {
+        (false, _) => "FAIL",
+        (true, Some(ClaimKind::Structural)) => "struct.",
+        (true, Some(ClaimKind::RegressionBound)) => "bound",
+        (true, _) => "pass",
+    }
 }
 
 /// The error, with a word for how it was formed.
@@ -297,12 +313,32 @@ pub fn write_failures(report: &Report, output: &mut dyn Write) -> io::Result<()>
     Ok(())
 }
 
-/// The last line: `N passed, N failed`.
+/// The claims whose tolerance is loose, each with its error, tolerance and reason; then how many they are.
+///
+/// # Errors
+/// Those of writing to `output`.
+pub fn write_loose(report: &Report, output: &mut dyn Write) -> io::Result<()> {
+    for claim in report.claims().filter(|claim| claim.is_loose()) {
+        writeln!(output, "LOOSE {}", loose_words(claim))?;
+    }
+    Ok(())
+}
+
+/// Id, error, tolerance and reason of a loose claim.
+pub(super) fn loose_words(claim: &Claim) -> String {
+    let error = number::error(claim.error, claim.error_kind);
+    let tolerance = number::short(claim.tolerance);
+    format!("{}: error {error}, tolerance {tolerance}: {}", claim.id, claim.reason)
+}
+
+/// How many claims are loose, and the last line: `N of accuracy, M structural, K regression bounds; F failed`.
 ///
 /// # Errors
 /// Those of writing to `output`.
 pub fn write_summary(report: &Report, output: &mut dyn Write) -> io::Result<()> {
-    writeln!(output, "{} passed, {} failed", report.passed, report.failed)
+    let counts = report.counts();
+    let loose = number::counted(counts.loose, "loose claim");
+    writeln!(output, "{loose} (tolerance over ten times the error, no reason for it)\n{counts}")
 }
 
 #[cfg(test)]
@@ -315,7 +351,7 @@ mod tests {
             let style = Style::plain(width, Rows::Claims);
             let columns = style.claim_columns();
             assert_eq!(columns.iter().sum::<u16>() + INDENT + 16, width);
-            assert_eq!(style.case_columns().iter().sum::<usize>() + 8, usize::from(width));
+            assert_eq!(style.case_columns().iter().sum::<usize>() + 14, usize::from(width));
             assert!(columns.iter().all(|&column| column >= 7), "{columns:?}");
         }
     }

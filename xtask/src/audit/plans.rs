@@ -52,6 +52,10 @@ pub(super) fn mutants(_: &Surroundings) -> Plan {
     start("cargo mutants --output target", &packages(&SMALL_CRATES.map(str::to_owned)))
 }
 
+pub(super) fn claims(_: &Surroundings) -> Plan {
+    start("cargo xtask audit claims", &[])
+}
+
 pub(super) fn any_input(_: &Surroundings) -> Plan {
     start("cargo --config env.PROPTEST_CASES='1000000' test --release --test any_input", &[])
 }

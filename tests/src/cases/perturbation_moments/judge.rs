@@ -24,32 +24,44 @@ pub(crate) const CASE: Case = Case {
 
 const JUDGE: MonteCarlo = MonteCarlo { seed: 51, n_samples: 200_000 };
 
-/// Cases with the factors by which the standard errors of mean and variance must fall at least.
-const CASES: [(&str, f64, f64); 5] = [
-    ("exp2_s0.3", 5.0, 1.5),
-    ("ishigami_gauss_s0.1", 10.0, 3.0),
-    ("johnson_cook_ep0.1_rate1000_T0.2_cv0.15_rho0.0", 10.0, 5.0),
-    ("johnson_cook_ep0.5_rate10000_T0.4_cv0.1_rho0.4", 10.0, 5.0),
-    ("mie_gruneisen_mu0.2_e4e+09_cv0.05_rho0.0", 10.0, 3.0),
+/// Cases with the factors by which the standard errors of mean and variance fell.
+const CASES: [(&str, [f64; 2]); 5] = [
+    ("exp2_s0.3", [10.15, 3.22]),
+    ("ishigami_gauss_s0.1", [42.7, 11.8]),
+    ("johnson_cook_ep0.1_rate1000_T0.2_cv0.15_rho0.0", [45.4, 27.6]),
+    ("johnson_cook_ep0.5_rate10000_T0.4_cv0.1_rho0.4", [345.0, 111.5]),
+    ("mie_gruneisen_mu0.2_e4e+09_cv0.05_rho0.0", [461.0, 130.6]),
 ];
+
+/// A factor moves by so much with another seed: heavy tails of what the surrogate leaves.
+const FACTOR_SPREAD: f64 = 1.25;
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let table = ReferenceTable::read()?;
     let mut claims = Vec::new();
-    for (name, mean_factor, variance_factor) in CASES {
+    let (mut jets, mut differences) = (0.0_f64, 0.0_f64);
+    for (name, factors) in CASES {
         context.progress(name);
         let case = table.cases.iter().find(|case| case.name == name).ok_or("no such case")?;
         let judged = visit(case, &mut Sample)?;
         claims.extend(against_quadrature(context, case, &judged));
-        claims.extend(reductions(context, case, &judged, mean_factor, variance_factor));
-        let (jets, differences) = visit(case, &mut OtherWays)?;
-        claims.push(way(context, case, "jets", jets, 1e-12, "roundoff of the polarised Hessian"));
-        let reason =
-            "error estimates of the differences: 1e-7 of the deviation in third derivatives";
-        claims.push(way(context, case, "central-differences", differences, 1e-6, reason));
+        claims.push(surrogate(context, case, &judged));
+        claims.extend(reductions(context, case, &judged, factors));
+        let (by_jets, by_differences) = visit(case, &mut OtherWays)?;
+        jets = largest(jets, by_jets);
+        differences = largest(differences, by_differences);
     }
+    let reason = "roundoff: the polarised Hessian, some hundred operations";
+    claims.push(way(context, "jets", jets, 1e-13, reason));
+    let reason = "differences extrapolated to a few 1e-13 of a deviation in third derivatives";
+    claims.push(way(context, "central-differences", differences, 5e-12, reason));
     claims.push(threads(context, &table)?);
     Ok(claims)
+}
+
+/// The larger size; NaN stays.
+fn largest(worst: f64, error: f64) -> f64 {
+    if worst.is_nan() || error.is_nan() { f64::NAN } else { worst.max(error.abs()) }
 }
 
 struct Sample;
@@ -126,53 +138,49 @@ fn against_quadrature(
         .collect()
 }
 
+/// The sample means of the surrogate and of its square against the values that are known exactly.
+fn surrogate(context: &Context<'_>, case: &ReferenceCase, judged: &Judgement) -> Claim {
+    let miss = judged.surrogate_mean_miss.max(judged.surrogate_variance_miss);
+    let subject = context.subject(
+        &format!("{}/surrogate", case.id()),
+        "standard errors between sample and exact moments of the surrogate, the larger of two",
+        "s.e.",
+        "control variate by the quadratic surrogate",
+    );
+    let reason = "statistics: four standard errors";
+    Claim::within(subject, ErrorKind::Absolute, (miss, 0.0), STANDARD_ERRORS, reason)
+}
+
+/// How much sharper the controlled estimates are: the square of the factor is saved in samples.
 fn reductions(
     context: &Context<'_>,
     case: &ReferenceCase,
     judged: &Judgement,
-    mean_factor: f64,
-    variance_factor: f64,
-) -> Vec<Claim> {
-    let miss = judged.surrogate_mean_miss.max(judged.surrogate_variance_miss);
-    let rows = [
-        ("raw-against-controlled", "standard errors apart", miss, 0.0, STANDARD_ERRORS),
-        ("mean/reduction", "raw over controlled s.e.", judged.mean_reduction(), mean_factor, 1e3),
-        (
-            "variance/reduction",
+    [mean_factor, variance_factor]: [f64; 2],
+) -> [Claim; 2] {
+    [
+        ("mean/reduction", judged.mean_reduction(), mean_factor),
+        ("variance/reduction", judged.variance_reduction(), variance_factor),
+    ]
+    .map(|(name, value, seen)| {
+        let subject = context.subject(
+            &format!("{}/{name}", case.id()),
             "raw over controlled s.e.",
-            judged.variance_reduction(),
-            variance_factor,
-            1e3,
-        ),
-    ];
-    rows.into_iter()
-        .map(|(name, quantity, value, from, to)| {
-            let subject = context.subject(
-                &format!("{}/{name}", case.id()),
-                quantity,
-                "",
-                "control variate by the quadratic surrogate",
-            );
-            let reason = "raw and controlled may differ by 4 s.e.; a surrogate that is worth its name saves \
-                          the square of the factor in samples";
-            Claim::as_measured(subject, Measured::exact(value), from, to, reason)
-        })
-        .collect()
+            "",
+            "control variate by the quadratic surrogate",
+        );
+        let (from, to) = (seen / FACTOR_SPREAD, seen * FACTOR_SPREAD);
+        let reason = "what the surrogate leaves of the deviation, by this sample";
+        Claim::as_measured(subject, Measured::exact(value), from, to, reason)
+    })
 }
 
-fn way(
-    context: &Context<'_>,
-    case: &ReferenceCase,
-    name: &str,
-    error: f64,
-    tolerance: f64,
-    reason: &str,
-) -> Claim {
+fn way(context: &Context<'_>, name: &str, error: f64, tolerance: f64, reason: &str) -> Claim {
     let subject = context.subject(
-        &format!("{}/{name}", case.id()),
+        name,
         "relative error of the second-order or fourth-order variance",
         "",
-        "against dual numbers",
+        "against dual numbers, worst of five cases",
     );
     Claim::within(subject, ErrorKind::Absolute, (error, 0.0), tolerance, reason)
 }

@@ -81,8 +81,8 @@ fn implicit_claims(
         ),
         ErrorKind::Relative,
         (by_step, exact),
-        1e-12,
-        "roundoff of eight terms",
+        1e-13,
+        "roundoff: eight terms of ten operations",
     );
     Ok(vec![
         same_law,

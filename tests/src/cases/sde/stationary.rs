@@ -81,7 +81,8 @@ where
             let law = law(system, method, angle / system.frequency, read)?
                 .ok_or("a method without a stationary law inside its limit")?;
             let error = error(&law, ratio, angle);
-            worst = if error.is_nan() { f64::NAN } else { worst.max(error.abs()) };
+            worst =
+                if error.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(error.abs()) };
         }
     }
     Ok(worst)
@@ -144,7 +145,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         leimkuhler_matthews()?,
     ));
     claims.push(separate_claim(context)?);
-    claims.extend(published_claims(context)?);
+    claims.push(published_claim(context)?);
     Ok(claims)
 }
 
@@ -203,26 +204,25 @@ fn formula_claims(
 }
 
 /// Errors of `E[q^2]` that a survey found by another code, to the digits it gives.
-fn published_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn published_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
     // (h omega, error, half a unit of its last digit) at a damping ratio of 0.05
     let sra1 =
         [(0.4, 0.15, 0.005), (0.2, 0.014, 0.0005), (0.1, 8e-4, 0.5e-4), (0.05, -1e-4, 0.5e-4)];
-    let mut claims = Vec::new();
+    let mut worst = 0.0_f64;
     for (angle, published, half_digit) in sra1 {
         let law =
             law(oscillator(0.05), &Sra1, angle / 2.0, velocity)?.ok_or("no stationary law")?;
-        let subject = context.subject(
-            &format!("sra1/second-moment-q/h-omega-{angle}"),
-            "relative error of E[q^2]",
-            "",
-            "SRA1, damping ratio 0.05",
-        );
-        let reason = "half a unit of the last digit that the survey gives";
-        let criterion = Criterion::Within { tolerance: half_digit, reason };
-        let (measured, reference) = (Measured::exact(law.q - 1.0), Reference::exact(published));
-        claims.push(Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion));
+        let error = (law.q - 1.0 - published).abs() / half_digit;
+        worst = if error.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(error) };
     }
-    Ok(claims)
+    let subject = context.subject(
+        "sra1/second-moment-q",
+        "relative error of E[q^2] against a survey, in half units of its last digit",
+        "",
+        "SRA1, damping ratio 0.05, worst of h omega 0.4, 0.2, 0.1, 0.05",
+    );
+    let reason = "the survey rounds to its last digit";
+    Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1.0, reason))
 }
 
 /// `dX = -X dt + sqrt(2) dB`.

@@ -4,7 +4,7 @@ use figures::ErrorKind;
 use figures::markdown::{self, text};
 use figures::number::{self, counted};
 
-use crate::report::{CaseRecord, Claim};
+use crate::report::{CaseRecord, Claim, ClaimKind};
 
 /// Of more claims than this the worst are shown.
 pub(super) const MOST_ROWS: usize = 12;
@@ -134,7 +134,11 @@ fn cells(claim: &Claim, case_id: &str) -> Vec<String> {
         number::with_uncertainty(claim.reference, claim.reference_error),
         format!("{}{kind}", number::error(claim.error, claim.error_kind)),
         number::short(claim.tolerance),
-        if claim.is_band() { "band".to_owned() } else { percent(claim.used()) },
+        match claim.kind() {
+            ClaimKind::RegressionBound => "regression bound".to_owned(),
+            ClaimKind::Structural => "structural".to_owned(),
+            ClaimKind::Accuracy => percent(claim.used()),
+        },
         if claim.passed { "passed".to_owned() } else { "**failed**".to_owned() },
     ]
 }

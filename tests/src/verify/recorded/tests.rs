@@ -22,7 +22,7 @@ fn claim(name: &str, used: f64) -> Claim {
     )
 }
 
-fn band(name: &str) -> Claim {
+fn bound(name: &str) -> Claim {
     Claim::judge(
         Subject::new(format!("self-check/page/{name}"), "x", "", "the paper's method"),
         ErrorKind::Relative,
@@ -58,16 +58,16 @@ fn page(name: &str, claims: Vec<Claim>) -> String {
 
 #[test]
 fn a_claim_stands_with_value_reference_tolerance_reason_verdict_and_command() {
-    let page = page("recorded-few", vec![claim("good", 0.4), claim("bad", 1.4), band("paper")]);
+    let page = page("recorded-few", vec![claim("good", 0.4), claim("bad", 1.4), bound("paper")]);
     for expected in [
-        "profile default, 1 case, 3 claims, 2 passed, 1 failed",
-        "| [self-check](#self-check) | 1 | 3 | 2 | 1 | 1 | 2.50 |",
+        "profile default, 1 case, 3 claims, 1 of accuracy, 0 structural, 1 regression bound; 1 failed; 0 loose.",
+        "| [self-check](#self-check) | 1 | 3 | 1 | 0 | 1 | 1 | 0 | 2.50 |",
         "- **failed** `self-check/page/bad`: truncation \\< 1 % [failed: the error 1.400e-2 exceeds",
         "### self-check/page\n\na page & its \\<claims>. Source: A paper, eq 26.",
         "`cargo xtask verify self-check/page`: 3 claims, **1 failed**, CPU 2.50 s.",
         "| good | P(\\|q\\| > 1) (m^2) | 1.00400 | 1 ± 1.0e-4 | +0.00400 relative | 0.0100 | 1 | 1 | 40 % | passed |",
         "| 140 % | **failed** |",
-        "| 2 | 3 | band | passed |",
+        "| 2 | 3 | regression bound | passed |",
         "By:\n\n1. log-density fit\n2. the paper's method\n",
         "3. as measured, error in [0.2, 0.4]: it loses particles\n",
     ] {
@@ -86,7 +86,7 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
     };
     let mut claims: Vec<Claim> = (0..8).flat_map(family).collect();
     // Of one family, and yet all there.
-    claims.extend((0..9).map(|t| band(&format!("paper/t{t}"))));
+    claims.extend((0..9).map(|t| bound(&format!("paper/t{t}"))));
     claims.push(claim("moment-0/t9", 1.4));
     let page = page("recorded-many", claims);
     let names: Vec<&str> = page
@@ -94,9 +94,9 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
         .filter(|line| line.starts_with("| moment-") || line.starts_with("| paper"))
         .map(|line| line.split('|').nth(1).unwrap().trim())
         .collect();
-    let bands: Vec<String> = (0..9).map(|t| format!("paper/t{t}")).collect();
+    let bounds: Vec<String> = (0..9).map(|t| format!("paper/t{t}")).collect();
     let mut expected = vec!["moment-0/t9"];
-    expected.extend(bands.iter().map(String::as_str));
+    expected.extend(bounds.iter().map(String::as_str));
     expected.extend(["moment-7/t2", "moment-6/t2"]);
     assert_eq!(names, expected);
     assert_eq!(names.len(), MOST_ROWS);
@@ -109,8 +109,8 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
 
 #[test]
 fn what_falls_short_is_never_left_out() {
-    let page = page("recorded-bands", (0..20).map(|t| band(&format!("paper/t{t}"))).collect());
-    assert_eq!(page.matches("| band |").count(), 20);
+    let page = page("recorded-bounds", (0..20).map(|t| bound(&format!("paper/t{t}"))).collect());
+    assert_eq!(page.matches("| regression bound |").count(), 20);
     assert!(!page.contains("claims more"), "{page}");
 }
 

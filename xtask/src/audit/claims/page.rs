@@ -1,0 +1,122 @@
+//! Outcomes as a table, and as a page of the documents.
+
+use std::collections::BTreeMap;
+
+use super::mutant::{Breaks, Mutant};
+use super::outcome::Outcomes;
+
+/// Name, crate and physics of each mutant.
+pub(super) fn list(mutants: &[Mutant]) -> String {
+    let line = |m: &Mutant| format!("{:<28}{:<22}{}\n", m.name, m.package, m.what);
+    mutants.iter().map(line).collect()
+}
+
+/// A line for each mutant: verdict, counts, seconds, first claim.
+pub(super) fn table(mutants: &[Mutant], outcomes: &Outcomes) -> String {
+    let line = |mutant: &Mutant| {
+        let said = outcomes.of(mutant).map_or("not run".to_owned(), |(_, outcome)| outcome.words());
+        format!("{:<10}{:<28}{said}\n", verdict(mutant, outcomes), mutant.name)
+    };
+    mutants.iter().map(line).collect()
+}
+
+fn verdict(mutant: &Mutant, outcomes: &Outcomes) -> &'static str {
+    match outcomes.of(mutant) {
+        None => "not run",
+        Some(_) if outcomes.is_caught(mutant) => "caught",
+        Some((_, outcome)) if !outcome.fault.is_empty() => "NO RESULT",
+        Some(_) => "SURVIVED",
+    }
+}
+
+/// The page `docs/mutants.md`.
+pub(super) fn render(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
+    let mut page = head(mutants, outcomes, machine);
+    page.push_str("\n| crate | mutants | run | caught | survived |\n|---|---|---|---|---|\n");
+    let mut crates: BTreeMap<&str, Vec<&Mutant>> = BTreeMap::new();
+    for mutant in mutants {
+        crates.entry(&mutant.package).or_default().push(mutant);
+    }
+    for (name, of) in &crates {
+        let count = |word: &str| of.iter().filter(|m| verdict(m, outcomes) == word).count();
+        let n_run = of.len() - count("not run");
+        let (caught, survived) = (count("caught"), n_run - count("caught"));
+        page.push_str(&format!("| {name} | {} | {n_run} | {caught} | {survived} |\n", of.len()));
+    }
+    for (name, of) in &crates {
+        page.push_str(&format!("\n## {name}\n\n{COLUMNS}"));
+        page.extend(of.iter().map(|mutant| row(mutant, outcomes)));
+    }
+    page
+}
+
+const COLUMNS: &str = "\
+| mutant | what it breaks | verdict | accuracy | structural | regression bounds | stopped cases | first claim that fails | seconds | commit |
+|---|---|---|---|---|---|---|---|---|---|
+";
+
+fn head(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
+    let n_run = mutants.iter().filter(|m| outcomes.of(m).is_some()).count();
+    let n_caught = mutants.iter().filter(|m| outcomes.is_caught(m)).count();
+    format!(
+        "# Mutants\n\nThis page says which wrong constants and signs the claims of each crate notice. \
+         Written by `cargo xtask audit claims --record`: {} mutants, {n_run} run, {n_caught} caught, {} survived. {machine}.\n\n\
+         Each mutant replaces one text in one file (`xtask/src/audit/mutants.json`). The workspace is built with it, and the \
+         cases of its crate are run. A mutant is caught if a claim of accuracy fails or a case stops with an error; a mutant \
+         that breaks a structure, also by a structural claim. A regression bound alone catches nothing. `cargo xtask audit \
+         claims --only NAME` repeats a row; *seconds* is its share of the build and the run.\n",
+        mutants.len(),
+        n_run - n_caught,
+    )
+}
+
+fn row(mutant: &Mutant, outcomes: &Outcomes) -> String {
+    let kind = if mutant.breaks == Breaks::Structure { " (structure)" } else { "" };
+    let start = format!("| {} | {}{kind} ", mutant.name, mutant.what);
+    let Some((commit, outcome)) = outcomes.of(mutant) else {
+        return format!("{start}| not run | | | | | | | |\n");
+    };
+    let said = if outcome.fault.is_empty() {
+        format!("`{}`", outcome.first)
+    } else {
+        outcome.fault.replace('|', "\\|")
+    };
+    format!(
+        "{start}| {} | {} | {} | {} | {} | {said} | {:.0} | {commit} |\n",
+        verdict(mutant, outcomes),
+        outcome.accuracy,
+        outcome.structure,
+        outcome.regression,
+        outcome.stopped,
+        outcome.seconds,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mutant::tests::mutant;
+    use super::super::outcome::Outcome;
+    use super::*;
+
+    #[test]
+    fn the_page_counts_what_was_run_and_what_was_caught() {
+        let mutants =
+            [mutant("a", "smpm", "smpm"), mutant("b", "smpm", "smpm"), mutant("c", "lanes", "x")];
+        let mut outcomes = Outcomes::default();
+        let caught = Outcome { accuracy: 2, first: "smpm/x/y".into(), ..Outcome::default() };
+        outcomes.keep("a", "1234".into(), caught);
+        outcomes.keep("b", "1234".into(), Outcome { regression: 1, ..Outcome::default() });
+        let page = render(&mutants, &outcomes, "a machine");
+        for expected in [
+            "3 mutants, 2 run, 1 caught, 1 survived. a machine.",
+            "| smpm | 2 | 2 | 1 | 1 |",
+            "| lanes | 1 | 0 | 0 | 0 |",
+            "| a | a constant | caught | 2 | 0 | 0 | 0 | `smpm/x/y` | 0 | 1234 |",
+            "| b | a constant | SURVIVED | 0 | 0 | 1 |",
+            "| c | a constant | not run |",
+        ] {
+            assert!(page.contains(expected), "{expected} is missing from\n{page}");
+        }
+        assert!(table(&mutants, &outcomes).starts_with("caught    a "));
+    }
+}

@@ -1,0 +1,89 @@
+//! Every mutant of `cargo xtask audit claims` still applies, and the cases that have to catch it exist.
+
+#[path = "shared/folder.rs"]
+mod folder;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use folder::files;
+use serde_json::Value;
+
+/// The solvers and shared crates that have cases.
+const CRATES: [&str; 10] = [
+    "fpk-sph",
+    "mpi-ensembles",
+    "neighbour-search",
+    "particle-store",
+    "peridyn-sde",
+    "perturbation-moments",
+    "random-vibration",
+    "sde-integrators",
+    "smoothing-kernels",
+    "smpm",
+];
+
+/// The root of the workspace.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn mutants() -> Vec<Value> {
+    let path = root().join("xtask/src/audit/mutants.json");
+    let text = fs::read_to_string(path).expect("mutants.json");
+    serde_json::from_str(&text).expect("a list of mutants")
+}
+
+fn word<'a>(mutant: &'a Value, key: &str) -> &'a str {
+    mutant[key].as_str().unwrap_or_default()
+}
+
+/// Why a mutant does not apply, if it does not.
+fn fault(mutant: &Value) -> Option<String> {
+    let (file, text) = (word(mutant, "file"), word(mutant, "text"));
+    let source = fs::read_to_string(root().join(file)).unwrap_or_default();
+    let is_of_crate = file.starts_with(&format!("crates/{}/src/", word(mutant, "crate")));
+    let count = if text.is_empty() { 0 } else { source.matches(text).count() };
+    let is_changed = text != word(mutant, "replacement");
+    (!is_of_crate || count != 1 || !is_changed)
+        .then(|| format!("{}: {count} times in {file}", word(mutant, "name")))
+}
+
+#[test]
+fn every_mutant_still_applies() {
+    let faults: Vec<String> = mutants().iter().filter_map(fault).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn a_mutant_whose_text_is_gone_is_noticed() {
+    let mut mutant = mutants().swap_remove(0);
+    assert_eq!(fault(&mutant), None);
+    mutant["text"] = "no such text".into();
+    assert!(fault(&mutant).is_some_and(|fault| fault.contains("0 times")));
+}
+
+#[test]
+fn names_differ_and_every_crate_with_cases_has_a_mutant() {
+    let mutants = mutants();
+    let names: BTreeSet<&str> = mutants.iter().map(|mutant| word(mutant, "name")).collect();
+    assert_eq!(names.len(), mutants.len());
+    let crates: BTreeSet<&str> = mutants.iter().map(|mutant| word(mutant, "crate")).collect();
+    assert_eq!(crates, BTreeSet::from(CRATES));
+    assert!(mutants.len() >= 40, "{}", mutants.len());
+}
+
+#[test]
+fn the_cases_that_have_to_catch_a_mutant_exist() {
+    let sources = files(&root().join("tests/src/cases"), ".rs").expect("the cases");
+    let text: String = sources.iter().filter_map(|path| fs::read_to_string(path).ok()).collect();
+    for mutant in mutants() {
+        let filters = mutant["verify"].as_array().cloned().unwrap_or_default();
+        assert!(!filters.is_empty(), "{}", word(&mutant, "name"));
+        for filter in filters {
+            let id = format!("id: \"{}", filter.as_str().unwrap_or_default());
+            assert!(text.contains(&id), "{}: no case begins with {filter}", word(&mutant, "name"));
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! The proof: runs the cases, prints their verdicts, writes the report.
 
 mod fingerprint;
+mod numbers;
 mod page;
 mod progress;
 mod recorded;
@@ -16,6 +17,7 @@ use figures::number;
 use work_precision::record::{self, RecordError, Recording};
 
 pub use self::fingerprint::{Change, Fingerprint, SourceError};
+pub use self::numbers::render_numbers;
 pub use self::page::render_page;
 pub use self::recorded::render_record;
 pub use self::run::{Outcome, run_cases};
@@ -160,6 +162,7 @@ pub fn verify(
     if let Some((path, fingerprint)) = &recorded {
         refuse_loose(&report)?;
         write_file(path, &render_record(&report, fingerprint))?;
+        write_file(&path.with_extension("json"), &render_numbers(&report))?;
     }
     Ok(report)
 }
@@ -363,6 +366,9 @@ mod tests {
             page.contains("4 of accuracy, 0 structural, 0 regression bounds; 1 failed"),
             "{page}"
         );
+        let numbers = std::fs::read_to_string(root.join("docs/verification.json")).unwrap();
+        let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
+        assert_eq!(numbers["claims"].as_object().unwrap().len(), 5);
         assert_eq!(
             said_of(&root, &CASES),
             "docs/verification.md is up to date with cases, scenes and references\n"

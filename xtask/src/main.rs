@@ -19,7 +19,7 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               run the proof; fails if a claim does not hold
   verify --loose [FILTER]...  the same, and list the claims whose tolerance is over ten
                               times the error without a reason for it
-  verify --record [--full]    the same, and write docs/verification.md; refused with a loose claim
+  verify --record [--full]    the same, and write docs/verification.md and .json; refused with a loose claim
   verify --stale              say whether that page is older than cases, scenes and references
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume|--overwrite] [--shard K/N]
                               run a scene; killed, it goes on with --resume, or starts

@@ -1,0 +1,177 @@
+//! The numbers that pages state are those of the records.
+//!
+//! A page marks a number with a key in a comment behind it, and lists its keys in a comment of their own:
+//!
+//! ```text
+//! E[q^2] is off by 0.22 %<!-- damper-q -->.
+//!
+//! <!-- records
+//! damper-q: fpk-sph/viscous-damper-refined/log-density-fit/second-moment-q/t6 |error|
+//! taichi: docs/benchmarks/smpm.json /rows/3/ratio
+//! -->
+//! ```
+//!
+//! A source is a claim of `docs/verification.json` with one of its numbers (`measured`, `error`, `reference`,
+//! `standard_error`, or one between bars for its size), a case with `cpu_seconds`, or a file with a pointer into it.
+//! A number in percent is a hundred times its record, one in ms a thousand times.
+
+#[path = "shared/folder.rs"]
+mod folder;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use folder::files;
+use serde_json::Value;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+const RECORD: &str = "docs/verification.json";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+// ---- a page ----
+
+/// A number as a page shows it.
+#[derive(Debug, PartialEq)]
+struct Shown {
+    key: String,
+    value: f64,
+    /// Half a unit of its last digit.
+    half_unit: f64,
+}
+
+/// The keys of a page, each with its source.
+fn keys(page: &str) -> BTreeMap<String, String> {
+    let Some((_, rest)) = page.split_once("<!-- records\n") else { return BTreeMap::new() };
+    let list = rest.split("-->").next().unwrap_or_default();
+    let entry = |line: &str| {
+        line.split_once(": ").map(|(key, source)| (key.trim().to_owned(), source.trim().to_owned()))
+    };
+    list.lines().filter_map(entry).collect()
+}
+
+/// The numbers that have a key of the page behind them; an error names a mark without a number before it.
+fn shown(page: &str, keys: &BTreeMap<String, String>) -> Result<Vec<Shown>, String> {
+    let mut all = Vec::new();
+    for (start, _) in page.match_indices("<!-- ") {
+        let key = page[start + 5..].split(" -->").next().unwrap_or_default();
+        if keys.contains_key(key) {
+            let before = page[..start].trim_end_matches('*');
+            let (value, half_unit) =
+                number_before(before).ok_or_else(|| format!("no number before `{key}`"))?;
+            all.push(Shown { key: key.to_owned(), value, half_unit });
+        }
+    }
+    Ok(all)
+}
+
+/// The number at the end of a text in the unit of its record, and half a unit of its last digit.
+fn number_before(text: &str) -> Option<(f64, f64)> {
+    const UNITS: [(&str, f64); 6] =
+        [(" %", 1e-2), (" ms", 1e-3), (" µs", 1e-6), (" s", 1.0), (" mm", 1.0), ("", 1.0)];
+    let (text, unit) =
+        UNITS.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)))?;
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | 'e' | '-' | '+' | ',');
+    let start = text.char_indices().rev().take_while(|&(_, c)| is_part(c)).last()?.0;
+    let written = text[start..].trim_start_matches(',').replace(',', "");
+    let value: f64 = written.parse().ok()?;
+    let (mantissa, exponent) = written.split_once('e').unwrap_or((&written, "0"));
+    let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let last = 10_f64.powi(exponent.parse::<i32>().ok()? - i32::try_from(decimals).ok()?);
+    Some((value * unit, 0.5 * last * unit))
+}
+
+// ---- the records ----
+
+/// The number that a source names.
+fn recorded(source: &str, verification: &Value) -> Result<f64, String> {
+    let (place, part) = source.rsplit_once(' ').ok_or("no field")?;
+    let (name, size) = match part.strip_prefix('|').and_then(|part| part.strip_suffix('|')) {
+        Some(name) => (name, true),
+        None => (part, false),
+    };
+    let found = if place.ends_with(".json") {
+        let text = fs::read_to_string(root().join(place)).map_err(|error| error.to_string())?;
+        let value: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        value.pointer(name).and_then(Value::as_f64)
+    } else {
+        let entry = ["claims", "cases"].iter().find_map(|kind| verification[kind].get(place));
+        entry.and_then(|entry| entry[name].as_f64())
+    };
+    let value = found.ok_or_else(|| format!("there is no `{name}` of `{place}`"))?;
+    Ok(if size { value.abs() } else { value })
+}
+
+/// What is wrong with the numbers of a page.
+fn wrong(page: &str, verification: &Value) -> Vec<String> {
+    let keys = keys(page);
+    let shown = match shown(page, &keys) {
+        Ok(shown) => shown,
+        Err(error) => return vec![error],
+    };
+    let unused = keys.keys().filter(|key| shown.iter().all(|shown| shown.key != **key));
+    let mut wrong: Vec<String> = unused.map(|key| format!("no number has the key `{key}`")).collect();
+    for Shown { key, value, half_unit } in &shown {
+        match recorded(&keys[key], verification) {
+            Ok(recorded) if (recorded - value).abs() <= half_unit * (1.0 + 1e-9) => {}
+            Ok(recorded) => wrong.push(format!("`{key}`: the page has {value}, the record {recorded}")),
+            Err(error) => wrong.push(format!("`{key}`: {error}")),
+        }
+    }
+    wrong
+}
+
+#[test]
+fn numbers_of_pages_are_those_of_the_records() -> Outcome {
+    let verification: Value = serde_json::from_str(&fs::read_to_string(root().join(RECORD))?)?;
+    let (mut all_wrong, mut n_numbers) = (Vec::new(), 0);
+    for file in files(&root(), ".md")? {
+        let page = fs::read_to_string(&file)?;
+        n_numbers += shown(&page, &keys(&page)).map_or(0, |shown| shown.len());
+        let lines = wrong(&page, &verification);
+        all_wrong.extend(lines.into_iter().map(|line| format!("{}: {line}", file.display())));
+    }
+    assert!(all_wrong.is_empty(), "{all_wrong:#?}");
+    assert!(n_numbers >= 20, "only {n_numbers} numbers have a record");
+    Ok(())
+}
+
+/// A reader takes the first page at its word.
+#[test]
+fn every_percentage_of_the_readme_has_a_record() -> Outcome {
+    let page = fs::read_to_string(root().join("README.md"))?;
+    let text = page.split("<!-- records").next().unwrap_or_default();
+    let bare: Vec<&str> = text
+        .match_indices(" %")
+        .filter(|(at, _)| !text[at + 2..].trim_start_matches('*').starts_with("<!-- "))
+        .map(|(at, _)| text[..at].lines().last().unwrap_or_default())
+        .collect();
+    assert!(bare.is_empty(), "percentages without a record after: {bare:#?}");
+    Ok(())
+}
+
+#[test]
+fn a_number_that_differs_from_its_record_is_found() {
+    let verification: Value = serde_json::json!({
+        "claims": { "a/b/c": { "measured": 1.639e-3, "error": -0.00224 } },
+        "cases": { "a/b": { "cpu_seconds": 2.0149 } },
+    });
+    let of = |text: &str, source: &str| {
+        wrong(&format!("{text}<!-- k -->\n\n<!-- records\nk: {source}\n-->\n"), &verification).len()
+    };
+    assert_eq!(of("it is 1.639e-3", "a/b/c measured"), 0);
+    assert_eq!(of("it is 1.64e-3", "a/b/c measured"), 0);
+    assert_eq!(of("it is 1.65e-3", "a/b/c measured"), 1);
+    assert_eq!(of("off by **0.22 %**", "a/b/c |error|"), 0);
+    assert_eq!(of("off by -0.2 %", "a/b/c error"), 0);
+    assert_eq!(of("off by 0.2 %", "a/b/c error"), 1);
+    assert_eq!(of("in 2.01 s", "a/b cpu_seconds"), 0);
+    assert_eq!(of("in 2,015 ms", "a/b cpu_seconds"), 0);
+    assert_eq!(of("no number", "a/b cpu_seconds"), 1);
+    assert_eq!(of("in 2.01 s", "a/x cpu_seconds"), 1);
+    assert_eq!(wrong("<!-- records\nk: a/b/c error\n-->\n", &verification).len(), 1);
+}

@@ -148,7 +148,7 @@ pub fn sampled<L: BondLaw + Clone + Send, const K: usize>(
         let last: Vec<usize> = (0..GROUPS).map(|group| 3 * group + 2).collect();
         run.cut(&last)?;
     }
-    let mut sums = vec![[0.0; K]; GROUPS];
+    let mut sums = [[0.0; K]; GROUPS];
     for step in 0..followed.settled + followed.steps {
         let report = run.step()?;
         if let Some(broken) = report.broken.iter().find(|broken| broken.cause != Cause::Cut) {

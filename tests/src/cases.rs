@@ -66,6 +66,7 @@ pub const ALL: &[Case] = &[
     smpm::invariance::CASE,
     peridyn::forces::CASE,
     peridyn::equilibrium::CASE,
+    peridyn::nonlinear_equilibrium::CASE,
     peridyn::one_bond::CASE,
     peridyn::breaking::LATTICE,
     peridyn::breaking::BACKGROUND,

@@ -5,6 +5,8 @@ pub mod first_passage;
 pub mod lattice;
 pub mod memory;
 pub mod network;
+pub mod nonlinear;
 pub mod notched_plate;
 pub mod one_bond;
+pub mod sample;
 pub mod stationary;

@@ -5,6 +5,7 @@ use peridyn_sde::{Loading, Notch, Program};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::peridyn::worst::Worst;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
 
@@ -27,7 +28,7 @@ struct Seen {
     n_tips: usize,
     /// mm from the left edge.
     start: f64,
-    /// Over the Rayleigh speed.
+    /// m/s.
     speed: f64,
     asymmetry: f64,
     n_steps: u64,
@@ -69,15 +70,28 @@ fn seen(plate: &Plate, cracked: &Cracked) -> Result<Seen, CaseError> {
     Ok(Seen {
         n_tips: path.tips().len(),
         start: path.branches().first().map_or(f64::NAN, |branch| 1e3 * branch.start()[0]),
-        speed: cracked.tip_speed(&notch, 1e-6, 50)? / plate.rayleigh_speed(),
+        speed: cracked.tip_speed(&notch, 1e-6, 50)?,
         asymmetry: cracked.asymmetry(),
         n_steps: cracked.n_steps,
     })
 }
 
+/// The fastest crack that a duran glass was seen to bear before it branched (m/s): Doell 1975, as cited by Ha and Bobaru 2010, from
+/// memory.
+const FASTEST: f64 = 1580.0;
+
+/// Where the crack branches by another code (mm), by traction and mesh: prototype_dynamic.json.
+fn by_another_code(name: &str, dx: f64) -> f64 {
+    match (name, dx > 0.4) {
+        ("12mpa", true) => 65.8,
+        ("12mpa", false) => 65.1,
+        _ => 66.1,
+    }
+}
+
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let millimetres: &[f64] = if context.profile == Profile::Quick { &[0.5] } else { &[0.5, 0.25] };
-    let mut claims = Vec::new();
+    let mut worst = Branching::default();
     for (name, traction, energy_release_rate) in LOADS {
         let mut starts = Vec::new();
         for &dx in millimetres {
@@ -85,59 +99,90 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             let (plate, cracked) = pulled(1e-3 * dx, traction, energy_release_rate)?;
             let seen = seen(&plate, &cracked)?;
             starts.push(seen.start);
-            claims.extend(of_run(context, name, dx, &seen));
+            worst.see(&seen, by_another_code(name, dx), &format!("{name}, {dx} mm"));
             if name == LOADS[0].0 && starts.len() == millimetres.len() {
                 let title = format!("Damage at 50 us, {dx} mm");
                 context.show_chart(&title, field(&picture(&cracked, dx))?);
             }
         }
         if let &[coarse, fine] = starts.as_slice() {
-            let lines =
-                Lines { context, id: name, method: "velocity Verlet, 0.5 and 0.25 mm".into() };
-            claims.push(lines.bounded(
-                ("change-of-point", "branching point at 0.25 mm over that at 0.5 mm, less one", ""),
-                fine / coarse - 1.0,
-                0.05,
-                "the claim: the place is that of the plate, not of its mesh",
-            ));
+            worst.change.see(fine / coarse - 1.0, name);
         }
     }
-    Ok(claims)
+    Ok(worst.claims(context, millimetres))
 }
 
-fn of_run(context: &Context<'_>, name: &str, dx: f64, seen: &Seen) -> [Claim; 4] {
-    let id = format!("{name}/dx-{dx}mm");
-    let method = format!(
-        "{dx} mm, horizon 4.015 dx, plane stress, velocity Verlet, {} steps of 0.8 of the critical one",
-        seen.n_steps
-    );
-    let lines = Lines { context, id: &id, method };
-    [
-        lines.bounded(
-            ("tips", "tips of the crack at the end, less two", ""),
-            seen.n_tips as f64 - 2.0,
-            0.0,
-            "it branches, once",
-        ),
-        lines.measured(
-            ("branching-point", "where the lines through both arms meet, from the left edge", "mm"),
-            seen.start,
-            (63.0, 67.0),
-            "prototype: 65.8 and 65.1 mm at 12 MPa, 66.1 mm at 2 MPa, by another measure of the place",
-        ),
-        lines.bounded(
-            ("tip-speed", "fastest growth of the crack over 4 us, over the Rayleigh speed 3058 m/s", ""),
-            seen.speed,
-            0.6,
-            "cracks in glass branch near 0.6 of the Rayleigh speed and do not outrun it; c_R of plane stress, nu = 1/3",
-        ),
-        lines.bounded(
-            ("asymmetry", "share of broken bonds whose image did not break in the same step", ""),
-            seen.asymmetry,
-            5e-3,
-            "the plate is symmetric; roundoff, 1e-13 of a stretch, may move a break by a step",
-        ),
-    ]
+/// The worst of all runs.
+#[derive(Default)]
+struct Branching {
+    tips: Worst,
+    start: Worst,
+    change: Worst,
+    speed: Worst,
+    asymmetry: Worst,
+}
+
+impl Branching {
+    fn see(&mut self, seen: &Seen, start: f64, at: &str) {
+        let at = format!("{at}, {} steps", seen.n_steps);
+        self.tips.see(seen.n_tips as f64 - 2.0, &at);
+        self.start.see(seen.start / start - 1.0, &at);
+        self.speed.see(seen.speed / FASTEST - 1.0, &at);
+        self.asymmetry.see(seen.asymmetry, &at);
+    }
+
+    fn claims(&self, context: &Context<'_>, millimetres: &[f64]) -> Vec<Claim> {
+        let method = format!(
+            "12 and 2 MPa, {millimetres:?} mm, horizon 4.015 dx, plane stress, velocity Verlet, steps of 0.8 of the critical one"
+        );
+        let claim = |worst: &Worst, of: (&str, &str, &str), tolerance, reason: &str| {
+            let lines = Lines { context, id: "", method: worst.at(&method) };
+            lines.bounded(of, worst.value(), tolerance, reason)
+        };
+        let mut claims = vec![
+            claim(
+                &self.tips,
+                ("tips", "tips of the crack at the end, less two", ""),
+                0.0,
+                "it branches, once",
+            ),
+            claim(
+                &self.start,
+                (
+                    "branching-point",
+                    "where the lines through both arms meet, from the left edge, over that of another code, less one",
+                    "",
+                ),
+                0.03,
+                "the other code takes the place where damage splits, up to 1.1 mm to the right, half of a horizon of 2 mm",
+            ),
+            claim(
+                &self.speed,
+                ("tip-speed", "fastest growth of the crack over 4 us, over 1580 m/s, less one", ""),
+                0.25,
+                "the fastest crack that was seen in a glass before it branched, of somewhat other constants; growth over 4 us, four to eight horizons, scatters by 10 %",
+            ),
+            claim(
+                &self.asymmetry,
+                (
+                    "asymmetry",
+                    "share of broken bonds whose image did not break in the same step",
+                    "",
+                ),
+                5e-3,
+                "roundoff: the plate is symmetric; 1e-13 of a stretch may move a break by a step, and with it some of thousands",
+            ),
+        ];
+        if millimetres.len() > 1 {
+            claims.push(claim(
+                &self.change,
+                ("change-of-point", "branching point at 0.25 mm over that at 0.5 mm, less one", ""),
+                0.01,
+                "the place is that of the plate, not of its mesh: within 0.6 mm, the horizon of the finer one is 1 mm",
+            ));
+        }
+        claims
+    }
 }
 
 fn picture(cracked: &Cracked, dx: f64) -> Field {

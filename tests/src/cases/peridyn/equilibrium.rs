@@ -1,7 +1,7 @@
 //! The stationary law of each scheme on small networks: exactly, and sampled.
 
 use figures::{ErrorKind, Measured, Reference};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Error,
     Mobility, Scheme, Simulation, SimulationConfig,
@@ -16,6 +16,7 @@ use work_precision::problems::peridyn::stationary::{
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::peridyn::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -51,122 +52,193 @@ fn mobilities<const D: usize>(
     ])
 }
 
-fn exact_laws<const D: usize>(
-    context: &Context<'_>,
-    name: &str,
-    network: &Network<D>,
-) -> Result<Vec<Claim>, CaseError> {
-    let k = network.stiffness();
-    let exact = TEMPERATURE * k.clone().try_inverse().ok_or("a singular network")?;
-    let mut claims = Vec::new();
-    for (mobility_name, mobility) in mobilities(network)? {
-        let id = format!("{name}/{}", mobility_name.replace(' ', "-"));
-        for z in [0.1, 1.0, 1.9] {
-            for scheme in [Scheme::LeimkuhlerMatthews, Scheme::Theta(0.5)] {
-                let lines = Lines {
-                    context,
-                    id: &id,
-                    method: format!("{}, {mobility_name}, z = {z}", scheme.name()),
-                };
-                let law = law_of(network, &mobility, scheme, z)?;
-                let key = format!("{}/z{z}", scheme.name().to_lowercase().replace([' ', '-'], "-"));
-                let reason = "exact for linear forces, for any positive definite M and any stable step; roundoff of the matrices, whose condition is up to 1e3; the linear system of an implicit step is solved to 1e-11, and the covariance is off by up to a condition times that";
-                claims.push(lines.bounded(
-                    (
-                        &format!("{key}/covariance"),
-                        "largest entry of cov - kT K^-1 over its largest",
-                        "",
-                    ),
-                    distance(&law.covariance, &exact),
-                    if matches!(scheme, Scheme::Theta(_)) { 1e-9 } else { 1e-12 },
-                    reason,
-                ));
-                claims.push(lines.bounded(
-                    (
-                        &format!("{key}/kick"),
-                        "the first step from rest against N z, with the same factor L as in M",
-                        "",
-                    ),
-                    law.kick,
-                    if matches!(scheme, Scheme::Theta(_)) { 1e-10 } else { 1e-13 },
-                    "roundoff; the linear system of an implicit step is solved to 1e-11",
-                ));
-            }
-        }
-        claims.extend(biased(context, &id, network, (mobility_name, &mobility), &exact)?);
-    }
-    Ok(claims)
+/// Whose stationary covariance is exact for linear forces, and what an error of it and of the first step may be.
+const EXACT: [(Scheme, &str, f64, f64, &str); 2] = [
+    (
+        Scheme::LeimkuhlerMatthews,
+        "leimkuhler-matthews",
+        3e-13,
+        2e-15,
+        "roundoff: exact for linear forces, for any positive definite M and any stable step; 2e-16 times the condition of the matrices, up to 1e3; of a first step, a sum of up to 24 terms",
+    ),
+    (
+        Scheme::Theta(0.5),
+        "theta-0.5",
+        3e-10,
+        4e-11,
+        "exact for linear forces, for any positive definite M; the linear system of a step is solved to 1e-11, and the covariance is off by some times that",
+    ),
+];
+
+/// Those with a bias that is known.
+const BIASED: [(Scheme, &str); 2] =
+    [(Scheme::EulerMaruyama, "euler-maruyama"), (Scheme::Heun, "heun")];
+
+/// The worst errors with a mobility, over networks and steps, by scheme.
+#[derive(Default)]
+struct Laws {
+    covariance: [Worst; 2],
+    kick: [Worst; 2],
+    bias: [Worst; 2],
 }
 
-/// The bias of Euler and Heun, as matrix functions of `Z = h M K`.
-fn biased<const D: usize>(
-    context: &Context<'_>,
-    id: &str,
+/// Adds a network.
+fn see<const D: usize>(
+    name: &str,
     network: &Network<D>,
-    (name, mobility): (&str, &Mobility),
+    laws: &mut [(&'static str, Laws)],
+) -> Result<(), CaseError> {
+    let k = network.stiffness();
+    let exact = TEMPERATURE * k.clone().try_inverse().ok_or("a singular network")?;
+    for ((_, mobility), (_, laws)) in mobilities(network)?.iter().zip(laws) {
+        for z in [0.1, 1.0, 1.9] {
+            let place = format!("{name}, z = {z}");
+            for (at, (scheme, ..)) in EXACT.into_iter().enumerate() {
+                let law = law_of(network, mobility, scheme, z)?;
+                laws.covariance[at].see(distance(&law.covariance, &exact), &place);
+                laws.kick[at].see(law.kick, &place);
+            }
+        }
+        for (at, (scheme, _)) in BIASED.into_iter().enumerate() {
+            laws.bias[at].see(biased(network, mobility, scheme, &exact)?, name);
+        }
+    }
+    Ok(())
+}
+
+/// How far the covariance of Euler or Heun at `z = 1` is from its own bias, a matrix function of `Z = h M K`.
+fn biased<const D: usize>(
+    network: &Network<D>,
+    mobility: &Mobility,
+    scheme: Scheme,
     exact: &DMatrix<f64>,
-) -> Result<Vec<Claim>, CaseError> {
+) -> Result<f64, CaseError> {
     let (l, k) = (network.factor(mobility)?, network.stiffness());
     let n = network.n_unknowns();
     let one = DMatrix::<f64>::identity(n, n);
+    let z = 1.0;
+    let dt = z / rate(network, &overdamped(mobility, 0.0, scheme))?;
+    let law = law_of(network, mobility, scheme, z)?;
+    let zk = dt * &l * l.transpose() * &k;
+    // kT f(Z) K^-1 with f of the scheme.
+    let factor = match scheme {
+        Scheme::Heun => {
+            (2.0 * &one - &zk)
+                * (2.0 * &one - &zk + 0.5 * &zk * &zk).try_inverse().ok_or("singular")?
+        }
+        _ => (&one - 0.5 * &zk).try_inverse().ok_or("singular")?,
+    };
+    Ok(distance(&law.covariance, &(factor * exact)))
+}
+
+fn claims_of(context: &Context<'_>, name: &str, laws: &Laws) -> Vec<Claim> {
+    let over = format!("{name}, chain of 10 and square of 16 nodes");
+    let claim = |id: &str, quantity: &str, worst: &Worst, of: &str, tolerance, reason: &str| {
+        let method = worst.at(&format!("{of}, {over}"));
+        let id = format!("{}/{id}", name.replace(' ', "-"));
+        Lines { context, id: "", method }.bounded(
+            (&id, quantity, ""),
+            worst.value(),
+            tolerance,
+            reason,
+        )
+    };
     let mut claims = Vec::new();
-    for scheme in [Scheme::EulerMaruyama, Scheme::Heun] {
-        let z = 1.0;
-        let dt = z / rate(network, &overdamped(mobility, 0.0, scheme))?;
-        let law = law_of(network, mobility, scheme, z)?;
-        let zk = dt * &l * l.transpose() * &k;
-        // kT f(Z) K^-1 with f of the scheme.
-        let factor = match scheme {
-            Scheme::Heun => {
-                (2.0 * &one - &zk)
-                    * (2.0 * &one - &zk + 0.5 * &zk * &zk).try_inverse().ok_or("singular")?
-            }
-            _ => (&one - 0.5 * &zk).try_inverse().ok_or("singular")?,
-        };
-        let lines = Lines { context, id, method: format!("{}, {name}, z = 1", scheme.name()) };
-        let key = scheme.name().to_lowercase();
-        let reason = "the scheme's own bias, variance of a mode over kT/lambda: 1/(1 - z/2) of Euler, (2 - z)/(2 - z + z^2/2) of Heun; roundoff";
-        claims.push(lines.bounded(
-            (
-                &format!("{key}/bias"),
-                "largest entry of cov - kT f(h M K) K^-1 over its largest",
-                "",
-            ),
-            distance(&law.covariance, &(factor * exact)),
-            1e-11,
+    for (at, (scheme, key, covariance, kick, reason)) in EXACT.into_iter().enumerate() {
+        let of = format!("{}, z = 0.1, 1 and 1.9", scheme.name());
+        claims.push(claim(
+            &format!("{key}/covariance"),
+            "largest entry of cov - kT K^-1 over its largest",
+            &laws.covariance[at],
+            &of,
+            covariance,
             reason,
         ));
-        let stiffest = scheme.variance_factor(z);
-        let (from, to) = if stiffest > 1.0 { (1.05, 2.0) } else { (0.6, 0.99) };
-        claims.push(lines.measured(
-            (&format!("{key}/energy"), "mean energy over kT dof/2", ""),
-            foster(network, &law.covariance) / (TEMPERATURE * n as f64),
-            (from, to),
-            "between 1 and the bias of the stiffest mode, 2 for Euler and 2/3 for Heun",
+        claims.push(claim(
+            &format!("{key}/kick"),
+            "the first step from rest against N z, with the same factor L as in M",
+            &laws.kick[at],
+            &of,
+            kick,
+            reason,
         ));
     }
-    Ok(claims)
+    for (at, (scheme, key)) in BIASED.into_iter().enumerate() {
+        claims.push(claim(
+            &format!("{key}/bias"),
+            "largest entry of cov - kT f(h M K) K^-1 over its largest",
+            &laws.bias[at],
+            &format!("{}, z = 1", scheme.name()),
+            3e-14,
+            "roundoff: the scheme's own bias, variance of a mode over kT/lambda: 1/(1 - z/2) of Euler, (2 - z)/(2 - z + z^2/2) of Heun; 2e-16 times the condition of 2 - Z",
+        ));
+    }
+    claims
 }
 
 /// BAOAB on displacements and velocities.
-fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Vec<Claim>, CaseError> {
+fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Claim, CaseError> {
     let exact = TEMPERATURE * network.stiffness().try_inverse().ok_or("a singular network")?;
-    let mut claims = Vec::new();
+    let mut worst = Worst::default();
     for (friction, part) in [(0.3, 0.5), (3.0, 0.9)] {
         let covariance = covariance_of_baoab(network, friction, 2.0 * part)?;
-        let lines = Lines {
-            context,
-            id: "chain10/baoab",
-            method: format!("BAOAB, gamma = {friction}, omega h = {}", 2.0 * part),
-        };
-        claims.push(lines.bounded(
-            (&format!("gamma{friction}/covariance"), "largest entry of cov(u) - kT K^-1 over its largest", ""),
-            distance(&covariance, &exact),
-            1e-11,
-            "exact in displacements for linear forces at any stable step; roundoff over more steps than overdamped",
-        ));
+        let place = format!("gamma = {friction}, omega h = {}", 2.0 * part);
+        worst.see(distance(&covariance, &exact), &place);
     }
-    Ok(claims)
+    let lines = Lines { context, id: "chain10/baoab", method: worst.at("BAOAB, two frictions") };
+    Ok(lines.bounded(
+        ("covariance", "largest entry of cov(u) - kT K^-1 over its largest", ""),
+        worst.value(),
+        1e-13,
+        "roundoff: exact in displacements for linear forces at any stable step; 2e-16 times the condition of the chain, 200, over more steps than overdamped",
+    ))
+}
+
+/// `epsilon` of the confining energy takes `lambda/(lambda + epsilon)` of the variance of a mode, and holds a node without bonds
+/// to `kT/epsilon`.
+fn confined(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
+    let mut chain = Network::chain(11)?;
+    // The last node is loose: its only bond is cut.
+    chain.cut = vec![chain.bonds.len() - 1];
+    chain.confinement = 0.05;
+    let mobility = Mobility::identity(&chain.free, 1.0)?;
+    let law = law_of(&chain, &mobility, Scheme::LeimkuhlerMatthews, 1.0)?;
+    let modes = SymmetricEigen::new(chain.stiffness());
+    let (mut bonded, mut loose) = (Worst::default(), f64::NAN);
+    for (lambda, mode) in modes.eigenvalues.iter().zip(modes.eigenvectors.column_iter()) {
+        let variance = (mode.transpose() * &law.covariance * mode)[0];
+        if *lambda < 1e-9 {
+            loose = variance * chain.confinement / TEMPERATURE;
+        } else {
+            let share = variance * lambda / TEMPERATURE;
+            let exact = lambda / (lambda + chain.confinement);
+            bonded
+                .see(share / exact - 1.0, &format!("lambda = {lambda:.3}, a share of {exact:.3}"));
+        }
+    }
+    let reason = "roundoff: linear forces, exact by Leimkuhler and Matthews' method; 2e-16 times the condition, 200";
+    let method =
+        "Leimkuhler-Matthews, z = 1, chain of 10 bonded nodes and a loose one, epsilon = 0.05";
+    let lines = Lines { context, id: "confinement", method: bonded.at(method) };
+    Ok([
+        lines.bounded(
+            (
+                "modes",
+                "largest relative error of the variance of a mode against kT/(lambda + epsilon)",
+                "",
+            ),
+            bonded.value(),
+            1e-13,
+            reason,
+        ),
+        Lines { method: method.into(), ..lines }.relative(
+            ("loose-node", "variance of the node without bonds, over kT/epsilon", ""),
+            loose,
+            1.0,
+            1e-13,
+            reason,
+        ),
+    ])
 }
 
 /// The first code of the note's authors had `M` in the noise alone.
@@ -187,19 +259,28 @@ fn noise_alone(context: &Context<'_>, network: &Network<2>) -> Result<Vec<Claim>
     let lines =
         Lines { context, id: "noise-alone", method: "M in the noise alone, unit diagonal".into() };
     let energy = foster(network, &covariance) / (TEMPERATURE * n as f64 * trace);
+    // S of K S + S K = 2 kT M, by the modes of K.
+    let modes = SymmetricEigen::new(k);
+    let v = &modes.eigenvectors;
+    let mobility = v.transpose() * &l * l.transpose() * v;
+    let by_modes = DMatrix::from_fn(n, n, |i, j| {
+        2.0 * TEMPERATURE * mobility[(i, j)] / (modes.eigenvalues[i] + modes.eigenvalues[j])
+    });
+    let expected = distance(&(v * by_modes * v.transpose() / trace), &exact);
     Ok(vec![
         lines.relative(
             ("energy", "mean energy over kT tr M/2", ""),
             energy,
             1.0,
-            1e-10,
-            "the energy sees the trace of M alone: equipartition does not tell a wrong noise; roundoff",
+            1e-13,
+            "roundoff: the energy sees the trace of M alone: equipartition does not detect a wrong noise; 2e-16 times the condition of K",
         ),
-        lines.measured(
-            ("covariance", "largest entry of cov - kT K^-1 over its largest", ""),
+        lines.relative(
+            ("covariance", "largest entry of cov - kT K^-1 over its largest, 1.87 where it should be zero", ""),
             distance(&(covariance / trace), &exact),
-            (0.3, 20.0),
-            "the covariance does tell it; what is known to be wrong is held to be far off",
+            expected,
+            1e-12,
+            "roundoff: the covariance does detect it: it is that of K S + S K = 2 kT M, far from kT K^-1; 2e-16 times the condition of K, by another path",
         ),
     ])
 }
@@ -272,13 +353,19 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = vec![lines.bounded(
         ("inverse", "largest entry of K^-1 - min(i, j) over its largest", ""),
         distance(&inverse, &minimum),
-        1e-13,
-        "chain10.json: the closed form of a chain; roundoff",
+        4e-14,
+        "roundoff: chain10.json, the closed form of a chain; 2e-16 times its condition, 200",
     )];
-    claims.extend(exact_laws(context, "chain10", &chain)?);
     let square = Network::square(4, 2)?;
-    claims.extend(exact_laws(context, "square", &square)?);
-    claims.extend(inertial(context, &chain)?);
+    let mut laws: Vec<(&str, Laws)> =
+        mobilities(&chain)?.into_iter().map(|(name, _)| (name, Laws::default())).collect();
+    see("chain", &chain, &mut laws)?;
+    see("square", &square, &mut laws)?;
+    for (name, laws) in &laws {
+        claims.extend(claims_of(context, name, laws));
+    }
+    claims.push(inertial(context, &chain)?);
+    claims.extend(confined(context)?);
     claims.extend(noise_alone(context, &square)?);
     claims.extend(sampled(context, &chain)?);
     Ok(claims)

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::peridyn::worst::Worst;
 use crate::peridyn::rest::displacements;
 use crate::report::Claim;
 
@@ -39,11 +40,23 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ("180x60 m=3.015 none", 60, 3, VolumeCorrection::None),
     ];
     let n_plates = if context.profile == Profile::Quick { 3 } else { plates.len() };
+    let mut worst = Worst::default();
     for (name, rows, shells, volume) in &plates[..n_plates] {
         context.progress(name);
         let found = plate(*rows, *shells, (*volume, SurfaceCorrection::None))?;
-        claims.push(of_plate(context, name, &found, &reference["results"][name])?);
+        see_plate(&mut worst, name, &found, &reference["results"][name])?;
     }
+    let method = worst.at(&format!("{n_plates} plates, conjugate gradients"));
+    claims.push(Lines { context, id: "plate", method }.bounded(
+        (
+            "other-solver",
+            "largest relative error of modulus, Poisson's ratio, elongation and strain at the edge",
+            "",
+        ),
+        worst.value(),
+        1e-12,
+        "residual 1e-13 of the loads, whose part in the softest modes the condition of the plate, some 1e4, would make larger",
+    ));
     claims.extend(corrected(context)?);
     Ok(claims)
 }
@@ -88,9 +101,10 @@ fn of_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = vec![lines.bounded(
         ("displacements", "largest relative error of the displacements of 100 nodes", ""),
         worst,
-        1e-9,
-        "residual 1e-13 times the condition of the bar, 1e3, and the limit to the horizon 3 dx, 1e-12",
+        5e-12,
+        "residual 1e-13 times the condition of the bar, 1e3, of which the ends see a part, and the limit to the horizon 3 dx, 1e-12",
     )];
+    let mut worst = Worst::default();
     for (name, u, seen) in [("uncorrected", &without, 0.733), ("corrected", &with, -0.218)] {
         claims.push(lines.measured(
             (
@@ -102,14 +116,18 @@ fn of_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             (seen - 2e-3, seen + 2e-3),
             "the surface: end nodes lack bonds; the correction takes most of it and overshoots",
         ));
-        claims.push(lines.relative(
-            (&format!("{name}/modulus"), "Young's modulus over the middle fifth", ""),
-            modulus(u),
-            1.0,
-            1e-6,
-            "half of the farthest bonds makes the lattice exact; the surface decays by distance, 1e-12 here, the limit of the horizon 1e-9",
-        ));
+        worst.see(modulus(u) - 1.0, name);
     }
+    claims.push(Lines { method: worst.at(method), ..lines }.bounded(
+        (
+            "modulus",
+            "Young's modulus over the middle fifth less 1, with and without surface correction",
+            "",
+        ),
+        worst.value(),
+        2e-12,
+        "half of the farthest bonds makes the lattice exact; the surface decays by distance, 1e-12 here",
+    ));
     Ok(claims)
 }
 
@@ -159,41 +177,29 @@ fn plate(
     })
 }
 
-fn of_plate(
-    context: &Context<'_>,
+fn see_plate(
+    worst: &mut Worst,
     name: &str,
     found: &Plate,
     reference: &Value,
-) -> Result<Claim, CaseError> {
-    let mut worst: f64 = 0.0;
+) -> Result<(), CaseError> {
     for (key, found) in [
         ("E_centre", found.modulus),
         ("nu_centre", found.poisson),
         ("total_strain", found.total),
         ("exx_edge_row", found.edge),
     ] {
-        worst = worst.max((found / number(&reference[key])? - 1.0).abs());
+        worst.see(found / number(&reference[key])? - 1.0, &format!("{key} of {name}"));
     }
-    let lines = Lines { context, id: "plate", method: format!("{name}, conjugate gradients") };
-    let id = name.to_lowercase().replace(" m=", "/m-").replace(' ', "/");
-    Ok(lines.bounded(
-        (
-            &id,
-            "largest relative error of modulus, Poisson's ratio, elongation and strain at the edge",
-            "",
-        ),
-        worst,
-        1e-9,
-        "residual 1e-13 of the loads, times the condition of the plate, some 1e4",
-    ))
+    Ok(())
 }
 
 /// Against the elastic plate.
 fn corrected(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     for (name, surface, modulus, total) in [
-        ("uncorrected", SurfaceCorrection::None, (0.02, 0.05), (-0.06, -0.03)),
-        ("corrected", SurfaceCorrection::Energy, (0.0, 0.03), (-0.06, 0.01)),
+        ("uncorrected", SurfaceCorrection::None, (0.031, 0.036), (-0.048, -0.043)),
+        ("corrected", SurfaceCorrection::Energy, (0.016, 0.021), (-0.035, -0.03)),
     ] {
         let found = plate(40, 3, (VolumeCorrection::None, surface))?;
         let id = format!("plate/{name}");

@@ -1,11 +1,14 @@
 //! Plates in noise and without load: how many bonds break, and how many should.
 
+use figures::Measured;
+use nalgebra::{DMatrix, DVector};
 use peridyn_sde::{
-    Bond, Breaking, Dynamics, Error, Mobility, Scheme, Simulation, SimulationConfig,
+    Bond, Breaking, Dynamics, Error, Mobility, Real, Scheme, Simulation, SimulationConfig,
 };
-use sde_integrators::Noise;
+use sde_integrators::{Noise, Purpose};
 
-use super::network::{Network, lanes, rate as stiffest};
+use super::network::{Network, lanes, lanes_of, rate as stiffest};
+use super::sample::mean;
 use crate::context::CaseError;
 
 /// Realisations side by side.
@@ -68,6 +71,68 @@ pub fn broken(
         seen.push(lost);
     }
     Ok((seen, rate))
+}
+
+/// Bonds broken per time (1/time), mean over realisations that each start in equilibrium and are followed for a time in units of one
+/// over `lambda`, and that time; few bonds are lost if it is short. With the bridge, by steps of `z`, `L` realisations side by side in each of
+/// some batches.
+///
+/// # Errors
+/// Those of the run; where the network is singular.
+pub fn rate_in_equilibrium<T: Real, const L: usize>(
+    network: &Network<2>,
+    (strength, ratio): (f64, f64),
+    (z, time): (f64, f64),
+    batches: u64,
+) -> Result<(Measured, f64), CaseError> {
+    let kt = temperature(network, strength, ratio);
+    let dynamics = Dynamics::Overdamped {
+        mobility: Mobility::identity(&network.free, 1.0)?,
+        temperature: kt,
+        scheme: Scheme::Heun,
+    };
+    let rate = stiffest(network, &dynamics)?;
+    let noise = Noise::new(5);
+    let (dt, breaking, confinement) = (z / rate, Breaking::Bridge, 0.0);
+    let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
+    let root = network.stiffness().cholesky().ok_or("a singular network")?.l().transpose();
+    let mut lost = Vec::new();
+    for batch in 0..batches {
+        let ids: [u64; L] = std::array::from_fn(|lane| batch * L as u64 + lane as u64);
+        let body = lanes_of::<T, 2, L>(network, strength)?;
+        let mut run = Simulation::new(body, network.loading()?, config.clone(), ids)?;
+        for (lane, id) in ids.into_iter().enumerate() {
+            run.set_displacements(lane, &in_equilibrium(network, &root, kt, (&noise, id))?)?;
+        }
+        let mut broken = [0.0; L];
+        while run.time() * rate < time - 0.5 * z {
+            for event in run.step()?.broken {
+                for (lane, broken) in broken.iter_mut().enumerate() {
+                    *broken += f64::from(event.lanes >> lane & 1);
+                }
+            }
+        }
+        lost.extend(broken.map(|broken| broken / run.time()));
+    }
+    Ok((mean(&lost), time / rate))
+}
+
+/// Displacements of the law `N(0, kT K^-1)`, with the transposed Cholesky factor of `K`.
+fn in_equilibrium(
+    network: &Network<2>,
+    root: &DMatrix<f64>,
+    temperature: f64,
+    (noise, realisation): (&Noise, u64),
+) -> Result<Vec<[f64; 2]>, CaseError> {
+    let mut normals = vec![0.0; network.n_unknowns()];
+    noise.stream(Purpose::InitialLaw, realisation).fill_normal(&mut normals);
+    let white = DVector::from_vec(normals);
+    let found = root.solve_upper_triangular(&white).ok_or("a singular network")?;
+    let mut u = vec![[0.0; 2]; network.free.len()];
+    for (value, (node, k)) in found.iter().zip(network.unknowns()) {
+        u[node][k] = temperature.sqrt() * value;
+    }
+    Ok(u)
 }
 
 /// A bond in the noise of a network whose `kT` is one.

@@ -19,6 +19,8 @@ pub struct Network<const D: usize> {
     pub free: Vec<bool>,
     /// `epsilon` of its runs (force over length).
     pub confinement: f64,
+    /// Bonds that are cut before its runs begin.
+    pub cut: Vec<usize>,
 }
 
 impl Network<1> {
@@ -65,7 +67,7 @@ impl<const D: usize> Network<D> {
         let of_one = Bonds::new(&nodes, &config(1.0)?)?.all()[0].stiffness;
         let bonds = Bonds::new(&nodes, &config(1.0 / of_one)?)?;
         let free = nodes.positions().iter().map(|x| !held(x)).collect();
-        Ok(Self { nodes, bonds, free, confinement: 0.0 })
+        Ok(Self { nodes, bonds, free, confinement: 0.0, cut: Vec::new() })
     }
 
     /// How many components of free nodes there are.
@@ -87,7 +89,7 @@ impl<const D: usize> Network<D> {
         (0..self.free.len()).filter(|&node| !self.free[node]).collect()
     }
 
-    /// `K` of the free components.
+    /// `K` of the free components, of the bonds that are not cut and without confinement.
     #[must_use]
     pub fn stiffness(&self) -> DMatrix<f64> {
         let unknowns = self.unknowns();
@@ -97,7 +99,10 @@ impl<const D: usize> Network<D> {
             number[node * D + k] = Some(at);
         }
         let mut matrix = DMatrix::zeros(n, n);
-        for ((i, j), of) in self.bonds.pairs().zip(self.bonds.all()) {
+        for (bond, ((i, j), of)) in self.bonds.pairs().zip(self.bonds.all()).enumerate() {
+            if self.cut.contains(&bond) {
+                continue;
+            }
             let (a, b) = (self.nodes.positions()[i], self.nodes.positions()[j]);
             for k in 0..D {
                 for l in 0..D {
@@ -151,7 +156,9 @@ impl<const D: usize> Network<D> {
             BondList::new(self.nodes.clone(), self.bonds.clone(), Strain::Linear, &strengths)?;
         let (breaking, confinement) = (Breaking::AtEnds, self.confinement);
         let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
-        Simulation::new(body, self.loading()?, config, [0])
+        let mut run = Simulation::new(body, self.loading()?, config, [0])?;
+        run.cut(&self.cut)?;
+        Ok(run)
     }
 
     /// The held nodes held.

@@ -114,11 +114,14 @@ fn wrong(page: &str, verification: &Value) -> Vec<String> {
         Err(error) => return vec![error],
     };
     let unused = keys.keys().filter(|key| shown.iter().all(|shown| shown.key != **key));
-    let mut wrong: Vec<String> = unused.map(|key| format!("no number has the key `{key}`")).collect();
+    let mut wrong: Vec<String> =
+        unused.map(|key| format!("no number has the key `{key}`")).collect();
     for Shown { key, value, half_unit } in &shown {
         match recorded(&keys[key], verification) {
             Ok(recorded) if (recorded - value).abs() <= half_unit * (1.0 + 1e-9) => {}
-            Ok(recorded) => wrong.push(format!("`{key}`: the page has {value}, the record {recorded}")),
+            Ok(recorded) => {
+                wrong.push(format!("`{key}`: the page has {value}, the record {recorded}"))
+            }
             Err(error) => wrong.push(format!("`{key}`: {error}")),
         }
     }

@@ -7,7 +7,7 @@ use crate::coefficients::Coefficients;
 use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::metric::{Metric, Whitening};
-use crate::parallel::{BLOCK, for_each_block};
+use crate::parallel::{BLOCK, fill, for_each_block};
 use crate::report::Work;
 use crate::score::Estimates;
 use crate::state::State;
@@ -21,6 +21,8 @@ pub(crate) struct Evaluation<const D: usize> {
     pub(crate) estimates: Estimates<D>,
     /// `D` in the metric at every particle, or once for all.
     diffusion: Vec<[[f64; D]; D]>,
+    /// Velocities in the metric.
+    whitened_velocity: Vec<[f64; D]>,
     pub(crate) work: Work,
 }
 
@@ -30,6 +32,8 @@ pub(crate) struct WhitenedCloud<const D: usize> {
     pub(crate) whitening: Whitening<D>,
     /// `y_i`.
     pub(crate) positions: Vec<[f64; D]>,
+    /// Smoothing lengths `h_i`, those of the stage.
+    smoothing_lengths: Vec<f64>,
     /// Support radii.
     radii: Vec<f64>,
     grid: CellGrid<D>,
@@ -42,26 +46,27 @@ impl<const D: usize> WhitenedCloud<D> {
         Self {
             whitening: Whitening::identity(),
             positions: vec![[0.0; D]; n],
+            smoothing_lengths: vec![0.0; n],
             radii: vec![0.0; n],
             grid: CellGrid::new(),
             neighbours: NeighbourList::new(),
         }
     }
 
-    /// The metric of the particles at `x`, their places and support radii in it.
+    /// The metric of the particles at `x`, their places, smoothing lengths and support radii in it.
     fn whiten(
         &mut self,
         discretisation: &Discretisation<D>,
         state: &State<D>,
-        t: f64,
-        x: &[[f64; D]],
+        Stage { t, x, smoothing_lengths: h }: Stage<'_, D>,
     ) -> Result<(), Error> {
         let at = (state.n_steps, t);
+        self.smoothing_lengths.copy_from_slice(h);
         self.whitening = Whitening::of(discretisation.combination.metric, x, &state.masses, at)?;
         let support = discretisation.estimator.support();
         for (i, (y, radius)) in self.positions.iter_mut().zip(&mut self.radii).enumerate() {
             *y = self.whitening.whiten(&x[i]);
-            *radius = support * state.smoothing_lengths[i];
+            *radius = support * h[i];
         }
         check_finite(&self.positions, &self.radii, at)
     }
@@ -88,6 +93,41 @@ impl<const D: usize> WhitenedCloud<D> {
         1.0 + self.neighbours(discretisation).n_pairs() as f64 / self.positions.len() as f64
     }
 
+    /// `dy/dt` for particles that move at `v`, up to a part that is the same for all,
+    ///
+    /// $$ \frac{dy}{dt} = w - M y, \qquad w = L^{-1} v, \qquad M + M^T = \langle y w^T + w y^T \rangle , $$
+    ///
+    /// with the lower triangular `M = L^-1 dL/dt`, which keeps the covariance of `y` the unit matrix, where the metric does.
+    fn velocity_in_metric(
+        &self,
+        metric: Metric,
+        masses: &[f64],
+        v: &[[f64; D]],
+        u: &mut [[f64; D]],
+    ) {
+        fill(u, |i| self.whitening.whiten_vector(&v[i]));
+        if metric == Metric::Isotropic {
+            return;
+        }
+        let total: f64 = masses.iter().sum();
+        let mut turning = [[0.0; D]; D];
+        for ((y, w), mass) in self.positions.iter().zip(&*u).zip(masses) {
+            for k in 0..D {
+                turning[k][k] += mass * y[k] * w[k] / total;
+                for l in 0..k {
+                    turning[k][l] += mass * (y[k] * w[l] + w[k] * y[l]) / total;
+                }
+            }
+        }
+        for (y, w) in self.positions.iter().zip(u) {
+            for k in 0..D {
+                for l in 0..=k {
+                    w[k] -= turning[k][l] * y[l];
+                }
+            }
+        }
+    }
+
     /// The cloud as an estimator sees it.
     pub(crate) fn view<'a>(
         &'a self,
@@ -98,7 +138,7 @@ impl<const D: usize> WhitenedCloud<D> {
         Cloud {
             positions: &self.positions,
             masses: &state.masses,
-            smoothing_lengths: &state.smoothing_lengths,
+            smoothing_lengths: &self.smoothing_lengths,
             neighbours: self.neighbours(discretisation),
             lattice: &discretisation.lattice.axis_neighbours,
             whitened: discretisation.combination.metric == Metric::Whitened,
@@ -108,26 +148,43 @@ impl<const D: usize> WhitenedCloud<D> {
     }
 }
 
+/// What an evaluation takes of a stage: time, positions, smoothing lengths.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stage<'a, const D: usize> {
+    pub(crate) t: f64,
+    pub(crate) x: &'a [[f64; D]],
+    /// In the coordinates of the metric.
+    pub(crate) smoothing_lengths: &'a [f64],
+}
+
+impl<const D: usize> State<D> {
+    /// The state as a stage.
+    pub(crate) fn stage(&self) -> Stage<'_, D> {
+        let Self { time, positions, smoothing_lengths, .. } = self;
+        Stage { t: *time, x: positions, smoothing_lengths }
+    }
+}
+
 impl<const D: usize> Evaluation<D> {
     pub(crate) fn new(n: usize) -> Self {
         Self {
             cloud: WhitenedCloud::new(n),
             estimates: Estimates::new(n),
             diffusion: Vec::new(),
+            whitened_velocity: vec![[0.0; D]; n],
             work: Work::default(),
         }
     }
 
-    /// The estimator's input for particles at `x`: whitened positions, support radii, neighbours.
+    /// The estimator's input at a stage: whitened positions, support radii, neighbours.
     pub(crate) fn prepare(
         &mut self,
         discretisation: &Discretisation<D>,
         state: &State<D>,
-        t: f64,
-        x: &[[f64; D]],
+        stage: Stage<'_, D>,
     ) -> Result<(), Error> {
-        let estimator = &discretisation.estimator;
-        self.cloud.whiten(discretisation, state, t, x)?;
+        let (estimator, t) = (&discretisation.estimator, stage.t);
+        self.cloud.whiten(discretisation, state, stage)?;
         self.work.evaluations += 1;
         if let Some(criterion) = estimator.criterion() {
             self.cloud.find_neighbours(criterion)?;
@@ -141,17 +198,16 @@ impl<const D: usize> Evaluation<D> {
         Ok(())
     }
 
-    /// Density and score of particles at `x`, with the masses and smoothing lengths of the state.
+    /// Density and score at a stage, with the masses of the state.
     pub(crate) fn estimate(
         &mut self,
         discretisation: &Discretisation<D>,
         state: &State<D>,
-        t: f64,
-        x: &[[f64; D]],
+        stage: Stage<'_, D>,
     ) -> Result<(), Error> {
-        self.prepare(discretisation, state, t, x)?;
+        self.prepare(discretisation, state, stage)?;
         self.estimates.restart();
-        let cloud = self.cloud.view(discretisation, state, t);
+        let cloud = self.cloud.view(discretisation, state, stage.t);
         discretisation.estimator.estimate(&cloud, &mut self.estimates)
     }
 
@@ -161,11 +217,11 @@ impl<const D: usize> Evaluation<D> {
         system: &dyn Coefficients<D>,
         discretisation: &Discretisation<D>,
         state: &State<D>,
-        t: f64,
-        x: &[[f64; D]],
+        stage: Stage<'_, D>,
         v: &mut [[f64; D]],
     ) -> Result<(), Error> {
-        self.estimate(discretisation, state, t, x)?;
+        self.estimate(discretisation, state, stage)?;
+        let Stage { t, x, .. } = stage;
         let (whitening, score_y) = (&self.cloud.whitening, &self.estimates.score);
         for_each_block(v, &|first, v| {
             let mut score = [[0.0; D]; BLOCK];
@@ -176,6 +232,21 @@ impl<const D: usize> Evaluation<D> {
             system.velocity(t, &x[block], score, v);
         });
         Ok(())
+    }
+
+    /// The rates of the smoothing lengths, `d log h / dt`, for particles that move at `v`; empty where the estimator gives
+    /// none.
+    pub(crate) fn smoothing_rates(
+        &mut self,
+        discretisation: &Discretisation<D>,
+        state: &State<D>,
+        v: &[[f64; D]],
+        rates: &mut Vec<f64>,
+    ) {
+        let Self { cloud, whitened_velocity: u, .. } = self;
+        cloud.velocity_in_metric(discretisation.combination.metric, &state.masses, v, u);
+        let cloud = cloud.view(discretisation, state, state.time);
+        discretisation.estimator.smoothing_rates(&cloud, u, rates);
     }
 
     /// The particle that spreads fastest against what the estimator resolves, and its rate there: `D_y / R^2`, with `D_y`

@@ -18,6 +18,7 @@ mod report;
 mod runge_kutta;
 pub mod score;
 mod simulation;
+mod smoothing;
 mod snapshot;
 mod solver;
 mod start;

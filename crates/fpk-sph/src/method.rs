@@ -72,7 +72,8 @@ pub enum Estimator {
 }
 
 /// How the smoothing lengths `h_0i` start, which eq 20 then carries on: `h_i = h_0i (V_i / V_0i)^(1/D)`, with the
-/// volumes of the previous step's first stage.
+/// volumes of a step's first stage. Within the step they follow the rates of the estimator
+/// ([`ScoreEstimator::smoothing_rates`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InitialSmoothing {
     /// The same for all particles, from the lattice's spacing.
@@ -82,8 +83,8 @@ pub enum InitialSmoothing {
     Iterated,
 }
 
-/// Explicit schemes for `dX/dt = v(t, X)`. Metric and neighbours are those of each stage; smoothing lengths are frozen
-/// over the stages of a step.
+/// Explicit schemes for `dX/dt = v(t, X)`. Metric and neighbours are those of each stage; so are smoothing lengths, to second
+/// order, where the estimator gives their rates. Where it gives none, as in the paper's method, they are frozen over a step.
 ///
 /// | scheme | stages | order | interval of stability, imaginary axis | negative real axis |
 /// |---|---|---|---|---|

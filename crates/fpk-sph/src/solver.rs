@@ -12,6 +12,7 @@ use crate::method::InitialSmoothing;
 use crate::report::Work;
 use crate::runge_kutta::RungeKuttaStages;
 use crate::score::ScoreEstimator;
+use crate::smoothing::Smoothing;
 use crate::start::{Start, initial_spacing};
 use crate::state::State;
 
@@ -28,8 +29,8 @@ pub(crate) struct Solver<const D: usize> {
     pub(crate) state: State<D>,
     pub(crate) evaluation: Evaluation<D>,
     pub(crate) stages: RungeKuttaStages<D>,
-    /// Volumes at the first stage of a step.
-    pub(crate) first_volume: Vec<f64>,
+    /// Volumes at the first stage of a step, and what follows from them.
+    pub(crate) smoothing: Smoothing,
 }
 
 impl<const D: usize> Solver<D> {
@@ -69,7 +70,7 @@ impl<const D: usize> Solver<D> {
             },
             evaluation: Evaluation::new(n),
             stages: RungeKuttaStages::new(n),
-            first_volume: vec![0.0; n],
+            smoothing: Smoothing::new(n),
         };
         solver.discretisation.lay(ParticleLattice::new(start.indices, spacing))?;
         solver.start_smoothing_lengths(h, spacing)?;
@@ -81,7 +82,7 @@ impl<const D: usize> Solver<D> {
         let Self { discretisation, state, evaluation, .. } = self;
         match discretisation.combination.initial_smoothing {
             InitialSmoothing::Uniform => {
-                evaluation.estimate(discretisation, state, 0.0, &state.positions)?;
+                evaluation.estimate(discretisation, state, state.stage())?;
                 for (ratio, volume) in
                     state.smoothing_ratios.iter_mut().zip(&evaluation.estimates.volume)
                 {
@@ -91,7 +92,7 @@ impl<const D: usize> Solver<D> {
             InitialSmoothing::Iterated => {
                 state.smoothing_ratios.fill(h / spacing);
                 for _ in 0..MOST_SMOOTHING_ITERATIONS {
-                    evaluation.estimate(discretisation, state, 0.0, &state.positions)?;
+                    evaluation.estimate(discretisation, state, state.stage())?;
                     if state.update_smoothing_lengths(&evaluation.estimates.volume)
                         < SMOOTHING_TOLERANCE
                     {
@@ -106,11 +107,11 @@ impl<const D: usize> Solver<D> {
     /// Buffers for as many particles as the state holds.
     pub(crate) fn resize_buffers(&mut self) {
         let n = self.n_particles();
-        if self.first_volume.len() != n {
+        if self.stages.x.len() != n {
             let work = self.evaluation.work;
             self.evaluation = Evaluation::new(n);
             self.evaluation.work = work;
-            (self.stages, self.first_volume) = (RungeKuttaStages::new(n), vec![0.0; n]);
+            (self.stages, self.smoothing) = (RungeKuttaStages::new(n), Smoothing::new(n));
         }
     }
 
@@ -147,7 +148,7 @@ impl<const D: usize> Solver<D> {
     /// An evaluation at the present state, apart from the buffers of the steps.
     pub(crate) fn evaluated(&self) -> Result<Evaluation<D>, Error> {
         let (state, mut evaluation) = (&self.state, Evaluation::new(self.n_particles()));
-        evaluation.estimate(&self.discretisation, state, state.time, &state.positions)?;
+        evaluation.estimate(&self.discretisation, state, state.stage())?;
         Ok(evaluation)
     }
 }

@@ -91,13 +91,17 @@ impl<const D: usize> State<D> {
     /// `h_i = h_0i (V_i / V_0i)^(1/D)` (eq 20), and the largest relative change.
     pub(crate) fn update_smoothing_lengths(&mut self, volume: &[f64]) -> f64 {
         let mut largest_change = 0.0_f64;
-        for ((h, ratio), volume) in
-            self.smoothing_lengths.iter_mut().zip(&self.smoothing_ratios).zip(volume)
-        {
-            let updated = ratio * volume.powf(1.0 / D as f64);
+        for (i, volume) in volume.iter().enumerate() {
+            let updated = self.smoothing_by_volume(i, *volume);
+            let h = &mut self.smoothing_lengths[i];
             largest_change = largest_change.max((updated / *h - 1.0).abs());
             *h = updated;
         }
         largest_change
+    }
+
+    /// `h_0i (V / V_0i)^(1/D)` (eq 20).
+    pub(crate) fn smoothing_by_volume(&self, i: usize, volume: f64) -> f64 {
+        self.smoothing_ratios[i] * volume.powf(1.0 / D as f64)
     }
 }

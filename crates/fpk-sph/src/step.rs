@@ -2,7 +2,7 @@
 
 use crate::coefficients::Coefficients;
 use crate::error::Error;
-use crate::evaluation::check_finite;
+use crate::evaluation::{Stage, check_finite};
 use crate::method::Scheme;
 use crate::metric::{condition_number, mean_and_covariance};
 use crate::remap::Remapped;
@@ -26,7 +26,7 @@ impl<const D: usize> Solver<D> {
     /// $$ v = f - \nabla\cdot D - D \nabla\log\psi, \qquad
     /// h_i = h_{0i} \left( \frac{V_i}{V_{0i}} \right)^{1/D}, \qquad \frac{d\mu_i}{dt} = 0 . $$
     ///
-    /// `V_i` and the limits of `dt` are those of the first stage.
+    /// The limits of `dt` are those of the first stage; `h` is that of [`Smoothing`](crate::smoothing::Smoothing).
     pub(crate) fn step_towards(
         &mut self,
         system: &dyn Coefficients<D>,
@@ -38,11 +38,13 @@ impl<const D: usize> Solver<D> {
         let report = StepReport { remapped, ..self.report(&length) };
         let (dt, t_1) = (length.dt, length.reached);
 
-        let Self { discretisation, state, evaluation, stages, .. } = self;
+        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
         let scheme = discretisation.combination.scheme;
         let (t_0, x_0) = (state.time, &state.positions);
         stages.advance(scheme, (t_0, x_0, state.previous.as_ref()), dt, |t, x, v| {
-            evaluation.velocity(system, discretisation, state, t, x, v)
+            smoothing.follow(t - t_0);
+            let stage = Stage { t, x, smoothing_lengths: &smoothing.lengths };
+            evaluation.velocity(system, discretisation, state, stage, v)
         })?;
         check_finite(&stages.x, &[], (state.n_steps, t_0 + dt))?;
         if scheme == Scheme::LeapFrog {
@@ -54,7 +56,7 @@ impl<const D: usize> Solver<D> {
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;
 
         state.positions.copy_from_slice(&stages.x);
-        state.update_smoothing_lengths(&self.first_volume);
+        smoothing.finish(state, &evaluation.estimates.volume, dt);
         state.n_steps += 1;
         state.time = t_1;
         Ok(report)
@@ -72,7 +74,7 @@ impl<const D: usize> Solver<D> {
         Ok(())
     }
 
-    /// `k_1 = v(t, x)` and the volumes there, after remapping a cloud that has become too uneven.
+    /// `k_1 = v(t, x)` and the smoothing lengths that follow from it, after remapping a cloud that has become too uneven.
     fn first_stage(&mut self, system: &dyn Coefficients<D>) -> Result<Option<Remapped>, Error> {
         self.first_velocity(system)?;
         let mut remapped = None;
@@ -83,15 +85,16 @@ impl<const D: usize> Solver<D> {
             self.first_velocity(system)?;
         }
         self.check_resolved()?;
-        self.first_volume.copy_from_slice(&self.evaluation.estimates.volume);
+        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
+        smoothing.start(state, &evaluation.estimates.volume);
+        evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
         Ok(remapped)
     }
 
     /// `k_1 = v(t, x)`.
     fn first_velocity(&mut self, system: &dyn Coefficients<D>) -> Result<(), Error> {
         let Self { discretisation, state, evaluation, stages, .. } = self;
-        let (t, x) = (state.time, &state.positions);
-        evaluation.velocity(system, discretisation, state, t, x, &mut stages.k[0])
+        evaluation.velocity(system, discretisation, state, state.stage(), &mut stages.k[0])
     }
 
     /// Refuses a step where unresolved particles hold too much probability.

@@ -6,6 +6,7 @@ pub(crate) mod effectivity;
 pub(crate) mod failures;
 pub(crate) mod filtered;
 pub(crate) mod first_passage;
+pub(crate) mod gaussian_mixture;
 pub(crate) mod invariance;
 pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;
@@ -15,6 +16,7 @@ pub(crate) mod rivals;
 pub(crate) mod schemes;
 pub(crate) mod spatial_order;
 pub(crate) mod stationary_oscillators;
+pub(crate) mod steps;
 pub(crate) mod viscous_damper;
 
 use figures::{ErrorKind, Measured, Reference};
@@ -25,6 +27,30 @@ use work_precision::problems::fpk::problem::Problem;
 use crate::case::{CaseError, Context};
 use crate::claim::Criterion;
 use crate::report::Claim;
+
+/// One claim for a family that shares its criterion: a member that fails, else the one with the largest error; for
+/// regression bounds always that one. Its method says over what the family goes and which member it is.
+fn worst(
+    context: &Context<'_>,
+    (name, over): (&str, &str),
+    family: Vec<Claim>,
+) -> Result<Claim, CaseError> {
+    let n = family.len();
+    let size = |claim: &Claim| match claim.error {
+        Some(error) if claim.passed || claim.is_band() => error.abs(),
+        _ => f64::INFINITY,
+    };
+    let largest = family.into_iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+    let worst = largest.ok_or_else(|| format!("{name}: there is nothing to claim"))?;
+    let id = context.subject(name, "", "", "").id;
+    let front = |end: Option<usize>| id.get(..end.map_or(0, |end| end + 1)).unwrap_or("");
+    let of_case = front(id.find(name).map(|start| start - 1));
+    let family_name = front(id.rfind('/'));
+    let member = worst.id.strip_prefix(family_name).or_else(|| worst.id.strip_prefix(of_case));
+    let member = member.unwrap_or(&worst.id);
+    let method = format!("{}; worst of {n} over {over}: {member}", worst.method);
+    Ok(Claim { id, method, ..worst })
+}
 
 /// The moments that the references hold.
 const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];
@@ -115,6 +141,34 @@ impl Judge<'_> {
         Ok(Claim::judge(subject, ErrorKind::Absolute, measured, expected, criterion))
     }
 
+    /// The worst of a moment over times.
+    fn worst_moment(
+        &self,
+        powers: [u32; 2],
+        times: &[f64],
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let (name, ..) = moment_words(powers);
+        let family = times.iter().map(|&t| self.moment(powers, t, criterion));
+        self.worst(name, times, family.collect::<Result<_, _>>()?)
+    }
+
+    /// The worst of the correlation over times.
+    fn worst_correlation(
+        &self,
+        times: &[f64],
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let family = times.iter().map(|&t| self.correlation(t, criterion));
+        self.worst("correlation", times, family.collect::<Result<_, _>>()?)
+    }
+
+    /// The worst of a family over times.
+    fn worst(&self, name: &str, times: &[f64], family: Vec<Claim>) -> Result<Claim, CaseError> {
+        let over = format!("t = {times:?}");
+        worst(self.context, (&format!("{}/{name}/worst", self.id), &over), family)
+    }
+
     /// `P(|q| > T)` by one of the three estimators.
     fn exceedance(
         &self,
@@ -137,27 +191,21 @@ impl Judge<'_> {
         Ok(Claim::judge(subject, ErrorKind::Log10, measured, reference, criterion))
     }
 
-    /// The largest absolute log10 error over all times and thresholds with a reference of at least `floor`: a
-    /// regression claim.
+    /// The worst of the exceedance probabilities over all times and thresholds with a reference of at least `floor`.
     fn worst_exceedance(
         &self,
         estimator: ExceedanceEstimator,
         times: &[f64],
         floor: f64,
-        (from, to): (f64, f64),
-        reason: &str,
+        criterion: Criterion<'_>,
     ) -> Result<Claim, CaseError> {
-        let mut worst = 0.0_f64;
-        for (threshold, t, reference) in self.exceedances_from(times, floor) {
-            worst = worst.max(
-                (self.exceedance_value(estimator, threshold, t)? / reference.value).log10().abs(),
-            );
-        }
+        let family = self
+            .exceedances_from(times, floor)
+            .into_iter()
+            .map(|(threshold, t, _)| self.exceedance(estimator, threshold, t, criterion));
         let name = format!("{}/exceedance-{}/worst", self.id, estimator.name());
-        let quantity = format!("worst |log10 error| of P >= {floor:e}");
-        let method = format!("{}; {} estimator", self.method, estimator.name());
-        let subject = self.context.subject(&name, &quantity, "", &method);
-        Ok(Claim::as_measured(subject, Measured::exact(worst), from, to, reason))
+        let over = format!("t = {times:?} and thresholds with P >= {floor:e}");
+        worst(self.context, (&name, &over), family.collect::<Result<_, _>>()?)
     }
 
     /// Thresholds and times whose reference is at least `floor`.

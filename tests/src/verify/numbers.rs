@@ -14,8 +14,7 @@ pub fn render_numbers(report: &Report) -> String {
     let claims: Vec<String> = claims.map(|claim| entry(&claim.id, of_claim(claim))).collect();
     let cases = report.cases.iter();
     let seconds = |seconds: f64| Map::from_iter(number("cpu_seconds", Some(seconds)));
-    let cases: Vec<String> =
-        cases.map(|case| entry(&case.id, seconds(case.cpu_seconds))).collect();
+    let cases: Vec<String> = cases.map(|case| entry(&case.id, seconds(case.cpu_seconds))).collect();
     let commit = report.commit.as_deref().map_or(Value::Null, Value::from);
     format!(
         "{{\n\"commit\": {commit},\n\"cases\": {{\n{}\n}},\n\"claims\": {{\n{}\n}}\n}}\n",

@@ -49,7 +49,7 @@ impl<const D: usize> Solver<D> {
         state: &State<D>,
     ) -> Result<Evaluation<D>, Error> {
         let mut evaluation = Evaluation::new(self.n_particles());
-        evaluation.prepare(discretisation, state, state.time, &state.positions)?;
+        evaluation.prepare(discretisation, state, state.stage())?;
         Ok(evaluation)
     }
 }

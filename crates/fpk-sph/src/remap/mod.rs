@@ -20,7 +20,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn remap(&mut self, remapping: &Remapping) -> Result<Remapped, Error> {
         remapping.check()?;
         let Self { discretisation, state, evaluation, .. } = self;
-        evaluation.estimate(discretisation, state, state.time, &state.positions)?;
+        evaluation.estimate(discretisation, state, state.stage())?;
         self.remap_evaluated(remapping)
     }
 

@@ -252,6 +252,28 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         steepness * trace / radius.powi(2)
     }
 
+    /// The rate at which the kernel sum keeps its value, `sum_j W(r_ij, h_i) = (h_0i / h_i)^D sum_j W_0ij`:
+    ///
+    /// $$ \frac{d \log h_i}{dt} = \frac{\sum_j w_{ij}\, \dot r_{ij} / r_{ij}}{\sum_j w_{ij}}, \qquad
+    /// w_{ij} = - r_{ij} \frac{\partial W}{\partial r}(r_{ij}, h_i) . $$
+    fn smoothing_rates(&self, cloud: &Cloud<'_, D>, velocities: &[[f64; D]], rates: &mut Vec<f64>) {
+        rates.resize(cloud.n_particles(), 0.0);
+        fill(rates, |i| {
+            let (h, own) = (cloud.smoothing_lengths[i], &velocities[i]);
+            let (mut parting, mut total) = (0.0, 0.0);
+            for &j in cloud.neighbours.of(i) {
+                let (offset, square) = cloud.offset(i, j as usize);
+                let weight = -self.kernel.gradient_factor(square.sqrt(), h);
+                let other = &velocities[j as usize];
+                for k in 0..D {
+                    parting += weight * offset[k] * (other[k] - own[k]);
+                }
+                total += weight * square;
+            }
+            if total > 0.0 { parting / total } else { 0.0 }
+        });
+    }
+
     fn fewest_mean_neighbours(&self) -> f64 {
         0.75 * fewest_neighbours(D) as f64
     }

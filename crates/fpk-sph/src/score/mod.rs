@@ -224,6 +224,14 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         (0..D).map(|k| diffusion[k][k]).sum::<f64>() / radius.powi(2)
     }
 
+    /// The rates at which smoothing lengths change within a step, `d log h_i / dt`, for particles that move at the given
+    /// velocities, `n` vectors in the coordinates of the metric; one rate per particle. Provided: none, and smoothing
+    /// lengths are frozen over a step, which is an error of the first order in it where the estimate depends on them.
+    fn smoothing_rates(&self, cloud: &Cloud<'_, D>, velocities: &[[f64; D]], rates: &mut Vec<f64>) {
+        let _ = (cloud, velocities);
+        rates.clear();
+    }
+
     /// Takes out of the positions what the estimator does not see, by the given part in `[0, 1]`; `before` is scratch of
     /// the same length. Provided: nothing is taken out.
     fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], part: f64) {

@@ -11,4 +11,5 @@ mod limits;
 mod method;
 mod observables;
 mod remapping;
+mod smoothing;
 mod tolerance;

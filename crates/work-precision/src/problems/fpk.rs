@@ -2,6 +2,7 @@
 
 pub mod linear_moments;
 pub mod methods;
+pub mod mixture;
 pub mod oscillator;
 pub mod problem;
 pub mod reference;

@@ -12,8 +12,8 @@ use sde_integrators::GaussianMixture;
 use work_precision::problems::fpk::methods::{BOUC_WEN_LATTICE, bouc_wen_tail};
 use work_precision::problems::fpk::reference::ReferenceTable;
 
-use super::scene;
 use super::stationary_oscillators::remapped as fresh_lattices;
+use super::{scene, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
@@ -171,22 +171,44 @@ impl Run {
         Lines { context, id, method: format!("{words}, {}", self.words) }
     }
 
-    fn moments<'c>(
+    /// A second moment at one time.
+    fn moment(
         &self,
         lines: &Lines<'_>,
-        criterion: impl Fn(&str, f64) -> Criterion<'c>,
+        (k, seen): (usize, &Seen),
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let (powers, name, quantity, unit) = POWERS[k];
+        let reference = self.reference.moment(powers, seen.t).ok_or("no reference")?;
+        let name = format!("{name}/t{}", seen.t);
+        let what = (name.as_str(), quantity, unit);
+        Ok(lines.judge(what, ErrorKind::Relative, seen.moments[k], reference, criterion))
+    }
+
+    /// The worst of each second moment over the times of the run.
+    fn moments(
+        &self,
+        lines: &Lines<'_>,
+        tolerances: [f64; 3],
+        reason: &str,
     ) -> Result<Vec<Claim>, CaseError> {
         let mut claims = Vec::new();
-        for Seen { t, moments, .. } in &self.seen {
-            for ((powers, name, quantity, unit), &value) in POWERS.into_iter().zip(moments) {
-                let reference = self.reference.moment(powers, *t).ok_or("no reference")?;
-                let criterion = criterion(name, *t);
-                let name = format!("{name}/t{t}");
-                let what = (name.as_str(), quantity, unit);
-                claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
-            }
+        for (k, tolerance) in tolerances.into_iter().enumerate() {
+            let criterion = Criterion::Within { tolerance, reason };
+            let family = self.seen.iter().map(|seen| self.moment(lines, (k, seen), criterion));
+            let name = format!("{}/{}/worst", lines.id, POWERS[k].1);
+            claims.push(worst(
+                lines.context,
+                (&name, &self.times()),
+                family.collect::<Result<_, _>>()?,
+            )?);
         }
         Ok(claims)
+    }
+
+    fn times(&self) -> String {
+        let times: Vec<f64> = self.seen.iter().map(|seen| seen.t).collect();
+        format!("t = {times:?}")
     }
 
     /// `P(|q| > T)` where the criterion says how; by cells, or by counting particles.
@@ -215,6 +237,21 @@ impl Run {
         claims
     }
 
+    /// The worst of `P(|q| > T)` by cells over the times to `until` and the thresholds to `highest`, which end the name.
+    fn worst_tail(
+        &self,
+        lines: &Lines<'_>,
+        (name, highest, until): (&str, f64, f64),
+        criterion: Criterion<'_>,
+    ) -> Result<Claim, CaseError> {
+        let over = format!("{} to {until}, T to {highest}", self.times());
+        let family = self.tail(lines, true, |threshold, t| {
+            (threshold <= highest && t <= until).then_some(criterion)
+        });
+        let name = format!("{}/exceedance-cell/{name}", lines.id);
+        worst(lines.context, (&name, &over), family)
+    }
+
     /// The hysteretic force stays within its limit.
     fn bounded(&self, lines: &Lines<'_>) -> Claim {
         let z = self.seen.last().map_or(f64::NAN, |seen| seen.z);
@@ -228,32 +265,22 @@ fn coarse(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let run = run(Method::FlowMapFit, lattice, &[1.0, 2.0, 3.0, 3.6], DEFAULT_MOST_STEPS)?;
     run.to_its_end()?;
     let lines = run.lines(context, "flow-map-fit", "flow-map fit, ball, 5 sigma, spacing 0.6");
-    let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud; seen within 0.62 %";
-    let mut claims = run.moments(&lines, |_, _| Criterion::Within { tolerance: 0.01, reason })?;
-    let reason =
-        "the same truncation, and a limit taken as linear in a part of a cell; seen within 0.013";
-    claims.extend(run.tail(&lines, true, |threshold, _| {
-        (threshold <= 1.0).then_some(Criterion::Within { tolerance: 0.05, reason })
-    }));
+    let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud";
+    let mut claims = run.moments(&lines, [0.01, 0.012, 4e-3], reason)?;
+    let reason = "the same truncation, and a limit taken as linear in a part of a cell";
+    let within = Criterion::Within { tolerance: 0.04, reason };
+    claims.push(run.worst_tail(&lines, ("worst", 1.0, 3.6), within)?);
     claims.push(run.bounded(&lines));
     Ok(claims)
 }
 
-/// Where the tail is not reached: threshold, time, and the band of the error in log10 P around what was seen.
-const MISSED: [(f64, f64, f64, f64); 13] = [
+/// Where the tail is not reached: threshold, time, and the band of the error in log10 P around what was seen. After t = 3.6 what
+/// the folded cells hold depends on the step, and nothing is claimed of T = 1.5 and 2.
+const MISSED: [(f64, f64, f64, f64); 4] = [
     (1.5, 2.0, -0.3, -0.15),
-    (2.0, 2.0, -3.0, -1.8),
     (1.5, 3.0, -0.45, -0.25),
-    (2.0, 3.0, -1.0, -0.5),
-    (1.5, 3.6, -0.55, -0.3),
-    (2.0, 3.6, -1.7, -0.8),
-    (1.5, 4.0, -0.25, 0.0),
-    (2.0, 4.0, 0.8, 1.5),
-    (1.5, 5.0, 0.0, 1.4),
-    (2.0, 5.0, 0.5, 4.4),
-    (1.0, 6.0, -0.3, 0.2),
-    (1.5, 6.0, -0.3, 3.5),
-    (2.0, 6.0, 3.2, 8.4),
+    (1.5, 3.6, -0.6, -0.35),
+    (2.0, 3.6, -1.5, -0.8),
 ];
 
 fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
@@ -261,18 +288,19 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let run = run(Method::FlowMapFit, BOUC_WEN_LATTICE, &times, DEFAULT_MOST_STEPS)?;
     run.to_its_end()?;
     let lines = run.lines(context, "flow-map-fit", "flow-map fit, ball, 5 sigma, spacing 0.4");
-    let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud; seen within 0.72 %";
-    let mut claims = run.moments(&lines, |_, _| Criterion::Within { tolerance: 0.01, reason })?;
-    let reason = "the same truncation; seen within 0.009 up to t = 4 and 0.086 at t = 5 with 680 steps, 0.039 with 526";
-    let missed = "not reached: the rim of the ball folds, its cells turn over, and what they take from their \
-                  neighbours is no tail: too little up to t = 4; after that it moves with the step, from -0.17 to +0.15 \
-                  (T = 1, t = 6) and from +0.1 to +1.2 (T = 1.5, t = 5) with 427 to 680 steps";
+    let reason = "truncation of the cubic fit at the fold that the hysteresis makes of the cloud";
+    let mut claims = run.moments(&lines, [0.01, 0.01, 0.01], reason)?;
+    let reason = "the same truncation";
+    let within = Criterion::Within { tolerance: 0.01, reason };
+    claims.push(run.worst_tail(&lines, ("threshold-0.5/worst", 0.5, 6.0), within)?);
+    let reason = "the same truncation, nearer to the fold";
+    let within = Criterion::Within { tolerance: 0.03, reason };
+    claims.push(run.worst_tail(&lines, ("worst", 1.0, 4.0), within)?);
+    let missed = "not reached: the rim of the ball folds, its cells turn over, and what they take from their neighbours is no tail";
     claims.extend(run.tail(&lines, true, |threshold, t| {
         let same = |at: &&(f64, f64, f64, f64)| (at.0 - threshold).abs() + (at.1 - t).abs() < 1e-9;
-        Some(match MISSED.iter().find(same) {
-            Some(&(_, _, from, to)) => Criterion::AsMeasured { from, to, reason: missed },
-            None => Criterion::Within { tolerance: 0.05, reason },
-        })
+        let &(_, _, from, to) = MISSED.iter().find(same)?;
+        Some(Criterion::AsMeasured { from, to, reason: missed })
     }));
     claims.push(run.bounded(&lines));
     Ok(claims)
@@ -283,17 +311,16 @@ fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let run = run(method, lattice, &[3.6], DEFAULT_MOST_STEPS)?;
     let words = "log-density fit, kernel sums, 6 sigma, spacing 0.35";
     let lines = run.lines(context, "log-density-fit", words);
-    let reason = "truncation of the quadratic fit, of order 2 in the spacing; seen within 0.06";
+    let reason = "truncation of the quadratic fit, of order 2 in the spacing";
     let within = Criterion::Within { tolerance: 0.1, reason };
-    let mut claims = run.tail(&lines, true, |_, _| Some(within));
-    let few = "the same truncation, and few particles beyond T = 2; with a ball of 5.5 sigma both ways give 0.1 there";
-    claims.extend(run.tail(&lines, false, |threshold, _| {
-        let far = Criterion::AsMeasured { from: 0.0, to: 0.2, reason: few };
-        Some(if threshold < 1.75 { within } else { far })
-    }));
-    let reason = "truncation of the quadratic fit: for moments the flow-map fit is three times as accurate and cheaper; \
-                  seen within 1.5 %";
-    claims.extend(run.moments(&lines, |_, _| Criterion::Within { tolerance: 0.025, reason })?);
+    let mut claims = vec![run.worst_tail(&lines, ("worst", 2.0, 3.6), within)?];
+    let reason = "the same truncation, and few particles beyond T = 2";
+    let within = Criterion::Within { tolerance: 0.2, reason };
+    let counted = run.tail(&lines, false, |_, _| Some(within));
+    let name = "log-density-fit/exceedance-indicator/worst";
+    claims.push(worst(context, (name, "T = 0.5, 1, 1.5, 2"), counted)?);
+    let reason = "truncation of the quadratic fit: for moments the flow-map fit is three times as accurate and cheaper";
+    claims.extend(run.moments(&lines, [0.025; 3], reason)?);
     claims.push(run.bounded(&lines));
     Ok(claims)
 }
@@ -304,12 +331,23 @@ struct PaperRun {
     count: usize,
     support_over_spacing: f64,
     most_steps: u64,
-    /// Relative errors of `E[q^2]`, `E[v^2]`, `E[z^2]` at t = 1, then at t = 2.
-    moments: [[(f64, f64); 3]; 2],
-    /// Error of log10 P(|q| > T) by the indicator at t = 2: T, from, to.
-    tail: &'static [(f64, f64, f64)],
+    /// Of the relative errors of `E[q^2]`, `E[v^2]`, `E[z^2]` at t = 1, then at t = 2.
+    moments: [[Criterion<'static>; 3]; 2],
+    /// Of the error of log10 P(|q| > T) by the indicator at t = 2: T, tolerance.
+    tail: &'static [(f64, f64)],
     /// Steps to t = 2.
     steps: (f64, f64),
+}
+
+const MOMENTS: &str = "isotropic kernel on a sheared lattice, kernel smoothing, forward Euler";
+const CHAOTIC: &str = "chaos: the same three errors; another time to land on, or another last bit, moves them by several per cent";
+
+const fn band(from: f64, to: f64) -> Criterion<'static> {
+    Criterion::AsMeasured { from, to, reason: MOMENTS }
+}
+
+const fn chaotic(tolerance: f64) -> Criterion<'static> {
+    Criterion::Within { tolerance, reason: CHAOTIC }
 }
 
 const SMALL: PaperRun = PaperRun {
@@ -318,10 +356,10 @@ const SMALL: PaperRun = PaperRun {
     support_over_spacing: 2.2,
     most_steps: 6_000,
     moments: [
-        [(-0.03, 0.05), (-0.18, -0.10), (-0.01, 0.07)],
-        [(-0.06, 0.05), (-0.06, 0.0), (0.0, 0.09)],
+        [chaotic(0.05), band(-0.18, -0.10), chaotic(0.07)],
+        [chaotic(0.06), chaotic(0.06), chaotic(0.09)],
     ],
-    tail: &[(0.5, -0.12, 0.12), (1.0, -0.5, 0.2), (1.5, -1.2, 0.2)],
+    tail: &[(0.5, 0.12), (1.0, 0.5)],
     steps: (2_000.0, 6_000.0),
 };
 
@@ -331,10 +369,10 @@ const LARGE: PaperRun = PaperRun {
     support_over_spacing: 2.5,
     most_steps: 12_000,
     moments: [
-        [(-0.08, 0.0), (-0.12, -0.04), (-0.08, 0.04)],
-        [(-0.05, 0.02), (-0.05, 0.02), (-0.05, 0.05)],
+        [chaotic(0.08), band(-0.12, -0.04), chaotic(0.08)],
+        [chaotic(0.05), chaotic(0.05), chaotic(0.05)],
     ],
-    tail: &[(0.5, -0.06, 0.04), (1.0, -0.1, 0.1), (1.5, -0.3, 0.6), (2.0, -0.6, 1.0)],
+    tail: &[(0.5, 0.06), (1.0, 0.1), (1.5, 0.6)],
     steps: (3_000.0, 10_000.0),
 };
 
@@ -356,16 +394,16 @@ fn paper_run(context: &Context<'_>, paper: &PaperRun) -> Result<Vec<Claim>, Case
     let run = run(method, lattice, &[1.0, 2.0, 4.0], most_steps)?;
     let words = format!("Canor & Denoël 2013, {count}^3, support/spacing {support_over_spacing}");
     let lines = run.lines(context, paper.id, &words);
-    let reason = "isotropic kernel on a sheared lattice, kernel smoothing, forward Euler; the prototype had -1.9 and -1.5 % with 21^3 at t = 2";
-    let mut claims = run.moments(&lines, |name, t| {
-        let moment = POWERS.iter().position(|(_, other, ..)| *other == name).unwrap_or(0);
-        let (from, to) = paper.moments[usize::from(t > 1.5)][moment];
-        Criterion::AsMeasured { from, to, reason }
-    })?;
-    let reason = "the lattice ends at 4 sigma, and fewer particles reach a threshold the higher it is; other times to land on move 13^3 from +0.02 to -0.07 at T = 0.5 and from -0.08 to -0.28 at T = 1";
+    let mut claims = Vec::new();
+    for (seen, criteria) in run.seen.iter().zip(paper.moments) {
+        for (k, criterion) in criteria.into_iter().enumerate() {
+            claims.push(run.moment(&lines, (k, seen), criterion)?);
+        }
+    }
+    let reason = "chaos: the lattice ends at 4 sigma, and fewer particles reach a threshold the higher it is; other times to land on move 13^3 from +0.02 to -0.07 at T = 0.5 and from -0.08 to -0.28 at T = 1";
     claims.extend(run.tail(&lines, false, |threshold, t| {
-        let &(_, from, to) = paper.tail.iter().find(|band| (band.0 - threshold).abs() < 1e-9)?;
-        (t > 1.5).then_some(Criterion::AsMeasured { from, to, reason })
+        let &(_, tolerance) = paper.tail.iter().find(|at| (at.0 - threshold).abs() < 1e-9)?;
+        (t > 1.5).then_some(Criterion::Within { tolerance, reason })
     }));
     let steps = run.seen.get(1).map_or(f64::NAN, |seen| seen.steps as f64);
     let reason = "the Courant rule follows the smallest smoothing length, which clumping drives down; the prototype took 6,016 with 21^3";
@@ -406,29 +444,21 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let words = format!("flow-map fit, 5 sigma, spacing 0.6, {id} fresh lattices");
         let lines = run.lines(context, id, &words);
         let with = id == "with";
-        let criterion = if with {
-            let reason = "interpolation on some thirty fresh lattices; seen within 0.5 %";
-            Criterion::Within { tolerance: 0.01, reason }
+        let (tolerances, reason) = if with {
+            ([6e-3; 3], "interpolation on some thirty fresh lattices")
         } else {
-            let reason = "without them the error grows after t = 4, to 2.1 % at t = 6";
-            Criterion::AsMeasured { from: -0.03, to: 0.0, reason }
+            ([0.03; 3], "without them the error grows after t = 4, to 2 % at t = 6")
         };
-        claims.extend(run.moments(&lines, |_, _| criterion)?);
-        let reason = "the density ends on the sheet |z| = 1, where it is thinner than a spacing of an even lattice: what a \
-                      fresh one makes of it there is no tail, and moves with the last bit";
-        claims.extend(run.tail(&lines, true, |threshold, t| {
-            Some(match threshold {
-                0.5 => Criterion::Within {
-                    tolerance: 0.05,
-                    reason: "truncation of the fits; seen within 0.010",
-                },
-                1.0 if with => Criterion::AsMeasured { from: -0.4, to: 0.3, reason },
-                1.5 | 2.0 if with && t < 5.5 => {
-                    Criterion::AsMeasured { from: -1.5, to: 4.0, reason }
-                }
-                _ => return None,
-            })
-        }));
+        claims.extend(run.moments(&lines, tolerances, reason)?);
+        let (tolerance, reason) = (0.03, "truncation of the fits");
+        let within = Criterion::Within { tolerance, reason };
+        claims.push(run.worst_tail(&lines, ("threshold-0.5/worst", 0.5, 6.0), within)?);
+        if with {
+            let reason = "chaos: the density ends on the sheet |z| = 1, where it is thinner than a spacing of an even lattice; \
+                          what a fresh one makes of it there is moved by the last bit, little at T = 1 and by decades beyond";
+            let within = Criterion::Within { tolerance: 0.3, reason };
+            claims.push(run.worst_tail(&lines, ("worst", 1.0, 6.0), within)?);
+        }
         claims.push(if with {
             let z = run.seen.last().map_or(f64::NAN, |seen| seen.z);
             let reason = "not kept: an even lattice goes on beyond the sheet |z| = 1";

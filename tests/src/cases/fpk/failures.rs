@@ -43,8 +43,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         &Config { method: Method::Custom(long), ..fit },
         "log-density-fit/step-0.25",
         |error| matches!(error, Error::StepExceedsDiffusionLimit { .. }),
-        (0.0, 2.0),
-        "the step exceeds 0.25 R^2 / D_y once the noise has risen",
+        (0.25, 0.25),
+        "the step exceeds 0.25 R^2 / D_y once the noise has risen, before t = 0.5",
     )?);
     let refused = Combination {
         estimator: Estimator::LogDensityFit {

@@ -17,6 +17,7 @@ use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 use work_precision::problems::fpk::reference::ReferenceTable;
 
+use super::worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
@@ -183,10 +184,9 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let system = damper_system(&problem)?;
     let mut claims = Vec::new();
-    let reason = "a threshold between layers of particles, and numerical diffusion of the survival across the noise; seen \
-                  within 5.5 % with 1,681 particles and 1.5 % with 6,561";
+    let reason = "a threshold between layers of particles, and numerical diffusion of the survival across the noise";
     for (id, refinement, tolerance, interval) in
-        [("flow-map-fit", 1.0, 0.15, Some(INTERVAL)), ("flow-map-fit-refined", 2.0, 0.05, None)]
+        [("flow-map-fit", 1.0, 0.08, Some(INTERVAL)), ("flow-map-fit-refined", 2.0, 0.03, None)]
     {
         let config = flow_map(&problem, refinement)?;
         let thresholds = &DAMPER_THRESHOLDS;
@@ -194,7 +194,9 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let lines = Lines { context, id, method: format!("flow-map fit, {}", watched.words) };
         let criterion = |_| Criterion::Within { tolerance, reason };
         let both = (&watched, thresholds.as_slice());
-        claims.extend(absorbed(&lines, both, &problem.reference, criterion)?);
+        let family = absorbed(&lines, both, &problem.reference, criterion)?;
+        let name = format!("{id}/absorbing/worst");
+        claims.push(worst(context, (&name, &format!("T = {thresholds:?}")), family)?);
         if interval.is_some() {
             claims.extend(bounded(&lines, both, &problem.reference, &[1.1, 0.67, 0.41])?);
         }
@@ -282,8 +284,12 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let words = "log-density fit, kernel-sum volumes, ball of 5 sigma, spacing 0.4";
     let method = format!("{words}, {}", watched.words);
     let lines = Lines { context, id: "log-density-fit", method };
-    let reason = "the tail of the fit, +0.03 in log10 at t = 3; seen 1.8 and 9.4 % high, and 7 and 31 % at spacing 0.5";
-    let criterion = |_| Criterion::Within { tolerance: 0.15, reason };
+    let reason =
+        "the tail of the fit, of second order in the spacing: 7 and 31 % high at spacing 0.5";
+    let criterion = |threshold| {
+        let tolerance = if threshold < 1.25 { 0.04 } else { 0.15 };
+        Criterion::Within { tolerance, reason }
+    };
     let both = (&watched, thresholds.as_slice());
     let mut claims = absorbed(&lines, both, &reference, criterion)?;
 
@@ -291,12 +297,12 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let watched = watch(system, &law, &config(Method::FlowMapFit, 0.6), &thresholds, Some(0.2))?;
     let method = format!("flow-map fit, ball of 5 sigma, spacing 0.6, {}", watched.words);
     let lines = Lines { context, id: "flow-map-fit", method };
-    let near = "truncation of the cubic fit at the fold; seen 1.6 % high, 0.4 % low at spacing 0.4";
+    let near = "truncation of the cubic fit at the fold; it changes sign: 0.4 % low at spacing 0.4";
     let far = "not reached: cells at the rim turn over, and the density has too little tail at T = 1.5, -0.4 in log10 near \
                t = 3.6; -45 % at spacing 0.4";
     claims.extend(absorbed(&lines, (&watched, &thresholds), &reference, |threshold| {
         if threshold < 1.25 {
-            Criterion::Within { tolerance: 0.15, reason: near }
+            Criterion::Within { tolerance: 0.005, reason: near }
         } else {
             Criterion::AsMeasured { from: -0.8, to: -0.5, reason: far }
         }
@@ -370,7 +376,7 @@ fn fragility(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let slope = (exact(0.3)? - exact(0.1)?) / 0.2;
     let reason = "what a step of a fortieth of the period leaves, 1e-5 of E[q^2], over a difference of a tenth of it";
-    let criterion = Criterion::Within { tolerance: 1e-3, reason };
+    let criterion = Criterion::Within { tolerance: 1e-4, reason };
     let what = ("sensitivity/second-moment-q", "d E[q^2] / d S_0", "s^3");
     let reference = Reference::exact(slope);
     claims.push(lines.judge(what, ErrorKind::Relative, derivative, reference, criterion));

@@ -26,9 +26,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     let is_quick = context.profile == Profile::Quick;
     let (strang_paths, euler_paths) = if is_quick { (25_000, 10_000) } else { (100_000, 20_000) };
-    for (problem, scene) in [
-        (Problem::viscous_damper()?, "viscous-damper"),
-        (Problem::linear_oscillator()?, "linear-oscillator"),
+    for (problem, scene, euler_growth) in [
+        (Problem::viscous_damper()?, "viscous-damper", (0.03, 0.1)),
+        (Problem::linear_oscillator()?, "linear-oscillator", (0.04, 0.12)),
     ] {
         context.progress(scene);
         let strang = Sampling {
@@ -44,7 +44,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             integrator: IntegratorScene::EulerMaruyama,
             seed: 2,
         };
-        claims.push(euler_claim(context, &problem, scene, &euler)?);
+        claims.push(euler_claim(context, (&problem, scene), &euler, euler_growth)?);
     }
     if !is_quick {
         show_cost(context)?;
@@ -104,8 +104,8 @@ fn strang_claims(
         }
         for (threshold, estimate) in asked.thresholds.iter().zip(&row.exceedances) {
             let reference = problem.reference.exceedance(*threshold, t);
-            // Below ten hits the normal error of a count means nothing.
-            let Some(reference) = reference.filter(|r| r.value * sampling.paths as f64 >= 10.0)
+            // A hundred hits have a standard error of 10 %: fewer would pass whatever the integrator does.
+            let Some(reference) = reference.filter(|r| r.value * sampling.paths as f64 >= 100.0)
             else {
                 continue;
             };
@@ -123,9 +123,9 @@ fn strang_claims(
 
 fn euler_claim(
     context: &Context<'_>,
-    problem: &Problem,
-    scene: &str,
+    (problem, scene): (&Problem, &str),
     sampling: &Sampling,
+    (from, to): (f64, f64),
 ) -> Result<Claim, CaseError> {
     let run = problem.sampled(sampling, &asked(&[6.0], problem, false))?;
     let row = run.at(6.0).ok_or("no row at t = 6")?;
@@ -138,7 +138,8 @@ fn euler_claim(
     let reference = problem.reference.moment([2, 0], 6.0).ok_or("no reference")?;
     let measured =
         Measured { value: row.moments[0].value, standard_error: row.moments[0].standard_error() };
-    let reason = "forward Euler grows by exp(w^2 dt t) in energy, 16 % undamped; what the damper takes is less";
-    let criterion = Criterion::AsMeasured { from: 0.02, to: 0.2, reason };
+    let reason = "forward Euler grows by exp(w^2 dt t) in energy, 16 % undamped, less what damping takes; the \
+                  samples know it to 1.1 %";
+    let criterion = Criterion::AsMeasured { from, to, reason };
     Ok(Claim::judge(subject, ErrorKind::Relative, measured, reference, criterion))
 }

@@ -117,7 +117,7 @@ fn limit_claim(context: &Context<'_>, id: &str, levels: &[(f64, f64)], first_ord
 }
 
 /// Of the coefficient of the first-order bias.
-const LIMIT_TOLERANCE: f64 = 2e-3;
+const LIMIT_TOLERANCE: f64 = 2e-4;
 
 /// `E|x|^n` under the density `exp(-x^4/4)` over its integral, `4^(n/4) Gamma((n+1)/4)/Gamma(1/4)`: by parts from the first four,
 /// `E|x|^(n+4) = (n+1) E|x|^n`.

@@ -142,12 +142,12 @@ mod tests {
         let mutant = mutant("x", "smpm", "smpm");
         let path = root.join(&mutant.file);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, "const N: u32 = 2;").unwrap();
+        std::fs::write(&path, "const N: f64 = 1 + 2;").unwrap();
         let scratch = Scratch { root: root.clone() };
         let originals = scratch.apply(&[&mutant]).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: u32 = 3;");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: f64 = 1 + 3;");
         scratch.restore(&originals).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: u32 = 2;");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: f64 = 1 + 2;");
         std::fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -57,6 +57,8 @@ pub const ALL: &[Case] = &[
     smpm::detonation::CASE,
     smpm::taylor_bar::AXISYMMETRIC,
     smpm::taylor_bar::QUARTER,
+    smpm::taylor_bar::BENCHMARK,
+    smpm::taylor_bar::PREDICTED,
     smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,

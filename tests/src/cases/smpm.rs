@@ -13,3 +13,4 @@ pub(crate) mod refinement;
 pub(crate) mod shock_tubes;
 pub(crate) mod taylor_bar;
 pub(crate) mod trust;
+mod worst;

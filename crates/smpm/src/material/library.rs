@@ -56,10 +56,12 @@ pub fn tnt(units: Units) -> JwlParameters<f64> {
 ///
 /// | constant | value | source |
 /// |---|---|---|
-/// | density | 1000 kg/m³ | from memory |
-/// | C | 1480 m/s | from memory: Steinberg 1996 |
+/// | density | 1000 kg/m³ | chosen |
+/// | C | 1480 m/s | chosen, from memory as Steinberg's (1987, 1996): no public code or page that has them was found |
 /// | S1, S2, S3 | 2.56, -1.986, 0.2268 | likewise |
 /// | gamma0, a | 0.5, 0 | likewise |
+///
+/// What another choice would change in a result has not been measured: give your own where water matters.
 #[must_use]
 pub fn water(units: Units) -> MieGruneisenParameters<f64> {
     MieGruneisenParameters {

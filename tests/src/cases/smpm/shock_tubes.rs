@@ -129,14 +129,15 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         context.progress(tube.name);
         let [coarse, fine] = [100, 200].map(|n_cells| errors(tube, Shape::CubicBSpline, n_cells));
         let (coarse, fine) = (coarse?, fine?);
-        let lines = |what: &str| {
-            let method =
-                format!("{what} B-splines, APIC, MUSL, viscosity 1.5 and 0.3, 2 particles a cell");
-            Lines { context, id: tube.name, method }
+        let method = |shape: &str, cells: &str| {
+            format!(
+                "{shape} B-splines, APIC, MUSL, viscosity 1.5 and 0.3, 2 particles a cell, {cells}"
+            )
         };
+        let lines = |method: String| Lines { context, id: tube.name, method };
         let mut order = Worst::about(tube.order);
         for (k, quantity) in ["pressure", "velocity"].into_iter().enumerate() {
-            claims.push(lines("200 cells, cubic").bounded(
+            claims.push(lines(method("cubic", "200 cells")).bounded(
                 (quantity, "mean absolute error, over the largest value", ""),
                 fine[k],
                 tube.tolerances[k],
@@ -144,7 +145,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             ));
             order.take((coarse[k] / fine[k]).log2(), quantity);
         }
-        claims.push(lines(&order.method("100 and 200 cells, cubic")).judge(
+        claims.push(lines(order.method(&method("cubic", "100 and 200 cells"))).judge(
             ("order", "order of the mean error of pressure or velocity", ""),
             ErrorKind::Absolute,
             order.value(),
@@ -154,7 +155,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let [fine, finest] =
             [200, 800].map(|n_cells| errors(tube, Shape::QuadraticBSpline, n_cells));
         let (fine, finest) = (fine?, finest?);
-        claims.push(lines("800 over 200 cells, quadratic").measured(
+        claims.push(lines(method("quadratic", "800 over 200 cells")).measured(
             ("quadratic", "ratio of the mean errors of pressure or velocity, the larger", ""),
             (finest[0] / fine[0]).max(finest[1] / fine[1]),
             tube.quadratic,

@@ -25,6 +25,7 @@ pub(super) fn entry(model: &str, name: &str, units: Units) -> Option<Entry> {
         ("mie_gruneisen", "aluminium") => entry!(library::aluminium_equation(units)),
         ("mie_gruneisen", "water") => entry!(library::water(units)),
         ("jwl", "tnt") => entry!(library::tnt(units)),
+        ("von_mises", "copper") => entry!(library::copper_linear_hardening(units)),
         ("johnson_cook", "steel") => entry!(library::steel_strength(units)),
         ("johnson_cook", "steel_as_published") => {
             entry!(library::steel_strength_as_published(units))

@@ -198,7 +198,7 @@ impl ParameterScene {
             Some(name) => entry(model, name, units).ok_or_else(|| {
                 let message = format!("the library has no `{name}` for this model");
                 Objection::new(format!("{path}.library"), message).with_help(
-                    "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; johnson_cook has steel, steel_as_published, copper; damage has steel",
+                    "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; von_mises has copper; johnson_cook has steel, steel_as_published, copper; damage has steel",
                 )
             })?,
         };

@@ -26,7 +26,7 @@
 
 use super::{
     JohnsonCookDamageParameters, JohnsonCookParameters, JwlParameters, MieGruneisenParameters,
-    Units,
+    Units, VonMisesParameters,
 };
 
 /// Trinitrotoluene, its products by JWL.
@@ -56,10 +56,12 @@ pub fn tnt(units: Units) -> JwlParameters<f64> {
 ///
 /// | constant | value | source |
 /// |---|---|---|
-/// | density | 1000 kg/m³ | from memory |
-/// | C | 1480 m/s | from memory: Steinberg 1996 |
+/// | density | 1000 kg/m³ | chosen |
+/// | C | 1480 m/s | chosen, from memory as Steinberg's (1987, 1996): no public code or page that has them was found |
 /// | S1, S2, S3 | 2.56, -1.986, 0.2268 | likewise |
 /// | gamma0, a | 0.5, 0 | likewise |
+///
+/// What another choice would change in a result has not been measured: give your own where water matters.
 #[must_use]
 pub fn water(units: Units) -> MieGruneisenParameters<f64> {
     MieGruneisenParameters {
@@ -103,7 +105,7 @@ pub fn steel_equation(units: Units) -> MieGruneisenParameters<f64> {
 /// | rate floor | 1 | chosen: the rate was not fitted below |
 /// | G | 77.5 GPa | looked up in one public code |
 /// | melting temperature | 1793 K | likewise |
-/// | room temperature | 294 K | from memory |
+/// | room temperature | 294 K | looked up: 293 to 295 in public tables |
 /// | density, specific heat | 7830 kg/m³, 477 J/(kg K) | looked up |
 /// | chi | 0.9 | likewise: Taylor and Quinney 1934 |
 #[must_use]
@@ -143,8 +145,8 @@ pub fn steel_strength_as_published(units: Units) -> JohnsonCookParameters<f64> {
 ///
 /// | constant | value | source |
 /// |---|---|---|
-/// | D1 to D5 | 0.05, 3.44, -2.12, 0.002, 0.61 | from memory: Johnson and Cook 1985 |
-/// | spall strength | 2.5 GPa | chosen, of the order of spall tests on steels: give your own |
+/// | D1 to D5 | 0.05, 3.44, -2.12, 0.002, 0.61 | looked up in an input of 4340 for Abaqus and in a converter, which names Johnson and Cook 1985; `d3` by the triaxiality mean stress over equivalent stress, so below zero |
+/// | spall strength | 2.5 GPa | chosen, of the order of spall tests on steels: give your own. It is the tension at which a particle breaks |
 #[must_use]
 pub fn steel_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
     JohnsonCookDamageParameters {
@@ -164,7 +166,7 @@ pub fn steel_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
 /// | density | 8930 kg/m³ | the Taylor bar of a public code (MPM3D-F90), looked up |
 /// | C, S1 | 3940 m/s, 1.49 | likewise |
 /// | S2, S3, a | 0, 0, 0 | likewise |
-/// | gamma0 | 1.96 | likewise |
+/// | gamma0 | 1.96 | likewise; Steinberg 1996 has 2.02 |
 #[must_use]
 pub fn copper_equation(units: Units) -> MieGruneisenParameters<f64> {
     MieGruneisenParameters {
@@ -178,6 +180,24 @@ pub fn copper_equation(units: Units) -> MieGruneisenParameters<f64> {
     }
 }
 
+/// Copper, OFHC, hardening linearly: the constants with which MPM3D-F90 runs its Taylor bar.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | G | 43.33 GPa | E = 117 GPa and nu = 0.35 of the Taylor bar of MPM3D-F90, looked up |
+/// | yield stress, hardening modulus | 157, 425 MPa | likewise: `sjc 157.0 425.0 1.0 0.0`, Johnson and Cook's form with n = 1, C = 0 and no heat |
+///
+/// Whether they were fitted to the bar of Johnson and Holmquist (1988) at 190 m/s, which they reproduce, the input does not
+/// say. [`copper_strength`] has the constants of other tests; the Taylor bars tell them apart (docs/methods/smpm.md).
+#[must_use]
+pub fn copper_linear_hardening(units: Units) -> VonMisesParameters<f64> {
+    VonMisesParameters {
+        shear_modulus: units.stress(117e9 / (2.0 * 1.35)),
+        yield_stress: units.stress(157e6),
+        hardening_modulus: units.stress(425e6),
+    }
+}
+
 /// Copper, OFHC.
 ///
 /// | constant | value | source |
@@ -186,8 +206,8 @@ pub fn copper_equation(units: Units) -> MieGruneisenParameters<f64> {
 /// | reference rate, melting temperature | 1 1/s, 1356 K | likewise |
 /// | rate floor | 1 | chosen |
 /// | G | 43.33 GPa | E = 117 GPa and nu = 0.35 of the Taylor bar of MPM3D-F90, looked up |
-/// | room temperature | 294 K | from memory |
-/// | density, specific heat | 8930 kg/m³, 383 J/(kg K) | looked up |
+/// | room temperature | 294 K | looked up |
+/// | density, specific heat | 8930 kg/m³, 383 J/(kg K) | looked up; other tables have 8960 kg/m³ |
 /// | chi | 0.9 | chosen: Taylor and Quinney 1934 |
 #[must_use]
 pub fn copper_strength(units: Units) -> JohnsonCookParameters<f64> {
@@ -232,7 +252,9 @@ pub fn aluminium_equation(units: Units) -> MieGruneisenParameters<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Detonation, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen};
+    use crate::material::{
+        Detonation, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen, VonMises,
+    };
 
     #[test]
     fn every_material_can_be_made_in_every_system() {
@@ -243,6 +265,7 @@ mod tests {
             for strength in [steel_strength, steel_strength_as_published, copper_strength] {
                 JohnsonCook::new(strength(units)).unwrap();
             }
+            VonMises::new(copper_linear_hardening(units)).unwrap();
             JohnsonCookDamage::new(steel_strength(units), steel_damage(units)).unwrap();
             Jwl::new(tnt(units), Detonation { point: [0.0; 3], cells: 1.0 }).unwrap();
         }
@@ -256,6 +279,8 @@ mod tests {
         close(strength.reference_rate, 1e-6);
         close(steel_strength_as_published(Units::CM_G_US).reference_rate, 1.0);
         close(steel_equation(Units::CM_G_US).sound_speed, 0.4569);
+        close(copper_linear_hardening(Units::CM_G_US).yield_stress, 1.57e-3);
+        close(copper_linear_hardening(Units::CM_G_US).hardening_modulus, 4.25e-3);
         close(tnt(Units::CM_G_US).a, 3.712);
         close(tnt(Units::CM_G_US).density, 1.63);
         // rho_0 c_p: megabar per kelvin.

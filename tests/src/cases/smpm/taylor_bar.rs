@@ -1,17 +1,20 @@
-//! A cylinder of copper that runs end on into a rigid wall, axisymmetric and as a quarter in three dimensions.
+//! Cylinders that run end on into a rigid wall: recovered bars of copper and steel, and a benchmark of finite elements.
+
+mod bar;
+mod reference;
 
 use figures::{ErrorKind, Reference};
-use serde::Deserialize;
-use smpm::Body;
-use smpm::uncertainty::Experiment;
-use work_precision::problems::smpm::problems::{Problem, experiment};
+use scenes::smpm::material_scene::{EquationScene, MaterialScene, ParameterScene, StrengthScene};
 
+use self::bar::{Specimen, axisymmetric, quarter};
+use self::reference::{Benchmark, Recovered, TaylorTests};
+use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
-const SOURCE: &str = "shape of the recovered bar: Johnson and Holmquist 1988, a secondary source, from memory and not looked up; set-up and constants of the Taylor bar of MPM3D-F90";
+const SOURCE: &str = "recovered bars of Johnson and Holmquist 1988, Wilkins and Guinan 1973, House et al. 1995 and Zelepugin et al. 2022, second-hand; constants of MPM3D-F90 and of Johnson and Cook 1983";
 
 pub(crate) const AXISYMMETRIC: Case = Case {
     id: "smpm/taylor-bar/axisymmetric",
@@ -19,7 +22,7 @@ pub(crate) const AXISYMMETRIC: Case = Case {
     source: SOURCE,
     cost: Profile::Quick,
     schedule: Schedule::Together,
-    run: axisymmetric,
+    run: run_axisymmetric,
 };
 
 pub(crate) const QUARTER: Case = Case {
@@ -28,213 +31,351 @@ pub(crate) const QUARTER: Case = Case {
     source: SOURCE,
     cost: Profile::Default,
     schedule: Schedule::Together,
-    run: quarter,
+    run: run_quarter,
 };
 
-/// When the bar has come to rest (us).
-const END: f64 = 80.0;
+pub(crate) const BENCHMARK: Case = Case {
+    id: "smpm/taylor-bar/benchmark",
+    title: "Copper bar at 227 m/s with linear hardening, against converged finite elements",
+    source: "Foulk et al. 2021, Simo 1992, Zienkiewicz et al. 1998, as collected by Cthonios/Carina.jl",
+    cost: Profile::Quick,
+    schedule: Schedule::Together,
+    run: run_benchmark,
+};
 
-#[derive(Debug, Deserialize)]
-struct ReferenceBar {
-    geometry: Geometry,
-    experiment: Recovered,
-}
-
-#[derive(Debug, Deserialize)]
-struct Geometry {
-    #[serde(rename = "L0_mm")]
-    length: f64,
-    #[serde(rename = "D0_mm")]
-    diameter: f64,
-}
-
-/// The recovered bar (mm).
-#[derive(Debug, Deserialize)]
-struct Recovered {
-    #[serde(rename = "L_mm")]
-    length: f64,
-    #[serde(rename = "D_mushroom_mm")]
-    foot: f64,
-    #[serde(rename = "W_at_0.2L0_mm")]
-    bulge: f64,
-}
-
-/// A run at its end.
-struct Bar {
-    /// Length, diameter of the foot, diameter where a fifth of the first length is above the wall (mm).
-    sizes: [f64; 3],
-    /// Over that of the start.
-    energy: f64,
-    /// Velocity of the centre of mass along the axis, over that of impact.
-    rest: f64,
-}
-
-/// Where the surface of the bar is, from the particles of a meridian.
-struct Meridian {
-    /// Radius and height of the surface, row by row from the wall.
-    surface: Vec<[f64; 2]>,
-    /// Where the axis meets the rear.
-    length: f64,
-}
-
-/// From two points `(at the start, now)` to a third along the line through them.
-fn extrapolated(inner: [f64; 2], outer: [f64; 2], start: f64) -> f64 {
-    outer[1] + (outer[1] - inner[1]) / (outer[0] - inner[0]) * (start - outer[0])
-}
-
-impl Meridian {
-    /// The last coordinate is along the axis. Particles stand for boxes: the surface is half a box beyond the last.
-    fn of<const D: usize>(
-        starts: &[[f64; D]],
-        body: &Body<f64, D>,
-        spacing: f64,
-        bar: &Geometry,
-    ) -> Result<Self, CaseError> {
-        let across = |x: &[f64; D]| x[..D - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
-        let on_meridian =
-            |p: &usize| starts[*p][1..D - 1].iter().all(|&second| second < 0.6 * spacing);
-        let mut all: Vec<usize> = (0..starts.len()).filter(on_meridian).collect();
-        // Row by row, from the axis outward.
-        let row = |p: usize| (starts[p][D - 1] / spacing).floor();
-        all.sort_by(|&a, &b| row(a).total_cmp(&row(b)).then(starts[a][0].total_cmp(&starts[b][0])));
-        let rows: Vec<&[usize]> =
-            all.chunk_by(|&a, &b| row(a).total_cmp(&row(b)).is_eq()).collect();
-        let surface = rows
-            .iter()
-            .map(|row| {
-                let [.., inner, outer] = row else { return Err("a row of one particle".into()) };
-                let radius = |p: &usize| [across(&starts[*p]), across(&body.position(*p))];
-                let edge = extrapolated(radius(inner), radius(outer), 0.5 * bar.diameter);
-                Ok([edge, body.position(*outer)[D - 1]])
-            })
-            .collect::<Result<_, CaseError>>()?;
-        let [.., below, last] = rows.as_slice() else { return Err("a bar of one row".into()) };
-        let height = |p: usize| [starts[p][D - 1], body.position(p)[D - 1]];
-        Ok(Self { surface, length: extrapolated(height(below[0]), height(last[0]), bar.length) })
-    }
-
-    fn foot(&self) -> f64 {
-        2.0 * self.surface.iter().map(|[radius, _]| *radius).fold(0.0, f64::max)
-    }
-
-    /// The diameter at a height.
-    fn diameter_at(&self, height: f64) -> Result<f64, CaseError> {
-        let crosses = |pair: &&[[f64; 2]]| pair[0][1] <= height && height < pair[1][1];
-        let pair = self.surface.windows(2).find(crosses).ok_or("the bar is shorter than that")?;
-        let [[r0, z0], [r1, z1]] = [pair[0], pair[1]];
-        Ok(2.0 * (r0 + (r1 - r0) * (height - z0) / (z1 - z0)))
-    }
-}
-
-/// A bar with as many cells to its radius.
-fn bar<const D: usize>(problem: Problem, cells: u32, of: &Geometry) -> Result<Bar, CaseError> {
-    let mut scene = problem.scene()?;
-    scene.grid.cell = 0.5 * of.diameter / f64::from(cells);
-    let spacing = scene.grid.cell / f64::from(scene.grid.particles_per_cell);
-    let mut run = Experiment::<D, 3>::simulation::<f64>(&experiment::<D>(&scene)?, &[0.0; 3])?;
-    let starts = run.bodies()[0].positions().to_vec();
-    let before = run.ledger();
-    run.advance_to(END)?;
-    let after = run.ledger();
-    let meridian = Meridian::of(&starts, &run.bodies()[0], spacing, of)?;
-    Ok(Bar {
-        sizes: [meridian.length, meridian.foot(), meridian.diameter_at(0.2 * of.length)?],
-        energy: (after.kinetic + after.internal) / (before.kinetic + before.internal),
-        rest: after.momentum[D - 1] / before.momentum[D - 1].abs(),
-    })
-}
-
-fn reference() -> Result<ReferenceBar, CaseError> {
-    let text = include_str!("../../../reference/derived/smpm/taylor_bar.json");
-    Ok(serde_json::from_str(text)?)
-}
-
-fn axisymmetric(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let reference = reference()?;
-    let mut claims = Vec::new();
-    for cells in [5, 8] {
-        context.progress(&format!("{cells} cells to the radius"));
-        let bar = bar::<2>(Problem::TaylorBar, cells, &reference.geometry)?;
-        claims.extend(against_experiment(context, cells, &bar, &reference.experiment));
-    }
-    Ok(claims)
-}
-
-fn quarter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let reference = reference()?;
-    let resolutions: &[u32] = if context.profile == Profile::Full { &[5, 8] } else { &[5] };
-    let mut claims = Vec::new();
-    for &cells in resolutions {
-        context.progress(&format!("{cells} cells to the radius"));
-        let solid = bar::<3>(Problem::TaylorBarQuarter, cells, &reference.geometry)?;
-        claims.extend(against_experiment(context, cells, &solid, &reference.experiment));
-        let flat = bar::<2>(Problem::TaylorBar, cells, &reference.geometry)?;
-        let id = format!("cells{cells}/axisymmetric");
-        let lines = Lines { context, id: &id, method: method(cells) };
-        for (k, (name, quantity)) in SIZES.into_iter().enumerate() {
-            claims.push(lines.relative(
-                (name, quantity, "mm"),
-                solid.sizes[k],
-                flat.sizes[k],
-                0.015,
-                "against the axisymmetric run with the same cells: here the circle is one of boxes",
-            ));
-        }
-    }
-    Ok(claims)
-}
+pub(crate) const PREDICTED: Case = Case {
+    id: "smpm/taylor-bar/predicted",
+    title: "Recovered bars of copper and 4340 steel, predicted with constants from elsewhere",
+    source: SOURCE,
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: run_predicted,
+};
 
 const SIZES: [(&str, &str); 3] = [
-    ("length", "length at 80 us"),
-    ("foot", "diameter of the foot at 80 us"),
-    ("bulge", "diameter a fifth of the first length above the wall at 80 us"),
+    ("length", "length"),
+    ("foot", "diameter of the foot"),
+    ("bulge", "diameter a fifth of the first length above the wall"),
 ];
 
-fn method(cells: u32) -> String {
-    format!(
-        "quadratic B-splines, FLIP, MUSL, {cells} cells to the radius; wall without friction; Johnson-Cook, constants of the literature"
-    )
+/// The bar of the scene (mm, km/s, us).
+const fn of_scene(cells: u32) -> Specimen {
+    Specimen { length: 25.4, radius: 3.8, speed: 0.19, end: 80.0, cells }
 }
 
-/// Five per cent of the recovered bar was the aim. It is not reached, by little, at any resolution.
-fn against_experiment(
-    context: &Context<'_>,
-    cells: u32,
-    bar: &Bar,
-    recovered: &Recovered,
-) -> Vec<Claim> {
-    let id = format!("cells{cells}");
-    let lines = Lines { context, id: &id, method: method(cells) };
-    let Recovered { length, foot, bulge } = *recovered;
-    let seen = [(length, 0.05, 0.08), (foot, 0.02, 0.08), (bulge, -0.08, -0.05)];
+fn method(cells: u32) -> String {
+    format!("quadratic B-splines, FLIP, MUSL, {cells} cells to the radius; wall without friction")
+}
+
+const FINE: u32 = 8;
+
+/// The recovered bar of the scene.
+fn recovered(tests: &TaylorTests) -> Result<[f64; 3], CaseError> {
+    let bar = tests.tests.iter().find(|test| test.name == "johnson-cook-190");
+    let sizes = bar.and_then(|bar| Some([bar.final_length, bar.foot?, bar.bulge?]));
+    Ok(sizes.ok_or("no recovered bar of 190 m/s")?)
+}
+
+fn run_axisymmetric(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let recovered = recovered(&TaylorTests::read()?)?;
+    context.progress("8 and 12 cells to the radius");
+    let (bar, finer) = (axisymmetric(&of_scene(FINE), None)?, axisymmetric(&of_scene(12), None)?);
+    let lines = |method: String| Lines { context, id: "", method };
     let mut claims = Vec::new();
-    for ((name, quantity), (k, (measured, from, to))) in
-        SIZES.into_iter().zip(seen.into_iter().enumerate())
-    {
-        claims.push(lines.judge(
-            (name, quantity, "mm"),
-            ErrorKind::Relative,
+    for (k, tolerance) in [0.006, 0.04, 0.03].into_iter().enumerate() {
+        claims.push(lines(method(FINE)).relative(
+            (SIZES[k].0, &format!("{} at 80 us", SIZES[k].1), "mm"),
             bar.sizes[k],
-            Reference::exact(measured),
-            Criterion::AsMeasured {
-                from,
-                to,
-                reason: "5 % of the recovered bar is not reached: axisymmetric and quarter agree, so it is the constants, which were not fitted to this bar, the wall, or the lengths, which are from memory",
-            },
+            recovered[k],
+            tolerance,
+            "constants of MPM3D-F90; read second-hand to 1 % of a length and 2 % of a diameter",
         ));
     }
-    claims.push(lines.relative(
+    let mut change = Worst::of_errors();
+    for (k, (_, size)) in SIZES.into_iter().enumerate() {
+        change.take(finer.sizes[k] / bar.sizes[k] - 1.0, size);
+    }
+    claims.push(lines(change.method("12 cells to the radius over 8")).bounded(
+        ("refined", "relative change of a size", ""),
+        change.value(),
+        0.015,
+        "the rim of the foot is thin, a cell or two",
+    ));
+    claims.push(lines(method(FINE)).relative(
         ("energy", "energy over that of the start", ""),
         bar.energy,
         1.0,
-        5e-3,
+        2.5e-3,
         "FLIP over one to two thousand steps with a free surface",
     ));
-    claims.push(lines.bounded(
+    claims.push(lines(method(FINE)).bounded(
         ("rest", "velocity of the centre of mass at 80 us, over that of impact", ""),
         bar.rest,
         0.05,
         "it has come to rest but for elastic waves: the wall does not let go",
     ));
-    claims
+    Ok(claims)
+}
+
+fn run_quarter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let recovered = recovered(&TaylorTests::read()?)?;
+    let resolutions: &[u32] = if context.profile == Profile::Full { &[5, 8] } else { &[5] };
+    let mut claims = Vec::new();
+    for &cells in resolutions {
+        context.progress(&format!("{cells} cells to the radius"));
+        let (solid, flat) = (quarter(&of_scene(cells))?, axisymmetric(&of_scene(cells), None)?);
+        let (mut apart, mut off) = (Worst::of_errors(), Worst::of_errors());
+        for (k, (_, size)) in SIZES.into_iter().enumerate() {
+            apart.take(solid.sizes[k] / flat.sizes[k] - 1.0, size);
+            off.take(solid.sizes[k] / recovered[k] - 1.0, size);
+        }
+        let id = format!("cells{cells}");
+        let lines = |method: String| Lines { context, id: &id, method };
+        claims.push(lines(apart.method(&method(cells))).bounded(
+            ("axisymmetric", "relative distance of a size from the axisymmetric one", ""),
+            apart.value(),
+            8e-3,
+            "here the circle is one of boxes",
+        ));
+        claims.push(lines(off.method(&method(cells))).bounded(
+            ("recovered", "relative error of a size of the recovered bar", ""),
+            off.value(),
+            0.05,
+            "five cells to the radius, and constants of MPM3D-F90",
+        ));
+        claims.push(lines(method(cells)).relative(
+            ("energy", "energy over that of the start", ""),
+            solid.energy,
+            1.0,
+            4e-3,
+            "FLIP over one to two thousand steps with a free surface",
+        ));
+    }
+    Ok(claims)
+}
+
+fn run_benchmark(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let of = TaylorTests::read()?.benchmark;
+    let mut claims = Vec::new();
+    for (cells, of_length) in [(8, 5e-3), (12, 4e-3)] {
+        context.progress(&format!("{cells} cells to the radius"));
+        let bar = axisymmetric(&of.specimen(cells), Some(material_of_benchmark(&of)))?;
+        let id = format!("cells{cells}");
+        let lines = Lines { context, id: &id, method: method(cells) };
+        let reason = "published radii are 7.11 to 7.23 mm, lengths 21.42 to 21.48 mm; the rim of the foot is a cell or two thin";
+        claims.push(lines.relative(
+            ("length", "length at 80 us", "mm"),
+            bar.sizes[0],
+            of.final_length,
+            of_length,
+            reason,
+        ));
+        claims.push(lines.relative(
+            ("radius", "radius of the foot at 80 us", "mm"),
+            0.5 * bar.sizes[1],
+            of.final_radius,
+            0.02,
+            reason,
+        ));
+    }
+    Ok(claims)
+}
+
+/// Whose bars, by which constants, and how far their lengths, feet and bulges are off.
+struct Prediction {
+    make: &'static str,
+    law: Law,
+    expected: [Option<Expected>; 3],
+}
+
+/// What is expected of the worst of the relative errors.
+#[derive(Clone, Copy)]
+enum Expected {
+    /// The constants predict it this well.
+    Within(f64),
+    /// They do not: where it was seen.
+    Seen(f64, f64),
+}
+
+use Expected::{Seen, Within};
+
+const PREDICTIONS: [Prediction; 9] = [
+    Prediction {
+        make: "johnson-cook",
+        law: Law::Linear,
+        expected: [Some(Within(0.03)), Some(Seen(0.09, 0.14)), Some(Within(0.1))],
+    },
+    Prediction {
+        make: "wilkins-guinan",
+        law: Law::Linear,
+        expected: [Some(Seen(-0.11, -0.07)), Some(Seen(-0.18, -0.12)), Some(Within(0.1))],
+    },
+    Prediction {
+        make: "house",
+        law: Law::Linear,
+        expected: [Some(Seen(-0.19, -0.14)), Some(Within(0.1)), None],
+    },
+    Prediction {
+        make: "zelepugin",
+        law: Law::Linear,
+        expected: [Some(Seen(-0.17, -0.11)), Some(Within(0.1)), None],
+    },
+    Prediction {
+        make: "johnson-cook",
+        law: Law::JohnsonCook,
+        expected: [Some(Within(0.1)), Some(Seen(0.1, 0.15)), Some(Within(0.1))],
+    },
+    Prediction {
+        make: "wilkins-guinan",
+        law: Law::JohnsonCook,
+        expected: [Some(Within(0.05)), Some(Within(0.1)), Some(Within(0.1))],
+    },
+    Prediction {
+        make: "house",
+        law: Law::JohnsonCook,
+        expected: [Some(Seen(-0.13, -0.09)), Some(Within(0.1)), None],
+    },
+    Prediction {
+        make: "zelepugin",
+        law: Law::JohnsonCook,
+        expected: [Some(Within(0.1)), Some(Within(0.1)), None],
+    },
+    Prediction {
+        make: "johnson-cook",
+        law: Law::Steel,
+        expected: [Some(Within(0.1)), Some(Within(0.1)), Some(Within(0.05))],
+    },
+];
+
+/// Longer bars of House are left to the full profile: what they say is the same (mm).
+const LONGEST: f64 = 40.0;
+
+fn run_predicted(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let tests = TaylorTests::read()?.tests;
+    let mut claims = Vec::new();
+    for prediction in &PREDICTIONS {
+        let steel = prediction.law == Law::Steel;
+        let of = |test: &&Recovered| {
+            test.make == prediction.make
+                && (test.material == "steel") == steel
+                && (test.length < LONGEST || context.profile == Profile::Full)
+        };
+        claims.extend(predicted(context, prediction, tests.iter().filter(of))?);
+    }
+    Ok(claims)
+}
+
+fn predicted<'a>(
+    context: &Context<'_>,
+    prediction: &Prediction,
+    tests: impl Iterator<Item = &'a Recovered>,
+) -> Result<Vec<Claim>, CaseError> {
+    let mut worst: [Worst; 3] = std::array::from_fn(|_| Worst::of_errors());
+    for test in tests {
+        context.progress(&format!("{} by {}", test.name, prediction.law.name()));
+        // The longer, the longer it takes; faster ones, too, have come to rest by then.
+        let specimen = test.specimen(FINE, 100.0 * test.length / 25.4);
+        let bar = axisymmetric(&specimen, Some(prediction.law.material(test.density)))?;
+        let sizes = [Some(test.final_length), test.foot, test.bulge];
+        for (k, size) in sizes.into_iter().enumerate() {
+            if let Some(size) = size {
+                worst[k].take(bar.sizes[k] / size - 1.0, &test.name);
+            }
+        }
+    }
+    let id = format!("{}/{}", prediction.make, prediction.law.name());
+    let claim = |k: usize, expected: Expected| {
+        let lines = Lines { context, id: &id, method: worst[k].method(&method(FINE)) };
+        let quantity = format!("relative error of the {}", SIZES[k].1);
+        let of = (SIZES[k].0, quantity.as_str(), "");
+        match expected {
+            Within(tolerance) => {
+                lines.bounded(of, worst[k].value(), tolerance, prediction.law.reason())
+            }
+            Seen(from, to) => lines.judge(
+                of,
+                ErrorKind::Absolute,
+                worst[k].value(),
+                Reference::exact(0.0),
+                Criterion::AsMeasured { from, to, reason: prediction.law.reason() },
+            ),
+        }
+    };
+    let expected = prediction.expected.into_iter().enumerate();
+    Ok(expected.filter_map(|(k, expected)| Some(claim(k, expected?))).collect())
+}
+
+/// Where the constants of a strength come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Law {
+    /// Copper of MPM3D-F90: 157 MPa + 425 MPa times the plastic strain.
+    Linear,
+    /// Copper of Johnson and Cook 1983.
+    JohnsonCook,
+    /// 4340 of Johnson and Cook 1983.
+    Steel,
+}
+
+impl Law {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear-hardening",
+            Self::JohnsonCook => "johnson-cook-1983",
+            Self::Steel => "johnson-cook-1983-4340",
+        }
+    }
+
+    const fn reason(self) -> &'static str {
+        match self {
+            Self::Linear => {
+                "no rate, no heat: one curve for all bars, of a copper that need not be theirs; read to 1 % of a length and 2 % of a diameter"
+            }
+            Self::JohnsonCook => {
+                "constants of tension and torsion tests, not of these bars; read to 1 % of a length and 2 % of a diameter"
+            }
+            Self::Steel => {
+                "constants of tension and torsion tests of a steel of Rockwell C 30; read to 1 % of a length and 2 % of a diameter"
+            }
+        }
+    }
+
+    /// At the density of a bar (kg/m³), which is that of heat, too.
+    fn material(self, density: f64) -> MaterialScene {
+        let of = |library: &str, names: &[&str]| ParameterScene {
+            library: Some(library.to_owned()),
+            set: names.iter().map(|&name| (name.to_owned(), 1e-3 * density)).collect(),
+        };
+        let (metal, strength) = match self {
+            Self::Linear => ("copper", StrengthScene::VonMises(of("copper", &[]))),
+            Self::JohnsonCook => ("copper", StrengthScene::JohnsonCook(of("copper", &["density"]))),
+            Self::Steel => ("steel", StrengthScene::JohnsonCook(of("steel", &["density"]))),
+        };
+        solid(EquationScene::MieGruneisen(of(metal, &["density"])), strength)
+    }
+}
+
+fn solid(equation: EquationScene, strength: StrengthScene) -> MaterialScene {
+    let strength = Some(strength);
+    MaterialScene { equation, strength, damage: None, tension_limit: None, detonation: None }
+}
+
+/// The material of the benchmark: its pressure is linear in the volume, `K (1 - J)`.
+fn material_of_benchmark(of: &Benchmark) -> MaterialScene {
+    let bulk = of.young_modulus / (3.0 * (1.0 - 2.0 * of.poisson_ratio));
+    let density = 1e-3 * of.density;
+    let parameters = |numbers: &[(&str, f64)]| ParameterScene {
+        library: None,
+        set: numbers.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
+    };
+    let none = ["s1", "s2", "s3", "gruneisen", "gruneisen_slope"].map(|name| (name, 0.0));
+    let mut equation = vec![("density", density), ("sound_speed", (bulk / density).sqrt())];
+    equation.extend(none);
+    solid(
+        EquationScene::MieGruneisen(parameters(&equation)),
+        StrengthScene::VonMises(parameters(&[
+            ("shear_modulus", of.young_modulus / (2.0 * (1.0 + of.poisson_ratio))),
+            ("yield_stress", 1e-3 * of.yield_stress),
+            ("hardening_modulus", 1e-3 * of.hardening_modulus),
+        ])),
+    )
 }

@@ -24,12 +24,13 @@ use scratch::Scratch;
 const HELP: &str = "\
 Builds the workspace with one constant or sign wrong at a time and runs the cases of the crate.
 
-Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--list] [--record]
+Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--list] [--record] [--kept]
 
   --only NAME    run this mutant
   --crate NAME   run the mutants of this crate
   --list         list the mutants
   --record       write docs/mutants.md too, from all outcomes that were kept
+  --kept         run nothing: print, or record, the outcomes that were kept
 
 The tree is copied to target/mutants, where outcomes are kept as well. The exit code is 1 if a mutant
 survived, did not compile or did not end.
@@ -42,6 +43,7 @@ struct Options {
     crates: Vec<String>,
     is_list: bool,
     is_record: bool,
+    is_kept: bool,
 }
 
 /// The command line after `audit claims`.
@@ -52,9 +54,9 @@ pub(super) fn run(arguments: &[String]) -> ExitCode {
     let parsed = mutant::all().and_then(|all| {
         let options = options(arguments)?;
         let chosen = choose(&all, &options)?;
-        Ok((options, chosen, all.len()))
+        Ok((options, chosen, all))
     });
-    let (options, chosen, n_all) = match parsed {
+    let (options, chosen, all) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
             say(&format!("error: {error}\n"));
@@ -64,7 +66,7 @@ pub(super) fn run(arguments: &[String]) -> ExitCode {
     if options.is_list {
         return print(&page::list(&chosen));
     }
-    match audit(&chosen, n_all, options.is_record) {
+    match audit(&chosen, &all, &options) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
@@ -84,6 +86,7 @@ fn options(arguments: &[String]) -> Result<Options, String> {
             "--crate" => options.crates.push(value()?),
             "--list" => options.is_list = true,
             "--record" => options.is_record = true,
+            "--kept" => options.is_kept = true,
             other => return Err(format!("`audit claims` has no argument `{other}`\n\n{HELP}")),
         }
     }
@@ -109,14 +112,30 @@ fn choose(all: &[Mutant], options: &Options) -> Result<Vec<Mutant>, String> {
     Ok(all.iter().filter(is_chosen).cloned().collect())
 }
 
-/// Whether all of these mutants were caught.
-fn audit(chosen: &[Mutant], n_all: usize, is_record: bool) -> Result<bool, String> {
+/// Runs these mutants, or takes what was kept of them; whether all were caught.
+fn audit(chosen: &[Mutant], all: &[Mutant], options: &Options) -> Result<bool, String> {
     let folder = workspace().join("target").join("mutants");
+    let mut outcomes = Outcomes::read(&folder.join("outcomes.json"));
+    if !options.is_kept {
+        run_rounds(chosen, &folder, &mut outcomes)?;
+    }
+    print(&format!("\n{}", page::table(chosen, &outcomes)));
+    if options.is_record {
+        let text = page::render(all, &outcomes, &scratch::machine());
+        let path = workspace().join("docs/mutants.md");
+        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    let n_caught = chosen.iter().filter(|mutant| outcomes.is_caught(mutant)).count();
+    say(&format!("{n_caught} of {} mutants caught ({} in all)\n", chosen.len(), all.len()));
+    Ok(n_caught == chosen.len())
+}
+
+/// Outcomes are written after each round, so that an audit that is interrupted keeps them.
+fn run_rounds(chosen: &[Mutant], folder: &Path, outcomes: &mut Outcomes) -> Result<(), String> {
     let scratch = Scratch::copy(&workspace(), &folder.join("tree"))?;
     let commit = scratch::commit(&workspace());
-    let proof = Proof { tree: scratch.root().to_owned(), target: build_folder(&folder) };
-    let mut outcomes = Outcomes::read(&folder.join("outcomes.json"));
-    say("building the tree as it is ...\n");
+    let proof = Proof { tree: scratch.root().to_owned(), target: build_folder(folder) };
+    say("building and proving the tree without a mutant ...\n");
     let limit = proof.check_unchanged(chosen)?;
     let reaches = rounds::reaches(scratch.root())?;
     let rounds = rounds::rounds(chosen, &reaches);
@@ -129,16 +148,7 @@ fn audit(chosen: &[Mutant], n_all: usize, is_record: bool) -> Result<bool, Strin
         }
         outcomes.write()?;
     }
-    print(&format!("\n{}", page::table(chosen, &outcomes)));
-    if is_record {
-        let all = mutant::all()?;
-        let text = page::render(&all, &outcomes, &scratch::machine());
-        let path = workspace().join("docs/mutants.md");
-        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
-    }
-    let n_caught = chosen.iter().filter(|mutant| outcomes.is_caught(mutant)).count();
-    say(&format!("{n_caught} of {} mutants caught ({n_all} in all)\n", chosen.len()));
-    Ok(n_caught == chosen.len())
+    Ok(())
 }
 
 /// Builds and proves a round; if its mutants do not compile together, each by itself.
@@ -156,7 +166,7 @@ fn carry_out<'a>(
         Err(error) if round.len() == 1 => Ok(vec![Outcome::not_compiled(error)]),
         Err(_) => Ok(Vec::new()),
     };
-    scratch.restore(&originals)?;
+    scratch::restore(&originals)?;
     let outcomes = result?;
     if outcomes.is_empty() {
         let alone = round.iter().map(|&mutant| carry_out(&[mutant], scratch, proof, limit));

@@ -47,7 +47,31 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(table(context, "with-sigma-points", &settled, witnessed, [4, 3, 0, 42]));
     claims.push(failures(context, &judged));
     claims.push(left_in_peace(context, &judged));
+    claims.push(indicators(context, &judged));
     Ok(claims)
+}
+
+/// The indicators against the variances of another program: `kappa = var_2/var_1 - 1`, `tau = abs(var_4 - var_2)/var_1`.
+fn indicators(context: &Context<'_>, judged: &[Judged]) -> Claim {
+    let mut worst = 0.0_f64;
+    for Judged { case, assessed, .. } in judged {
+        let (first, by_formula) = (assessed.variance_first_order, &case.second_order);
+        let Trust { curvature_ratio, third_ratio, .. } = assessed.trust;
+        let curvature = by_formula.var2 / first - 1.0;
+        let third = (by_formula.var_o4_with_third_derivs - by_formula.var2).abs() / first;
+        for (found, expected) in [(curvature_ratio, curvature), (third_ratio, third)] {
+            let error = (found.unwrap_or(f64::NAN) - expected).abs();
+            worst = if error.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(error) };
+        }
+    }
+    let subject = context.subject(
+        "indicators",
+        "worst error of the two indicators",
+        "",
+        "51 cases, against variances by closed formulas on JAX derivatives",
+    );
+    let reason = "roundoff: differences of variances, eps times their ratio";
+    Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-13, reason)
 }
 
 /// The four counts of warned or not against wrong or not.

@@ -41,10 +41,11 @@ pub(super) fn render(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> 
         let count = |word: &str| of.iter().filter(|m| verdict(m, outcomes) == word).count();
         let n_run = of.len() - count("not run");
         let (caught, survived) = (count("caught"), n_run - count("caught"));
-        page.push_str(&format!("| {name} | {} | {n_run} | {caught} | {survived} |\n", of.len()));
+        let cells = [of.len(), n_run, caught, survived].map(|count| count.to_string());
+        page.extend(["| ", name, " | ", cells.join(" | ").as_str(), " |\n"]);
     }
     for (name, of) in &crates {
-        page.push_str(&format!("\n## {name}\n\n{COLUMNS}"));
+        page.extend(["\n## ", name, "\n\n", COLUMNS]);
         page.extend(of.iter().map(|mutant| row(mutant, outcomes)));
     }
     page
@@ -63,8 +64,8 @@ fn head(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
          Written by `cargo xtask audit claims --record`: {} mutants, {n_run} run, {n_caught} caught, {} survived. {machine}.\n\n\
          Each mutant replaces one text in one file (`xtask/src/audit/mutants.json`). The workspace is built with it, and the \
          cases of its crate are run. A mutant is caught if a claim of accuracy fails or a case stops with an error; a mutant \
-         that breaks a structure, also by a structural claim. A regression bound alone catches nothing. `cargo xtask audit \
-         claims --only NAME` repeats a row; *seconds* is its share of the build and the run.\n",
+         that breaks a structure, also by a structural claim. A regression bound alone catches nothing.\n\n\
+         `cargo xtask audit claims --only NAME` repeats a row; *seconds* is its share of the build and the run.\n",
         mutants.len(),
         n_run - n_caught,
     )

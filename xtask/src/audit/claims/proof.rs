@@ -175,8 +175,8 @@ fn of_mutant(report: &Value, mutant: &Mutant) -> Outcome {
             firsts[rank].get_or_insert(id);
         }
     }
-    outcome.first = firsts.into_iter().flatten().next().unwrap_or("no claim failed").to_owned();
-    outcome
+    let first = firsts.into_iter().flatten().next().unwrap_or("no claim failed");
+    Outcome { first: first.to_owned(), ..outcome }
 }
 
 #[cfg(test)]

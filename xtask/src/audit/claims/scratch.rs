@@ -34,7 +34,7 @@ impl Scratch {
         &self.root
     }
 
-    /// Puts in the replacements; the files as they were are given back, for [`restore`](Self::restore).
+    /// Puts in the replacements; the files as they were are given back, for [`restore`].
     pub(super) fn apply(&self, mutants: &[&Mutant]) -> Result<Vec<(PathBuf, String)>, String> {
         let mut originals = Vec::new();
         for mutant in mutants {
@@ -45,11 +45,11 @@ impl Scratch {
         }
         Ok(originals)
     }
+}
 
-    /// Puts the files back.
-    pub(super) fn restore(&self, originals: &[(PathBuf, String)]) -> Result<(), String> {
-        originals.iter().rev().try_for_each(|(path, text)| write(path, text))
-    }
+/// Puts files back, the last first: a file with two mutants ends as it was.
+pub(super) fn restore(originals: &[(PathBuf, String)]) -> Result<(), String> {
+    originals.iter().rev().try_for_each(|(path, text)| write(path, text))
 }
 
 /// The text with its replacement.
@@ -142,12 +142,12 @@ mod tests {
         let mutant = mutant("x", "smpm", "smpm");
         let path = root.join(&mutant.file);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, "const N: f64 = 1 + 2;").unwrap();
+        std::fs::write(&path, "const N: usize = 2;").unwrap();
         let scratch = Scratch { root: root.clone() };
         let originals = scratch.apply(&[&mutant]).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: f64 = 1 + 3;");
-        scratch.restore(&originals).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: f64 = 1 + 2;");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: usize = 3;");
+        restore(&originals).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "const N: usize = 2;");
         std::fs::remove_dir_all(&root).unwrap();
     }
 }

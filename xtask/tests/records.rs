@@ -94,7 +94,7 @@ fn recorded(source: &str, verification: &Value) -> Result<f64, String> {
         Some(name) => (name, true),
         None => (part, false),
     };
-    let found = if place.ends_with(".json") {
+    let found = if Path::new(place).extension().is_some_and(|ending| ending == "json") {
         let text = fs::read_to_string(root().join(place)).map_err(|error| error.to_string())?;
         let value: Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
         value.pointer(name).and_then(Value::as_f64)
@@ -120,7 +120,7 @@ fn wrong(page: &str, verification: &Value) -> Vec<String> {
         match recorded(&keys[key], verification) {
             Ok(recorded) if (recorded - value).abs() <= half_unit * (1.0 + 1e-9) => {}
             Ok(recorded) => {
-                wrong.push(format!("`{key}`: the page has {value}, the record {recorded}"))
+                wrong.push(format!("`{key}`: the page has {value}, the record {recorded}"));
             }
             Err(error) => wrong.push(format!("`{key}`: {error}")),
         }

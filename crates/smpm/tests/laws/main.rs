@@ -12,5 +12,6 @@ mod invariants;
 mod johnson_cook_point;
 mod materials;
 mod plate_impact;
+mod published;
 mod restart;
 mod uncertainty;

@@ -182,9 +182,12 @@ impl Claim {
     /// What kind of statement it is; for a claim of a report without kinds, a regression bound by its reason, else accuracy.
     #[must_use]
     pub fn kind(&self) -> ClaimKind {
-        let by_reason = || match self.reason.starts_with(REGRESSION_BOUND) {
-            true => ClaimKind::RegressionBound,
-            false => ClaimKind::Accuracy,
+        let by_reason = || {
+            if self.reason.starts_with(REGRESSION_BOUND) {
+                ClaimKind::RegressionBound
+            } else {
+                ClaimKind::Accuracy
+            }
         };
         self.kind.unwrap_or_else(by_reason)
     }

@@ -37,7 +37,7 @@ fn worst(
 ) -> Result<Claim, CaseError> {
     let n = family.len();
     let size = |claim: &Claim| match claim.error {
-        Some(error) if claim.passed || claim.is_band() => error.abs(),
+        Some(error) if claim.passed || claim.is_regression_bound() => error.abs(),
         _ => f64::INFINITY,
     };
     let largest = family.into_iter().max_by(|a, b| size(a).total_cmp(&size(b)));

@@ -66,7 +66,6 @@ const RESOLVED: f64 = 2.0 / 3.0;
 
 /// The claim of a level, where the samples of both sides resolve its bias. Which levels these are depends on standard errors
 /// and on the survey alone, not on what was measured.
-
 fn bias_claim(
     context: &Context<'_>,
     (id, method): (&str, &str),

@@ -110,7 +110,7 @@ impl Undisturbed<'_> {
             kill_at_random(&self.file, &out, self.duration.mul_f64(0.8 * moments.next_uniform()))?;
             n_refused += u32::from(is_refused(&self.file, &out)?);
             let told = finish(started(&self.file, &out, &["--resume"])?)?;
-            n_resumed += u32::from(told.contains("goes on from"));
+            n_resumed += u32::from(told.contains("resumes from"));
             different += self.n_different(&out)?;
         }
         let (method, reason) =

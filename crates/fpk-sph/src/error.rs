@@ -257,7 +257,9 @@ pub enum Error {
         limit: u64,
     },
     /// A requested time is earlier than that of the simulation, or is not a number.
-    #[error("time {value} is requested, but the simulation is at {now}: request this time or a later one")]
+    #[error(
+        "time {value} is requested, but the simulation is at {now}: request this time or a later one"
+    )]
     TimeInThePast {
         /// What was asked for.
         value: f64,
@@ -308,7 +310,9 @@ pub enum Error {
         expected: usize,
     },
     /// Remeshing removed the particles that an observer follows.
-    #[error("t = {time}: remeshing replaced the observed particles; switch remeshing off for this observer")]
+    #[error(
+        "t = {time}: remeshing replaced the observed particles; switch remeshing off for this observer"
+    )]
     RemappedUnderWatch {
         /// Time.
         time: f64,

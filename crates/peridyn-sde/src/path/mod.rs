@@ -82,7 +82,7 @@ impl PathConfig {
 /// 3. From the tip, the shortest way along links to the node farthest along them is the crack; shortest ways have no
 ///    preferred direction, so that a crack may turn. What is farther than a length from it, along links, is a branch,
 ///    from where its shortest way leaves; and so on.
-/// 4. Nodes stand beside the crack, not on it. Bonds it broke have their middles on both sides of it alike, so points every
+/// 4. Nodes are next to the crack, not on it. Bonds it broke have their middles on both sides of it alike, so points every
 ///    spacing along the way are moved across it onto the line fitted to the middles of broken bonds around them.
 ///
 /// The path begins at the tip of the notch and ends where damage does, which is up to two spacings before the last broken bond.

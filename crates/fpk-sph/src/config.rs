@@ -3,7 +3,7 @@
 use crate::method::Method;
 use crate::start::InitialLattice;
 
-/// What a simulation needs to know besides the system and its initial law.
+/// Parameters of a simulation besides the system and its initial distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config<const D: usize> {
     /// The combination of choices that carries the density.

@@ -1,6 +1,6 @@
 //! What can go wrong, with the value and its limit.
 
-/// Why a simulation could not be set up, go on, or be observed.
+/// Errors of constructing, running and observing a simulation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -28,7 +28,7 @@ pub enum Error {
         /// What was given.
         value: f64,
     },
-    /// Two parameters must stand in an order.
+    /// A parameter must be greater than another.
     #[error("{name} is {value}; it must be greater than {other}, which is {limit}")]
     OutOfOrder {
         /// The parameter.
@@ -69,12 +69,12 @@ pub enum Error {
         name: &'static str,
         /// The first row, from 0, that is not greater than the one before it.
         row: usize,
-        /// Where it stands.
+        /// Its value.
         value: f64,
-        /// Where the one before it stands.
+        /// The value of the row before it.
         limit: f64,
     },
-    /// A linear system has no stationary law: not all of its modes decay.
+    /// A linear system has no stationary distribution: not all of its modes decay.
     #[error(
         "{name} has no stationary law: after a time of {time:e} its transition is still {value:e}, above {limit:e}"
     )]
@@ -109,9 +109,9 @@ pub enum Error {
         dimension: usize,
     },
     /// More particles than an id can count.
-    #[error("{count} particles were asked for; at most {limit} can be told apart")]
+    #[error("{count} particles requested; ids count at most {limit}: use fewer particles")]
     TooManyParticles {
-        /// How many were asked for.
+        /// The number requested.
         count: usize,
         /// The limit.
         limit: usize,
@@ -199,7 +199,7 @@ pub enum Error {
         /// The limit of that.
         limit: f64,
     },
-    /// The Courant rule asks for steps that lead nowhere: particles have clumped.
+    /// The Courant rule gives a step that is too small: particles have clumped.
     #[error(
         "step {step}, t = {time}: the step collapsed to {dt:e} at particle {particle}, below {limit:e} (1e-6 of a period)"
     )]
@@ -256,15 +256,17 @@ pub enum Error {
         /// The limit of steps.
         limit: u64,
     },
-    /// A time lies before the state of the simulation, or is not a number.
-    #[error("time {value} was asked for, but the simulation stands at {now}")]
+    /// A requested time is earlier than that of the simulation, or is not a number.
+    #[error(
+        "time {value} is requested, but the simulation is at {now}: request this time or a later one"
+    )]
     TimeInThePast {
         /// What was asked for.
         value: f64,
-        /// Where the simulation stands.
+        /// The time of the simulation.
         now: f64,
     },
-    /// The deformed lattice cell of a particle was asked for, but it has no lattice neighbour to tell it by.
+    /// The deformed lattice cell of a particle is undefined: the particle has no lattice neighbour.
     #[error(
         "particle {particle} has no lattice neighbour along some axis, and none of its neighbours has; \
          use the kernel sum for the volumes"
@@ -289,7 +291,7 @@ pub enum Error {
         /// The first edge that does not exceed the one before it.
         position: usize,
     },
-    /// A watch over a simulation was not told of every step.
+    /// An observer did not record every step of the simulation.
     #[error(
         "the simulation has taken {found} steps, the last one recorded is {recorded}; every step must be recorded"
     )]
@@ -299,25 +301,27 @@ pub enum Error {
         /// Steps now.
         found: u64,
     },
-    /// A watch began with another simulation.
+    /// An observer was constructed for another simulation.
     #[error("the simulation holds {found} particles, the watched one {expected}")]
     OtherSimulation {
         /// Particles of the simulation given.
         found: usize,
-        /// Particles of the one that the watch began with.
+        /// Particles of the simulation that the observer was constructed for.
         expected: usize,
     },
-    /// A watch does not follow its particles over a fresh lattice.
-    #[error("t = {time}: a fresh lattice was laid; the watched particles are gone")]
+    /// Remeshing removed the particles that an observer follows.
+    #[error(
+        "t = {time}: remeshing replaced the observed particles; switch remeshing off for this observer"
+    )]
     RemappedUnderWatch {
         /// Time.
         time: f64,
     },
-    /// A fresh lattice was asked for in coordinates that are not those of the cloud.
-    #[error("a fresh lattice is laid in whitened coordinates; the method's metric is isotropic")]
+    /// Remeshing needs whitened coordinates.
+    #[error("remeshing needs whitened coordinates; the method's metric is isotropic")]
     NotWhitened,
-    /// A fresh lattice would hold more particles than allowed.
-    #[error("t = {time}: a fresh lattice needs {count} particles or more; {limit} are allowed")]
+    /// Remeshing needs more particles than allowed.
+    #[error("t = {time}: remeshing needs {count} particles or more; {limit} are allowed")]
     FreshLatticeTooLarge {
         /// Time.
         time: f64,
@@ -326,9 +330,9 @@ pub enum Error {
         /// How many are allowed.
         limit: usize,
     },
-    /// A fresh lattice does not resolve the density: it would change what it must keep.
+    /// The new lattice does not resolve the density: remeshing changes mass or moments too much.
     #[error(
-        "t = {time}: a fresh lattice changes the {quantity} by {value:e}; at most {limit:e} is allowed"
+        "t = {time}: remeshing changes the {quantity} by {value:e}; at most {limit:e} is allowed"
     )]
     FreshLatticeChanges {
         /// Time.
@@ -348,7 +352,7 @@ pub enum Error {
         /// Particles of the simulation.
         expected: usize,
     },
-    /// A number of a snapshot is none that a simulation has.
+    /// A number of a snapshot is invalid.
     #[error("{quantity} of particle {particle} in the snapshot is {value}; it must be {must}")]
     SnapshotNumber {
         /// What it is.
@@ -360,12 +364,12 @@ pub enum Error {
         /// What it must be, in words.
         must: &'static str,
     },
-    /// A snapshot does not say how far its simulation had come.
+    /// A snapshot lacks time and step counts.
     #[error(
         "the snapshot holds no `time`, `n_steps` and `n_remaps`; it is not of a density simulation"
     )]
     SnapshotWithoutTime,
-    /// The initial law or the system was refused.
+    /// The initial distribution or the system was refused.
     #[error(transparent)]
     Sde(#[from] sde_integrators::Error),
     /// The neighbour search refused its input.

@@ -45,7 +45,7 @@ pub struct Combination {
     pub scheme: Scheme,
     /// The rule that sets the step.
     pub step: StepRule,
-    /// When a fresh lattice is laid over the cloud; where there is none, never.
+    /// Conditions for remeshing; `None` switches it off.
     pub remapping: Option<Remapping>,
 }
 

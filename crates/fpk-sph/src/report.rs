@@ -1,4 +1,4 @@
-//! What a step and a run report of themselves.
+//! Step and run statistics.
 
 use crate::remap::Remapped;
 use crate::score::{Fits, Unresolved};
@@ -31,7 +31,7 @@ pub struct StepReport {
     pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits of the first stage.
     pub fits: Fits,
-    /// The fresh lattice that was laid before the step, if one was.
+    /// The remeshing before the step, if there was one.
     pub remapped: Option<Remapped>,
 }
 

@@ -78,7 +78,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         self.solver.work()
     }
 
-    /// Fresh lattices laid so far.
+    /// Number of remeshings so far.
     pub fn n_remaps(&self) -> u64 {
         self.solver.state.n_remaps
     }
@@ -89,13 +89,13 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// [`Error::StepCollapsed`], [`Error::StepExceedsDiffusionLimit`], [`Error::WorkLimit`], those of the metric and of
     /// the estimator, and of [`remap`](Self::remap); [`Error::TooMuchUnresolved`] above
     /// [`MOST_UNRESOLVED`](crate::MOST_UNRESOLVED); [`Error::LeftStableRange`] where a particle is no longer finite. The
-    /// state is then that before the step, or that on the fresh lattice laid before it.
+    /// state is then that before the step, or that after the remeshing before it.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.step_towards(f64::INFINITY)
     }
 
-    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's scheme, then `h` by eq 20. Before it a
-    /// fresh lattice, where the method has a [`Remapping`] and the cloud has become too uneven.
+    /// One step, not beyond `end`: `dX/dt = v` (eq 14) by the method's scheme, then `h` by eq 20. Before it the
+    /// cloud is remeshed, where the method has a [`Remapping`] and the cloud is too uneven.
     ///
     /// # Errors
     /// As [`Self::step`]; [`Error::TimeInThePast`] unless `end` lies ahead.
@@ -127,14 +127,14 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         Ok(())
     }
 
-    /// Lays a fresh lattice over the present cloud, whatever its unevenness:
+    /// Remaps the cloud onto a new lattice, whatever its unevenness:
     ///
     /// * a lattice in whitened coordinates, with the spacing of the start, over all cells that carry enough;
     /// * the logarithm of the density there, by moving least squares of its departure from the cloud's Gaussian over the
     ///   lattice as it was, up to half a spacing beyond the last particle, and linearly from there;
     /// * masses `psi dV`, rescaled to the mass of the cloud, and an affine map that restores its mean and covariance.
     ///
-    /// A Gaussian is kept as it is, to roundoff.
+    /// A Gaussian is unchanged within roundoff.
     ///
     /// # Errors
     /// [`Error::NotPositive`] and [`Error::NotFinite`] for the parameters, [`Error::NotWhitened`],
@@ -144,7 +144,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         (passes().remap)(&mut self.solver, remapping)
     }
 
-    /// Writes the state with the lattice that it stands on, bit for bit.
+    /// Writes the state and its lattice; reading restores both bitwise.
     ///
     /// # Errors
     /// [`Error::Store`] where the writer fails.

@@ -1,4 +1,4 @@
-//! Snapshots: the state with the lattice that it stands on, written and read bit for bit.
+//! Snapshots: the state and its lattice, written and read bitwise.
 
 use std::io::{Read, Write};
 
@@ -58,7 +58,7 @@ fn read_state<const D: usize>(store: &ParticleStore<D>, n_start: usize) -> Resul
         return Err(Error::SnapshotWithoutTime);
     };
     let (n_steps, n_remaps) = (count("n_steps")?, count("n_remaps")?);
-    // The same start; as many particles as at the start where no fresh lattice was laid.
+    // The same start; as many particles as at the start, without remeshing.
     let found = if n_remaps == 0 { store.len() as u64 } else { count("n_start")? };
     if store.is_empty() {
         return Err(Error::ForeignSnapshot { found: 0, expected: n_start });

@@ -1,4 +1,4 @@
-//! How the particles start: a lattice over the initial law, and the masses it gives them.
+//! Initial particles: a lattice over the initial distribution, and their masses.
 
 use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
@@ -6,10 +6,10 @@ use sde_integrators::GaussianMixture;
 use crate::error::{Error, finite, positive};
 use crate::metric::{Metric, Whitening};
 
-/// The lattice on which the particles start, centred on the mean of the initial law.
+/// The lattice on which the particles start, centred on the mean of the initial distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum InitialLattice<const D: usize> {
-    /// A box in standard deviations of the initial law (its covariance whitened), end points included.
+    /// A box in standard deviations of the initial distribution (its covariance whitened), end points included.
     Box {
         /// Half the edge, in standard deviations; 4 in the paper. A lattice that ends at `r` standard deviations carries
         /// no mass beyond: about 6e-5 at 4, 2e-9 at 6, 3e-12 at 7 along each axis.
@@ -17,7 +17,7 @@ pub enum InitialLattice<const D: usize> {
         /// Particles along each axis.
         count: [usize; D],
     },
-    /// A ball in standard deviations of the initial law: for `D >= 3`, where most of a box is empty corners.
+    /// A ball in standard deviations of the initial distribution: for `D >= 3`, where most of a box is empty corners.
     Ball {
         /// Its radius, in standard deviations.
         reach: f64,
@@ -46,7 +46,7 @@ impl<const D: usize> InitialLattice<D> {
 
 impl InitialLattice<2> {
     /// The lattice of Canor & Denoël 2013, section 4.1: 1,650 particles in a rectangle with the edges 1.2 and 0.8, which
-    /// is 4 standard deviations of its initial law. The counts along the edges are not given; 50 x 33 is nearly square.
+    /// is 4 standard deviations of its initial density. The counts along the edges are not given; 50 x 33 is nearly square.
     pub const CANOR_DENOEL_2013: Self = Self::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
 }
 

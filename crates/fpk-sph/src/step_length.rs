@@ -43,7 +43,7 @@ impl<const D: usize> Solver<D> {
             return Err(Error::StepCollapsed { step, time, dt: asked, particle, limit });
         }
         let (dt, reached) = match rule {
-            // The paper's rule as it stands: its own length until the end cuts it.
+            // The paper's rule, unchanged: its own length until the end cuts it.
             StepRule::Courant { .. } if asked < end - time => (asked, time + asked),
             _ => land(time, asked, end),
         };

@@ -275,7 +275,7 @@ fn a_snapshot_without_particles_is_refused() {
         store.add(name, Vec::<f64>::new()).unwrap();
     }
     store.set_attribute("time", Attribute::Real(0.0));
-    // After a fresh lattice there may be any number of them.
+    // Remeshing may give any number of them.
     for (name, value) in [("n_steps", 0), ("n_remaps", 1), ("n_start", 49)] {
         store.set_attribute(name, Attribute::Count(value));
     }

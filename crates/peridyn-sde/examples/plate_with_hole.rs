@@ -1,5 +1,5 @@
 //! The scene of the tutorial (`docs/tutorials/peridyn-sde.md`) without its file: a notched plate of glass with a hole above the
-//! line of the notch, whose strength is a random field, is pulled apart sixteen times.
+//! line of the notch, whose strength is a random field, is loaded in tension in sixteen realisations.
 //!
 //! ```text
 //! cargo run --release -p peridyn-sde --example plate_with_hole
@@ -44,7 +44,7 @@ fn plate() -> Result<(Nodes<2>, Bonds, Horizon), Error> {
 }
 // docs: end
 
-/// Nodes of the lower and of the upper grip.
+/// Nodes with prescribed displacement at the lower and the upper edge.
 fn grips(nodes: &Nodes<2>) -> [Vec<usize>; 2] {
     let within = |inside: &dyn Fn(f64) -> bool| {
         (0..nodes.positions().len()).filter(|&i| inside(nodes.positions()[i][1])).collect()

@@ -44,7 +44,7 @@ impl Influence {
     }
 }
 
-/// What a body of one, two or three dimensions stands for. Bonds of a pair potential fix Poisson's ratio.
+/// Elastic condition of a body in one, two or three dimensions. Bonds of a pair potential fix Poisson's ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Condition {
     /// A bar of the cross-section `area` (length squared).

@@ -44,7 +44,7 @@ pub enum Error {
     },
     /// A horizon that ends where nodes are: which of them it holds is decided by roundoff.
     #[error(
-        "the horizon is {value}, which is sqrt({square}) spacings of {spacing}: nodes stand at that very distance, and \
+        "the horizon is {value}, which is sqrt({square}) spacings of {spacing}: nodes are at exactly that distance, and \
          roundoff would decide which of them are bonded; {suggestion} has them inside"
     )]
     HorizonOnNodes {
@@ -83,8 +83,8 @@ pub enum Error {
         /// What it must be.
         must: &'static str,
     },
-    /// Two nodes stand at one place.
-    #[error("nodes {first} and {second} stand at the same place")]
+    /// Two nodes coincide.
+    #[error("nodes {first} and {second} are at the same position; remove one of them")]
     Coincident {
         /// One.
         first: usize,
@@ -254,8 +254,8 @@ pub enum Error {
     },
     /// A bridge between steps that are not those of a diffusive path.
     #[error(
-        "what happens between steps cannot be told for Leimkuhler and Matthews' method, whose steps are not those of the path, nor \
-         for inertial dynamics; use Theta(0.5), Heun or Euler-Maruyama, or look at the ends of steps alone"
+        "bond failure between steps is undefined for Leimkuhler and Matthews' method, whose steps are averages of the path, and \
+         for inertial dynamics; use Theta(0.5), Heun or Euler-Maruyama, or check at the ends of steps only"
     )]
     NoPathBetween,
     /// Conjugate gradients that did not come to an end.

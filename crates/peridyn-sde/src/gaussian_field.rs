@@ -7,7 +7,7 @@ use crate::error::{Error, between, positive};
 use crate::lattice_field::LatticeField;
 use crate::pivoted_cholesky::{Enough, pivoted_cholesky};
 
-/// How far a node may stand from the point of its lattice, in spacings.
+/// Largest distance of a node from its lattice point, in spacings.
 const OFF_LATTICE: f64 = 1e-6;
 
 /// Words of 32 bits that are set aside for one field of a realisation, as a power of two.
@@ -20,9 +20,9 @@ const WORDS_OF_FIELD: u32 = 36;
 /// | [`by_pivoted_cholesky`](Self::by_pivoted_cholesky) | any points, up to some thousands | `n k`, with `k` columns |
 /// | [`by_circulant_embedding`](Self::by_circulant_embedding) | nodes of a lattice | `N log N`, with `N` points of a period |
 ///
-/// Both have unit variance at every node. The covariance of the first is right to its tolerance, that of the second to
-/// roundoff. A field is a pure function of the seed, the realisation and its number: the normals are those of
-/// [`Purpose::Field`], `2^35` of them for each number. The two ways draw different fields of the same law. The
+/// Both have unit variance at every node. The covariance of the first is correct within its tolerance, that of the second
+/// within roundoff. A field is a pure function of the seed, the realisation and its number: the normals are those of
+/// [`Purpose::Field`], `2^35` of them for each number. The two ways draw different fields of the same distribution. The
 /// bits of the first are the same everywhere; those of the second are the same for one mathematics library of the platform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianField {
@@ -137,7 +137,7 @@ fn check<const D: usize>(positions: &[[f64; D]], correlation: &Correlation) -> R
     check_positions(positions)
 }
 
-/// Where the nodes stand on their lattice, from the lowest coordinate along each axis.
+/// Lattice indices of the nodes, from the lowest coordinate along each axis.
 fn lattice_indices<const D: usize>(
     positions: &[[f64; D]],
     spacing: f64,

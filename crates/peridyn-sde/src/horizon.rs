@@ -10,7 +10,7 @@ const ON_NODES: f64 = 1e-6;
 
 /// The horizon `delta`: nodes within it are bonded.
 ///
-/// On a lattice of spacing `dx` it must not end at a distance at which nodes stand, `delta^2/dx^2` a whole number: with
+/// On a lattice of spacing `dx` it must not end at a distance between nodes, `delta^2/dx^2` a whole number: with
 /// `delta = 3 dx` in floating point `<` keeps 0 to 51 % of the bonds of length `3 dx` and `<=` 56 to 100 %, not the same
 /// to both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -89,7 +89,7 @@ impl LatticeField {
         Ok(Self { sizes, amplitudes: row.iter().map(amplitude).collect() })
     }
 
-    /// Where a point of the lattice stands among those of the period.
+    /// Index of a lattice point within the period.
     pub(crate) fn place(&self, index: [usize; 3]) -> usize {
         index[0] + self.sizes[0] * (index[1] + self.sizes[1] * index[2])
     }

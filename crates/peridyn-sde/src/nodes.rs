@@ -13,7 +13,7 @@ pub struct Nodes<const D: usize> {
 }
 
 impl<const D: usize> Nodes<D> {
-    /// Nodes at the centres of the boxes of a lattice from `low` to `high` (lengths) that lie inside a shape. Each stands for
+    /// Nodes at the centres of the boxes of a lattice from `low` to `high` (lengths) that lie inside a shape. Each has the volume
     /// `spacing^D`, times the thickness or the cross-section of the condition.
     ///
     /// ```
@@ -118,7 +118,7 @@ impl<const D: usize> Nodes<D> {
         self.spacing
     }
 
-    /// What the body stands for.
+    /// The elastic condition of the body.
     #[must_use]
     pub fn condition(&self) -> Condition {
         self.condition

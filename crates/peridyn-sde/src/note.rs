@@ -13,7 +13,7 @@ use crate::scheme::{Dynamics, Scheme};
 ///
 /// - The constant of bonds is `c = 18 K/(pi delta^4)` in every dimension. It is that of three dimensions; a plate under plane
 ///   stress comes out `2 t/delta` times as stiff.
-/// - Nodes are bonded where `|x_i - x_j| < delta`: at a horizon of whole spacings roundoff decides who is.
+/// - Nodes are bonded where `|x_i - x_j| < delta`: at a horizon of whole spacings roundoff decides which are.
 /// - The energy (eq 3) weighs each bond by the volume of one end. Seen from both its ends that is the mean of the volumes: the
 ///   stiffness of a bond is `c (V_i + V_j)/2`, where `c V_i V_j` is meant.
 /// - `du = -C grad V/eta dt + sqrt(2 C) dB` (eq 4): a mobility `C/eta` at the temperature `eta`, which is viscosity and

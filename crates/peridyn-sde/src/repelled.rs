@@ -11,8 +11,8 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// Lets nodes that come near each other push each other away, in every scheme, as loads do: see [`Repulsion`].
     ///
     /// Each lane has a list of the pairs that may touch, made anew when a node has moved by 0.045 spacings; on a lattice near
-    /// rest it is empty. Sums go by the numbers of the nodes, so that a run that is saved and restored goes on to the same bits,
-    /// whatever the lanes beside. The repulsion is no part of [`SavedState`](crate::SavedState): whoever restores gives it again.
+    /// rest it is empty. Sums go by the numbers of the nodes, so that a restored run is bitwise identical,
+    /// whatever the other lanes. [`SavedState`](crate::SavedState) excludes the repulsion: pass it again on restoring.
     /// [`energy`](Self::energy), [`forces`](Self::forces) and [`pull_on`](Self::pull_on) stay those of the bonds.
     ///
     /// **Stability.** The step is held against one touching pair of nodes alone, `z = h (M_i + M_j) k` or

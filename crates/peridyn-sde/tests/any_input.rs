@@ -223,7 +223,7 @@ fn held<T: Real, const L: usize>(is_inertial: bool) -> Simulation<T, BondList<T,
 pub(crate) struct Forged {
     is_inertial: bool,
     step: u64,
-    /// Of displacements and velocities: where, and what stands there.
+    /// Of displacements and velocities: index and value.
     numbers: [Vec<(Index, f64)>; 2],
     whole: Vec<(Index, u16)>,
     /// How long the columns are, of what they should be.

@@ -11,7 +11,7 @@ pub(super) struct Absorption<const D: usize> {
     /// Time and steps at the last record.
     pub(super) time: f64,
     n_steps: u64,
-    /// Fresh lattices laid when it began.
+    /// Number of remeshings at construction.
     n_remaps: u64,
     /// The step before the last record; 0 at the first.
     dt: f64,
@@ -124,7 +124,7 @@ impl<const D: usize> Absorption<D> {
         std::mem::swap(&mut self.exchange, &mut self.scratch.exchange);
     }
 
-    /// Absorbs the particles whose demand, as told, is beyond a threshold.
+    /// Absorbs the particles whose given demand is beyond a threshold.
     fn absorb(&mut self, masses: &[f64], demand: impl Fn(&Self, usize) -> f64) {
         for i in 0..masses.len() {
             let demand = demand(self, i);

@@ -24,7 +24,7 @@ pub(crate) struct LatticeExchange<const D: usize> {
     pub(crate) moves: Vec<Move>,
 }
 
-/// Two particles that exchange; a pair may stand here more than once.
+/// Two particles that exchange; a pair may occur more than once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pair {
     pub(crate) i: u32,
@@ -212,7 +212,7 @@ fn fitted_mean(a: f64, b: f64) -> f64 {
     (a * b).sqrt() * ratio
 }
 
-/// Who stands where on the lattice, over its bounding box.
+/// Particle at each lattice position, over the bounding box.
 #[derive(Debug, Clone)]
 struct PlaceGrid<const D: usize> {
     lowest: [i32; D],
@@ -267,7 +267,7 @@ impl<const D: usize> PlaceGrid<D> {
         Some(cell)
     }
 
-    /// Who stands `step` away from particle `i`.
+    /// The particle at the offset `step` from particle `i`.
     fn neighbour(&self, i: usize, step: &[i32; D]) -> Option<u32> {
         let place = std::array::from_fn(|k| self.places[i][k] + step[k]);
         self.cell(&place).map(|cell| self.at[cell]).filter(|&j| j != NOBODY)

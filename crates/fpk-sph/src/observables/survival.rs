@@ -115,12 +115,12 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         Ok(())
     }
 
-    /// Takes note of the simulation after a step. It must be the simulation that the watch began with, and no step may be
-    /// left out; a step already recorded changes nothing.
+    /// Records the simulation after a step. It must be the simulation given at construction, and no step may be
+    /// omitted; a step already recorded changes nothing.
     ///
     /// # Errors
     /// [`Error::UnwatchedSteps`]; [`Error::OtherSimulation`]; [`Error::RemappedUnderWatch`]; [`Error::NotFinite`] for a demand; [`Error::LeftStableRange`]
-    /// where a cell has no volume. What was recorded before then stands.
+    /// where a cell has no volume. Earlier records are kept.
     pub fn record<S: Sde<D, M>, const M: usize>(
         &mut self,
         simulation: &Simulation<S, D, M>,

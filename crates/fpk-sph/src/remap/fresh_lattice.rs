@@ -1,4 +1,4 @@
-//! Which places of a fresh lattice hold a particle.
+//! Positions of a new lattice that hold a particle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,9 +29,9 @@ struct Cell {
 }
 
 /// Passes in which the least mass of a cell is lowered until the outermost layer is light enough. Each halves the layer's
-/// mass at least, so that this many reach any mass that a double tells from 0.
+/// mass at least, so this number reaches any mass that differs from 0 in double precision.
 const MOST_PASSES: usize = 1100;
-/// A place with fewer than this part of the neighbours of one inside carries no polynomial.
+/// Least share of an interior point's neighbours that a position needs for a polynomial.
 const FEWEST_NEIGHBOURS: f64 = 0.3;
 
 impl<const D: usize> FreshLattice<D> {
@@ -93,7 +93,7 @@ fn beside<const D: usize>(index: &[i32; D]) -> impl Iterator<Item = [i32; D]> {
     })
 }
 
-/// Evaluates the cells in which a particle stands, and from every cell that carries `least` those beside it.
+/// Evaluates the cells that contain a particle, and those adjacent to every cell that carries `least`.
 fn extend<const D: usize>(
     cells: &mut BTreeMap<[i32; D], Cell>,
     least: f64,

@@ -12,10 +12,10 @@ use crate::score::{LANES, LeastSquares, MOST_UNKNOWNS, Monomials, lattice_jacobi
 /// The departure of the log density from that of the cloud's Gaussian, `log psi + |y|^2 / 2`, at any place in whitened
 /// coordinates.
 ///
-/// * Within the cloud the place is looked up on the lattice: `X` with `y(X) = place` by Newton's iteration, `y(X)` and the
+/// * Within the cloud, on the lattice: `X` with `y(X) = place` by Newton's iteration, `y(X)` and the
 ///   departure by moving least squares over the particles around `X` (Lancaster & Salkauskas 1981). On the lattice the
-///   particles stand evenly, however the flow has sheared them.
-/// * Beyond it goes on linearly from the nearest particles, by their own gradients.
+///   particles are evenly spaced, however the flow has sheared them.
+/// * Beyond it is extrapolated linearly from the nearest particles, by their own gradients.
 #[derive(Debug)]
 pub(super) struct Departure<'a, const D: usize> {
     lattice: &'a ParticleLattice<D>,
@@ -39,7 +39,7 @@ pub(super) enum Found {
     Nothing,
 }
 
-/// Which particle stands at a place of the lattice.
+/// The particle at each lattice position.
 #[derive(Debug)]
 struct Grid<const D: usize> {
     low: [i32; D],

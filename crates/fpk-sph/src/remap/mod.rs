@@ -1,4 +1,4 @@
-//! A fresh lattice over the present cloud.
+//! Remapping of the cloud onto a new lattice.
 
 mod fresh_lattice;
 mod interpolation;
@@ -16,7 +16,7 @@ use crate::solver::Solver;
 use crate::state::State;
 
 impl<const D: usize> Solver<D> {
-    /// Remaps the cloud onto a fresh lattice, whatever its unevenness; after an error all is as it was.
+    /// Remaps the cloud onto a new lattice, whatever its unevenness; an error leaves the state unchanged.
     pub(crate) fn remap(&mut self, remapping: &Remapping) -> Result<Remapped, Error> {
         remapping.check()?;
         let Self { discretisation, state, evaluation, .. } = self;
@@ -54,7 +54,7 @@ impl<const D: usize> Solver<D> {
         Ok(report)
     }
 
-    /// The cells of the fresh lattice with their masses.
+    /// The cells of the new lattice with their masses.
     fn grow_lattice(&self, remapping: &Remapping) -> Result<FreshLattice<D>, Error> {
         let Self { discretisation, evaluation, .. } = self;
         let departure = Departure::new(
@@ -67,7 +67,7 @@ impl<const D: usize> Solver<D> {
         FreshLattice::grow(&departure, self.state.time, reach, remapping)
     }
 
-    /// Goes on with particles on another lattice; after an error all is as it was.
+    /// Replaces the particles by those of another lattice; an error leaves the state unchanged.
     fn start_on(
         &mut self,
         lattice: ParticleLattice<D>,

@@ -1,34 +1,34 @@
-//! When the cloud is remapped, and what a remapping changed.
+//! Conditions and changes of a remapping.
 
 use crate::error::{Error, positive};
 
-/// When a fresh lattice is laid over the cloud, how far it goes, and what it may change.
+/// Conditions for remeshing, extent of the new lattice, and permitted changes.
 ///
-/// The unevenness of the cloud is the largest relative change of a cell's edges from one place of the lattice to the next,
+/// The unevenness of the cloud is the largest relative change of a cell's edges between adjacent lattice positions,
 ///
 /// $$ \max_{i, j} \left| E_i^{-1} (E_j - E_i) \right|_F , $$
 ///
 /// with the edges `E` of the deformed cells in whitened coordinates and `j` beside `i`. It is 0 for an affine flow, whose
-/// Gaussian needs no fresh lattice, and about 1 where a cell is about to turn over.
+/// Gaussian needs no remeshing, and about 1 where a cell is about to invert.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Remapping {
-    /// The unevenness above which a fresh lattice is laid before a step.
+    /// The unevenness above which the cloud is remeshed before a step.
     pub most_uneven: f64,
     /// The lattice grows until its outermost layer carries less probability than this, or ends where the cloud ends: it goes
     /// beyond the last particle by [`BEYOND_THE_CLOUD`] spacings at most.
     pub outermost_mass: f64,
-    /// Most relative change of the mass, and most change of an entry of the whitened mean and covariance, that a fresh
-    /// lattice may make before they are restored: beyond it the lattice does not resolve the density.
+    /// Most relative change of the mass, and most change of an entry of the whitened mean and covariance, permitted
+    /// before they are restored: beyond it the new lattice does not resolve the density.
     pub most_change: f64,
-    /// Most particles on a fresh lattice.
+    /// Largest number of particles on a new lattice.
     pub most_particles: usize,
 }
 
-/// How far a fresh lattice goes beyond the last particle, in spacings. Measured on Duffing's oscillator: with 0 the cloud
+/// Extent of a new lattice beyond the last particle, in spacings. Measured on Duffing's oscillator: with 0 the cloud
 /// loses its rim, with 1.5 what is extrapolated grows from one lattice to the next.
 pub const BEYOND_THE_CLOUD: f64 = 0.7;
 
-/// What a fresh lattice changed. Mass, mean and covariance are restored; the changes are those before that.
+/// Changes by a remeshing, before mass, mean and covariance are restored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct Remapped {
@@ -36,7 +36,7 @@ pub struct Remapped {
     pub particles_before: usize,
     /// Particles after.
     pub particles_after: usize,
-    /// Particles that stand beyond the cloud as it was.
+    /// Particles outside the previous cloud.
     pub particles_beyond: usize,
     /// The probability that the outermost layer carries.
     pub outermost_mass: f64,

@@ -1,4 +1,4 @@
-//! The deformed lattice: what became of the cell that each particle stood in.
+//! The deformed lattice cell of each particle.
 
 use crate::cloud::AxisNeighbours;
 

@@ -96,7 +96,7 @@ impl Unresolved {
 pub struct Fits {
     /// Particles with too few neighbours for the degree asked for: their fit is of a lower one.
     pub lowered: usize,
-    /// Particles whose neighbours do not tell all monomials apart, as on a sheet: what they do not determine is left out.
+    /// Particles whose neighbours do not determine all monomials, as on a surface; the others are omitted.
     pub undetermined: usize,
     /// The smallest pivot that was kept, over all particles, in `(0, 1]`: the square of the sine of the angle between a
     /// monomial and those before it. The relative error of a fit is about `f64::EPSILON` over it. 1 without a fit.
@@ -157,7 +157,7 @@ impl Degree {
 pub struct LatticePlaces<'a, const D: usize> {
     /// Places in spacings, whole numbers; one per particle.
     pub places: &'a [[f64; D]],
-    /// Who stands within the reach of whom, itself excluded, rows ascending.
+    /// Neighbours within reach, the particle itself excluded, rows ascending.
     pub neighbours: &'a NeighbourList,
     /// The reach in spacings: `support_over_spacing` of the method.
     pub reach: f64,
@@ -192,7 +192,7 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     /// neighbours it then has in [`Cloud::neighbours`].
     fn criterion(&self) -> Option<Criterion>;
 
-    /// Prepares for particles on a fresh lattice. Provided: nothing to prepare.
+    /// Prepares for the particles of a new lattice. The default does nothing.
     ///
     /// # Errors
     /// Where the lattice does not carry the estimator, which must then be as it was.

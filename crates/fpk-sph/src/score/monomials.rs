@@ -32,7 +32,7 @@ pub(crate) struct Monomials<const D: usize> {
     pub(crate) parent: [u16; MOST_MOMENTS],
     /// See [`Self::parent`].
     pub(crate) axis: [u8; MOST_MOMENTS],
-    /// Which moment stands at row `i`, column `j <= i` of the normal matrix, at `i (i + 1) / 2 + j`.
+    /// The moment at row `i`, column `j <= i` of the normal matrix, at `i (i + 1) / 2 + j`.
     pub(crate) product: [u16; MOST_UNKNOWNS * (MOST_UNKNOWNS + 1) / 2],
 }
 
@@ -120,7 +120,7 @@ impl<const D: usize> Monomials<D> {
 /// The exponents that follow in the order of [`Monomials`].
 const fn following<const D: usize>(exponents: [usize; D]) -> [usize; D] {
     let mut next = exponents;
-    // What stands on the last axis goes back behind the last other axis that can give one.
+    // The exponent of the last axis moves behind the last other axis that can give one.
     let last = next[D - 1];
     next[D - 1] = 0;
     let mut axis = D - 1;
@@ -136,7 +136,7 @@ const fn following<const D: usize>(exponents: [usize; D]) -> [usize; D] {
     next
 }
 
-/// Where exponents stand in the order of [`Monomials`].
+/// Index of exponents in the order of [`Monomials`].
 pub(crate) const fn index_of<const D: usize>(exponents: [usize; D]) -> usize {
     let (mut degree, mut k) = (0, 0);
     while k < D {

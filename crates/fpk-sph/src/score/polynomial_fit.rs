@@ -38,7 +38,7 @@ pub(crate) struct Determined {
     /// Smallest pivot that was kept, in `(0, 1]`: the square of the sine of the angle between a monomial and those before
     /// it.
     pub(crate) smallest_pivot: f64,
-    /// Monomials that were left out, because the points do not tell them from those of lower degree.
+    /// Omitted monomials: the points do not distinguish them from those of lower degree.
     pub(crate) n_left_out: usize,
 }
 
@@ -82,8 +82,8 @@ impl<const D: usize> LeastSquares<D> {
         }
     }
 
-    /// Solves by Cholesky factorisation of the equilibrated matrix. A monomial that the points do not tell from those
-    /// before it is left out, its coefficient zero: on a sheet the fit loses what leads off the sheet and keeps the rest.
+    /// Solves by Cholesky factorisation of the equilibrated matrix. A monomial that the points do not distinguish
+    /// from those before it gets the coefficient zero: on a surface the fit omits the normal direction and keeps the rest.
     #[inline]
     pub(crate) fn solve(&mut self) -> Determined {
         let determined = self.factorise();

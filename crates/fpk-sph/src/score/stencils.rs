@@ -1,4 +1,4 @@
-//! Local polynomials over a lattice, as weights that never change: who enters, and with what weight.
+//! Stencils and constant weights of local polynomials over a lattice.
 
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ pub(crate) struct Stencils<const D: usize> {
     patterns: Vec<Pattern<D>>,
     /// Points at the rim, in an order in which each has a member inside or before it.
     rim: Vec<usize>,
-    /// Where a point stands in `rim`; points inside come before all of them.
+    /// Index of a point in `rim`; interior points come first.
     rank: Vec<u32>,
     /// How well the lattice determines the polynomials.
     pub(crate) fits: Fits,
@@ -153,7 +153,7 @@ impl<const D: usize> Stencils<D> {
         steepest
     }
 
-    /// Who enters the polynomial of a point, and with what weights.
+    /// Stencil of the local fit of a point, with its weights.
     #[inline]
     pub(crate) fn of(&self, i: usize) -> Stencil<'_, D> {
         Stencil {

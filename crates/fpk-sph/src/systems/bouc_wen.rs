@@ -27,7 +27,7 @@ pub struct BoucWenParameters {
     pub exponent: f64,
     /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
     pub noise_intensity: f64,
-    /// `a(t)`, the window of the noise.
+    /// `a(t)`, the modulating function (window).
     pub window: Window,
 }
 

@@ -39,7 +39,7 @@ impl<const F: usize> Filter<F> {
     /// A filter from `A`, `b`, `c` and the shortest period of its modes (time), by which steps are measured.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`]; [`Error::NoStationaryLaw`] for a filter that does not forget.
+    /// [`Error::NotFinite`], [`Error::NotPositive`]; [`Error::NoStationaryLaw`] for a filter without a stationary state.
     pub fn new(
         matrix: [[f64; F]; F],
         noise: [f64; F],

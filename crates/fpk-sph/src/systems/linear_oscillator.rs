@@ -15,7 +15,7 @@ pub struct LinearOscillatorParameters {
     /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`; it is the diffusion `D_22` at
     /// `a = 1` (displacement squared per time cubed).
     pub noise_intensity: f64,
-    /// `a(t)`, the window of the noise.
+    /// `a(t)`, the modulating function (window).
     pub window: Window,
 }
 

@@ -17,7 +17,7 @@ pub struct VanDerPolRayleighParameters {
     pub energy_damping: f64,
     /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
     pub noise_intensity: f64,
-    /// The window of the noise.
+    /// The modulating function (window).
     pub window: Window,
 }
 

@@ -50,7 +50,7 @@ fn statistical_linearisation_as_an_estimator_is_exact_for_the_linear_oscillator(
     let mut simulation =
         Simulation::with_estimator(system, &law, &config, Box::new(GaussianClosure)).unwrap();
     simulation.advance_to(60.0).unwrap();
-    // Stationary: E[v^2] = S_0 / (2 xi w_0) = 0.5. What the start left has decayed by exp(-2 xi w t) = 6e-6, and
+    // Stationary: E[v^2] = S_0 / (2 xi w_0) = 0.5. The transient has decayed by exp(-2 xi w t) = 6e-6.
     // Runge-Kutta 4 at 40 steps a period damps by (w dt)^6 / 72 a step, 1.3e-4 over the memory 1 / (2 xi w).
     let second_moment = simulation.raw_moment([0, 2]) / simulation.total_mass();
     assert!((second_moment / 0.5 - 1.0).abs() < 2e-4, "{second_moment}");

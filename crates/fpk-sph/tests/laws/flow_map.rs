@@ -64,7 +64,7 @@ impl ScoreEstimator<2> for Gaussian {
 #[test]
 fn a_gaussian_is_carried_exactly_by_any_lattice() {
     let law = GaussianMixture::independent([0.4, 0.0], [0.2, 0.3]).unwrap();
-    // Far enough out that the truncated cloud has the covariance of its law to roundoff.
+    // Wide enough that the truncated cloud has the covariance of its distribution within roundoff.
     let lattice = InitialLattice::Ball { reach: 8.0, spacing: 0.7 };
     let method = changed(|c| c.step = StepRule::Fixed { dt: 0.02 });
     let config = Config { lattice, ..config(method) };

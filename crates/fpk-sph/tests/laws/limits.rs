@@ -41,7 +41,7 @@ fn ornstein_uhlenbeck_error<const D: usize>(lattice: InitialLattice<D>) -> f64 {
     simulation.advance_to(0.5).unwrap();
     (0..D)
         .map(|k| {
-            // Var(t) = Var(0) e^(-2 r t) + s^2 / (2 r) (1 - e^(-2 r t)) with Var(0) = 0.25. The score is that of the whole
+            // `Var(t) = Var(0) e^(-2 r t) + s^2 / (2 r) (1 - e^(-2 r t))` with Var(0) = 0.25. The score is that of the whole
             // Gaussian, so that the part which the lattice holds grows in the same ratio.
             let r = system.rates[k];
             let decay = (-2.0 * r * 0.5_f64).exp();

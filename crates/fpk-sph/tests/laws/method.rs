@@ -202,7 +202,7 @@ fn the_gradient_of_the_summation_density_is_that_of_its_averaged_kernels() {
     let (masses, h) = ([0.2, 0.5, 0.3], [0.6, 0.45, 0.8]);
     let (score, density, _) =
         estimate::<2>(&SummationDensity::<Lucy>::default(), &positions, &masses, &h, &[]).unwrap();
-    // Eq 15 with eq 23, as a function of where the first particle stands.
+    // Eq 15 with eq 23, as a function of the position of the first particle.
     let sum = |x: [f64; 2]| -> f64 {
         let averaged = |j: usize| {
             let r = (x[0] - positions[j][0]).hypot(x[1] - positions[j][1]);

@@ -67,7 +67,7 @@ fn exceedance_by_counted_masses_is_within_a_column_and_interpolated_within_its_s
         let bound = SPACING * SPACING * (t * t + 1.0) / 12.0;
         assert!((between / exact - 1.0).abs() < bound, "{t}: {between}");
     }
-    // Nothing stands beyond six deviations, and all beyond nothing.
+    // No particle is beyond six deviations, and all are beyond zero.
     for estimate in [
         simulation.exceedance_indicator(demand, 1.0),
         simulation.exceedance_log_interpolated(demand, 1.0),

@@ -1,4 +1,4 @@
-//! A fresh lattice over the cloud: keeps what it must, goes on where the flow folds, and is saved with the state.
+//! Remeshing: keeps mass and moments, continues where the flow folds, and is saved with the state.
 
 use fpk_sph::systems::{
     Duffing, DuffingParameters, LinearOscillator, LinearOscillatorParameters, Window,
@@ -155,11 +155,11 @@ fn a_fresh_lattice_that_cannot_be_laid_leaves_all_as_it_was() {
     };
     let few = refused(&mut tried, Remapping { most_particles: 20, ..Remapping::MEASURED });
     assert!(
-        few.starts_with("t = 2: a fresh lattice needs ") && few.ends_with("; 20 are allowed"),
+        few.starts_with("t = 2: remeshing needs ") && few.ends_with("; 20 are allowed"),
         "{few}"
     );
     let strict = refused(&mut tried, Remapping { most_change: 1e-12, ..Remapping::MEASURED });
-    assert!(strict.starts_with("t = 2: a fresh lattice changes the mass by "), "{strict}");
+    assert!(strict.starts_with("t = 2: remeshing changes the mass by "), "{strict}");
     let nothing = refused(&mut tried, Remapping { outermost_mass: 0.0, ..Remapping::MEASURED });
     assert_eq!(nothing, "outermost_mass is 0; it must be greater than 0");
     tried.advance_to(3.0).unwrap();

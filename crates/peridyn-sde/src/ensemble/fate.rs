@@ -3,15 +3,15 @@
 use super::study::CrackStudy;
 use crate::statistics::CrackOutcome;
 
-/// A grip is broken where so much of the bonds of a node in it is gone.
+/// Damage of a prescribed node from which its edge counts as broken.
 const BROKEN_GRIP: f64 = 0.3;
 
 /// Pieces of fewer nodes than this part of the body are crumbs of a crack.
 const CRUMB: f64 = 0.02;
 
 impl CrackStudy<'_> {
-    /// Why the crack of a body does not count, if so: a gripped node has lost its hold, or a piece has come off that nothing
-    /// grips.
+    /// Reason to reject the crack of a body: a prescribed node has lost its bonds, or an unsupported piece is
+    /// disconnected.
     pub(super) fn broke_elsewhere(&self, broken: &[bool], damage: &[f64]) -> Option<CrackOutcome> {
         let gripped = self.loading.prescribed();
         let is_gripped = |node: usize| gripped[node].contains(&true);

@@ -67,7 +67,7 @@ pub struct CrackStudy<'a> {
     /// How stiff they are, over their mean. A field of stiffness bends the stresses on the length of its correlation; a smooth
     /// field of strength turns a crack only by what one horizon sees of it.
     pub stiffness: Stiffness<'a>,
-    /// Nodes none of whose bonds breaks, such as those around grips.
+    /// Nodes whose bonds never break, such as those near prescribed edges.
     pub no_fail: &'a [usize],
     /// The notch that cracks are followed from; it is cut in.
     pub notch: Notch,
@@ -77,7 +77,7 @@ pub struct CrackStudy<'a> {
     pub simulation: &'a SimulationConfig,
     /// Steps of each realisation.
     pub n_steps: u64,
-    /// Where the load is measured: nodes of a grip, and the component of the force.
+    /// Load measurement: prescribed nodes, and the component of the force.
     pub load: (&'a [usize], usize),
     /// Load is averaged over so many windows of equal length, without the remainder of the steps; the largest mean is the failure
     /// load.

@@ -15,7 +15,7 @@ use crate::nodes::Nodes;
 use crate::real::Real;
 use crate::strain::Strain;
 
-/// A body whose nodes stand on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
+/// A body whose nodes are on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
 /// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more
 /// for the sites that fill up rows of 16). Besides, [`Bonds`] keeps 20 bytes of a bond that it does not touch.
 ///

@@ -20,7 +20,7 @@ const LAYERS: usize = 8;
 /// Nodes off their sites by more of a spacing are no lattice.
 const OFF: f64 = 1e-6;
 
-/// Two stiffnesses that differ by more of themselves are not of one vector.
+/// Relative difference above which two stiffnesses belong to different vectors.
 const UNLIKE: f64 = 1e-9;
 
 const NOBODY: u32 = u32::MAX;
@@ -43,7 +43,7 @@ pub(super) struct Sites<const D: usize> {
     coordinates: Vec<[i32; D]>,
 }
 
-/// Nodes one after the other that stand one after the other along a row.
+/// Consecutive nodes that are consecutive along a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     pub(super) node: usize,
@@ -182,7 +182,7 @@ impl<const D: usize> Sites<D> {
         (i != NOBODY && j != NOBODY).then_some((i as usize, j as usize))
     }
 
-    /// From a node to another that stands further on.
+    /// Offset from a node to a later one.
     fn offset(&self, (from, to): (usize, usize)) -> usize {
         self.of(to) - self.of(from)
     }

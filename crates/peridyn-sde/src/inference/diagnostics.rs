@@ -34,8 +34,8 @@ pub fn r_hat(chains: &[Vec<f64>]) -> Result<f64, Error> {
     Ok(of_ranks.max(of_distances))
 }
 
-/// How many independent draws tell as much of the bulk of a law: [`effective_sample_size`] of ranks as in [`r_hat`] (section 4.3).
-/// At least 400 are asked of four chains.
+/// Bulk effective sample size: [`effective_sample_size`] of ranks as in [`r_hat`] (section 4.3).
+/// Four chains need at least 400.
 ///
 /// # Errors
 /// As [`r_hat`].
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn size_of_an_autoregressive_chain_is_the_closed_form() {
         for rho in [0.0, 0.6, 0.9, -0.5] {
-            // Geyer's sum has a deviation of its own, which repetitions tell.
+            // Geyer's sum has a deviation of its own, which repetitions measure.
             let (mut raw, mut bulk) = (Accumulator::default(), Accumulator::default());
             for seed in 0..20 {
                 let chains = autoregressive(rho, seed, 2000);
@@ -215,11 +215,11 @@ mod tests {
         // Means of halves of 0 and, two of eight, 2: sqrt(1 + 0.86) of draws, less of ranks.
         apart[2].iter_mut().for_each(|x| *x += 2.0);
         assert!(r_hat(&apart).unwrap() > 1.1);
-        // One mean, another spread: only distances to the median tell.
+        // One mean, another spread: only distances to the median detect it.
         let mut wide = mixed.clone();
         wide[1].iter_mut().for_each(|x| *x *= 3.0);
         assert!(r_hat(&wide).unwrap() > 1.1);
-        // Each chain drifts: only halves tell.
+        // Each chain drifts: only split chains detect it.
         let mut drift = mixed;
         for chain in &mut drift {
             for (t, x) in chain.iter_mut().enumerate() {

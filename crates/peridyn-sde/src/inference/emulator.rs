@@ -58,7 +58,7 @@ impl Emulator {
     /// # Errors
     /// [`Error::TooFew`] for fewer than 4 points more than the `(d + 1)(d + 2)/2` terms of a quadratic in `d` parameters;
     /// [`Error::Count`] for another number of ensembles than points; [`Error::Count`] and [`Error::OutOfBounds`] for a point;
-    /// [`Error::NotPositiveDefinite`] for a design that does not tell the terms apart; [`Error::Ensemble`] for one of fewer than
+    /// [`Error::NotPositiveDefinite`] for a design that does not determine the terms; [`Error::Ensemble`] for one of fewer than
     /// `K + 4` realisations, with other summaries, or with one that is constant or follows from others.
     pub fn new(
         space: &ParameterSpace,
@@ -86,8 +86,8 @@ impl Emulator {
         Ok(Self { space, layout, polynomial, coefficients, design, ensembles, least_share })
     }
 
-    /// The least share of realisations with summaries among the ensembles. Where it is well below one, what the probability of a
-    /// complete crack would tell is left out; see [`Summaries`].
+    /// The least share of realisations with summaries among the ensembles. Where it is well below one, the information in the probability of a
+    /// complete crack is not used; see [`Summaries`].
     #[must_use]
     pub fn least_share(&self) -> f64 {
         self.least_share

@@ -33,8 +33,8 @@ impl Polynomial {
     /// From the places of a design in units and a weight for each.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than 4 points more than terms, [`Error::NotPositiveDefinite`] where points do not tell the terms
-    /// apart, as on a line.
+    /// [`Error::TooFew`] for fewer than 4 points more than terms, [`Error::NotPositiveDefinite`] where points do not determine the
+    /// terms, as on a line.
     pub(super) fn new(design: &[Vec<f64>], weights: &[f64]) -> Result<Self, Error> {
         let dimension = design.first().map_or(0, Vec::len);
         let n_terms = (dimension + 1) * (dimension + 2) / 2;

@@ -14,10 +14,10 @@ use crate::error::{Error, at_least};
 /// and the contraction is the share of the data in their sum: at one half both weigh the same.
 pub const LEAST_CONTRACTION: f64 = 0.5;
 
-/// The probabilities of the quantiles that are told.
+/// Probabilities of the reported quantiles.
 pub const POSTERIOR_QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
-/// Whether data say something of a parameter.
+/// Whether the data identify a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// More than the prior did: the contraction is above [`LEAST_CONTRACTION`].
@@ -26,7 +26,7 @@ pub enum Verdict {
     NotIdentified,
 }
 
-/// What the posterior says of a parameter. Errors are those of the chains; that of the ensembles behind the likelihood is told by
+/// Posterior of a parameter. Errors are those of the chains; that of the ensembles behind the likelihood is
 /// [`Emulator::error_of_means`](super::Emulator::error_of_means).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterPosterior {

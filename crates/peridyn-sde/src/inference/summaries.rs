@@ -50,9 +50,9 @@ impl Absent {
 
 /// The summaries of the realisations that have all of them: `n` rows of `K` numbers. The others are counted.
 ///
-/// A likelihood made of them is that of a plate given that its summaries exist: plates with shorter cracks are not to be left out
-/// of the data because of what they show, and what the probability of a complete crack tells of the parameters is not used.
-/// [`Summaries::share`] tells how probable it was.
+/// A likelihood made of them is that of a plate given that its summaries exist: do not omit plates with shorter cracks from the
+/// data because of their values. The information in the probability of a complete crack is not used.
+/// [`Summaries::share`] returns this probability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summaries {
     width: usize,

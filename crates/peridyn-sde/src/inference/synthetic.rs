@@ -7,7 +7,7 @@ use super::gaussian::Observations;
 use super::summaries::Summaries;
 use crate::error::{Error, at_least};
 
-/// How the log-likelihood is had from an ensemble.
+/// Estimator of the log-likelihood from an ensemble.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
     /// The moments of the ensemble in place of the true ones (Wood 2010). Its bias is of order `1/n`: for one plate at the mean

@@ -11,7 +11,7 @@ use crate::error::{Error, at_least, positive};
 /// Streams of [`Purpose::MarkovChain`]: chains have the first, particles of stage `t` those from `(t + 1) 2^32` on.
 const STREAMS_OF_A_STAGE: u64 = 1 << 32;
 
-/// The fewest points of the cloud that the data must be possible at, of which their covariance is told.
+/// Least number of points with a non-zero likelihood, from which the covariance is computed.
 const LEAST_POSSIBLE: usize = 10;
 
 /// Points of equal weight, distributed by the posterior but for few steps of their chains.
@@ -38,7 +38,7 @@ pub(super) fn tempered(target: &Target<'_>, config: &SamplerConfig) -> Result<Cl
     while beta < 1.0 {
         let step = next_step(&walkers, 1.0 - beta)?;
         let next = if step < 1.0 - beta { beta + step } else { 1.0 };
-        // The likelihood falls off so fast that no power of it can be told from the one before.
+        // The likelihood falls off so fast that its successive powers cannot be distinguished.
         positive("step of the power of the likelihood", next - beta)?;
         let weights = weights(&walkers, next - beta);
         let uniform = config.noise.stream(Purpose::Bootstrap, stage).next_uniform();

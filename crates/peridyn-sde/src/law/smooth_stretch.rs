@@ -24,7 +24,7 @@ impl SmoothStretch {
         Ok(Self { width })
     }
 
-    /// Where a stretch stands in the fall, and how long the fall is.
+    /// Position of a stretch within the decrease, and length of the decrease.
     fn fall(self, strength: f64, s: f64) -> (f64, f64) {
         let length = 2.0 * self.width * strength;
         (((s - (1.0 - self.width) * strength) / length).clamp(0.0, 1.0), length)

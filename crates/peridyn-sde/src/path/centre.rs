@@ -7,7 +7,7 @@ use super::measure::{along, resampled};
 pub(super) struct Middles {
     places: Vec<[f64; 2]>,
     spacing: f64,
-    /// How far around a point they count: half a bond, and a spacing for nodes that stand beside the crack.
+    /// How far around a point they count: half a bond, and a spacing for nodes next to the crack.
     window: f64,
 }
 

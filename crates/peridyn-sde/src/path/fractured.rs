@@ -11,8 +11,8 @@ pub struct Fractured<'a, const D: usize> {
     pub nodes: &'a Nodes<D>,
     /// The bonds.
     pub bonds: &'a Bonds,
-    /// Whether each bond is broken, in the order of [`Bonds::all`]; what the notch cut may be among them. To keep grips out,
-    /// pass their bonds as intact.
+    /// Whether each bond is broken, in the order of [`Bonds::all`]; what the notch cut may be among them. To exclude
+    /// prescribed edges, pass their bonds as intact.
     pub broken: &'a [bool],
     /// The bonds that the notch cut, as [`Bonds::across_segment`] and [`Bonds::across_plane`] give them.
     pub cut: &'a [usize],

@@ -29,7 +29,7 @@ pub struct FrontPoint {
 /// The front of the crack that has grown from a flat notch: in slices about a spacing thick across the front, the largest
 /// distance from it, in its plane and across it, of a node of the connected damage that comes within a horizon of the front.
 ///
-/// The crack itself need not be flat; how far it leaves the plane is not told, nor what becomes of branches.
+/// The crack itself need not be flat; its distance from the plane and its branches are not returned.
 ///
 /// # Errors
 /// As [`crack_path`](super::crack_path), with [`Error::NotPositive`] for a notch without area.

@@ -70,11 +70,11 @@ impl PathConfig {
 /// The crack that has grown from the tip of a notch, with its branches; `None` where none has, which is no error. It must have a
 /// node within a horizon, the longest bond, of the tip.
 ///
-/// A broken bond alone is no crack: noise breaks some anywhere, and grips break many. What counts is where nodes have lost a
+/// A broken bond alone is no crack: noise breaks some anywhere, and many break at prescribed edges. What counts is where nodes have lost a
 /// large part of their bonds, and that such nodes connect to the tip of the notch:
 ///
 /// 1. The damage of each node is the part of the stiffness of its bonds that is lost. A node is of a crack where it has lost more
-///    than a threshold, and half of that not to the notch. A node beside a straight crack has lost 0.33 to 0.44 of its bonds,
+///    than a threshold, and half of that not to the notch. A node next to a straight crack has lost 0.33 to 0.44 of its bonds,
 ///    for horizons of two to five spacings. Bonds broken at random and one by one do not reach 0.3 together and connect to the
 ///    tip: of 200 bodies with 8 % of them broken none has a crack with horizons of three and four spacings; with two, where a
 ///    node has 12 bonds, none at 2 %, 4 at 5 % and 25 at 8 %.
@@ -82,11 +82,11 @@ impl PathConfig {
 /// 3. From the tip, the shortest way along links to the node farthest along them is the crack; shortest ways have no
 ///    preferred direction, so that a crack may turn. What is farther than a length from it, along links, is a branch,
 ///    from where its shortest way leaves; and so on.
-/// 4. Nodes stand beside the crack, not on it. Bonds it broke have their middles on both sides of it alike, so points every
+/// 4. Nodes are next to the crack, not on it. Bonds it broke have their middles on both sides of it alike, so points every
 ///    spacing along the way are moved across it onto the line fitted to the middles of broken bonds around them.
 ///
 /// The path begins at the tip of the notch and ends where damage does, which is up to two spacings before the last broken bond.
-/// A crack that runs into other damage, such as broken grips, goes on along it.
+/// A crack that reaches other damage, such as a broken prescribed edge, continues along it.
 ///
 /// ```
 /// use peridyn_sde::{

@@ -9,7 +9,7 @@ const UNIT: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// The damage of each node over realisations: how often it reaches a threshold, and its mean.
 ///
-/// Sums are kept in whole numbers of units of 2^-40, so that maps of shards merge to the same bits in any order; a mean is off
+/// Sums are integers in units of 2^-40, so that maps of shards merge bitwise identically in any order; a mean is off
 /// by that at most. A map that is read is refused where its realisations cannot have its sums.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(

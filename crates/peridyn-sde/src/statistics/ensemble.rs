@@ -83,7 +83,7 @@ impl CrackEnsemble {
         self.records.iter().filter(|record| record.outcome.counts())
     }
 
-    /// The records whose crack does not: grips broken, bodies in pieces, runs that failed.
+    /// Records without a valid crack: broken prescribed edges, bodies in pieces, failed runs.
     pub fn failures(&self) -> impl Iterator<Item = &CrackRecord> {
         self.records.iter().filter(|record| !record.outcome.counts())
     }

@@ -13,5 +13,5 @@ pub use damage_map::DamageMap;
 pub use ensemble::{Band, CrackEnsemble, Distribution};
 pub use record::{CrackOutcome, CrackRecord};
 
-/// The probabilities of the quantiles that are told.
+/// Probabilities of the reported quantiles.
 pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];

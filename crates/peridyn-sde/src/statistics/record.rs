@@ -46,7 +46,7 @@ impl CrackOutcome {
         ["through", "arrested", "no crack", "grips broken", "disconnected", "failed"];
 }
 
-/// What one realisation came to: plain data, to be kept and merged.
+/// Result of one realisation, as data to be stored and merged.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CrackRecord {

@@ -55,7 +55,7 @@ fn lattice(strain: Strain, id: u64) -> Broken {
     broken(body, Breaking::Bridge, [id])
 }
 
-/// Draws are a function of seed, realisation, step and bond: who stands in the next lane changes nothing.
+/// Draws are a function of seed, realisation, step and bond: other lanes do not change them.
 #[test]
 fn bonds_cross_alike_in_lanes_alone_and_on_a_lattice() {
     let ids: [u64; 8] = std::array::from_fn(|k| 5 + k as u64);

@@ -8,7 +8,7 @@ fn lattice(counts: [usize; 2], spacing: f64) -> Vec<[f64; 2]> {
     (0..counts[0] * counts[1]).map(place).collect()
 }
 
-/// The field by each way to draw it; the tolerance of the factor is far below what a sample can tell.
+/// The field by each way to draw it; the tolerance of the factor is far below the sampling error.
 fn both(positions: &[[f64; 2]], spacing: f64, correlation: &Correlation) -> [GaussianField; 2] {
     [
         GaussianField::by_pivoted_cholesky(positions, correlation, 1e-8).unwrap(),
@@ -80,7 +80,7 @@ fn covariance_is_right_at_every_lag_and_does_not_go_round_the_border() {
     let correlation = Correlation { function: CorrelationFunction::Matern32, length };
     for (field, way) in both(&positions, 1.0, &correlation).iter().zip(["factor", "lattice"]) {
         let draws = realisations(field, 23, 0, 4000);
-        // The last stands at the other border: periodic in 16 it would be next to the first.
+        // The last is at the other border: periodic in 16 it would be next to the first.
         for other in [0, 1, 3, 8, n - 1, n, 3 * n - 1] {
             let expected = correlation.between(&positions[0], &positions[other]);
             let mean = draws.iter().map(|z| z[0] * z[other]).sum::<f64>() / 4000.0;

@@ -145,7 +145,7 @@ fn bodies_have_the_same_stiffest_mode() {
     assert!((worn / list - 0.75).abs() < 1e-9, "{worn} {list}");
 }
 
-/// A run that is put away in the middle goes on to the same bits.
+/// A saved and restored run is bitwise identical.
 #[test]
 fn a_saved_run_goes_on_to_the_same_bits() {
     let (nodes, bonds) = plate(8.0);
@@ -212,7 +212,7 @@ fn verlet_keeps_the_energy_and_friction_takes_it() {
     assert!(left < 0.2, "{left}");
 }
 
-/// A ramp with a predictor strains a uniform plate evenly from the first step on; without, its grips break.
+/// A ramp with a predictor strains a uniform plate evenly from the first step on; without, the prescribed edges break.
 #[test]
 fn a_predictor_strains_evenly() {
     let (nodes, bonds) = plate(12.0);
@@ -246,7 +246,7 @@ fn a_predictor_strains_evenly() {
     assert!(broken(without) > 20);
 }
 
-/// Loads are borne: in equilibrium the pull on the grips is the load, whatever the mobility.
+/// In equilibrium the force on the prescribed edges is the load, whatever the mobility.
 #[test]
 fn a_load_is_borne_by_the_grips() {
     let (nodes, bonds) = plate(8.0);

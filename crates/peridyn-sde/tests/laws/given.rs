@@ -17,7 +17,7 @@ pub(super) const STRETCH: f64 = 1e-3;
 const REALISATION: u64 = 5;
 const NOTCH: Notch = Notch { mouth: [0.0, 8.0], tip: [5.0, 8.0] };
 
-/// A plate of 16 by 16 nodes whose lowest and highest two rows are pulled apart.
+/// A plate of 16 by 16 nodes whose lowest and highest two rows are loaded in tension.
 pub(super) struct Plate {
     nodes: Nodes<2>,
     bonds: Bonds,

@@ -117,7 +117,7 @@ fn emulated_likelihood_is_the_density_within_its_stated_error() {
             stated.push(found.standard_error().unwrap());
         }
         // Errors in units of the stated one: mean 0, less a bias of second order in it (the stated error is up to one half);
-        // deviation 1, of which 200 repetitions tell 5 %.
+        // deviation 1, which 200 repetitions resolve to 5 %.
         let spread = error.variance().unwrap().sqrt();
         let mean = error.estimate().unwrap();
         assert!(within(&mean, 0.0, stated.mean()), "{point:?}: {mean} {}", stated.mean());

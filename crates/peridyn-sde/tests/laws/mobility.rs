@@ -1,4 +1,4 @@
-//! The mobility: what its factor makes, on which nodes, and how far it is from what it stands for.
+//! The mobility: its factor, its free nodes, and its distance from the exact matrix.
 
 use peridyn_sde::{
     CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, DisplacementNoise,
@@ -13,7 +13,7 @@ fn plate(n: usize) -> Vec<[f64; 2]> {
     (0..n * n).map(|k| [(k % n) as f64, (k / n) as f64]).collect()
 }
 
-/// All but the bottom row, as held by a grip.
+/// All but the bottom row, as with a prescribed edge.
 fn gripped(n: usize) -> Vec<bool> {
     (0..n * n).map(|k| k >= n).collect()
 }
@@ -218,7 +218,7 @@ fn matrix_that_is_not_positive_definite_is_refused_with_its_row() {
     };
     assert_eq!(refused(&[true; 2], &[1.0, 2.0, 2.0, 1.0]), Some(1));
     assert_eq!(refused(&[true; 2], &[-1.0, 0.0, 0.0, 1.0]), Some(0));
-    // What stands in the row of a fixed node does not matter.
+    // The row of a fixed node does not matter.
     assert_eq!(refused(&[true, false], &[1.0, 2.0, 2.0, 1.0]), None);
     assert!(Mobility::from_matrix(&[true, false], &[1.0, 2.0, 2.0, 1.0]).is_ok());
     // Of rank one to all digits but the last: the pivot is roundoff.

@@ -91,7 +91,7 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// A straight crack along the lattice: its middle cannot be told from the middle between two rows, where the notch is.
+/// A straight crack along the lattice: its middle coincides with the middle between two rows, where the notch is.
 #[test]
 fn a_straight_crack_is_a_straight_line() {
     for shells in 2..=5 {
@@ -273,7 +273,7 @@ fn the_front_of_a_crack_in_a_block_is_found_slice_by_slice() {
     let body = Fractured { nodes: &nodes, bonds: &bonds, broken: &broken, cut: &cut };
     let front = crack_front(&body, &notch, &config).unwrap();
     for FrontPoint { along, extent } in front {
-        // Of this crack's damage the last node stands up to two spacings before the true end.
+        // Of this crack's damage the last node is up to two spacings before the true end.
         assert!((extent - 0.5 * along).abs() < 2.0, "{along}: {extent}");
     }
 }

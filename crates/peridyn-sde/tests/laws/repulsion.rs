@@ -155,7 +155,7 @@ fn the_step_of_a_pair_is_the_one_that_is_held_against_the_limit() {
     }
 }
 
-/// Halves of a plate, cut along its middle and pulled apart by two spacings, thrown at each other.
+/// Halves of a plate, cut along its middle and separated by two spacings, thrown at each other.
 fn halves(dt: f64, repels: bool) -> (Run<f64, 2, 1>, Vec<bool>) {
     let (nodes, bonds, repulsion) = block([12.0, 6.0], PLATE);
     let is_right: Vec<bool> = nodes.positions().iter().map(|x| x[0] > 6.0).collect();

@@ -88,7 +88,7 @@ where
     run.save().unwrap()
 }
 
-/// A run that is put away where its lists are of another age goes on to the same bits.
+/// A run restored with lists of another age is bitwise identical.
 fn goes_on<T: Real, const L: usize>()
 where
     BondList<T, 2, L>: Body<T, 2, L>,

@@ -81,7 +81,7 @@ fn bar(beyond: f64, correction: SurfaceCorrection) -> Vec<f64> {
     u.iter().map(|u| u[0] - mean).collect()
 }
 
-/// The reference has the horizon 3 dx, where nodes stand, and counts half of the bonds of that length. A horizon a little longer
+/// The reference has the horizon 3 dx, a distance between nodes, and counts half of the bonds of that length. A horizon a little longer
 /// has that share in the limit: displacements at 3 + 1e-6 and 3 + 2e-6 spacings are extrapolated to it, which leaves an error of
 /// some 1e-12.
 #[test]

@@ -1,4 +1,4 @@
-//! Oscillators with an exact stationary law, from a Gaussian, with fresh lattices laid over the cloud on the way.
+//! Oscillators with an exact stationary law, from a Gaussian, with remeshing.
 
 use figures::{ErrorKind, Reference};
 use fpk_sph::systems::StationaryOscillator;
@@ -19,7 +19,7 @@ use crate::report::Claim;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",
-    title: "Duffing's oscillator from a Gaussian to its exact stationary law, with fresh lattices",
+    title: "Duffing's oscillator from a Gaussian to its exact stationary law, with remeshing",
     source: "Caughey 1971: exact stationary density",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -28,14 +28,14 @@ pub(crate) const DUFFING: Case = Case {
 
 pub(crate) const VAN_DER_POL: Case = Case {
     id: "fpk-sph/van-der-pol-remapped",
-    title: "Oscillator of van der Pol and Rayleigh from a Gaussian to its ring, with fresh lattices",
+    title: "Oscillator of van der Pol and Rayleigh from a Gaussian to its ring, with remeshing",
     source: "Caughey & Payne 1967: exact stationary density",
     cost: Profile::Default,
     schedule: Schedule::Together,
     run: van_der_pol,
 };
 
-/// The flow-map fit with fresh lattices.
+/// The flow-map fit with remeshing.
 pub(super) fn remapped(remapping: Remapping, steps_per_period: f64) -> Method {
     Method::Custom(Combination {
         remapping: Some(remapping),
@@ -67,12 +67,12 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let mut simulation = Simulation::new(system.clone(), &law, &config)?;
         simulation.advance_to(5.0)?;
         if simulation.n_remaps() == 0 {
-            return Err("no fresh lattice was laid".into());
+            return Err("no remeshing took place".into());
         }
         Ok(simulation.positions().iter().flatten().map(|x| x.to_bits()).collect())
     };
     let reason =
-        "every place of a fresh lattice is computed by itself, in the order of the lattice";
+        "every position of a new lattice is computed independently, in the order of the lattice";
     claims.extend(over_threads(context, "flow-map-fit", reason, whole)?.1);
     Ok(claims)
 }
@@ -121,8 +121,8 @@ impl Stationary<'_> {
             laid = (simulation.n_remaps(), simulation.n_particles());
         })?;
         let row = row(&run, time)?;
-        let words = run.words("flow-map fit, ball, fresh lattices");
-        let method = format!("{words}, {} fresh lattices, {} particles at the end", laid.0, laid.1);
+        let words = run.words("flow-map fit, ball, remeshing");
+        let method = format!("{words}, {} remeshings, {} particles at the end", laid.0, laid.1);
         let lines = Lines { context: self.context, id: "flow-map-fit", method };
         let mut claims = Vec::new();
         let reason = "truncation of the fits; of the start exp(-10) of the energy is left";
@@ -147,7 +147,7 @@ impl Stationary<'_> {
             let quantity = format!("P(|q| > {threshold})");
             let far = threshold > 2.5;
             let (tolerance, reason) = if far {
-                (0.04, "truncation of the fits at P = 2.4e-8, at the rim of the fresh lattices")
+                (0.04, "truncation of the fits at P = 2.4e-8, at the boundary of the new lattices")
             } else {
                 (self.tolerances[2], "truncation of the fits")
             };

@@ -43,7 +43,7 @@ pub(crate) const FLOW_MAP_FIT: Case = Case {
 
 pub(crate) const REMAPPED: Case = Case {
     id: "fpk-sph/viscous-damper-remapped",
-    title: "Building with a viscous damper in an earthquake, with and without fresh lattices",
+    title: "Building with a viscous damper in an earthquake, with and without remeshing",
     source: SOURCE,
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -154,7 +154,7 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ])
 }
 
-/// What fresh lattices buy: nothing in the moments, the far tail while there is noise.
+/// Effect of remeshing: none on the moments, a better far tail while there is noise.
 fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem.density_config(1.0)?;
@@ -171,7 +171,7 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ] {
         let config = Config { method, ..config };
         let run = problem.density(&config, &asked(&times, &problem, true))?;
-        let words = run.words(&format!("flow-map fit, box of 6 sigma, {id} fresh lattices"));
+        let words = run.words(&format!("flow-map fit, box of 6 sigma, {id} remeshing"));
         let judge = Judge { context, problem: &problem, run: &run, id, method: words };
         let reason = "truncation of the cubic fit";
         for powers in [[2, 0], [0, 2]] {

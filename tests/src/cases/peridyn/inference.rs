@@ -21,9 +21,10 @@ pub(crate) const CASE: Case = Case {
     run,
 };
 
-/// Rows of the lattice that infers, and of the one that makes the data: 3.8 and 4.5 spacings to the horizon. With 32 and 40 rows,
-/// three spacings and 3.8, 14 and 13 of 20 intervals held the length: what the lattices differ by is then not small beside what 16
-/// plates tell.
+/// Rows of the lattice for inference and of the lattice of the data: 3.8 and 4.5 spacings to the horizon.
+///
+/// With 32 and 40 rows, three spacings and 3.8, 14 and 13 of 20 intervals held the length. The difference between the lattices
+/// is then not small compared with the information in 16 plates.
 const ROWS: (u32, u32) = (40, 48);
 /// Points of the design, realisations at each, data sets and plates of each.
 const DESIGN: usize = 40;

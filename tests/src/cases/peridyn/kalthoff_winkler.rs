@@ -148,7 +148,7 @@ fn angle(context: &Context<'_>, dx: f64, seen: &Seen) -> Claim {
     lines.judge(angle, ErrorKind::Absolute, seen.angle, Reference::exact(70.0), criterion)
 }
 
-/// The notches stand upright, as the plate is twice as long across them.
+/// The notches are vertical, as the plate is twice as long across them.
 fn picture(cracked: &Cracked, dx: f64) -> Field {
     let columns = cracked.columns();
     let rows = cracked.damage.len() / columns;

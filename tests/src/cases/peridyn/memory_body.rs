@@ -170,7 +170,7 @@ pub(super) fn bar(context: &Context<'_>) -> Result<Claim, CaseError> {
         "11 nodes in a row, nine of them free and at rest, n = m = 1, ramp to 2e-3 and hold, {IN_TIME} Euler steps each, kT = 0"
     );
     Ok(Lines { context, id: "bar", method }.relative(
-        ("pull", "force on the grip", ""),
+        ("pull", "force on the prescribed end", ""),
         -run.pull_on(&[last], 0)[0],
         chain.bonds.all()[0].stiffness * alpha * STRAIN,
         1e-11,

@@ -66,10 +66,10 @@ impl Family {
                 "white noise, s0/sigma = 10, horizon 3.015 dx, overdamped, Euler-Maruyama, z = 0.9"
             }
             Self::Local => {
-                "stiffness lognormal, c.v. 0.5, length 0.283, horizon 3.015 dx, inertial with friction"
+                "stiffness lognormal, coefficient of variation 0.5, length 0.283, horizon 3.015 dx, inertial with friction"
             }
             Self::FixedHorizon => {
-                "stiffness lognormal, c.v. 0.5, length 0.283, horizon 0.0942, inertial with friction"
+                "stiffness lognormal, coefficient of variation 0.5, length 0.283, horizon 0.0942, inertial with friction"
             }
         }
     }
@@ -232,12 +232,12 @@ fn outcomes(context: &Context<'_>, all: &[Scatter]) -> [Claim; 3] {
         lines(&elsewhere, "all ensembles, 64 realisations or more").bounded(
             (
                 "elsewhere",
-                "largest share of realisations that broke at the grips, fell apart or failed",
+                "largest share of realisations that broke at the prescribed edges, fell apart or failed",
                 "",
             ),
             elsewhere.value(),
             0.02,
-            "statistics: no bond breaks near the grips, and none was seen to fall apart; one of 64 may",
+            "statistics: no bond breaks near the prescribed edges, and no plate fell apart; one of 64 may",
         ),
         lines(&white, "white noise, all lattices").bounded(
             ("short/white-noise", "largest share of cracks that end before the abscissa", ""),
@@ -291,7 +291,7 @@ fn between(
     ))
 }
 
-/// What the cracks of a body tell about its horizon: two horizons on one lattice, in one field, at one energy release rate.
+/// Information of cracks about the horizon: two horizons on one lattice, in one field, at one energy release rate.
 fn horizon(
     context: &Context<'_>,
     half: &Scatter,
@@ -300,7 +300,7 @@ fn horizon(
     let ratio = bootstrap().ratio_of_deviations(&whole.heights, &half.heights)?;
     let exponent = Measured::sampled(ratio.value.log2(), 0.25 * (ratio.high / ratio.low).log2());
     let method = format!(
-        "stiffness lognormal, c.v. 0.5, length 0.283; horizons 0.0942 and 0.0471 on 64 rows, {} realisations each",
+        "stiffness lognormal, coefficient of variation 0.5, length 0.283; horizons 0.0942 and 0.0471 on 64 rows, {} realisations each",
         whole.count()
     );
     let (large, small) = (whole.loads(), half.loads());
@@ -319,7 +319,7 @@ fn horizon(
             Reference::exact(1.0),
             Criterion::MonteCarlo {
                 bias_bound: 0.1,
-                reason: "the horizon can be inferred from the spread of paths, to which it is in proportion: n plates tell it to 1/sqrt(2 n); no influence, 0, is excluded",
+                reason: "the horizon can be inferred from the spread of paths, to which it is in proportion: n plates determine it to 1/sqrt(2 n); no influence, 0, is excluded",
             },
         ),
         Claim::judge(

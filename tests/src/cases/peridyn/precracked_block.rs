@@ -1,4 +1,4 @@
-//! A block with a flat notch, pulled apart: its crack front, by two paths, on any number of threads.
+//! A block with a flat notch, in tension: its crack front, by two paths, on any number of threads.
 
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Fractured, FrontPoint,
@@ -167,7 +167,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let reason = "every node sums over its own bonds in one order";
         claims.push(same(&lines, &format!("threads-{threads}"), (&lattice, &again), reason));
     }
-    let reason = "displacements, velocities, step and whole bonds are all that a run goes on from; written as JSON and read again half way";
+    let reason = "displacements, velocities, step and whole bonds are all that a run needs to resume; written as JSON and read again half way";
     claims.push(same(&lines, "restart", (&lattice, &block.restarted()?), reason));
     Ok(claims)
 }

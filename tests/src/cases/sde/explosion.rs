@@ -31,7 +31,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let system = Cubic { intensity: sigma };
         let left = departures(system, (41, survey.paths), (dt, n_steps), 1e10)?.len();
         let fraction = left as f64 / survey.paths as f64;
-        // For none or all of n paths the rule of three stands for three standard errors.
+        // For none or all of n paths the rule of three replaces three standard errors.
         let error = |p: f64| {
             let n = survey.paths as f64;
             if p * (1.0 - p) > 0.0 { (p * (1.0 - p) / n).sqrt() } else { 1.0 / n }

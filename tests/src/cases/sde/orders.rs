@@ -52,7 +52,7 @@ const STRONG: Tolerance = Tolerance {
 const WEAK: Tolerance = Tolerance {
     slope: 0.3,
     accuracy: 1e-3,
-    reason: "coarse steps, where the error stands above its noise: the next term bends the line",
+    reason: "coarse steps, where the error is above its noise: the next term bends the line",
 };
 
 const NOISE_FREE: f64 = 0.12;

@@ -171,7 +171,7 @@ fn stationary(dt: f64, image: &Image<'_>) -> Result<f64, CaseError> {
     for (i, row) in rows.iter_mut().enumerate() {
         let x = SPACING * (i as f64 - HALF as f64);
         let mut observed = 0.0;
-        // The weight of each node is had by asking for the expectation of an indicator of it.
+        // The weight of each node is the expectation of its indicator.
         let n_nodes = rule.len();
         let mut node = 0;
         let mut images = Vec::with_capacity(n_nodes * n_nodes);

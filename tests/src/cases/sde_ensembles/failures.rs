@@ -1,4 +1,4 @@
-//! Paths that fail are counted and told, never dropped.
+//! Failed paths are counted and reported, never dropped.
 
 use figures::{ErrorKind, Reference};
 use sde_integrators::{

@@ -121,7 +121,7 @@ fn misses(
         &format!("one rule, {distance:.0} standard errors away"),
     );
     let is_told = distance >= 10.0;
-    let reason = "the wrong rule must be told from the right one";
+    let reason = "the test must distinguish the wrong rule from the correct one";
     Ok(Claim::same_bits(subject, usize::from(!is_told), 1, reason))
 }
 

@@ -48,7 +48,7 @@ fn oscillator(context: &Context<'_>, system: Oscillator) -> Result<Vec<Claim>, C
     let exact = upper_tail(4.5);
     let point = design_point(&response, n_normals, threshold)?;
     let sampled = importance_sampling(&response, threshold, &point, &Noise::new(3), 20_000)?;
-    // Runs enough in full for a bias of a run of 10 % to stand out by five standard errors.
+    // Number of full runs that shows a bias of 10 % per run at five standard errors.
     let n_runs = if context.profile == Profile::Full { 600 } else { 24 };
     let config = SubsetConfig { n_samples: 1_000, correlation: 0.8, n_runs };
     let subset = subset_simulation(&response, n_normals, threshold, &Noise::new(4), &config)?;

@@ -99,7 +99,7 @@ mod tests {
         let parts = [component(0.7, [0.3, 0.0]), component(0.3, [-0.2, 0.5])];
         let start = GaussianMixture::mixture(&parts).unwrap();
         let laws = mixture_laws(system, &start, &[0.75], 2e-3).unwrap();
-        // The trapezoidal rule far beyond the tails is exact to roundoff for Gaussians.
+        // The trapezoidal rule far beyond the tails is exact within roundoff for Gaussians.
         let (step, mut sums) = (0.02, [0.0; 3]);
         for a in -150..=150 {
             for b in -400..=400 {

@@ -16,11 +16,11 @@ use crate::context::CaseError;
 /// A built-in scene with its references.
 #[derive(Debug)]
 pub struct Problem {
-    /// The scene as it stands in its file.
+    /// The scene as in its file.
     pub scene: FpkScene,
     /// Its system.
     pub system: Oscillator,
-    /// Its initial law.
+    /// Its initial density.
     pub law: GaussianMixture<2>,
     /// Its references.
     pub reference: ReferenceTable,
@@ -106,7 +106,7 @@ fn picked<S, const D: usize>(
     Ok((system, law))
 }
 
-/// The Bouc-Wen oscillator of section 4.2, its initial law and its references.
+/// The Bouc-Wen oscillator of section 4.2, its initial density and its references.
 ///
 /// # Errors
 /// Those of the scene and of the reference data.
@@ -119,7 +119,7 @@ pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseE
     Ok((system, law, ReferenceTable::bouc_wen()?))
 }
 
-/// The hardening spring and its initial law.
+/// The hardening spring and its initial density.
 ///
 /// # Errors
 /// Those of the scene.
@@ -134,7 +134,7 @@ pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
 /// A linear oscillator behind the filter of Kanai and Tajimi.
 pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
 
-/// The linear building on firm soil and its initial law; its law at all times follows from
+/// The linear building on firm soil and its initial density; its density at all times follows from
 /// [`linear_moments`](super::linear_moments::linear_moments).
 ///
 /// # Errors

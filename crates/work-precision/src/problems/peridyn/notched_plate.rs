@@ -1,4 +1,4 @@
-//! A square plate with a notch in its left edge that is pulled apart, again and again: how far do cracks scatter?
+//! A square plate with a notch in its left edge in an ensemble of tension tests: scatter of crack paths.
 //!
 //! Units: the width of the plate, its modulus and density are one, and so is the speed of a wave along a bar. The energy release
 //! rate `G0` is the same on every lattice, whatever the horizon.
@@ -19,7 +19,7 @@ use crate::context::CaseError;
 const ENERGY_RELEASE_RATE: f64 = 1e-6;
 const PLANE: Condition = Condition::PlaneStress { thickness: 1.0 };
 const TIP: [f64; 2] = [0.3, 0.0];
-/// Height of a grip, three rows of 32.
+/// Height of a prescribed edge, three rows of 32.
 const GRIP: f64 = 3.0 / 32.0;
 /// Within so much of both ends no bond breaks.
 const PROTECTED: f64 = 6.0 / 32.0;
@@ -247,7 +247,7 @@ impl NotchedPlate {
         Ok(SimulationConfig { dynamics, dt, breaking, confinement: 0.0, noise })
     }
 
-    /// The step, how many of them, and what the grips do.
+    /// The step, how many of them, and the prescribed displacements.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of steps")]
     fn pull(&self, ready: &mut Ready, grips: &[usize]) -> Result<(), CaseError> {
         let strengths = vec![ready.strength; ready.bonds.len()];

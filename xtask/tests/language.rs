@@ -64,15 +64,25 @@ fn without_code(line: &str) -> String {
 
 /// Lines of prose on a page: paragraphs, list items, headings and rows of tables.
 fn of_page(page: &str) -> Vec<Prose> {
-    let (mut all, mut code): (Vec<Prose>, bool) = (Vec::new(), false);
+    let (mut all, mut code, mut comment): (Vec<Prose>, bool, bool) = (Vec::new(), false, false);
     for (i, line) in page.lines().enumerate() {
+        comment |= line.starts_with("<!--");
         if line.trim_start().starts_with("```") {
             code = !code;
-        } else if !code && !line.trim().is_empty() && !line.starts_with("<!--") {
-            all.push(Prose { line: i + 1, text: without_code(line) });
+        } else if !code && !comment && !line.trim().is_empty() {
+            all.push(Prose { line: i + 1, text: without_code(&without_comments(line)) });
         }
+        comment &= !line.ends_with("-->");
     }
     all
+}
+
+/// A line as a reader sees it: keys of records are comments.
+fn without_comments(line: &str) -> String {
+    let mut parts = line.split("<!--");
+    let first = parts.next().unwrap_or_default();
+    let rest = parts.map(|part| part.split_once("-->").map_or("", |(_, shown)| shown));
+    std::iter::once(first).chain(rest).collect()
 }
 
 /// Comments of a source, with adjacent lines joined, and its strings.
@@ -172,7 +182,7 @@ fn found_in(path: &str, text: &str) -> Vec<String> {
     }
     if is_page {
         for (i, line) in text.lines().enumerate() {
-            let length = line.chars().count();
+            let length = without_comments(line).chars().count();
             if length > LONGEST_LINE {
                 found
                     .push(format!("{path}:{}: {length} characters; {LONGEST_LINE} at most", i + 1));
@@ -252,6 +262,8 @@ fn what_a_reader_would_stumble_over_is_found() {
     assert_eq!(long_sentences(&format!("{long}. short")), [41]);
     assert_eq!(long_sentences(&"a number of 1.5 words. ".repeat(30)), [0; 0]);
     assert_eq!(long_sentences(&format!("$$ {long} $$")), [0; 0]);
+    let page = "<!-- records\nthe mean run\n-->\nno<!-- the mean run --> more\n";
+    assert_eq!(found_in("a.md", page).len(), 0);
     let page = format!("# Title\n\n{}\n\n```\nthe mean run\n```\n", "x".repeat(401));
     assert_eq!(found_in("a.md", &page).len(), 1);
     let source = "/// A ledger\n/// of mass.\nlet a = \"has told\"; let ledger = key(\"told\");\n";

@@ -288,9 +288,9 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
         (
             4,
             Options::new(ran.folder.join("out")),
-            "6 realisations from number 0 on; asked for are 4",
+            "6 realisations from number 0 on; requested are 4",
         ),
-        (8, shard(), "3 realisations from number 3 on; asked for are 4 from number 4 on"),
+        (8, shard(), "3 realisations from number 3 on; requested are 4 from number 4 on"),
     ] {
         std::fs::write(ran.folder.join("scene.json"), of(n)).unwrap();
         let checkpoint = options.out.join("checkpoint-1.bin");

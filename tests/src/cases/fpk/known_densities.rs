@@ -209,7 +209,7 @@ fn bistable(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         at.map_or(f64::NAN, |k| interpolated(&table.x, &table.pdf[k], x))
     };
     let (name, range) = ("bistable", (-3.0, 3.0));
-    let asks = Asks { name, law: &law, range, times: &[0.5, 1.0], tolerances: &[4e-5, 2e-3] };
+    let asks = Asks { name, law: &law, range, times: &[0.5, 1.0], tolerances: &[4e-5, 1e-3] };
     let mut claims = density_on_a_line(context, well, &asks, exact)?;
     let errors = errors_on_a_line(well, &Asks { times: &[2.0], ..asks }, 100, exact)?;
     let method = format!("flow-map fit: 100 particles, {} steps", errors.steps);

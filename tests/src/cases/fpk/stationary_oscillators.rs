@@ -147,7 +147,7 @@ impl Stationary<'_> {
             let quantity = format!("P(|q| > {threshold})");
             let far = threshold > 2.5;
             let (tolerance, reason) = if far {
-                (0.04, "truncation of the fits at P = 2.4e-8, at the boundary of the new lattices")
+                (0.02, "truncation of the fits at P = 2.4e-8, at the boundary of the new lattices")
             } else {
                 (self.tolerances[2], "truncation of the fits")
             };

@@ -63,8 +63,8 @@ fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let method = run.words("log-density fit, box of 6 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
     let reason = "truncation of the quadratic fit at a spacing of 0.3 sigma, of second order";
-    let mut claims = moments(&judge, [0.012, 0.012, 2e-3], reason)?;
-    claims.push(judge.moment([2, 0], 6.0, Criterion::Within { tolerance: 0.012, reason })?);
+    let mut claims = moments(&judge, [0.01, 0.01, 2e-3], reason)?;
+    claims.push(judge.moment([2, 0], 6.0, Criterion::Within { tolerance: 0.01, reason })?);
     claims.extend(tail(&judge)?);
     claims.extend(after(&judge)?);
     let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;

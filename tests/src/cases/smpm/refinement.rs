@@ -21,7 +21,7 @@ const TIME: f64 = 9.0;
 const REFERENCE: f64 = 0.125;
 
 /// A cell (cm), and how far the flow stress may be off.
-const ROWS: [(f64, f64); 3] = [(1.0, 0.12), (0.5, 0.05), (0.25, 1.5e-3)];
+const ROWS: [(f64, f64); 3] = [(1.0, 0.08), (0.5, 0.03), (0.25, 1.5e-3)];
 /// With `--full`.
 const FINER: (f64, f64) = (0.0625, 0.05);
 

@@ -71,7 +71,7 @@ const TUBES: [Tube; 3] = [
         left: gas(7.83, 0.01, 1e-9, 3.0, 0.544_857_362_1),
         right: gas(7.83, 0.0, 1e-9, 3.0, 0.544_857_362_1),
         time: 1.5,
-        tolerances: [0.07, 0.035],
+        tolerances: [0.04, 0.035],
         order: 0.5,
         quadratic: (0.45, 0.6),
         reason: "a half: the shock is weak, and the linear viscosity widens it as the root of cell and time, far beyond the width at which it would stand",

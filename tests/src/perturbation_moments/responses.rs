@@ -2,8 +2,8 @@
 
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
-    Expansion, ForwardDifferentiation, HighestOrder, Moments, RandomVector, Response, Scalar,
-    SigmaPoints, Trust,
+    Derivatives, Expansion, ForwardDifferentiation, HighestOrder, JetCurvature, JetDifferentiation,
+    Known, Moments, RandomVector, Response, Scalar, SigmaPoints, Trust,
 };
 
 use super::reference::{ReferenceCase, State};
@@ -85,7 +85,7 @@ impl Response<3> for ShortMieGruneisen {
 /// What came of one case: numbers without the number of inputs.
 #[derive(Debug, Clone)]
 pub struct Assessed {
-    /// The largest errors of value, gradient, Hessian and third derivatives, by dual numbers and in closed form.
+    /// The largest errors of value, gradient, Hessian and third derivatives, by dual numbers, by jets and in closed form.
     pub derivative_error: f64,
     /// The largest error against OpenTURNS.
     pub openturns_error: f64,
@@ -197,9 +197,16 @@ impl Visitor for Assess<'_> {
         let case = self.0;
         let way = ForwardDifferentiation { response, order: HighestOrder::Third };
         let expansion = way.expansion(inputs.mean());
-        let mut derivative_error = derivative_error(case, &expansion);
+        // Third derivatives are those of dual numbers: jets have none.
+        let jets = JetDifferentiation { response, curvature: JetCurvature::Full };
+        let Known::ByInputs(by_jets) = jets.know(inputs)? else {
+            return Err("jets of full curvature gave derivatives along directions".into());
+        };
+        let by_jets = Expansion { third: expansion.third, ..by_jets };
+        let mut derivative_error =
+            largest(derivative_error(case, &expansion), derivative_error(case, &by_jets));
         if let Some(closed) = closed {
-            derivative_error = derivative_error.max(self::derivative_error(case, &closed));
+            derivative_error = largest(derivative_error, self::derivative_error(case, &closed));
         }
         let moments = Moments::new(inputs, &expansion)?;
         let points = SigmaPoints::new(inputs, |x| response.value(x))?;

@@ -14,7 +14,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/forces",
-    title: "Forces on 6 x 6 x 6 nodes against LAMMPS peri/pmb; strains at the border of the series of the fast paths",
+    title: "Forces on 6 x 6 x 6 nodes against LAMMPS peri/pmb; a bar of unequal nodes; strains at the border of the series of the fast paths",
     source: "LAMMPS 22Jul2025 peri/pmb, lammps_pmb_forces_6x6x6.json, with the same sums in 40 digits",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -178,8 +178,49 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "the series of the fast paths, and the roundoff of their precision",
         ));
     }
+    claims.push(of_unequal_nodes(context)?);
     claims.extend(at_border(context)?);
     Ok(claims)
+}
+
+/// A bar whose nodes have unequal volumes `V_i`, each bonded to the next, under stretches that make every bond pull with the
+/// same force: `c V_i V_(i+1) s_i = F` with `c = 2 E/(A delta^2)`. The ends carry `F`, the nodes between them nothing.
+fn of_unequal_nodes(context: &Context<'_>) -> Result<Claim, CaseError> {
+    const AREA: f64 = 0.5;
+    const YOUNG_MODULUS: f64 = 3.0;
+    const FORCE: f64 = 1e-3;
+    let volumes = vec![0.3, 0.8, 0.5, 1.1, 0.2, 0.7];
+    let positions = (0..volumes.len()).map(|node| [node as f64]).collect();
+    let horizon = Horizon::of_shells(1, 1.0)?;
+    let c = 2.0 * YOUNG_MODULUS / (AREA * horizon.radius().powi(2));
+    let mut u = vec![[0.0]];
+    for pair in volumes.windows(2) {
+        u.push([u[u.len() - 1][0] + FORCE / (c * pair[0] * pair[1])]);
+    }
+    let mut expected = vec![0.0; volumes.len()];
+    expected[0] = FORCE;
+    expected[volumes.len() - 1] = -FORCE;
+    let nodes = Nodes::new(positions, volumes, 1.0, Condition::Bar { area: AREA })?;
+    let config = BondConfig {
+        horizon,
+        young_modulus: YOUNG_MODULUS,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let bonds = Bonds::new(&nodes, &config)?;
+    let bar = Strained { nodes, bonds, u };
+    let mut worst = Worst::default();
+    worst.see(off(&bar.reference()?, 1, &expected), "reference path");
+    worst.see(off(&bar.list::<f64, 1>()?, 1, &expected), "list-f64");
+    worst.see(off(&bar.list::<f64, 8>()?, 8, &expected), "list-f64-x8");
+    let method = worst.at("6 nodes, volumes from 0.2 to 1.1, strains up to 5e-3");
+    Ok(Lines { context, id: "unequal-nodes", method }.bounded(
+        ("force", "largest difference of a force to the closed form, over the largest", ""),
+        worst.value(),
+        3e-12,
+        "roundoff: a stretch of 2e-4 is a difference of positions of size 5, 1e-15 of 5 each",
+    ))
 }
 
 /// A bar under a uniform strain of the growth `w = (1 + s)^2 - 1`.

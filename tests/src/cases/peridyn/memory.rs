@@ -14,7 +14,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/memory",
-    title: "Damage with memory: ramp, hold, unload, and a sine, for several exponents; a block and a bar",
+    title: "Damage with memory: ramp, hold, unload, and a sine, for several exponents; a block and a bar; a bond that softens",
     source: "section 2.1 of the note, eq 5 as d alpha/dt = -lambda exp(k s) alpha^n (1 - alpha)^m, by a Runge-Kutta method of fourth order; alpha_ramp.json",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -83,6 +83,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(of_end(context)?);
     claims.extend(memory_body::block(context)?);
     claims.push(memory_body::bar(context)?);
+    claims.push(memory_body::softening(context)?);
     Ok(claims)
 }
 

@@ -1,6 +1,6 @@
 //! Damage with memory on bodies, by the closed form of one bond.
 
-use peridyn_sde::law::Memory;
+use peridyn_sde::law::{Bilinear, Memory};
 use peridyn_sde::{
     BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility,
     Network, Nodes, Program, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
@@ -175,5 +175,56 @@ pub(super) fn bar(context: &Context<'_>) -> Result<Claim, CaseError> {
         chain.bonds.all()[0].stiffness * alpha * STRAIN,
         1e-11,
         "roundoff: the step is exact on straight lines of strain; the strain is a difference of places of 10, 1e-15 of 2e-3, and its exponential 800 times that",
+    ))
+}
+
+/// One bond of the bilinear law, of strength 1e-3 and ductility 4, pulled into its softening, unloaded to compression, pulled
+/// until it fails and beyond.
+pub(super) fn softening(context: &Context<'_>) -> Result<Claim, CaseError> {
+    const STRENGTH: f64 = 1e-3;
+    const LAST: f64 = 4.0 * STRENGTH;
+    const TURN: f64 = 2.5 * STRENGTH;
+    let nodes = Nodes::lattice(1.0, ([0.0], [2.0]), Condition::Bar { area: 1.0 }, |_| true)?;
+    let config = BondConfig {
+        horizon: Horizon::of_shells(1, 1.0)?,
+        young_modulus: 1.0,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::None,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let bonds = Bonds::new(&nodes, &config)?;
+    let stiffness = bonds.all()[0].stiffness;
+    let mut body = Network::new(nodes, bonds, Bilinear::new(LAST / STRENGTH)?, vec![STRENGTH])?;
+    // On first loading the tension falls on a line; unloading goes to the origin, and compression is elastic.
+    let envelope = |s: f64| if s <= STRENGTH { s } else { (LAST - s).max(0.0) / 3.0 };
+    let up = |s: f64| (s, envelope(s));
+    let back = |s: f64| (s, if s < 0.0 { s } else { s / TURN * envelope(TURN) });
+    let parts = (0..=100).map(|part| f64::from(part) / 100.0);
+    let path = (parts.clone().map(|part| up(TURN * part)))
+        .chain(parts.clone().map(|part| back(TURN - (TURN + STRENGTH) * part)))
+        .chain(parts.clone().map(|part| back(-STRENGTH + (TURN + STRENGTH) * part)))
+        .chain(parts.map(|part| up(TURN + (1.5 * LAST - TURN) * part)));
+    let (mut worst, mut before) = (Worst::default(), [[0.0]; 2]);
+    for (s, expected) in path {
+        let u = [[0.0], [s]];
+        body.advance(&before, &u, 1.0)?;
+        let mut forces = [[0.0]; 2];
+        let _ = body.forces(&u, &mut forces)?;
+        worst.see(
+            forces[0][0] / (stiffness * STRENGTH) - expected / STRENGTH,
+            &format!("s = {s:e}"),
+        );
+        before = u;
+    }
+    let method = worst.at("one bond, strength 1e-3, ductility 4: to 2.5e-3, to -1e-3, beyond 4e-3");
+    Ok(Lines { context, id: "softening", method }.bounded(
+        (
+            "force",
+            "largest error of the force of a bilinear bond against its closed form, over its peak",
+            "",
+        ),
+        worst.value(),
+        5e-15,
+        "roundoff: some ten operations; the ends of the bond are at 0 and 1, so its elongation is exact",
     ))
 }

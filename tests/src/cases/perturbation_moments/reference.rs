@@ -122,7 +122,7 @@ fn statements(family: &Family) -> [Statement; 5] {
         (
             "derivatives",
             "worst error of value, gradient, Hessian, third derivatives",
-            "dual numbers, and closed form where there is one",
+            "dual numbers, jets (to second order), and closed form where there is one",
             ROUNDOFF,
             SAME,
         ),

@@ -85,6 +85,7 @@ pub const ALL: &[Case] = &[
     peridyn::branching::CASE,
     peridyn::two_notches::CASE,
     peridyn::notched_plate::CASE,
+    peridyn::horizon_inference::CASE,
     peridyn::inference::CASE,
     peridyn::precracked_block::CASE,
     smoothing_kernels::CASE,

@@ -61,7 +61,10 @@ pub fn tnt(units: Units) -> JwlParameters<f64> {
 /// | S1, S2, S3 | 2.56, -1.986, 0.2268 | likewise |
 /// | gamma0, a | 0.5, 0 | likewise |
 ///
-/// What another choice would change in a result has not been measured: give your own where water matters.
+/// The effect of this choice, measured once on `contact_explosion.json` against `U_s = 1647 m/s + 1.921 u_p`, gamma0 = 0.1 and
+/// 998 kg/m³ (also from memory). Until 9 us all gauges in the plate agree within 1e-4 of the largest value. Until 14 us means
+/// differ by 0.1 % (flow stress), 3.7 % (S_11), 4.0 % (S_22) and 1.7 % (pressure) of the largest mean, standard deviations by at
+/// most 0.1, 5, 9 and 2 %.
 #[must_use]
 pub fn water(units: Units) -> MieGruneisenParameters<f64> {
     MieGruneisenParameters {

@@ -22,7 +22,7 @@ pub(crate) const CASE: Case = Case {
 };
 
 /// `rho omega^2 dx^2/E` of the wave `cos(kappa x)`, by the force on the node at its crest, with the horizon `shells + beyond`.
-fn frequency(
+pub(super) fn frequency(
     (shells, beyond): (u32, f64),
     volume_correction: VolumeCorrection,
     kappa: f64,

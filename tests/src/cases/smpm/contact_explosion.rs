@@ -195,6 +195,7 @@ fn samples(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let solved = solved(context, Problem::ContactExplosion, cv)?;
         claims.extend(flow_stress(&against, &solved, cv, of_mean, of_variance)?);
         claims.extend(deviator(&against, &solved, cv)?);
+        claims.push(across(&against, &solved, cv)?);
     }
     for (cv, tolerances) in [(0.01, [5e-4, 6e-3]), (0.05, [2e-3, 0.015])] {
         let solved = solved(context, Problem::ThickPlate, cv)?;
@@ -247,6 +248,20 @@ fn deviator(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<[Claim; 3
         unloading(against, cv, quantile(&deviator.variance, 0.9)),
         against.frozen(&id, &deviator, (0.08, 0.12)),
     ])
+}
+
+/// `S_22` at the gauges; at its ninth decile are gauges that unload, as for `S_11`.
+fn across(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<Claim, CaseError> {
+    let deviator = errors(solved, |gauge, quantity, t| {
+        quantity == Quantity::Deviator(1, 1) && after_first_yield(gauge, t)
+    })?;
+    let id = format!("deviator-22/variance-median/cv{cv}");
+    Ok(against.jets.bounded(
+        (&id, "median relative error of Var S_22, 1 us after first yield and later", ""),
+        quantile(&deviator.variance, 0.5),
+        0.01,
+        "unloading and reverse yield are smooth in the parameters but where they begin",
+    ))
 }
 
 /// The ninth decile is made of gauges that unload: their trial stress is within two deviations of yield, as

@@ -15,6 +15,7 @@ mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;
 mod smpm;
+mod worst;
 
 use crate::case::Case;
 

@@ -18,4 +18,3 @@ pub(crate) mod one_bond;
 pub(crate) mod precracked_block;
 pub(crate) mod rest;
 pub(crate) mod two_notches;
-mod worst;

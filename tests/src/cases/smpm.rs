@@ -15,4 +15,3 @@ pub(crate) mod shock_tubes;
 pub(crate) mod taylor_bar;
 pub(crate) mod trust;
 pub(crate) mod variance_fields;
-mod worst;

@@ -5,7 +5,7 @@ use peridyn_sde::{Loading, Notch, Program};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
 
@@ -106,7 +106,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             }
         }
         if let &[coarse, fine] = starts.as_slice() {
-            worst.change.see(fine / coarse - 1.0, name);
+            worst.change.take(fine / coarse - 1.0, name);
         }
     }
     Ok(worst.claims(context, millimetres))
@@ -125,10 +125,10 @@ struct Branching {
 impl Branching {
     fn see(&mut self, seen: &Seen, start: f64, at: &str) {
         let at = format!("{at}, {} steps", seen.n_steps);
-        self.tips.see(seen.n_tips as f64 - 2.0, &at);
-        self.start.see(seen.start / start - 1.0, &at);
-        self.speed.see(seen.speed / FASTEST - 1.0, &at);
-        self.asymmetry.see(seen.asymmetry, &at);
+        self.tips.take(seen.n_tips as f64 - 2.0, &at);
+        self.start.take(seen.start / start - 1.0, &at);
+        self.speed.take(seen.speed / FASTEST - 1.0, &at);
+        self.asymmetry.take(seen.asymmetry, &at);
     }
 
     fn claims(&self, context: &Context<'_>, millimetres: &[f64]) -> Vec<Claim> {
@@ -136,7 +136,7 @@ impl Branching {
             "12 and 2 MPa, {millimetres:?} mm, horizon 4.015 dx, plane stress, velocity Verlet, steps of 0.8 of the critical one"
         );
         let claim = |worst: &Worst, of: (&str, &str, &str), tolerance, reason: &str| {
-            let lines = Lines { context, id: "", method: worst.at(&method) };
+            let lines = Lines { context, id: "", method: worst.method(&method) };
             lines.bounded(of, worst.value(), tolerance, reason)
         };
         let mut claims = vec![

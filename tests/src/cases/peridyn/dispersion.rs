@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::rest::numbers;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -68,10 +68,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             let expected = numbers(&reference[format!("omega2_m{shells}_{key}")])?;
             for (&kappa, expected) in kappas.iter().zip(&expected) {
                 let error = limit(shells, correction, kappa)? / expected - 1.0;
-                worst.see(error, &format!("m = {shells}, kappa dx = {kappa:.3}"));
+                worst.take(error, &format!("m = {shells}, kappa dx = {kappa:.3}"));
             }
         }
-        claims.push(Lines { context, id: "", method: worst.at(method) }.bounded(
+        claims.push(Lines { context, id: "", method: worst.method(method) }.bounded(
             (
                 key,
                 &format!("largest relative error of omega^2 over m = 2, 3, 4, 6 and {} wave numbers up to pi/dx, {what}", kappas.len()),

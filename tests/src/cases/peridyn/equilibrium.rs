@@ -16,7 +16,7 @@ use work_precision::problems::peridyn::stationary::{
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -95,12 +95,12 @@ fn see<const D: usize>(
             let place = format!("{name}, z = {z}");
             for (at, (scheme, ..)) in EXACT.into_iter().enumerate() {
                 let law = law_of(network, mobility, scheme, z)?;
-                laws.covariance[at].see(distance(&law.covariance, &exact), &place);
-                laws.kick[at].see(law.kick, &place);
+                laws.covariance[at].take(distance(&law.covariance, &exact), &place);
+                laws.kick[at].take(law.kick, &place);
             }
         }
         for (at, (scheme, _)) in BIASED.into_iter().enumerate() {
-            laws.bias[at].see(biased(network, mobility, scheme, &exact)?, name);
+            laws.bias[at].take(biased(network, mobility, scheme, &exact)?, name);
         }
     }
     Ok(())
@@ -134,7 +134,7 @@ fn biased<const D: usize>(
 fn claims_of(context: &Context<'_>, name: &str, laws: &Laws) -> Vec<Claim> {
     let over = format!("{name}, chain of 10 and square of 16 nodes");
     let claim = |id: &str, quantity: &str, worst: &Worst, of: &str, tolerance, reason: &str| {
-        let method = worst.at(&format!("{of}, {over}"));
+        let method = worst.method(&format!("{of}, {over}"));
         let id = format!("{}/{id}", name.replace(' ', "-"));
         Lines { context, id: "", method }.bounded(
             (&id, quantity, ""),
@@ -183,9 +183,10 @@ fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Claim, CaseEr
     for (friction, part) in [(0.3, 0.5), (3.0, 0.9)] {
         let covariance = covariance_of_baoab(network, friction, 2.0 * part)?;
         let place = format!("gamma = {friction}, omega h = {}", 2.0 * part);
-        worst.see(distance(&covariance, &exact), &place);
+        worst.take(distance(&covariance, &exact), &place);
     }
-    let lines = Lines { context, id: "chain10/baoab", method: worst.at("BAOAB, two frictions") };
+    let lines =
+        Lines { context, id: "chain10/baoab", method: worst.method("BAOAB, two frictions") };
     Ok(lines.bounded(
         ("covariance", "largest entry of cov(u) - kT K^-1 over its largest", ""),
         worst.value(),
@@ -213,13 +214,13 @@ fn confined(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
             let share = variance * lambda / TEMPERATURE;
             let exact = lambda / (lambda + chain.confinement);
             bonded
-                .see(share / exact - 1.0, &format!("lambda = {lambda:.3}, a share of {exact:.3}"));
+                .take(share / exact - 1.0, &format!("lambda = {lambda:.3}, a share of {exact:.3}"));
         }
     }
     let reason = "roundoff: linear forces, exact by Leimkuhler and Matthews' method; 2e-16 times the condition, 200";
     let method =
         "Leimkuhler-Matthews, z = 1, chain of 10 bonded nodes and a loose one, epsilon = 0.05";
-    let lines = Lines { context, id: "confinement", method: bonded.at(method) };
+    let lines = Lines { context, id: "confinement", method: bonded.method(method) };
     Ok([
         lines.bounded(
             (

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -167,10 +167,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ];
     let mut worst = [Worst::default(), Worst::default()];
     for path in block.fast()? {
-        worst[path.precision()].see(off(&path.forces, path.lanes, &exact), path.name);
+        worst[path.precision()].take(off(&path.forces, path.lanes, &exact), path.name);
     }
     for (worst, (name, bound)) in worst.iter().zip(PRECISIONS) {
-        let method = worst.at(&lines.method);
+        let method = worst.method(&lines.method);
         claims.push(Lines { method, ..lines }.bounded(
             (name, &format!("{what}, of sums in 40 digits, by the worst of three fast paths"), ""),
             worst.value(),
@@ -211,10 +211,10 @@ fn of_unequal_nodes(context: &Context<'_>) -> Result<Claim, CaseError> {
     let bonds = Bonds::new(&nodes, &config)?;
     let bar = Strained { nodes, bonds, u };
     let mut worst = Worst::default();
-    worst.see(off(&bar.reference()?, 1, &expected), "reference path");
-    worst.see(off(&bar.list::<f64, 1>()?, 1, &expected), "list-f64");
-    worst.see(off(&bar.list::<f64, 8>()?, 8, &expected), "list-f64-x8");
-    let method = worst.at("6 nodes, volumes from 0.2 to 1.1, strains up to 5e-3");
+    worst.take(off(&bar.reference()?, 1, &expected), "reference path");
+    worst.take(off(&bar.list::<f64, 1>()?, 1, &expected), "list-f64");
+    worst.take(off(&bar.list::<f64, 8>()?, 8, &expected), "list-f64-x8");
+    let method = worst.method("6 nodes, volumes from 0.2 to 1.1, strains up to 5e-3");
     Ok(Lines { context, id: "unequal-nodes", method }.bounded(
         ("force", "largest difference of a force to the closed form, over the largest", ""),
         worst.value(),
@@ -259,14 +259,14 @@ fn at_border(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                     let expected = bar.reference()?;
                     for path in bar.fast()?.iter().filter(|path| path.precision() == precision) {
                         let place = format!("{}, w = {}", path.name, sign * border * factor);
-                        worst[precision].see(off(&path.forces, path.lanes, &expected), &place);
+                        worst[precision].take(off(&path.forces, path.lanes, &expected), &place);
                     }
                 }
             }
         }
         let id = format!("border/{side}");
         for ((worst, (name, _)), (tolerance, of)) in worst.iter().zip(PRECISIONS).zip(tolerances) {
-            let method = worst.at("bar of 8 nodes under a uniform strain, three fast paths");
+            let method = worst.method("bar of 8 nodes under a uniform strain, three fast paths");
             claims.push(Lines { context, id: &id, method }.bounded(
                 (name, "largest difference of a force to the reference path, over the largest", ""),
                 worst.value(),

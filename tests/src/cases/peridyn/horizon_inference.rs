@@ -10,7 +10,7 @@ use sde_integrators::{Noise, Purpose};
 use super::dispersion::frequency;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -174,12 +174,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 impl Found {
     fn see(&mut self, of: &Posterior, truth: [f64; 2], (mean, deviation): (f64, f64), at: &str) {
         let horizon: &ParameterPosterior = &of.parameters()[1];
-        self.mean.see((horizon.mean.value - mean) / deviation, at);
-        self.deviation.see(horizon.standard_deviation.value / deviation - 1.0, at);
+        self.mean.take((horizon.mean.value - mean) / deviation, at);
+        self.deviation.take(horizon.standard_deviation.value / deviation - 1.0, at);
         for (k, parameter) in of.parameters().iter().enumerate() {
             let (low, high) = parameter.interval_90();
             self.covered[k] += u32::from((low..=high).contains(&truth[k]));
-            self.r_hat.see(parameter.r_hat - 1.0, at);
+            self.r_hat.take(parameter.r_hat - 1.0, at);
         }
     }
 }
@@ -190,7 +190,7 @@ fn claims(context: &Context<'_>, found: &Found) -> Vec<Claim> {
         BOUNDS[1].0 / SPACING,
         BOUNDS[1].1 / SPACING
     );
-    let at = |worst: &Worst| Lines { context, id: "", method: worst.at(&method) };
+    let at = |worst: &Worst| Lines { context, id: "", method: worst.method(&method) };
     let mut claims = vec![
         at(&found.mean).bounded(
             ("horizon/mean", "largest error of the posterior mean of the horizon, over the posterior deviation", ""),

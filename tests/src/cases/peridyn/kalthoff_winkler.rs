@@ -5,7 +5,7 @@ use peridyn_sde::{Loading, Notch};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
@@ -90,8 +90,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let (plate, cracked) = struck(1e-3 * dx)?;
         let seen = seen(&plate, &cracked)?;
         claims.push(angle(context, dx, &seen));
-        speed.see(seen.speed, &format!("{dx} mm"));
-        asymmetry.see(seen.asymmetry, &format!("{dx} mm"));
+        speed.take(seen.speed, &format!("{dx} mm"));
+        asymmetry.take(seen.asymmetry, &format!("{dx} mm"));
         angles.push(seen.angle);
         if dx <= MILLIMETRES[2] {
             let title = format!("Damage at 90 us, {dx} mm");
@@ -111,7 +111,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             ));
         }
     }
-    claims.push(lines(speed.at(method)).bounded(
+    claims.push(lines(speed.method(method)).bounded(
         (
             "tip-speed",
             "fastest growth of the crack over 6 us, over the Rayleigh speed 2744 m/s",
@@ -121,7 +121,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         1.0,
         "no crack that opens outruns the waves along its faces; c_R of plane stress, nu = 1/3",
     ));
-    claims.push(lines(asymmetry.at(method)).bounded(
+    claims.push(lines(asymmetry.method(method)).bounded(
         ("asymmetry", "share of broken bonds whose image did not break in the same step", ""),
         asymmetry.value(),
         5e-3,

@@ -7,7 +7,7 @@ use work_precision::problems::peridyn::lattice::{config, energy_of_crack, energy
 use super::rest::number;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -68,7 +68,7 @@ fn stiffness<const D: usize>(
             let c12 = c11 / 3.0;
             for (value, of) in [(one / c11, "C11"), ((0.5 * both - one) / c12, "C12")] {
                 let place = format!("{of}, m = {shells}.015, volume correction: {label}");
-                worst.see(value / number(&row[of])? - 1.0, &place);
+                worst.take(value / number(&row[of])? - 1.0, &place);
             }
             is_empty = false;
         }
@@ -76,7 +76,7 @@ fn stiffness<const D: usize>(
             return Err(format!("no row of {name} has the volume correction {label}").into());
         }
     }
-    let method = worst.at("square or cubic lattice, three corrections of volume");
+    let method = worst.method("square or cubic lattice, three corrections of volume");
     Ok(Lines { context, id: "stiffness", method }.bounded(
         (&name.to_lowercase(), "largest relative error of C11 and C12", ""),
         worst.value(),
@@ -104,8 +104,8 @@ fn constants<const D: usize>(
     for (name, influence) in INFLUENCES {
         let config = config(horizon, influence, VolumeCorrection::Ramp);
         let twice = energy_of_middle::<D>(condition, &config, |x| *x)?;
-        extension.see(0.5 * twice / condition.energy_of_extension() - 1.0, name);
-        crack.see(energy_of_crack::<D>(condition, shells_of_crack, influence)? - 1.0, name);
+        extension.take(0.5 * twice / condition.energy_of_extension() - 1.0, name);
+        crack.take(energy_of_crack::<D>(condition, shells_of_crack, influence)? - 1.0, name);
     }
     let place = match condition {
         Condition::Bar { .. } => "bar",
@@ -115,8 +115,8 @@ fn constants<const D: usize>(
     };
     let reason = "what is left is the lattice, and falls with the spacing";
     let claim = |worst: &Worst, shells: u32, of: (&str, &str, &str), tolerance| {
-        let method =
-            worst.at(&format!("constant, conical and quartic influence, m = {shells}.015, ramp"));
+        let method = worst
+            .method(&format!("constant, conical and quartic influence, m = {shells}.015, ramp"));
         Lines { context, id: place, method }.bounded(of, worst.value(), tolerance, reason)
     };
     Ok([

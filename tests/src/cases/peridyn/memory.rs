@@ -9,7 +9,7 @@ use super::memory_body;
 use super::rest::{number, numbers};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -53,12 +53,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     for (id, exponents) in EXPONENTS {
         let law = wear(exponents).law()?;
         see_lines(id, &law, exponents, [&mut own, &mut exact]);
-        order.see(order_of_curve(&law, exponents) - 2.0, id);
+        order.take(order_of_curve(&law, exponents) - 2.0, id);
     }
     let method = format!(
         "four pairs of exponents n and m, k = {SENSITIVITY}, lambda = {RATE}, alpha(0) = {START}"
     );
-    let lines = |worst: &Worst| Lines { context, id: "", method: worst.at(&method) };
+    let lines = |worst: &Worst| Lines { context, id: "", method: worst.method(&method) };
     let mut claims = vec![
         lines(&own).bounded(
             ("integration", "alpha by 30,000 less that by 15,000 steps of Runge-Kutta in a unit of time", ""),
@@ -93,8 +93,8 @@ fn see_lines(id: &str, law: &Memory, exponents: (f64, f64), [own, exact]: [&mut 
         let (until, place) = (f64::from(steps), format!("{id}, t = {steps}"));
         let fine = wear(exponents).integrated(broken_line, until, 30_000 * steps);
         let coarse = wear(exponents).integrated(broken_line, until, 15_000 * steps);
-        own.see(fine - coarse, &place);
-        exact.see(stepped(law, broken_line, until, steps) - fine, &place);
+        own.take(fine - coarse, &place);
+        exact.take(stepped(law, broken_line, until, steps) - fine, &place);
     }
 }
 

@@ -9,9 +9,9 @@ use peridyn_sde::{
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::network::Network as Springs;
 
-use super::worst::Worst;
 use crate::case::{CaseError, Context};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 /// `k`, `lambda`, `alpha(0)`; `n = m = 1`.
@@ -67,14 +67,14 @@ pub(super) fn block(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
     let exact = worn_by_pairs(&x, stiffness);
     let mut worst = Worst::default();
     for (node, (damage, exact)) in found.damage.iter().zip(&exact.damage).enumerate() {
-        worst.see(damage - exact, &format!("node {node}"));
+        worst.take(damage - exact, &format!("node {node}"));
     }
     let method = format!(
         "9 x 9 nodes, horizon 3.015 dx, n = m = 1, ramp to 2e-3 and hold, {STEPS} steps each"
     );
     let reason = "second order: between the ends of a step the stretch of a slanting bond bends by 1e-6 of its strain over the square of the steps";
     Ok([
-        Lines { context, id: "block", method: worst.at(&method) }.bounded(
+        Lines { context, id: "block", method: worst.method(&method) }.bounded(
             ("damage", "largest error of the damage of a node against the sum of its bonds", ""),
             worst.value(),
             1e-8,
@@ -210,13 +210,14 @@ pub(super) fn softening(context: &Context<'_>) -> Result<Claim, CaseError> {
         body.advance(&before, &u, 1.0)?;
         let mut forces = [[0.0]; 2];
         let _ = body.forces(&u, &mut forces)?;
-        worst.see(
+        worst.take(
             forces[0][0] / (stiffness * STRENGTH) - expected / STRENGTH,
             &format!("s = {s:e}"),
         );
         before = u;
     }
-    let method = worst.at("one bond, strength 1e-3, ductility 4: to 2.5e-3, to -1e-3, beyond 4e-3");
+    let method =
+        worst.method("one bond, strength 1e-3, ductility 4: to 2.5e-3, to -1e-3, beyond 4e-3");
     Ok(Lines { context, id: "softening", method }.bounded(
         (
             "force",

@@ -9,7 +9,7 @@ use work_precision::problems::peridyn::sample::mean;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -222,12 +222,12 @@ fn outcomes(context: &Context<'_>, all: &[Scatter]) -> [Claim; 3] {
         let share = |count: usize| count as f64 / scatter.count() as f64;
         let records = scatter.ensemble.records();
         let lost = records.iter().filter(|record| !record.outcome.counts()).count();
-        elsewhere.see(share(lost), &scatter.place());
+        elsewhere.take(share(lost), &scatter.place());
         let missing = share(scatter.count() - scatter.heights.len());
         let worst = if scatter.family == Family::White { &mut white } else { &mut short };
-        worst.see(missing, &scatter.place());
+        worst.take(missing, &scatter.place());
     }
-    let lines = |worst: &Worst, what: &str| Lines { context, id: "", method: worst.at(what) };
+    let lines = |worst: &Worst, what: &str| Lines { context, id: "", method: worst.method(what) };
     [
         lines(&elsewhere, "all ensembles, 64 realisations or more").bounded(
             (

@@ -7,7 +7,7 @@ use peridyn_sde::{
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -56,17 +56,17 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let place = format!("dx = {spacing}");
         // 12 E/(pi delta^4) over 9 E/(pi delta^3 t), with K = E/(3 (1 - 2 nu)) = E.
         for ratio in ratio::<2>(plate, spacing)? {
-            worst[0].see(ratio / (2.0 * thickness / horizon / volume[0]) - 1.0, &place);
+            worst[0].take(ratio / (2.0 * thickness / horizon / volume[0]) - 1.0, &place);
         }
         for ratio in ratio::<3>(Condition::Solid, spacing)? {
-            worst[1].see(ratio * volume[1] - 1.0, &place);
+            worst[1].take(ratio * volume[1] - 1.0, &place);
         }
     }
     let method =
         "lattice of 8 nodes to a side, horizon 3.015 dx, dx = 1 and 0.5, softest and stiffest bond";
     let mut claims: Vec<Claim> = ["plate", "solid"].into_iter().zip(&worst).map(|(name, worst)| {
         let quantity = "stiffness of a bond as printed over that of the bond that is meant: relative error of the factor by which all are off";
-        let lines = Lines { context, id: "stiffness", method: worst.at(method) };
+        let lines = Lines { context, id: "stiffness", method: worst.method(method) };
         lines.bounded((name, quantity, ""), worst.value(), 1e-14, "roundoff: a product of ten numbers; every bond is off by the same factor")
     }).collect();
     claims.extend(horizon(context)?);
@@ -91,7 +91,7 @@ fn horizon(context: &Context<'_>) -> Result<[Claim; 3], CaseError> {
         let lengths =
             pairs.map(|(i, j)| ((x[j][0] - x[i][0]).powi(2) + (x[j][1] - x[i][1]).powi(2)).sqrt());
         let printed = lengths.filter(|&length| longest(length) && length < reach).count();
-        apart.see(kept as f64 - printed as f64, &format!("dx = {spacing}"));
+        apart.take(kept as f64 - printed as f64, &format!("dx = {spacing}"));
         shares.push(kept as f64 / f64::from(2 * side * (side - 3)));
     }
     let method = "40 x 40 nodes, delta = 3 dx, dx = 1, 0.1, 1/30 and 0.001";
@@ -101,7 +101,7 @@ fn horizon(context: &Context<'_>) -> Result<[Claim; 3], CaseError> {
         .fold((1.0_f64, 0.0_f64), |(low, high), &share| (low.min(share), high.max(share)));
     let quantity = |which| format!("{which} share of the bonds of three spacings that are there");
     Ok([
-        Lines { method: apart.at(method), ..lines }.bounded(
+        Lines { method: apart.method(method), ..lines }.bounded(
             ("kept", "bonds of three spacings that are there, less those of the print", ""),
             apart.value(),
             0.0,

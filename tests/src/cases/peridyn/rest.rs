@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::peridyn::rest::displacements;
 use crate::report::Claim;
 
@@ -46,7 +46,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let found = plate(*rows, *shells, (*volume, SurfaceCorrection::None))?;
         see_plate(&mut worst, name, &found, &reference["results"][name])?;
     }
-    let method = worst.at(&format!("{n_plates} plates, conjugate gradients"));
+    let method = worst.method(&format!("{n_plates} plates, conjugate gradients"));
     claims.push(Lines { context, id: "plate", method }.bounded(
         (
             "other-solver",
@@ -116,9 +116,9 @@ fn of_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             (seen - 2e-3, seen + 2e-3),
             "the surface: end nodes lack bonds; the correction takes most of it and overshoots",
         ));
-        worst.see(modulus(u) - 1.0, name);
+        worst.take(modulus(u) - 1.0, name);
     }
-    claims.push(Lines { method: worst.at(method), ..lines }.bounded(
+    claims.push(Lines { method: worst.method(method), ..lines }.bounded(
         (
             "modulus",
             "Young's modulus over the middle fifth less 1, with and without surface correction",
@@ -189,7 +189,7 @@ fn see_plate(
         ("total_strain", found.total),
         ("exx_edge_row", found.edge),
     ] {
-        worst.see(found / number(&reference[key])? - 1.0, &format!("{key} of {name}"));
+        worst.take(found / number(&reference[key])? - 1.0, &format!("{key} of {name}"));
     }
     Ok(())
 }

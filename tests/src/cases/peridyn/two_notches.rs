@@ -10,7 +10,7 @@ use work_precision::problems::peridyn::sample::mean;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::peridyn::worst::Worst;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::peridyn::plate::{Cracked, Plate};
 use crate::report::Claim;
@@ -158,12 +158,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         context.progress(&format!("{rows} rows"));
         let plate = Symmetric::new(rows, n_steps)?;
         let still = without_noise(&plate)?;
-        asymmetry.see(still.asymmetry, &format!("{rows} rows"));
-        difference.see(still.difference, &format!("{rows} rows"));
+        asymmetry.take(still.asymmetry, &format!("{rows} rows"));
+        difference.take(still.difference, &format!("{rows} rows"));
         claims.extend(with_noise(context, &format!("n-{rows}"), &plate, batches)?);
     }
     let method = "32 and 64 rows, f32, overdamped, 2500 steps with predictor, no noise";
-    let lines = |worst: &Worst| Lines { context, id: "without-noise", method: worst.at(method) };
+    let lines =
+        |worst: &Worst| Lines { context, id: "without-noise", method: worst.method(method) };
     claims.push(lines(&asymmetry).bounded(
         ("asymmetry", "share of broken bonds whose image did not break in the same step", ""),
         asymmetry.value(),

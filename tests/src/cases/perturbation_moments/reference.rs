@@ -3,6 +3,7 @@
 use figures::ErrorKind;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::worst::Worst;
 use crate::perturbation_moments::reference::{ReferenceCase, ReferenceTable};
 use crate::perturbation_moments::responses::assess;
 use crate::report::Claim;
@@ -39,19 +40,6 @@ const FAMILIES: [Family; 8] = [
     Family { name: "mie_gruneisen", has_literals: true, truncation: [0.045, 1.7e-3] },
 ];
 
-/// The worst of a family: the error and the case it is of.
-#[derive(Debug, Default)]
-struct Worst(f64, String);
-
-impl Worst {
-    /// NaN stays.
-    fn take(&mut self, error: f64, case: &ReferenceCase) {
-        if self.1.is_empty() || error.is_nan() || error.abs() > self.0 {
-            *self = Self(error.abs(), case.name.clone());
-        }
-    }
-}
-
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     let table = ReferenceTable::read()?;
@@ -83,22 +71,22 @@ fn errors(
     let mut worst: [Worst; 5] = Default::default();
     for case in of(table, family) {
         let assessed = assess(case)?;
-        worst[0].take(assessed.derivative_error, case);
-        worst[1].take(assessed.openturns_error, case);
-        worst[2].take(assessed.moment_error, case);
+        worst[0].take(assessed.derivative_error, &case.name);
+        worst[1].take(assessed.openturns_error, &case.name);
+        worst[2].take(assessed.moment_error, &case.name);
         if case.has_a_variance() {
             let truth = case.quadrature.var;
-            worst[3].take(assessed.variance_first_order / truth - 1.0, case);
-            worst[4].take(assessed.variance_fourth_order / truth - 1.0, case);
+            worst[3].take(assessed.variance_first_order / truth - 1.0, &case.name);
+            worst[4].take(assessed.variance_fourth_order / truth - 1.0, &case.name);
         }
     }
     let rows = statements(family);
     Ok(rows
         .into_iter()
         .zip(worst)
-        .map(|((name, quantity, method, tolerance, reason), Worst(error, case))| {
+        .map(|((name, quantity, method, tolerance, reason), worst)| {
             let id = format!("{}/{name}", family.name.replace('_', "-"));
-            let method = format!("{method}; worst of {}: {case}", of(table, family).count());
+            let (method, error) = (worst.method(method), worst.value());
             let subject = context.subject(&id, quantity, "", &method);
             Claim::within(subject, ErrorKind::Absolute, (error, 0.0), tolerance, reason)
         })

@@ -9,9 +9,9 @@ use smpm::{
 };
 
 use super::methods::{METHODS, Method, ended};
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use smpm::Number;
 use smpm::material::{JohnsonCook, JohnsonCookParameters, Now, Observed, Strength};
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

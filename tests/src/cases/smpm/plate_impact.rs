@@ -4,9 +4,9 @@ use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, Visco
 use smpm::uncertainty::{FrozenForm, Study};
 use work_precision::problems::smpm::problems::{Problem, experiment};
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

@@ -6,9 +6,9 @@ use smpm::Number;
 use smpm::material::{Now, Strength, VonMises, VonMisesParameters, VonMisesState};
 use work_precision::order;
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

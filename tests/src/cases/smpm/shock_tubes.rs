@@ -6,9 +6,9 @@ use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Shape, Side, Simulation, Transfer,
 };
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 use crate::smpm::riemann::{Gas, Riemann};

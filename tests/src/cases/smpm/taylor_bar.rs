@@ -8,9 +8,9 @@ use scenes::smpm::material_scene::{EquationScene, MaterialScene, ParameterScene,
 
 use self::bar::{Specimen, axisymmetric, quarter};
 use self::reference::{Benchmark, Recovered, TaylorTests};
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

@@ -7,9 +7,9 @@ use smpm::uncertainty::Study;
 use work_precision::problems::smpm::problems::{Problem, experiment};
 use work_precision::quantile::quantile;
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

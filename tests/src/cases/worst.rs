@@ -1,7 +1,7 @@
 //! The worst of a family of values that share one reason.
 
-/// The value farthest from where it should be, and where it is.
-#[derive(Debug, Clone)]
+/// The value farthest from its target, and where it is.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Worst {
     target: f64,
     value: Option<f64>,

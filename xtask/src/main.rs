@@ -17,6 +17,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
 
   verify [FILTER]... [--quick|--full] [--list] [--json FILE] [--out DIR]
                               run the proof; fails if a claim does not hold
+                              filters that all name a case, as fpk-sph/steps, build the cases
+                              without optimisation: a changed tolerance has its verdict sooner
   verify --loose [FILTER]...  the same, and list the claims whose tolerance is over ten
                               times the error without a reason for it
   verify --record [--full]    the same, and write docs/verification.md and .json; refused with a loose claim
@@ -140,8 +142,34 @@ fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
 }
 
 fn run_arguments(package: &str, arguments: &[String]) -> Vec<String> {
-    let start = ["run", "--release", "--quiet", "--package", package, "--"];
-    start.into_iter().map(str::to_owned).chain(arguments.iter().cloned()).collect()
+    let unoptimised: &[&str] = if names_cases(arguments) { &UNOPTIMISED } else { &[] };
+    let start = ["run", "--release", "--quiet", "--package", package];
+    let start = start.iter().chain(unoptimised).chain(&["--"]).map(|&word| word.to_owned());
+    start.chain(arguments.iter().cloned()).collect()
+}
+
+/// The cases are compiled without optimisation, in an eighth of the time; solvers, scenes and problems are not concerned. Cargo
+/// keeps both builds.
+const UNOPTIMISED: [&str; 2] = ["--config", "profile.release.package.verification.opt-level=0"];
+
+/// Whether these are arguments of `verify` that name single cases, which run shorter than their optimisation takes.
+fn names_cases(arguments: &[String]) -> bool {
+    let Some(("verify", mut rest)) = arguments.split_first().map(|(c, rest)| (c.as_str(), rest))
+    else {
+        return false;
+    };
+    let mut n_cases = 0;
+    while let Some((argument, further)) = rest.split_first() {
+        rest = further;
+        match argument.as_str() {
+            "--json" | "--out" => rest = rest.get(1..).unwrap_or_default(),
+            RECORD | "--full" | "--help" | "-h" => return false,
+            option if option.starts_with('-') => {}
+            filter if filter.contains('/') => n_cases += 1,
+            _ => return false,
+        }
+    }
+    n_cases > 0
 }
 
 /// Adds the folders of the workspace to the arguments of `schema`; other commands are unchanged.
@@ -256,6 +284,25 @@ mod tests {
 
     fn words(text: &str) -> Vec<String> {
         text.split_whitespace().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn only_filters_that_all_name_a_case_go_without_optimisation() {
+        let is_unoptimised = |text: &str| {
+            run_arguments("verification", &words(text)).iter().any(|word| word == "--config")
+        };
+        assert!(is_unoptimised("verify fpk-sph/steps"));
+        assert!(is_unoptimised("verify --quick fpk-sph/steps --json out/a.json smpm/disks"));
+        for text in [
+            "verify",
+            "verify --quick --out target/verify",
+            "verify fpk-sph",
+            "verify fpk-sph/steps smpm",
+            "verify --full peridyn-sde/inference",
+            "run tests/scenes/fpk/viscous_damper.json",
+        ] {
+            assert!(!is_unoptimised(text), "{text}");
+        }
     }
 
     #[test]

@@ -95,6 +95,7 @@ pub const ALL: &[Case] = &[
     perturbation_moments::reference::CASE,
     perturbation_moments::trust::CASE,
     perturbation_moments::judge::CASE,
+    sde::normals::CASE,
     sde::orders::ADDITIVE,
     sde::orders::DIAGONAL,
     sde::orders::SECOND_ORDER,

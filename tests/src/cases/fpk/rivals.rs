@@ -1,12 +1,13 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
 use figures::{ErrorKind, Measured, Reference};
-use fpk_sph::systems::{BoucWen, Duffing};
+use fpk_sph::systems::{BoucWen, Duffing, LinearOscillator};
 use random_vibration::{
     GridConfig, GridDensity, Linearisation, Quadrature, SubsetConfig, TailPaths, Tails,
 };
 use sde_integrators::{Additive, GaussianMixture, Sde, StrangOscillator};
 use work_precision::order;
+use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
@@ -14,6 +15,7 @@ use work_precision::problems::fpk::reference::DuffingReference;
 
 use super::{moment_words, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::worst::Worst;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -47,11 +49,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (system, law) = duffing()?;
     claims.extend(duffing_on_a_grid(context, &system, &law)?);
     context.progress("linearisation");
+    claims.push(linearised_linear(context)?);
     claims.extend(linearised_damper(context)?);
-    claims.push(linearised_duffing(context, &system, &law)?);
+    claims.extend(linearised_duffing(context, &system, &law)?);
     claims.extend(linearised_hysteresis(context)?);
     context.progress("one probability");
     claims.extend(one_probability(context)?);
+    claims.push(unequal_tails(context)?);
     Ok(claims)
 }
 
@@ -266,7 +270,7 @@ fn linearised_duffing(
     context: &Context<'_>,
     system: &Duffing,
     law: &GaussianMixture<2>,
-) -> Result<Claim, CaseError> {
+) -> Result<[Claim; 2], CaseError> {
     let exact = DuffingReference::read()?;
     let rule = Linearisation {
         order: [(0, Quadrature::Hermite), (1, Quadrature::Hermite)],
@@ -276,7 +280,81 @@ fn linearised_duffing(
     // (sqrt(7) - 1)/3 over the exact 0.5792.
     let reference = Reference::exact(exact.displacement);
     let place = ("duffing", "second-moment-x", 100.0);
-    Ok(linearised(context, place, law.covariance[0][0], reference, (-0.055, -0.051)))
+    let value = law.covariance[0][0];
+    let method = "statistical linearisation, steps of 0.05 s";
+    let closure = Claim::within(
+        context.subject("duffing/linearisation/closure", "E[x^2] of the closure", "", method),
+        ErrorKind::Relative,
+        (value, (7.0_f64.sqrt() - 1.0) / 3.0),
+        2e-5,
+        "what is left of the start, exp(-2 xi w t), and the fourth order of the step; the closure itself is E[x^4] = 3 E[x^2]^2",
+    );
+    Ok([linearised(context, place, value, reference, (-0.055, -0.051)), closure])
+}
+
+/// A linear system that does not start at rest: mean and covariance obey Lyapunov's equation, whatever is linearised.
+fn linearised_linear(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let (system, law) = off_centre()?;
+    // Its drift has no kink: Hermite's rule is exact.
+    let rule = Linearisation {
+        order: [(0, Quadrature::Hermite), (1, Quadrature::Hermite)],
+        ..OF_OSCILLATOR
+    };
+    let found = rule.laws(&system, &law, &SHAKING)?;
+    let exact = linear_moments(&system, &law, &SHAKING, 2e-3)?;
+    let mut worst = Worst::of_errors();
+    for (found, exact) in found.iter().zip(&exact) {
+        let deviations: [f64; 2] = std::array::from_fn(|k| exact.covariance[k][k].sqrt());
+        for i in 0..2 {
+            let place = format!("state {i}, t = {}", exact.t);
+            worst.take((found.mean[i] - exact.mean[i]) / deviations[i], &place);
+            for j in 0..2 {
+                let scale = deviations[i] * deviations[j];
+                worst.take((found.covariance[i][j] - exact.covariance[i][j]) / scale, &place);
+            }
+        }
+    }
+    let method = worst.method("statistical linearisation, steps of 0.05 s");
+    let quantity = "largest error of mean and covariance, over the deviations";
+    Ok(Claim::within(
+        context.subject("linear-oscillator/linearisation/exact", quantity, "", &method),
+        ErrorKind::Absolute,
+        (worst.value(), 0.0),
+        1e-4,
+        "a linear system stays normal: the fourth order of steps of 0.05 s",
+    ))
+}
+
+/// The linear oscillator from a mean of 0.1 and no deviation to speak of.
+fn off_centre() -> Result<(LinearOscillator, GaussianMixture<2>), CaseError> {
+    let Oscillator::Linear(system) = Problem::linear_oscillator()?.system else {
+        return Err("another system".into());
+    };
+    Ok((system, GaussianMixture::independent([0.1, 0.0], [0.02, 0.05])?))
+}
+
+/// `P(|q| > T)` where the tails differ, by importance sampling at both design points.
+fn unequal_tails(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let (system, law) = off_centre()?;
+    let t = 2.0;
+    let exact = linear_moments(&system, &law, &[t], 2e-3)?[0];
+    let threshold = 3.5 * exact.covariance[0][0].sqrt() + exact.mean[0].abs();
+    let paths = TailPaths::new::<_, _, 1>(&system, &StrangOscillator, &law, (t, 200))?;
+    let estimate = paths.importance(threshold, Tails::Both, 20_000, 7)?;
+    let error = estimate.standard_error().ok_or("no standard error")?;
+    let id = format!("linear-oscillator/importance/both-tails/t{t}");
+    let method =
+        "importance sampling at both design points, 20,000 paths each; the mean is not zero";
+    Ok(Claim::judge(
+        context.subject(&id, "P(|q| > T)", "", method),
+        ErrorKind::Relative,
+        Measured::sampled(estimate.value, error),
+        exact.exceedance(&[1.0, 0.0], threshold),
+        Criterion::MonteCarlo {
+            bias_bound: 0.01,
+            reason: "200 Strang steps: 5e-4 of the variance, times z^2/2 = 8",
+        },
+    ))
 }
 
 fn linearised_hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {

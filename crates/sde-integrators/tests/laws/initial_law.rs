@@ -1,4 +1,4 @@
-//! Initial laws: density, moments, samples, refusals.
+//! Initial distributions: density, moments, samples, refusals.
 
 use sde_integrators::{Error, GaussianComponent, GaussianMixture, InitialLaw, Noise, Purpose};
 

@@ -2,8 +2,9 @@
 //!
 //! Exempt are code, formulas, and what a page marks otherwise:
 //!
-//! - a block (paragraph, list or table) is measured once if it says so, or the line before it, or its heading: "measured
-//!   once", "prototype" or "trial";
+//! - a block is measured once if it or its heading says so ("measured once", "prototype" or "trial"); a table or a list also
+//!   if the paragraph before it does;
+//! - a page is, if it says "numbers of this page were measured once";
 //! - `<!-- setting -->`, `<!-- printed -->` or `<!-- derived -->` in a line exempts that line, and alone on a line the
 //!   block below: a size or tolerance, a number that a publication prints, a closed form or its evaluation.
 
@@ -17,8 +18,11 @@ const ONCE: [&str; 3] = ["measured once", "prototype", "trial"];
 /// A page's lines that state a number without a key, each with its number and text.
 pub(crate) fn without_key(page: &str, keys: &BTreeMap<String, String>) -> Vec<String> {
     let text = page.split("<!-- records").next().unwrap_or_default();
+    if text.contains("numbers of this page were measured once") {
+        return Vec::new();
+    }
     let (mut found, mut code) = (Vec::new(), false);
-    // Whether the heading, the line before the block, and the block say that they are measured once.
+    // Whether the heading, the paragraph before the block, and the block say that they are measured once.
     let (mut heading, mut before, mut exempt) = (false, false, false);
     let lines: Vec<&str> = text.lines().collect();
     for (i, line) in lines.iter().enumerate() {
@@ -26,9 +30,11 @@ pub(crate) fn without_key(page: &str, keys: &BTreeMap<String, String>) -> Vec<St
         let fence = line.trim_start().starts_with("```");
         code ^= fence;
         if begins && !line.trim().is_empty() && !code {
-            let block = lines[i..].iter().take_while(|line| !line.trim().is_empty());
-            let marked = MARKS.contains(&line.trim()) || block.clone().any(|line| is_once(line));
-            (exempt, before) = (marked || before, marked && block.count() == 1);
+            let mut block = lines[i..].iter().take_while(|line| !line.trim().is_empty());
+            let (marked, once) = (MARKS.contains(&line.trim()), block.any(|line| is_once(line)));
+            // A paragraph introduces the table or the list below it.
+            let is_below = line.starts_with(['|', '-']);
+            (exempt, before) = (marked || once || (before && is_below), once && !is_below);
         }
         if code || fence {
             before = false;
@@ -99,5 +105,6 @@ fn a_measured_number_without_a_key_is_found() {
     assert_eq!(found("<!-- printed -->\n| 1 % |\n| 2 % |\n\n| 3 % |"), 1);
     assert_eq!(found("Measured once:\n\n| 1 % |\n| 2 % |\n\nand 3 %"), 1);
     assert_eq!(found("Measured once: 1 %\nand 2 %\n"), 0);
+    assert_eq!(found("Measured once: 1 %\n\nand 2 %\n"), 1);
     assert_eq!(found("# Costs, measured once\n\n1 %\n\n2 %\n\n# Errors\n\n3 %"), 1);
 }

@@ -152,7 +152,7 @@ impl Claim {
         }
     }
 
-    /// Two results that must be the same bits: `n_different` values out of `n_compared` differ.
+    /// Two results that must be bitwise identical: `n_different` values out of `n_compared` differ.
     #[must_use]
     pub fn same_bits(
         subject: Subject,
@@ -233,7 +233,7 @@ impl Claim {
         if error <= one { Some(0.0) } else { Some((error - one) / (tolerance - one)) }
     }
 
-    /// The row that stands for a case that ended in an error.
+    /// The row of a case that ended in an error.
     #[must_use]
     pub fn case_error(case_id: &str, message: &str) -> Self {
         Self {

@@ -100,7 +100,7 @@ pub struct Claim {
 pub enum ClaimKind {
     /// An error against a reference: within a tolerance, or a bias bound and standard errors.
     Accuracy,
-    /// The same bits, a count, a typed error or another yes or no: a property without a reference value.
+    /// Bitwise equality, a count, a typed error or another yes or no: a property without a reference value.
     Structural,
     /// A value or an error held to where it was measured: no statement of accuracy.
     RegressionBound,

@@ -90,7 +90,7 @@ const CHECKS: [Check; 12] = [
     },
     Check {
         name: "resume",
-        purpose: "runs killed 52 times go on to the same bits",
+        purpose: "runs killed 52 times resume with bitwise identical results",
         tool: None,
         plan: plans::resume,
     },

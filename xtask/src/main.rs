@@ -28,7 +28,7 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               from the beginning with --overwrite
   run SCENE.json --out DIR --mpi N
                               the same on N ranks, started by mpirun: an ensemble, block by
-                              block, to the same bits (docs/scaling.md)
+                              block, bitwise identical (docs/scaling.md)
   run SCENE.json --out DIR --tolerance T
                               the same, its method refined to an error of T; fails if it
                               is not reached

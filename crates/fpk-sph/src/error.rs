@@ -322,7 +322,7 @@ pub enum Error {
     NotWhitened,
     /// Remeshing needs more particles than allowed.
     #[error("t = {time}: remeshing needs {count} particles or more; {limit} are allowed")]
-    FreshLatticeTooLarge {
+    RemappingTooLarge {
         /// Time.
         time: f64,
         /// Particles so far.
@@ -334,7 +334,7 @@ pub enum Error {
     #[error(
         "t = {time}: remeshing changes the {quantity} by {value:e}; at most {limit:e} is allowed"
     )]
-    FreshLatticeChanges {
+    RemappingChangesMass {
         /// Time.
         time: f64,
         /// Mass, mean or covariance.

@@ -138,7 +138,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// [`Error::NotPositive`] and [`Error::NotFinite`] for the parameters, [`Error::NotWhitened`],
-    /// [`Error::FreshLatticeTooLarge`], [`Error::FreshLatticeChanges`], [`Error::TooFewParticles`], those of the metric and of
+    /// [`Error::RemappingTooLarge`], [`Error::RemappingChangesMass`], [`Error::TooFewParticles`], those of the metric and of
     /// the estimator. The simulation is then as it was.
     pub fn remap(&mut self, remapping: &Remapping) -> Result<Remapped, Error> {
         (passes().remap)(&mut self.solver, remapping)

@@ -1,4 +1,4 @@
-//! A search as a user would write it, behind the same seam.
+//! A search as a user would write it, behind the same trait.
 
 use neighbour_search::{BruteForce, CellGrid, Error, NeighbourList, NeighbourSearch, Radii};
 

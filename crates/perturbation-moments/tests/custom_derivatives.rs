@@ -1,4 +1,4 @@
-//! The seams as a user would plug into them: a way to have derivatives, and a response.
+//! Extension traits as a user implements them: a way to compute derivatives, and a response.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 

@@ -185,7 +185,7 @@ fn the_derivatives_of_johnson_and_cook_are_not_the_printed_ones() {
             assert!((value - printed).abs() > 0.1 * right.abs(), "{name} ({i}, {j}): as printed");
         }
     }
-    // With independent inputs the printed zeros leave no second-order term in the mean: the shift is -5.93 at C.V. 0.15.
+    // With independent inputs the printed zeros leave no second-order term in the mean: the shift is -5.93 at a coefficient of variation of 0.15.
     let inputs = RandomVector::independent(x, x.map(|mean| 0.15 * mean)).unwrap();
     let moments = Moments::new(&inputs, &steel.expansion(&x)).unwrap();
     let shift = moments.mean_second_order().unwrap() - moments.mean_first_order();

@@ -10,7 +10,7 @@ use crate::estimate::Estimate;
 use crate::follow::{Follow, LaneStates, Lives, Watch};
 use crate::integrator::Integrator;
 use crate::lane_increments::LANES;
-use crate::law::InitialLaw;
+use crate::law::InitialDistribution;
 use crate::schedule::{EnsembleConfig, Leg, schedule};
 use crate::tally::{Observable, Sampling, Seen, Tally};
 
@@ -72,7 +72,7 @@ pub fn simulate<S, I, L, const D: usize, const M: usize>(
 where
     S: Sync + ?Sized,
     I: Integrator<S, D, M>,
-    L: InitialLaw<D> + ?Sized,
+    L: InitialDistribution<D> + ?Sized,
 {
     let (sampling, level) = (Sampling::Independent, SimdLevel::best());
     let study = Study { name: "", system, integrator, law, config, observables, sampling, level };
@@ -108,7 +108,7 @@ pub(crate) enum Failing {
 impl<S, I, L, const D: usize> Study<'_, S, I, L, D>
 where
     S: Sync + ?Sized,
-    L: InitialLaw<D> + ?Sized,
+    L: InitialDistribution<D> + ?Sized,
 {
     pub(crate) fn check(&self) -> Result<Vec<Leg>, Error> {
         if self.observables.is_empty() {

@@ -7,7 +7,7 @@ use lanes::{Registers, SimdLevel, Work};
 use crate::error::Error;
 use crate::integrator::{Integrator, Joints};
 use crate::lane_increments::{LANES, LaneIncrements, LaneNoise};
-use crate::law::InitialLaw;
+use crate::law::InitialDistribution;
 use crate::noise::Noise;
 use crate::schedule::Leg;
 use crate::tally::Sampling;
@@ -126,7 +126,7 @@ where
     ) -> Lives
     where
         I: Integrator<S, D, M>,
-        L: InitialLaw<D>,
+        L: InitialDistribution<D>,
         W: Watch<D>,
     {
         let mut lives = Lives::new(ids);

@@ -7,15 +7,15 @@ use crate::error::Error;
 use crate::noise::{Noise, Purpose};
 
 /// Distribution of the initial state. Implement it for further distributions; a point `[f64; D]` is one too.
-pub trait InitialLaw<const D: usize>: Sync {
+pub trait InitialDistribution<const D: usize>: Sync {
     /// The initial state of a realisation: a pure function of noise and realisation.
     ///
-    /// It is drawn from [`Purpose::InitialLaw`].
+    /// It is drawn from [`Purpose::InitialDistribution`].
     fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D];
 }
 
 /// Deterministic start at this point.
-impl<const D: usize> InitialLaw<D> for [f64; D] {
+impl<const D: usize> InitialDistribution<D> for [f64; D] {
     fn sample(&self, _noise: &Noise, _realisation: u64) -> [f64; D] {
         *self
     }
@@ -164,7 +164,7 @@ impl<const D: usize> GaussianMixture<D> {
     /// The initial state of a realisation. It takes `2 + 4 ceil(D/2)` words, whichever component is drawn.
     #[must_use]
     pub fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D] {
-        let mut stream = noise.stream(Purpose::InitialLaw, realisation);
+        let mut stream = noise.stream(Purpose::InitialDistribution, realisation);
         let mut uniform = stream.next_uniform();
         let last = self.components.len() - 1;
         let mut chosen = 0;
@@ -183,7 +183,7 @@ impl<const D: usize> GaussianMixture<D> {
     }
 }
 
-impl<const D: usize> InitialLaw<D> for GaussianMixture<D> {
+impl<const D: usize> InitialDistribution<D> for GaussianMixture<D> {
     fn sample(&self, noise: &Noise, realisation: u64) -> [f64; D] {
         self.sample(noise, realisation)
     }

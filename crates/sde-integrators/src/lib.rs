@@ -65,7 +65,7 @@ pub use integrator::{Integrator, Joints};
 pub use lane_increments::{LANES, LaneIncrements};
 pub use lane_normals::LaneNormals;
 pub use lanes::SimdLevel;
-pub use law::{GaussianComponent, GaussianMixture, InitialLaw};
+pub use law::{GaussianComponent, GaussianMixture, InitialDistribution};
 pub use leimkuhler_matthews::{LastKick, LeimkuhlerMatthews};
 pub use linear_theta::{LinearOperator, LinearTheta};
 pub use maximum::{Between, Response, Side, maxima};

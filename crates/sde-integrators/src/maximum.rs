@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::follow::{Follow, LaneStates, Lives, Watch};
 use crate::integrator::Integrator;
 use crate::lane_increments::LANES;
-use crate::law::InitialLaw;
+use crate::law::InitialDistribution;
 use crate::noise::{Noise, Purpose, Stream};
 use crate::samples::Samples;
 use crate::schedule::{EnsembleConfig, schedule};
@@ -104,7 +104,7 @@ pub fn maxima<S, I, L, const D: usize, const M: usize>(
 where
     S: Sync + ?Sized,
     I: Integrator<S, D, M>,
-    L: InitialLaw<D> + ?Sized,
+    L: InitialDistribution<D> + ?Sized,
 {
     let legs = schedule(config)?;
     response.check(legs.iter().fold(0.0, |largest, leg| leg.dt.max(largest)))?;

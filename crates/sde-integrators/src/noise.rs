@@ -20,7 +20,7 @@ pub enum Purpose {
     /// The Brownian motion that drives a path: its increments `w`.
     Path = 0,
     /// The initial state of a path.
-    InitialLaw = 1,
+    InitialDistribution = 1,
     /// Values between the ends of a step: bridges, first passage.
     Bridge = 2,
     /// A random field or the parameters of a realisation.
@@ -39,7 +39,7 @@ impl Purpose {
     /// All purposes.
     pub const ALL: [Self; 8] = [
         Self::Path,
-        Self::InitialLaw,
+        Self::InitialDistribution,
         Self::Bridge,
         Self::Field,
         Self::Bootstrap,

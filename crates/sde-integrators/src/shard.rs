@@ -5,7 +5,7 @@ use crate::ensemble::{Block, Ensemble, Failing, Study, estimates, merge_tallies}
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::integrator::Integrator;
-use crate::law::InitialLaw;
+use crate::law::InitialDistribution;
 use crate::tally::{Sampling, Tally};
 
 /// Identity common to all shards of a study. Its name represents what cannot be compared: system and functions.
@@ -107,7 +107,7 @@ impl Outcome {
 impl<S, I, L, const D: usize> Study<'_, S, I, L, D>
 where
     S: Sync + ?Sized,
-    L: InitialLaw<D> + ?Sized,
+    L: InitialDistribution<D> + ?Sized,
 {
     /// Simulates all paths and counts failed ones.
     ///

@@ -1,5 +1,5 @@
 //! Whatever numbers come in, laws, factors, methods and first steps end in a result or a typed error: no panic, no hang, no memory
-//! beyond [`MOST_BYTES`], no NaN in what is told. `PROPTEST_CASES` says how many are tried.
+//! beyond [`MOST_BYTES`], no NaN in a result. `PROPTEST_CASES` says how many are tried.
 
 #[path = "any_input/drawn.rs"]
 mod drawn;

@@ -62,7 +62,7 @@ fn covariance() -> Vec<f64> {
     (0..9).map(|k| dot(k / 3, k % 3)).collect()
 }
 
-/// After 50 steps the field and the small state agree to roundoff: sums in another order, 1e-13.
+/// After 50 steps the field and the small state agree within roundoff: sums in another order, 1e-13.
 fn same_as_small<I>(method: &I, factor: impl NoiseFactor, name: &str)
 where
     I: FieldIntegrator,

@@ -1,4 +1,4 @@
-//! What the corrections promise: constants and slopes to roundoff, for every kernel, at a corner of a disordered cloud.
+//! Corrections reproduce constants and slopes within roundoff, for every kernel, at a corner of a disordered cloud.
 
 use proptest::prelude::*;
 use smoothing_kernels::{

@@ -1,4 +1,4 @@
-//! Who stands in which tile, and the order in memory that follows from it.
+//! The tile of each particle, and the order in memory that follows from it.
 
 #![allow(
     clippy::inline_always,
@@ -11,10 +11,10 @@ use lanes::dispatch;
 
 use crate::tile_size::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 
-/// Particles are put in order when more than one in this many stands next to one of another tile without need.
+/// Particles are put in order when more than one in this many is next to one of another tile without need.
 const DISORDER: usize = 8;
 
-/// Particles that stand next to each other in memory and in one tile.
+/// Particles that are adjacent in memory and in one tile.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Run<const D: usize> {
     pub(crate) tile: [i32; D],
@@ -46,7 +46,7 @@ pub(crate) struct Binning<const D: usize> {
     starts: Vec<u32>,
     /// Where the next one of a slot, or of a cell, goes.
     next: Vec<u32>,
-    /// Particles whose neighbour in memory stands in another tile, beyond what there must be.
+    /// Particles whose neighbour in memory is in another tile, beyond the unavoidable number.
     breaks: usize,
 }
 
@@ -158,7 +158,7 @@ impl<const D: usize> Binning<D> {
     }
 }
 
-/// How many particles from the first on stand in its tile. Groups of them are looked at together.
+/// Number of particles, from the first on, in the tile of the first. It compares them in groups.
 fn run_length<const D: usize>(bases: &[[i32; D]]) -> usize {
     const GROUP: usize = 8;
     let stays = |group: &[[i32; D]]| {

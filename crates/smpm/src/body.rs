@@ -13,14 +13,14 @@ use crate::tensor::Symmetric;
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
 ///
-/// A particle has the number that its place has in [`Fill::positions`], for good: what the body gives out, and errors, are by
-/// this number. In memory particles move, so that those of a cell stand together.
+/// A particle has the number that its place has in [`Fill::positions`], for good: the output of the body, and errors, are by
+/// this number. In memory particles move, so that those of a cell are adjacent.
 #[derive(Debug)]
 pub struct Body<S, const D: usize> {
     pub(crate) particles: Particles<S, D>,
     pub(crate) points: Box<dyn MaterialPoints<S>>,
     pub(crate) binning: Binning<D>,
-    /// The edges of the box that each particle stood for at the start (length).
+    /// The edges of the box of each particle at the start (length).
     spacing: [f64; D],
     /// Where each particle is in memory; empty while all are at their numbers.
     places: Vec<u32>,
@@ -241,7 +241,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         self.particles.reference_volume[self.place(particle)]
     }
 
-    /// Half the diagonal of the box that a particle stands for at the start (length).
+    /// Half the diagonal of the box of a particle at the start (length).
     pub(crate) fn half_diagonal(&self) -> f64 {
         0.5 * self.spacing.iter().map(|edge| edge * edge).sum::<f64>().sqrt()
     }

@@ -22,7 +22,7 @@ pub enum BoundaryKind {
     /// A rigid wall without friction: nothing moves into it, everything may leave it.
     Rigid,
     /// Waves leave through it (Lysmer & Kuhlemeyer 1969): a traction `-rho c v`, with the speeds of longitudinal and of shear
-    /// waves of what stands there (length per time).
+    /// waves of the material there (length per time).
     Absorbing {
         /// Of longitudinal waves.
         longitudinal: f64,

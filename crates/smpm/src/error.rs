@@ -40,7 +40,7 @@ pub enum Error {
         /// The most that is allowed.
         to: f64,
     },
-    /// Two parameters must stand in an order.
+    /// Two parameters must be in ascending order.
     #[error("{name} is {value}; it must be greater than {other}, which is {limit}")]
     OutOfOrder {
         /// The parameter.
@@ -70,7 +70,7 @@ pub enum Error {
     },
     /// A particle too many cells from the origin of the grid for its nodes to have numbers.
     #[error(
-        "a particle stands at node {node} along an axis, or beyond; nodes have numbers to {limit} on either side of the origin"
+        "a particle is at node {node} along an axis, or beyond; nodes have numbers to {limit} on either side of the origin"
     )]
     FarFromOrigin {
         /// Its node; the end of the range where it has none.

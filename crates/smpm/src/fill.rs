@@ -7,7 +7,7 @@ use crate::error::{Error, finite, positive};
 pub struct Fill<const D: usize> {
     /// Their places (length).
     pub positions: Vec<[f64; D]>,
-    /// The distance between them along each axis (length); each stands for a box of that size.
+    /// The distance between them along each axis (length); each represents a box of that size.
     pub spacing: [f64; D],
 }
 

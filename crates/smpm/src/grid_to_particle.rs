@@ -23,7 +23,7 @@ use crate::tile_size::block_edge;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
-/// Particles whose sums stand in memory together: few enough for the nearest cache.
+/// Particles whose sums are adjacent in memory: few enough for the nearest cache.
 const BATCH: usize = 8;
 
 impl<const D: usize> GridToParticle<D> {
@@ -41,8 +41,8 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// Of plain numbers, in the usual cases, what is asked for is known to the compiler, which then asks at no node; beside the
-    /// arithmetic of a jet a question costs nothing, and its code is long.
+    /// For `f64`, in the usual cases, the compiler knows the requested quantities and tests at no node; next to the
+    /// arithmetic of a jet a test costs nothing, and its code is long.
     #[inline(never)]
     fn in_registers<S: Number, const NODES: usize>(
         &self,
@@ -71,7 +71,7 @@ impl<const D: usize> GridToParticle<D> {
         );
     }
 
-    /// `N` particles at a time: sums over nodes go through memory, whence registers take several numbers at once.
+    /// `N` particles at a time: sums over nodes go through memory, so SIMD loads apply.
     #[inline(always)]
     fn batches<S: Number, const NODES: usize, const N: usize>(
         &self,

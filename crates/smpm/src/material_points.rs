@@ -41,7 +41,7 @@ pub(crate) struct Strain {
     pub(crate) viscosity: BulkViscosity,
 }
 
-/// The material of particles that stand together in memory: all that the transfer asks of it. A call is for many particles.
+/// The material of particles that are adjacent in memory, as the transfer uses it. A call is for many particles.
 pub(crate) trait MaterialUpdate<S>: Send {
     /// Both parts, the first of so many particles, for work on both at once.
     fn split(&mut self, middle: usize, work: &mut Halves<'_, S>);
@@ -81,7 +81,7 @@ pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
 }
 
 /// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
-/// dimension: this is most of the code of a material, and there is one of it for each kind of number; of plain numbers another
+/// dimension: this is most of the code of a material, and there is one of it for each kind of number; for `f64` another
 /// for motion that is known to stay in the plane of the first two axes (`PLANE`).
 pub(crate) struct UpdateBatch<M: Material<S>, S: Number, const PLANE: bool>(Update<M, S>);
 
@@ -92,7 +92,7 @@ type Update<M, S> =
 type Kept<'a, M, S> = (&'a mut [<M as Material<S>>::State], &'a mut [Condition<S>]);
 
 /// A material with what it keeps of all particles of a body. `PLANE` says that the motion is known to stay in the plane of the first
-/// two axes; only to plain numbers does it matter.
+/// two axes; it matters for `f64` only.
 pub(crate) struct Points<M: Material<S>, S: Number, const PLANE: bool> {
     material: M,
     update: UpdateBatch<M, S, PLANE>,

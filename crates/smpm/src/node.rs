@@ -9,7 +9,7 @@ use crate::number::Number;
 
 /// Two vectors of a node, next to each other in memory so that rows of nodes are whole registers. From particle-to-grid to the
 /// solution at the nodes: [momentum](Self::momentum) and [force](Self::force). From there to grid-to-particle:
-/// [velocity](Self::velocity) and its [change](Self::velocity_change) over the step. The nodal mass stands apart.
+/// [velocity](Self::velocity) and its [change](Self::velocity_change) over the step. The nodal mass is stored separately.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node<S, const D: usize> {
     first: [S; D],

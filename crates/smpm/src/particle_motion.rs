@@ -45,7 +45,7 @@ pub(crate) struct Sums<S, const D: usize> {
     pub(crate) moment: [[S; D]; D],
 }
 
-/// What a sum starts with: minus zero, to which anything may be added without a change, so that for plain numbers the compiler
+/// What a sum starts with: minus zero, to which anything may be added without a change, so that for `f64` the compiler
 /// leaves the addition out.
 #[inline(always)]
 pub(crate) fn nothing<S: Number>() -> S {

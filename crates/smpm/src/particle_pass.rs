@@ -105,7 +105,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
         summary
     }
 
-    /// Particles of a batch to where they stand at the end of the step, and what is seen of them there.
+    /// Moves the particles of a batch to the end of the step, and observes them there.
     #[inline(never)]
     fn move_batch(
         &self,

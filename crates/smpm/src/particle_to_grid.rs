@@ -22,7 +22,7 @@ use crate::tile_size::block_edge;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
-/// Particles whose terms stand in memory together: few enough for the nearest cache.
+/// Particles whose terms are adjacent in memory: few enough for the nearest cache.
 const BATCH: usize = 12;
 
 /// The blocks of a tile.
@@ -73,8 +73,8 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
 }
 
 impl<const D: usize> ParticleToGrid<D> {
-    /// The particles of a body in a tile. Of plain numbers, in the usual cases, what is given is known to the compiler, which
-    /// then asks at no node; beside the arithmetic of a jet a question costs nothing, and its code is long.
+    /// The particles of a body in a tile. For `f64`, in the usual cases, the compiler knows what is transferred and
+    /// tests at no node. Next to the arithmetic of a jet a test costs nothing, and its code is long.
     fn tile<S: Number, const NODES: usize>(
         &self,
         body: &Body<S, D>,
@@ -104,7 +104,7 @@ impl<const D: usize> ParticleToGrid<D> {
         );
     }
 
-    /// `N` particles at a time: their terms first stand in memory, whence registers take several numbers at once.
+    /// `N` particles at a time: their terms go through memory, so SIMD loads apply.
     #[inline(always)]
     fn batches<S: Number, const NODES: usize, const N: usize>(
         &self,
@@ -171,7 +171,7 @@ impl<const D: usize> ParticleToGrid<D> {
                             momentum = momentum + growth[c] * i as f64;
                         }
                         let mut part = momentum * *value;
-                        // Of plain numbers a zero, so that a register takes momentum and force alike.
+                        // For `f64` a zero, so that a register takes momentum and force alike.
                         if self.with_force() && const { is_plain::<S>() } {
                             part = part + across.momentum()[c] * *slope;
                         }

@@ -171,7 +171,7 @@ impl<S: Number, const D: usize> Particles<S, D> {
 
 impl<S: Number, const D: usize> Chunk<'_, S, D> {
     /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
-    /// (Chen et al. 2019, eq 8). Whether all of them are then where they may be; who is not, [`Self::check`] says.
+    /// (Chen et al. 2019, eq 8). Returns whether all of them are then inside the limits; [`Self::check`] names those that are not.
     #[inline(always)]
     pub(crate) fn advance(&mut self, pass: Pass, config: &Config<D>) -> bool {
         if !pass.updates_velocity() {

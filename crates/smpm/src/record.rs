@@ -8,7 +8,7 @@ use crate::simulation::Simulation;
 /// The steps of a run between the instants at which it was looked at.
 ///
 /// Steps follow the wave speed, which follows the parameters: runs that choose their own are not a smooth function of the
-/// parameters. Jets, differences and samples take the steps of the mean run, so that they all see the same map.
+/// parameters. Jets, differences and samples repeat the steps of the reference run, so that all of them evaluate the same map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// Begins and ends of windows, ascending, above zero (time).
@@ -52,7 +52,7 @@ pub(crate) struct Gathered<T> {
 
 /// Who looks on while a run is recorded.
 pub(crate) trait Witness<S, T, const D: usize> {
-    /// Before the first step: where the run goes on from another, which has gathered this, the simulation takes its state.
+    /// Before the first step: a resumed run takes the state of the run that gathered this.
     fn begin(
         &mut self,
         _plan: &Plan<D>,
@@ -86,7 +86,7 @@ pub(crate) trait Reader<S, T, const D: usize> {
     fn read(&self, run: &Simulation<S, D>, gauge: &Located, quantity: Quantity) -> T;
 }
 
-/// As it stands.
+/// As recorded so far.
 pub(crate) struct Plain;
 
 impl<S: Number, const D: usize> Reader<S, S, D> for Plain {

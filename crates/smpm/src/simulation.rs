@@ -18,7 +18,7 @@ use crate::snapshot::{Clock, Stored, read, write};
 use crate::summary::{Summary, signal_speed};
 use crate::tile_size::MOST_NODES;
 
-/// A node lighter than this part of the lightest particle stands still.
+/// A node lighter than this part of the lightest particle does not move.
 const SMALLEST_MASS: f64 = 1e-12;
 
 /// Bodies on a background grid (Sulsky, Chen & Schreyer 1994; Chen et al. 2019, section 2), in `D` dimensions, with numbers
@@ -260,7 +260,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         Ok(StepReport { step, time: self.time, dt, n_tiles: self.grid.n_tiles() })
     }
 
-    /// Tiles where particles are, and who stands where; particles that have left their neighbours in memory go back to them.
+    /// Bins the particles into tiles, and reorders them where too many have left their neighbours in memory.
     fn allocate(&mut self) -> Result<(), Error> {
         self.bin()?;
         let mut is_sorted = false;

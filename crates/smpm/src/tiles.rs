@@ -1,4 +1,4 @@
-//! Which tiles of nodes there are, and who stands next to whom.
+//! The tiles of nodes, and the neighbours of each.
 
 use crate::binning::Binning;
 use crate::boundary::Plane;
@@ -13,7 +13,7 @@ const MOST_TILES: usize = 1 << 26;
 
 /// No tile here.
 pub(crate) const NONE: u32 = u32::MAX;
-/// Marks before tiles are numbered: particles stand there; or it only holds the halo of one where they do.
+/// Marks before tiles are numbered: the tile has particles, or only the halo of one that has.
 const OCCUPIED: u32 = 0;
 pub(crate) const HALO_ONLY: u32 = 1;
 
@@ -64,18 +64,18 @@ impl<const D: usize> Directory<D> {
 /// Nodes of blocks and halos around it still have numbers.
 const FARTHEST_NODE: i32 = i32::MAX / 2;
 
-/// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they stand one
+/// Neighbours that share nodes with a tile's block, itself among them: bit `k` of their number says whether they are one
 /// tile further along axis `k`.
 const NEIGHBOURS: usize = 8;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tile<const D: usize> {
     pub(crate) at: [i32; D],
-    /// Whether particles stand in it; else it only holds what those below give.
+    /// Whether it has particles; else it only holds the halo of those below.
     pub(crate) occupied: bool,
     /// Whether no plane acts on its nodes or those of its halo.
     pub(crate) plain: bool,
-    /// Slots of the tiles below where particles stand, or [`NONE`].
+    /// Slots of the tiles below that have particles, or [`NONE`].
     pub(crate) below: [u32; NEIGHBOURS],
     /// Slots of the tiles above, or [`NONE`].
     pub(crate) above: [u32; NEIGHBOURS],
@@ -91,13 +91,13 @@ impl<const D: usize> Tile<D> {
     }
 }
 
-/// The tiles where particles stand, and those that hold their halos.
+/// The tiles with particles, and those that hold their halos.
 #[derive(Debug)]
 pub(crate) struct Tiles<const D: usize> {
     pub(crate) directory: Directory<D>,
     /// By slot.
     pub(crate) all: Vec<Tile<D>>,
-    /// Places in the directory of the tiles where particles stand.
+    /// Places in the directory of the tiles with particles.
     occupied: Vec<usize>,
 }
 

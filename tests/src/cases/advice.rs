@@ -24,7 +24,7 @@ const TOLERANCES: [f64; 2] = [0.1, 0.01];
 const SHARE: f64 = 0.8;
 const FACTOR: f64 = 2.0;
 
-/// The expected cost over the cheapest beyond which advice is too dear as it stands, and is not run.
+/// The expected cost over the cheapest beyond which advice is too expensive without a run.
 const HOPELESS: f64 = 10.0;
 
 /// How many pieces of advice were given, and how many were good.

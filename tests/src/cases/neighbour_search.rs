@@ -250,7 +250,7 @@ impl Cloud {
     }
 }
 
-/// Entries that stand in one list and not in the other, row by row.
+/// Entries of one list that the other does not have, row by row.
 fn differences(expected: &NeighbourList, found: &NeighbourList) -> usize {
     if expected.len() != found.len() {
         return expected.len().max(found.len());

@@ -174,7 +174,7 @@ impl Ensemble<'_> {
                 out,
                 &format!("{stem}-restart/bits"),
                 &method,
-                "a block is the same bits whenever it is computed",
+                "a block is bitwise identical whenever it is computed",
             )?,
         ];
         let mut refusals = vec![("", "--overwrite", self.refusal(how, out, &[])?)];
@@ -283,7 +283,7 @@ fn blocks(out: &Path) -> Result<(usize, PathBuf), CaseError> {
     Ok((files.len(), first))
 }
 
-/// The processes that a process has started, in rising order; none where `/proc` does not tell.
+/// The processes that a process has started, in rising order; none where `/proc` does not list them.
 fn children_of(parent: u32) -> Vec<u32> {
     let processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     let mut children: Vec<u32> = processes

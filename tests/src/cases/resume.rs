@@ -1,4 +1,4 @@
-//! What is claimed of runs that were killed, were shorter, or were divided: that they come to the same bits.
+//! Interrupted, shorter and divided runs give bitwise identical results.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -175,7 +175,7 @@ fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> Result<(), CaseE
             std::fs::remove_dir_all(out)?;
         }
         let mut child = started(scene, out, &[])?;
-        // Nobody reads what it tells, and a full pipe would hold it up.
+        // Nobody reads its output, and a full pipe would hold it up.
         drop(child.stderr.take());
         let mut running = true;
         while running && !out.join("checkpoint-1.bin").exists() {

@@ -1,4 +1,4 @@
-//! What is claimed of the ensembles of `sde-integrators`: the same bits however they are computed, and estimates that
+//! What is claimed of the ensembles of `sde-integrators`: bitwise identical however they are computed, and estimates that
 //! agree with exact values.
 
 pub(crate) mod failures;

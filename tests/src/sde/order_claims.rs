@@ -54,7 +54,7 @@ pub fn claim(
     let finest = errors.levels.last().map_or(Measured::exact(f64::NAN), |level| level.error);
     let subject = context.subject(id, &format!("error, for {what}"), "", &ends);
     let reason =
-        "fewer than four levels of one sign stand above their noise: accuracy instead of a slope";
+        "fewer than four levels of one sign are above their noise: accuracy instead of a slope";
     let criterion = Criterion::MonteCarlo { bias_bound: tolerance.accuracy, reason };
     Claim::judge(subject, ErrorKind::Absolute, finest, Reference::exact(0.0), criterion)
 }

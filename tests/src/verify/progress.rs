@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Tells which case runs.
+/// Prints which case runs.
 #[derive(Debug)]
 pub(super) struct Progress {
     bar: ProgressBar,

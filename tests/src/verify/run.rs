@@ -35,7 +35,7 @@ struct Proof<'a> {
     progress: Progress,
 }
 
-/// A case that has come to its end, by its place in the table.
+/// A finished case, by its place in the table.
 type Ended = (usize, CaseRecord, Vec<InlineChart>);
 
 /// Runs `cases` and prints each in the order of the table.

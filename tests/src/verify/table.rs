@@ -7,11 +7,11 @@ use figures::{ErrorKind, number};
 
 use crate::report::{CaseRecord, Claim, ClaimKind, Counts, Report};
 
-/// Stands for the method of the row above.
+/// Repeats the method of the row above.
 const DITTO: &str = "\"";
 /// The width of a number of claims.
 const COUNT: usize = 6;
-/// Rows stand in from the heading of their case.
+/// Rows are indented below the heading of their case.
 const INDENT: u16 = 2;
 
 /// What is printed of a case.
@@ -57,7 +57,7 @@ impl Style {
 
     /// Claim, quantity, method, measured, reference, error, tolerance, seconds, verdict.
     fn claim_columns(self) -> [u16; 9] {
-        // Value and uncertainty stand side by side where there is room and under each other elsewhere.
+        // Value and uncertainty are side by side where there is room and below each other elsewhere.
         let value = if self.width >= 145 { 20 } else { 12 };
         let numbers = [value, value, 14, 9, 7, 7];
         let gaps = INDENT + 8 * 2;
@@ -186,7 +186,7 @@ fn write_claims(case: &CaseRecord, style: Style, output: &mut dyn Write) -> io::
     let name_width = usize::from(style.claim_columns()[0]);
     let mut method_above = "";
     for (i, claim) in case.claims.iter().enumerate() {
-        // The claims of a case share its run, so its time stands once, in the first row.
+        // The claims of a case share its run, so its time is printed once, in the first row.
         let seconds = if i == 0 { format!("{:.2}", case.seconds) } else { String::new() };
         let mut row = cells(claim, &case.id, seconds, name_width);
         if !claim.method.is_empty() && claim.method == method_above {

@@ -36,7 +36,7 @@ impl Surroundings {
     }
 }
 
-/// What stands in a folder of the workspace, in alphabetical order.
+/// Entries of a folder of the workspace, in alphabetical order.
 fn names(folder: &str) -> io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(workspace().join(folder))? {

@@ -53,7 +53,7 @@ impl<const D: usize> FreshLattice<D> {
             let kept: BTreeMap<[i32; D], Cell> = kept.map(|(&k, &cell)| (k, cell)).collect();
             let (count, limit) = (kept.len(), remapping.most_particles);
             if count > limit {
-                return Err(Error::FreshLatticeTooLarge { time, count, limit });
+                return Err(Error::RemappingTooLarge { time, count, limit });
             }
             fresh = Self::of_cells(&without_tips(kept, reach)?);
             if fresh.outermost_mass <= remapping.outermost_mass

@@ -70,7 +70,7 @@ impl Remapped {
             ("covariance", self.covariance_change),
         ] {
             if value.is_nan() || value.abs() > limit {
-                return Err(Error::FreshLatticeChanges { time, quantity, value, limit });
+                return Err(Error::RemappingChangesMass { time, quantity, value, limit });
             }
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! The seam where the method's accuracy is decided: density and gradient of log density at the particles.
+//! Score estimators, which decide the method's accuracy: density and gradient of log density at the particles.
 //!
 //! | estimator | density | gradient | exact for | source |
 //! |---|---|---|---|---|
@@ -183,7 +183,7 @@ pub struct LocalMap<const D: usize> {
 
 /// An estimator of density and score, `grad log psi`, from particles and their masses.
 ///
-/// It is pure in the cloud: the same cloud gives the same bits, for any number of threads.
+/// It is pure in the cloud: the same cloud gives bitwise identical results for any number of threads.
 pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
     /// End of the kernel's support in units of the smoothing length.
     fn support(&self) -> f64;

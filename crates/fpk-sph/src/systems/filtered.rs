@@ -34,7 +34,7 @@ const MOST_STATES: usize = 6;
 /// })?;
 /// let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
 /// let shaken = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
-/// let law: GaussianMixture<4> = shaken.initial_law(&[0.0, 0.0], &[0.01, 0.01])?;
+/// let law: GaussianMixture<4> = shaken.initial_distribution(&[0.0, 0.0], &[0.01, 0.01])?;
 /// let [_, acceleration, ..] = shaken.drift(1.0, &[0.0, 0.0, 0.01, 0.0]);
 /// // a(1) sqrt(2 S_0) omega_g^2 x_g
 /// assert!((acceleration - 0.5 * 0.4_f64.sqrt() * 15.6 * 15.6 * 0.01).abs() < 1e-14);
@@ -54,7 +54,7 @@ const MOST_STATES: usize = 6;
 /// # })?;
 /// # let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
 /// let shaken = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
-/// let law = shaken.initial_law::<5>(&[0.0, 0.0], &[0.01, 0.01])?;
+/// let law = shaken.initial_distribution::<5>(&[0.0, 0.0], &[0.01, 0.01])?;
 /// # Ok::<(), fpk_sph::Error>(())
 /// ```
 ///
@@ -110,7 +110,7 @@ where
     /// # Errors
     /// [`Error::NotPositive`] for a standard deviation; [`Error::Sde`] as
     /// [`GaussianMixture::gaussian`].
-    pub fn initial_law<const D: usize>(
+    pub fn initial_distribution<const D: usize>(
         &self,
         mean: &[f64; DS],
         standard_deviation: &[f64; DS],
@@ -218,7 +218,8 @@ mod tests {
     #[test]
     fn the_filter_starts_in_its_stationary_law() {
         let system = behind(15.6, Window::Stationary, Window::Stationary);
-        let law: GaussianMixture<4> = system.initial_law(&[0.1, 0.0], &[0.02, 0.03]).unwrap();
+        let law: GaussianMixture<4> =
+            system.initial_distribution(&[0.1, 0.0], &[0.02, 0.03]).unwrap();
         let covariance = law.covariance();
         let p = system.filter().stationary_covariance();
         assert!(
@@ -226,7 +227,8 @@ mod tests {
                 && (covariance[3][3] - p[1][1]).abs() < 1e-18
         );
         assert!((covariance[0][0] - 4e-4).abs() < 1e-18 && (law.mean()[0] - 0.1).abs() < 1e-18);
-        let refused: Result<GaussianMixture<4>, _> = system.initial_law(&[0.0; 2], &[0.02, 0.0]);
+        let refused: Result<GaussianMixture<4>, _> =
+            system.initial_distribution(&[0.0; 2], &[0.02, 0.0]);
         assert!(matches!(refused, Err(Error::NotPositive { .. })));
     }
 }

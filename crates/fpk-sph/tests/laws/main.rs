@@ -1,4 +1,4 @@
-//! What the method must keep, the limits that are known in closed form, and the seams where users plug in: in one program, since the
+//! What the method must keep, the limits that are known in closed form, and the extension traits: in one program, since the
 //! step is compiled anew for every one.
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]

@@ -233,7 +233,7 @@ proptest! {
         }
     }
 
-    /// Clouds far from where single precision could tell points apart.
+    /// Clouds far from where single precision could distinguish points.
     #[test]
     fn distance_from_the_origin_changes_nothing(random in numbers(80), exponent in 0..15_i32, apart in 0..12_i32) {
         let (far, apart) = (10_f64.powi(exponent), 10_f64.powi(apart));

@@ -131,7 +131,7 @@ mod tests {
         for prior in [Prior::Uniform, normal] {
             let space = ParameterSpace::new(vec![parameter(Scale::Linear, -1.0, 2.0, prior)]);
             let space = space.unwrap();
-            let mut stream = Noise::new(3).stream(Purpose::InitialLaw, 0);
+            let mut stream = Noise::new(3).stream(Purpose::InitialDistribution, 0);
             let (mut first, mut square) = (Accumulator::default(), Accumulator::default());
             for _ in 0..20_000 {
                 let unit = space.draw(|| stream.next_uniform());
@@ -139,7 +139,7 @@ mod tests {
                 assert!((-1.0..=2.0).contains(&value));
                 first.push(value);
             }
-            let mut stream = Noise::new(3).stream(Purpose::InitialLaw, 0);
+            let mut stream = Noise::new(3).stream(Purpose::InitialDistribution, 0);
             for _ in 0..20_000 {
                 let value = space.values(&space.draw(|| stream.next_uniform()))[0];
                 square.push((value - first.mean()).powi(2));

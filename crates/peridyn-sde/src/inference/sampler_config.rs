@@ -17,7 +17,7 @@ pub struct SamplerConfig {
     pub n_warm_up: usize,
     /// Draws of each chain, at least 100.
     pub n_draws: usize,
-    /// Noise of all draws, under the purposes `InitialLaw`, `MarkovChain` and `Bootstrap` of [`Purpose`](sde_integrators::Purpose).
+    /// Noise of all draws, under the purposes `InitialDistribution`, `MarkovChain` and `Bootstrap` of [`Purpose`](sde_integrators::Purpose).
     pub noise: Noise,
 }
 

@@ -28,7 +28,7 @@ pub(super) struct Cloud {
 /// Tsagaris 2011, Inference for Lévy-driven stochastic volatility models via adaptive sequential Monte Carlo.
 pub(super) fn tempered(target: &Target<'_>, config: &SamplerConfig) -> Result<Cloud, Error> {
     let draw = |particle: u64| {
-        let mut stream = config.noise.stream(Purpose::InitialLaw, particle);
+        let mut stream = config.noise.stream(Purpose::InitialDistribution, particle);
         Walker::new(target, target.space.draw(|| stream.next_uniform()))
     };
     let mut walkers =

@@ -1,7 +1,7 @@
 //! Statistics of cracks over an ensemble.
 //!
 //! What a realisation comes to is a [`CrackRecord`]; records of any shards make a [`CrackEnsemble`], in order of realisations, so
-//! that every statistic has the same bits however the work was shared out. Damage of nodes goes into a [`DamageMap`].
+//! that every statistic is bitwise identical for any division of the work. Damage of nodes goes into a [`DamageMap`].
 
 mod bootstrap;
 mod damage_map;

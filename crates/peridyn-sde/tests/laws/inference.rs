@@ -213,7 +213,7 @@ fn intervals_of_plates_cover_as_often_as_they_say_and_a_parameter_without_effect
     let emulator = emulator(&space, law, 7, 200);
     let (mut covered, n) = (0, 60);
     for id in 0..n {
-        let mut stream = Noise::new(9).stream(Purpose::InitialLaw, id);
+        let mut stream = Noise::new(9).stream(Purpose::InitialDistribution, id);
         let truth = 0.5 * 4_f64.powf(stream.next_uniform());
         let plates = law(&[truth, 1e-5]).draw(10, id, 8);
         let data = Observations::new(&plates, &[0.0; 2]).unwrap();

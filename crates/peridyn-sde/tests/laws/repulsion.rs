@@ -207,7 +207,7 @@ fn bodies_that_are_thrown_at_each_other_bounce() {
     assert!(fine < 2e-3 && coarse / fine > 3.0 && coarse / fine < 5.0, "{coarse:e} {fine:e}");
 }
 
-/// Compressed by 5 %, with noise: the same bits as without. By 15 %: not.
+/// Compressed by 5 %, with noise: bitwise identical to a run without. By 15 %: not.
 #[test]
 fn nothing_acts_at_rest_nor_under_little_compression() {
     let (nodes, bonds, repulsion) = block([8.0; 2], PLATE);

@@ -1,4 +1,4 @@
-//! Nodes that push each other away: the same bits, and what is refused.
+//! Nodes that repel each other: bitwise identical results, and refused input.
 
 use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence,

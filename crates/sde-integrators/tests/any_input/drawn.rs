@@ -92,7 +92,7 @@ pub(crate) fn cubic() -> impl Strategy<Value = Cubic> {
     })
 }
 
-/// What is told is a number with an error that is one.
+/// A result is a number, and so is its error.
 pub(crate) fn is_told(estimate: &Estimate) -> bool {
     let error = match estimate.uncertainty {
         Uncertainty::StandardError(error) | Uncertainty::Bound(error) => error,

@@ -1,4 +1,4 @@
-//! Ensembles: the same bits for any number of threads, estimates that agree with the truth, refusals.
+//! Ensembles: bitwise identical results for any number of threads, estimates that agree with the truth, refusals.
 
 use sde_integrators::{
     Additive, Ensemble, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, Noise, Observable,

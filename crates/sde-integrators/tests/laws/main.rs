@@ -5,7 +5,7 @@ mod ensemble;
 mod estimate;
 #[cfg(feature = "dense")]
 mod factors;
-mod initial_law;
+mod initial_distribution;
 mod methods;
 mod moments;
 mod noise;

@@ -158,7 +158,7 @@ fn normals_have_their_distribution() {
     }
 }
 
-/// `int W` over the whole is that over both halves, the second raised by where the first ended: to roundoff.
+/// `int W` over the whole is that over both halves, the second raised by the end of the first: within roundoff.
 #[test]
 fn increments_of_halves_join_to_that_of_the_whole() {
     let h = 0.5;
@@ -178,7 +178,7 @@ fn increments_of_halves_join_to_that_of_the_whole() {
     }
 }
 
-/// Many at once or one pair after the other, from any word on, at every level of instructions: the same bits.
+/// Many at once or one pair after the other, from any word on, at every level of instructions: bitwise identical.
 #[test]
 fn a_field_of_normals_is_its_pairs() {
     for start in [0, 4, 12, 16, 36, 6] {

@@ -266,7 +266,7 @@ fn shards_that_are_there_say_what_is_known_so_far() {
     assert!(matches!(merge_so_far(&[]), Err(Error::TooFew { .. })));
 }
 
-/// A pair starts together and is driven apart: for a linear system from zero its mean is zero to the bit.
+/// A pair starts together and is driven apart: for a linear system from zero its mean is exactly zero.
 #[test]
 fn antithetic_pairs_cancel_what_is_linear() {
     let config = EnsembleConfig { seed: 3, n_paths: 1_000, dt: 0.1, times: vec![2.0] };

@@ -72,7 +72,7 @@ fn integral_is_one<const D: usize>(h: f64) {
     assert!(!kernels.is_empty());
     for (name, kernel) in kernels {
         // 60 panels over the support put a panel's edge wherever a spline changes piece. Polynomials are of degree 18
-        // at most, the Gaussian is smooth: the quadrature is good to roundoff, some 300 terms of it.
+        // at most, the Gaussian is smooth: the quadrature is exact within roundoff of some 300 terms.
         let shell = |r: f64| kernel.value(r, h) * surface(D) * power::<D>(r) / r;
         let integral = quadrature(shell, 0.0, kernel.support_radius(h), 60);
         assert!((integral - 1.0).abs() < 1e-13, "{name} in {D} dimensions: {integral}");

@@ -21,7 +21,7 @@
 //! # Ok::<(), smpm::Error>(())
 //! ```
 //!
-//! How sure a constant is stands beside it: *looked up* is what several public sources agree on, *from memory* is what no
+//! Each constant states how well it is known: *looked up* is what several public sources agree on, *from memory* is what no
 //! look-up has confirmed, *chosen* is a choice of this library.
 
 use super::{
@@ -191,7 +191,7 @@ pub fn copper_equation(units: Units) -> MieGruneisenParameters<f64> {
 /// | yield stress, hardening modulus | 157, 425 MPa | likewise: `sjc 157.0 425.0 1.0 0.0`, Johnson and Cook's form with n = 1, C = 0 and no heat |
 ///
 /// Whether they were fitted to the bar of Johnson and Holmquist (1988) at 190 m/s, which they reproduce, the input does not
-/// say. [`copper_strength`] has the constants of other tests; the Taylor bars tell them apart (docs/methods/smpm.md).
+/// say. [`copper_strength`] has the constants of other tests; the Taylor bars distinguish them (docs/methods/smpm.md).
 #[must_use]
 pub fn copper_linear_hardening(units: Units) -> VonMisesParameters<f64> {
     VonMisesParameters {

@@ -1,4 +1,4 @@
-//! The seam where a particle's history becomes its stress, and the materials behind it.
+//! The trait that turns a particle's history into its stress, and its materials.
 //!
 //! Most materials are a [`Solid`]: an [`EquationOfState`] for the pressure and a [`Strength`] for the deviator, chosen
 //! independently. [`NeoHookean`] is one of its own. Their constants are plain structs, such as [`JohnsonCookParameters`];
@@ -94,7 +94,7 @@ pub struct Now<S> {
 
 /// A constitutive model. Stresses are those of Cauchy, tension positive.
 ///
-/// It is pure in the state: the same history gives the same bits. Branches look at [`Scalar::value`], so that a jet takes
+/// It is pure in the state: the same history gives a bitwise identical result. Branches look at [`Scalar::value`], so that a jet takes
 /// the path of the run it differentiates.
 pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.

@@ -129,7 +129,7 @@ where
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
         let line = self.equation.line(S::constant(state.volume));
         let full = line.a + line.b * state.observed.energy;
-        // Without burn or cut-off the ratio is one up to roundoff; at no pressure there is nothing to differentiate.
+        // Without burn or cut-off the ratio is one within roundoff; at no pressure there is nothing to differentiate.
         let share = if full.value() == 0.0 { 0.0 } else { state.pressure / full.value() };
         let flow = self.strength.flow_at(&state.observed);
         Some(LocalResponse { pressure: full * share, flow })

@@ -1,4 +1,4 @@
-//! The paper's method: derivatives of the material's formulas at the local state of the mean run.
+//! The paper's method: derivatives of the material's formulas at the local state of the reference run.
 
 use perturbation_moments::{Jet, LANES, Moments, Scalar};
 
@@ -14,7 +14,7 @@ use crate::tensor::Symmetric;
 /// Which of the formulas of Chen et al. (2019).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrozenForm {
-    /// As printed: no second derivatives of the flow stress (eq 34-35 have zeros where `n` and `m` have some), and eq 30 for the
+    /// As printed: no second derivatives of the flow stress (eq 34-35 have zeros where `n` and `m` have some). Eq 30 for the
     /// variance of every component of the deviator, $\operatorname{D} S_{ij} = \tfrac23 (3G/(3G + H))^2
     /// \operatorname{D} \sigma_y$.
     Printed,
@@ -98,7 +98,7 @@ impl<const D: usize> Reader<f64, Jet, D> for FrozenReader<'_, D> {
 }
 
 impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
-    /// Moments by the derivatives of the material's formulas at the local state of the mean run: the method of Chen et al.
+    /// Moments by the derivatives of the material's formulas at the local state of the reference run: the method of Chen et al.
     /// (2019), eq 25-35, at the cost of one run in numbers.
     ///
     /// A **baseline**. The state depends on the parameters too, and that is left out: behind a plate impact the variance of the

@@ -8,9 +8,9 @@ use crate::record::{Gathered, Schedule, Witness};
 use crate::simulation::Simulation;
 use crate::snapshot::Stored;
 
-/// Keeps how far the runs of a study have come, so that another study of the same goes on from there.
+/// Keeps how far the runs of a study have come, so that another study of the same experiment resumes there.
 ///
-/// The crate touches no files and no clock: a keeper decides where standings go and how often, and tells those of another experiment,
+/// The crate touches no files and no clock: a keeper decides where standings go and how often, and distinguishes those of another experiment,
 /// law or plan from its own. Threads ask it at once.
 pub trait Keep: std::fmt::Debug + Sync {
     /// What a run had come to when it was last kept.
@@ -29,7 +29,7 @@ pub trait Keep: std::fmt::Debug + Sync {
     fn keep(&self, run: &str, standing: Standing) -> Result<(), Box<dyn StdError + Send + Sync>>;
 }
 
-/// How far a run has come: all that another needs to go on from there to the same bits, with the same experiment and parameters. Its
+/// How far a run has come: all that a bitwise identical continuation needs, with the same experiment and parameters. Its
 /// plan may have more windows, where they begin later.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -124,7 +124,7 @@ impl Standing {
         Ok(())
     }
 
-    /// What the windows of a plan have gathered; the witness is told what it had noted.
+    /// What the windows of a plan have gathered; the witness receives its earlier record.
     fn gathered<S, T: Stored, const D: usize>(
         self,
         plan: &Plan<D>,

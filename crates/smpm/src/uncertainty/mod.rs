@@ -11,7 +11,7 @@
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
-//! A study that is [kept](Study::kept_by) goes on, after it was killed, from where each of its runs was last kept, to the same bits.
+//! A study that is [kept](Study::kept_by) resumes after an interruption, bitwise identically, where each of its runs was last kept.
 
 mod experiment;
 mod frozen;

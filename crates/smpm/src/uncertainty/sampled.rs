@@ -42,7 +42,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
     }
 
     /// As [`monte_carlo`](Self::monte_carlo), for a range of the samples, `each` at a time, and without those whose responses are known
-    /// from [`Sampled::responses`] of another run: the same bits. `seen` is shown what has come so far, with the number of samples
+    /// from [`Sampled::responses`] of another run: bitwise identical. `seen` is shown what has come so far, with the number of samples
     /// that were tried, and may end the run.
     ///
     /// # Errors

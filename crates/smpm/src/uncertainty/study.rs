@@ -15,7 +15,7 @@ use crate::record::{Plain, Reader, Record, Schedule, Witness};
 use crate::simulation::Simulation;
 use crate::snapshot::Stored;
 
-/// An experiment, the law of its parameters, and what is looked at; its mean run is done.
+/// An experiment, the distribution of its parameters and a plan of outputs, with the reference run done.
 #[derive(Debug)]
 pub struct Study<'a, X, const D: usize, const N: usize> {
     pub(super) experiment: &'a X,
@@ -47,8 +47,8 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         Self::of(experiment, inputs, plan, None)
     }
 
-    /// As [`new`](Self::new), and every run but those of [`monte_carlo`](Self::monte_carlo) goes on from where it was last kept, to
-    /// the same bits, and is kept at its end, and before where that is due. What a plan has gained since must begin after what was
+    /// As [`new`](Self::new), and every run but those of [`monte_carlo`](Self::monte_carlo) resumes where it was last kept,
+    /// bitwise identically. It is kept at its end, and before where that is due. What a plan has gained since must begin after what was
     /// reached; what was kept of a longer plan serves a shorter one.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         Ok(Self { experiment, inputs, plan, keep, mean_run })
     }
 
-    /// A run by the steps of the mean run, from where it was kept under its name, if it was.
+    /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.
     pub(super) fn follow<S: Stored, T: Stored, W: Witness<S, T, D>>(
         &self,
         run: String,
@@ -124,7 +124,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         self.experiment.simulation(&self.inputs.point(t))?.replay(&self.plan, self.schedule())
     }
 
-    /// The mean run once more, shown at the begins and ends of windows: what to draw fields from. Where it goes on from another, it
+    /// Repeats the reference run and shows it at the begins and ends of windows, to draw fields. Where it resumes another, it
     /// is not shown what that one has passed.
     ///
     /// # Errors
@@ -152,7 +152,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     }
 
     /// As [`propagated`](Self::propagated), and shows the run of every pass at the begins and ends of windows: what to draw
-    /// fields from. Lane `k` of a jet is the derivative by the normal `8 pass + k`. Where a run goes on from another, it is not shown
+    /// fields from. Lane `k` of a jet is the derivative by the normal `8 pass + k`. Where a run resumes another, it is not shown
     /// what that one has passed.
     ///
     /// # Errors
@@ -202,7 +202,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         (0..self.plan.n_responses()).map(of).collect()
     }
 
-    /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the mean run.
+    /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the reference run.
     ///
     /// # Errors
     /// Those of the experiment and of a run; of [`AlongDirections::from_star`] for the step.
@@ -229,7 +229,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         (0..self.plan.n_responses()).map(of).collect()
     }
 
-    /// All responses at the points of a star, the mean run first.
+    /// All responses at the points of a star, the reference run first.
     fn star(&self, distance: f64) -> Result<Vec<Vec<f64>>, Error> {
         let points = AlongDirections::<N>::star(distance);
         let mut table = vec![self.centre().to_vec()];

@@ -88,7 +88,7 @@ impl<const D: usize> Witness<Jet, Jet, D> for SwitchWitness<'_, D> {
 
     fn stop(&mut self, time: f64, simulation: &Simulation<Jet, D>) {
         (self.look)(time, simulation);
-        // Stops are the ends of windows to the bit. One that has ended hears of no later step.
+        // Stops are exactly the ends of windows. A window that has ended receives no later step.
         let ends = |window: &Window| window.to.total_cmp(&time).is_eq();
         for (w, _) in self.windows.iter().enumerate().filter(|(_, window)| ends(window)) {
             for (at_windows, now) in self.at_windows.iter_mut().zip(&self.now) {

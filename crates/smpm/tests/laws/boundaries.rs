@@ -45,7 +45,7 @@ fn a_rigid_wall_compresses_like_a_piston_by_the_hugoniot() {
         for speed in [0.01, 0.1, 0.2] {
             let exact = steel.density * (steel.sound_speed + steel.s1 * speed) * speed;
             let error = piston(speed, side) / exact - 1.0;
-            // As behind a plane of symmetry: the mean of what ripple is left over two centimetres.
+            // As behind a plane of symmetry: the mean of the post-shock oscillation over two centimetres.
             assert!(error.abs() < 5e-3, "{side:?} at {speed}: {error}");
         }
     }

@@ -1,4 +1,4 @@
-//! A keeper as a user would write it, and studies that are killed whenever it is asked to keep: they come to the same bits.
+//! A keeper as a user would write it, and studies interrupted at each save: their results are bitwise identical.
 
 use std::collections::BTreeMap;
 use std::error::Error as StdError;

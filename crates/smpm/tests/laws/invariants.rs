@@ -190,7 +190,7 @@ fn half_a_body_at_a_plane_of_symmetry_moves_as_the_whole_does() {
 fn a_jet_carries_the_derivatives_of_the_whole_run_along_the_same_values() {
     let probe = |scale: f64| {
         let mut simulation = blocks(scale, |_| {});
-        // The steps of the mean run.
+        // The steps of the reference run.
         let mut mean = blocks(1.0, |_| {});
         for _ in 0..25 {
             let dt = mean.longest_step();
@@ -205,7 +205,7 @@ fn a_jet_carries_the_derivatives_of_the_whole_run_along_the_same_values() {
     }
     let (velocity, pressure) =
         (jets.bodies()[0].velocities()[199][0], jets.bodies()[0].pressure(190));
-    assert_eq!((velocity.value, pressure.value), probe(1.0), "the same bits as with f64");
+    assert_eq!((velocity.value, pressure.value), probe(1.0), "bitwise identical to f64");
     let delta = 1e-4;
     let (above, here, below) = (probe(1.0 + delta), probe(1.0), probe(1.0 - delta));
     let near = |jet: Jet, [above, here, below]: [f64; 3]| {

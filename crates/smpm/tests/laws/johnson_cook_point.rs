@@ -134,7 +134,7 @@ fn the_propagated_variance_is_right_and_the_frozen_one_is_not() {
 
 #[test]
 fn the_published_set_gives_table_6_of_the_paper_and_the_physical_one_does_not() {
-    // Points H, I, G, K at C.V. 0.1 (Chen et al. 2019, Table 6): mean in 1e-2 Mbar, variance in 1e-6 Mbar^2; with the plastic
+    // Points H, I, G, K at a coefficient of variation of 0.1 (Chen et al. 2019, Table 6): mean in 1e-2 Mbar, variance in 1e-6 Mbar^2; with the plastic
     // strain and the rate (1/us) that were inferred from mean, variance and curvature, three numbers for two.
     let points = [
         (0.912_377_54, 0.616_314_72, 0.01741, 0.01351),

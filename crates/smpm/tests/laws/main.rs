@@ -1,4 +1,4 @@
-//! What runs must keep, what materials and boundaries must do, and the seams where users plug in: in one program, since the
+//! What runs must keep, what materials and boundaries must do, and the extension traits: in one program, since the
 //! step is compiled anew for every one.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]

@@ -56,9 +56,13 @@ fn the_shock_state_is_that_of_the_hugoniot() {
                 (config.transfer, config.viscosity) = (transfer, viscosity(0.3));
             });
             let error = seen.pressure / hugoniot(speed) - 1.0;
-            // The mean over two centimetres of a ripple of 3 %; seen within 0.42 %.
+            // The mean over two centimetres of an oscillation of 3 %; seen within 0.42 %.
             assert!(error.abs() < 5e-3, "{transfer:?} at {speed}: {error}");
-            assert!(seen.ripple < 0.04, "{transfer:?} at {speed}: ripple {}", seen.ripple);
+            assert!(
+                seen.ripple < 0.04,
+                "{transfer:?} at {speed}: post-shock oscillation {}",
+                seen.ripple
+            );
         }
     }
 }
@@ -72,7 +76,7 @@ fn the_carried_derivative_is_that_of_the_hugoniot() {
             (config.transfer, config.viscosity) = (Transfer::Apic, viscosity(1.0));
         });
         let error = seen.pressure.first[0] / (steel.density * speed * speed) - 1.0;
-        // The phase of the ripple moves with the parameter: what is left of it in the mean over two centimetres at one time.
+        // The phase of the oscillation moves with the parameter: what is left of it in the mean over two centimetres at one time.
         // Seen within 4.6 %.
         assert!(error.abs() < 0.06, "at {speed}: {error}");
         assert!((seen.pressure.value / hugoniot(speed) - 1.0).abs() < 5e-3, "at {speed}");

@@ -1,4 +1,4 @@
-//! Runs that go on from a snapshot, on any number of threads, and runs that take the steps of another.
+//! Runs resumed from a snapshot, on any number of threads, and runs that repeat the steps of another.
 
 use perturbation_moments::Jet;
 use smpm::material::{

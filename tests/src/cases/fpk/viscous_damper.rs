@@ -183,7 +183,7 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
         if id == "with" {
             let reached = match &run.stopped {
-                Some(Error::FreshLatticeChanges { time, .. }) => *time,
+                Some(Error::RemappingChangesMass { time, .. }) => *time,
                 _ => f64::NAN,
             };
             let subject =

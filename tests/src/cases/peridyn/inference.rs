@@ -112,7 +112,7 @@ fn simulated(context: &Context<'_>) -> Result<Simulated, CaseError> {
 }
 
 fn truths(context: &Context<'_>, space: &ParameterSpace) -> Result<Vec<Truth>, CaseError> {
-    let mut stream = Noise::new(SEED).stream(Purpose::InitialLaw, 0);
+    let mut stream = Noise::new(SEED).stream(Purpose::InitialDistribution, 0);
     let mut truths = Vec::new();
     for number in 0..DATA_SETS {
         context.progress(&format!("data set {} of {DATA_SETS}", number + 1));

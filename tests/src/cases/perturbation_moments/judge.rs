@@ -185,7 +185,7 @@ fn way(context: &Context<'_>, name: &str, error: f64, tolerance: f64, reason: &s
     Claim::within(subject, ErrorKind::Absolute, (error, 0.0), tolerance, reason)
 }
 
-/// The same bits on 1, 2 and 8 threads.
+/// Bitwise identical on 1, 2 and 8 threads.
 fn threads(context: &Context<'_>, table: &ReferenceTable) -> Result<Claim, CaseError> {
     let case = table.cases.iter().find(|case| case.name == "exp2_s0.3").ok_or("no such case")?;
     let on = |n_threads: usize| -> Result<Judgement, CaseError> {

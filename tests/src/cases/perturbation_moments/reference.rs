@@ -160,9 +160,10 @@ fn closed_means(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "johnson-cook/mean-second-order/worst",
         "distance of the second-order mean to the closed form",
         "deviations",
-        "Taylor, C.V. 0.15 and 0.3, independent",
+        "Taylor, coefficients of variation 0.15 and 0.3, independent",
     );
-    let reason = "truncation of the series: terms of fourth order in a C.V. of 0.3";
+    let reason =
+        "truncation of the series: terms of fourth order in a coefficient of variation of 0.3";
     let mean = Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 2.5e-2, reason);
     let subject = context.subject(
         "johnson-cook/quadrature/worst",

@@ -1,4 +1,4 @@
-//! The same bits for any number of threads, any division into shards, every level of instructions, and after a file.
+//! Bitwise identical for any number of threads, any division into shards, every level of instructions, and after a file.
 
 use sde_integrators::{
     Ensemble, EnsembleConfig, Error, GaussianMixture, Observable, Outcome, Sampling, ShardRecord,
@@ -11,7 +11,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/reproducibility",
-    title: "Ensembles: the same bits on 1, 2 and 8 threads, in shards, at every level of instructions",
+    title: "Ensembles: bitwise identical on 1, 2 and 8 threads, in shards, at every level of instructions",
     source: "by construction: sums over fixed blocks of paths in a tree of fixed shape",
     cost: Profile::Quick,
     schedule: Schedule::Together,

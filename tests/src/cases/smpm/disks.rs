@@ -103,7 +103,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let reference: ReferenceDisks = serde_json::from_str(text)?;
     let mut claims = Vec::new();
     for method in METHODS.iter().filter(|method| method.order == UpdateOrder::ModifiedStressLast) {
-        // The usual one stands for all where time is short.
+        // The quick profile runs the usual one alone.
         let usual = method.shape == Shape::QuadraticBSpline && method.transfer != Transfer::Apic;
         if context.profile == Profile::Quick && !usual {
             continue;

@@ -119,7 +119,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     let mut change = Worst::of_errors();
     for family in &FAMILIES {
-        // The usual update order stands for all where time is short.
+        // The quick profile runs the usual update order alone.
         let usual = METHODS.iter().filter(|method| {
             (family.of)(method)
                 && (context.profile != Profile::Quick
@@ -146,7 +146,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ("momentum", "change of the momentum of two rods that meet, over that of one", ""),
         change.value(),
         1e-11,
-        "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which stand still",
+        "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which do not move",
     ));
     Ok(claims)
 }
@@ -234,7 +234,7 @@ fn vibration(
             ("velocity", "root mean square error of v where it passes through zero, over v_0", ""),
             velocity.value(),
             of_velocity,
-            "velocities stand half a step off the places, w dt/2 = 0.006, and the step is 0.4 of a cell",
+            "velocities are half a step off the positions, w dt/2 = 0.006, and the step is 0.4 of a cell",
         ),
         lines(&order).measured(
             ("order", "order of that error between 50 and 100 cells, farthest from one", ""),

@@ -1,4 +1,4 @@
-//! The same bits on any number of threads, in numbers and with derivatives.
+//! Bitwise identical on any number of threads, in numbers and with derivatives.
 
 use smpm::uncertainty::Study;
 use work_precision::problems::smpm::problems::{Problem, experiment};

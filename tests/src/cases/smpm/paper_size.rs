@@ -91,7 +91,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = scene()?;
     let experiment = experiment::<2>(&scene)?;
     let n_particles = experiment.n_particles();
-    context.progress("mean run");
+    context.progress("reference run");
     let study = Study::<_, 2, 5>::new(&experiment, scene.inputs()?, scene.plan()?)?;
     let start = CpuClock::start();
     let _ = study.run(&[0.0; 5])?;
@@ -131,7 +131,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.push(lines.measured(
         (
             "cost/samples",
-            "processor time of 10,000 runs over that of the mean run and the jets",
+            "processor time of 10,000 runs over that of the reference run and the jets",
             "",
         ),
         N_SAMPLES * of_one / (of_one + of_jets),

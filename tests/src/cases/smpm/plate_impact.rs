@@ -93,7 +93,7 @@ const BEST: &str =
 const DEFAULT: &str =
     "quadratic B-splines, FLIP, MUSL, viscosity 1.5 and 0.06, h = 0.5 mm, 2 particles a cell";
 
-/// Relative errors of pressure and density, the ripple, relative errors of `dp/dS_1` and of the ratio of the frozen one.
+/// Relative errors of pressure and density, the post-shock oscillation, relative errors of `dp/dS_1` and of the ratio of the frozen one.
 fn errors_of_best(particle_velocity: f64) -> Result<[f64; 5], CaseError> {
     let scene = scene(Scheme::Best, particle_velocity)?;
     let (shock, pressure) = hugoniot(particle_velocity);
@@ -122,7 +122,7 @@ fn claims_of_best(context: &Context<'_>, worst: &[Worst; 5]) -> Vec<Claim> {
         (
             ("pressure", "relative error of p", ""),
             3e-3,
-            "mean over 50 cells and the time in which the front runs ten: what the ripple leaves of it",
+            "mean over 50 cells and the time in which the front runs ten: the remainder of the post-shock oscillation",
         ),
         (("density", "relative error of rho", ""), 3e-3, "as the pressure"),
         (
@@ -173,7 +173,7 @@ fn claims_of_default(
             ("pressure", "relative error of p", ""),
             pressure.value(),
             of_pressure,
-            "the mean of a ripple of up to 15 %",
+            "the mean of a post-shock oscillation of up to 15 %",
         ),
         lines(slope).bounded(
             ("slope", "relative error of dp/dS_1", ""),

@@ -74,7 +74,7 @@ const TUBES: [Tube; 3] = [
         tolerances: [0.04, 0.035],
         order: 0.5,
         quadratic: (0.45, 0.6),
-        reason: "a half: the shock is weak, and the linear viscosity widens it as the root of cell and time, far beyond the width at which it would stand",
+        reason: "a half: the shock is weak, and the linear viscosity widens it as the root of cell and time, far beyond its steady width",
     },
 ];
 

@@ -21,7 +21,7 @@ pub(super) struct Rows {
     pub(super) reasons: Vec<String>,
 }
 
-/// A claim that stands for `count` of them.
+/// A claim that represents `count` of them.
 struct Shown<'a> {
     claim: &'a Claim,
     count: usize,
@@ -81,7 +81,7 @@ fn shown(case: &CaseRecord) -> (Vec<Shown<'_>>, Option<String>) {
 }
 
 /// The worst claim of each family, in the order in which they begin: one quantity, held for one reason, whatever the method.
-/// A claim that failed or falls short stands for itself.
+/// A claim that failed or falls short has its own row.
 fn families(claims: &[Claim]) -> Vec<Shown<'_>> {
     let mut families: Vec<Shown<'_>> = Vec::new();
     for claim in claims {

@@ -3,7 +3,7 @@
 use crate::error::Fault;
 
 /// A plastic strain that is none: the curvature of its logarithm, `1/eps^2`, must be a number. Only exponents below 0.1 get
-/// there, and the stress is the same to roundoff.
+/// there, and the stress is the same within roundoff.
 pub(super) const LEAST_STRAIN: f64 = 1e-100;
 
 /// The return to the yield surface as numbers: `overshoot = 3 G x + h ((strain + x)^n - hardening)`.

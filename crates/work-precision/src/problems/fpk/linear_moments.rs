@@ -290,7 +290,7 @@ mod tests {
         let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
         let filter = Filter::kanai_tajimi(soil).unwrap();
         let system = Filtered::new(structure, filter, Window::Stationary).unwrap();
-        let start: GaussianMixture<4> = system.initial_law(&[0.0; 2], &[0.01; 2]).unwrap();
+        let start: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.01; 2]).unwrap();
         let laws = linear_moments(&system, &start, &[2.0, 6.0], 2e-3).unwrap();
         for i in 0..2 {
             let stays = filter.stationary_covariance()[i][i];

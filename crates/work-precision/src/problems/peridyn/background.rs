@@ -125,7 +125,7 @@ fn in_equilibrium(
     (noise, realisation): (&Noise, u64),
 ) -> Result<Vec<[f64; 2]>, CaseError> {
     let mut normals = vec![0.0; network.n_unknowns()];
-    noise.stream(Purpose::InitialLaw, realisation).fill_normal(&mut normals);
+    noise.stream(Purpose::InitialDistribution, realisation).fill_normal(&mut normals);
     let white = DVector::from_vec(normals);
     let found = root.solve_upper_triangular(&white).ok_or("a singular network")?;
     let mut u = vec![[0.0; 2]; network.free.len()];

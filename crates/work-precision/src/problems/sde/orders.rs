@@ -60,7 +60,7 @@ pub struct Level {
 pub struct Errors {
     /// Coarsest first.
     pub levels: Vec<Level>,
-    /// The order fitted to those that stand above their noise, if there are four.
+    /// The order fitted to the errors above their noise, if there are four.
     pub order: Option<Measured>,
 }
 

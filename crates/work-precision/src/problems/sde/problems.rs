@@ -4,7 +4,7 @@ use sde_integrators::{
     Additive, DiagonalSde, FieldSde, NoiseFactor, Sde, SecondOrder, StratonovichSde,
 };
 
-/// `dX = (-sin 3X - 0.2 X) dt + 0.8 dW`: a drift that is nonlinear in the noisy variable, which tells strong order 1.5
+/// `dX = (-sin 3X - 0.2 X) dt + 0.8 dW`: a drift that is nonlinear in the noisy variable, which distinguishes strong order 1.5
 /// from 1.
 #[derive(Debug, Clone, Copy)]
 pub struct Sine;

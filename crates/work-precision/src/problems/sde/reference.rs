@@ -1,4 +1,4 @@
-//! Reference data of `sde-integrators`, each from an independent code; the origin stands in each file.
+//! Reference data of `sde-integrators`, each from an independent code; each file states its origin.
 
 use serde::Deserialize;
 

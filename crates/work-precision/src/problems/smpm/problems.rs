@@ -46,7 +46,7 @@ impl Problem {
         }
     }
 
-    /// The scene as it stands.
+    /// The scene unchanged.
     ///
     /// # Errors
     /// Those of a scene.

@@ -46,7 +46,7 @@ fn extrapolated(inner: [f64; 2], outer: [f64; 2], start: f64) -> f64 {
 }
 
 impl Meridian {
-    /// The last coordinate is along the axis. Particles stand for boxes: the surface is half a box beyond the last.
+    /// The last coordinate is along the axis. Particles represent boxes: the surface is half a box beyond the last.
     fn of<const D: usize>(
         starts: &[[f64; D]],
         body: &Body<f64, D>,

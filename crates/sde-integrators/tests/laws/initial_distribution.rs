@@ -1,6 +1,8 @@
-//! Initial laws: density, moments, samples, refusals.
+//! Initial distributions: density, moments, samples, refusals.
 
-use sde_integrators::{Error, GaussianComponent, GaussianMixture, InitialLaw, Noise, Purpose};
+use sde_integrators::{
+    Error, GaussianComponent, GaussianMixture, InitialDistribution, Noise, Purpose,
+};
 
 fn two_humps() -> GaussianMixture<2> {
     GaussianMixture::mixture(&[
@@ -95,7 +97,7 @@ fn a_sample_takes_its_words_from_the_stream_of_the_initial_law() {
     let noise = Noise::new(4);
     let law = GaussianMixture::independent([1.0, 2.0, 3.0], [0.1, 0.2, 0.3]).unwrap();
     let x = law.sample(&noise, 8);
-    let mut stream = noise.stream(Purpose::InitialLaw, 8);
+    let mut stream = noise.stream(Purpose::InitialDistribution, 8);
     stream.seek(2);
     let mut z = [0.0; 3];
     stream.fill_normal(&mut z);
@@ -103,7 +105,7 @@ fn a_sample_takes_its_words_from_the_stream_of_the_initial_law() {
         let unit = 0.1 * (i as f64 + 1.0);
         assert!((x[i] - (i as f64 + 1.0) - unit * z[i]).abs() < 1e-15);
     }
-    let point = InitialLaw::sample(&[7.0, 8.0], &noise, 3);
+    let point = InitialDistribution::sample(&[7.0, 8.0], &noise, 3);
     assert_eq!(point.map(f64::to_bits), [7.0_f64, 8.0].map(f64::to_bits));
 }
 

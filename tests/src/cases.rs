@@ -69,6 +69,8 @@ pub const ALL: &[Case] = &[
     smpm::variance_fields::CASE,
     smpm::trust::CASE,
     smpm::refinement::CASE,
+    smpm::published_tables::CASE,
+    smpm::edges::CASE,
     smpm::paper_size::CASE,
     smpm::invariance::CASE,
     peridyn::forces::CASE,

@@ -8,6 +8,7 @@ mod fpk_choice;
 mod kernels;
 mod models;
 mod mpi;
+mod papers;
 mod peridyn;
 mod sde;
 mod smpm;
@@ -26,6 +27,7 @@ pub const ALL: &[ChartKind] = &[
     smpm::CHART,
     smpm_scheme::CHART,
     smpm_fields::CHART,
+    papers::CHART,
     peridyn::CHART,
     mpi::CHART,
     built_in_scenes::CHART,

@@ -3,12 +3,14 @@
 pub(crate) mod contact_explosion;
 pub(crate) mod detonation;
 pub(crate) mod disks;
+pub(crate) mod edges;
 pub(crate) mod elastic_bar;
 pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
 mod methods;
 pub(crate) mod paper_size;
 pub(crate) mod plate_impact;
+pub(crate) mod published_tables;
 pub(crate) mod refinement;
 pub(crate) mod return_mapping;
 pub(crate) mod shock_tubes;

@@ -127,3 +127,22 @@ fn the_error_of_the_variance_at_k_is_not_the_printed_one() {
     // Printed: 0.38 %.
     assert!((error - 1.3e-4).abs() < 0.05e-4, "{error}");
 }
+
+#[test]
+fn variances_of_the_method_are_of_first_order_and_those_of_monte_carlo_are_not() {
+    let (mut of_method, mut of_monte_carlo) = (0.0_f64, 0.0_f64);
+    for table in ["flow_stress", "deviator_11", "deviator_22"] {
+        for pair in published(table).chunks(2) {
+            assert!(pair[0]["gauge"] == pair[1]["gauge"]);
+            let apart = |key: &str| {
+                let value = |row: &Value| row[key].as_f64().unwrap();
+                (value(&pair[1]) / value(&pair[0]) / (0.15_f64 / 0.1).powi(2) - 1.0).abs()
+            };
+            of_method = of_method.max(apart("variance"));
+            of_monte_carlo = of_monte_carlo.max(apart("variance_monte_carlo"));
+        }
+    }
+    // Half a unit of the last of seven digits, twice.
+    assert!(of_method < 1e-6, "{of_method}");
+    assert!(of_monte_carlo > 1e-3, "{of_monte_carlo}");
+}

@@ -1,0 +1,124 @@
+//! The explosions in 28 x 24 cm against larger and clamped ones: when a gauge first depends on the edges.
+
+use scenes::smpm::scene::SmpmScene;
+use smpm::Simulation;
+use smpm::uncertainty::{Experiment, Study};
+use work_precision::problems::smpm::problems::{Problem, experiment};
+use work_precision::problems::smpm::published::{clamp, widen};
+
+use super::worst::Worst;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "smpm/edges",
+    title: "Explosions in 28 x 24 cm of water against twice the size, and against clamped edges",
+    source: "own runs; Chen et al. 2019, section 5: 2 x 2 m of water, a plate with clamped edges",
+    cost: Profile::Quick,
+    schedule: Schedule::Together,
+    run,
+};
+
+/// Edges of the water of both scenes (cm).
+const HALF_LENGTH: f64 = 14.0;
+const HEIGHT: f64 = 12.0;
+/// Last time of both scenes, and one at which the edges are seen (us).
+const LAST: f64 = 14.0;
+const LATER: f64 = 30.0;
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    let times: Vec<f64> = (4..=14).map(f64::from).chain([LATER]).collect();
+    for (edges, name) in [("larger", "edges twice as far away"), ("clamped", "clamped edges")] {
+        let (mut early, mut later) = (Worst::of_errors(), Worst::of_errors());
+        for problem in [Problem::ContactExplosion, Problem::ThickPlate] {
+            context.progress(&format!("{problem:?}, {name}"));
+            let scene = problem.scene_with(0.05, &times)?;
+            let mut other = scene.clone();
+            match edges {
+                "larger" => widen(&mut other, 2.0 * HALF_LENGTH, 2.0 * HEIGHT),
+                _ => clamp(&mut other, HALF_LENGTH, HEIGHT),
+            }
+            compare(problem, &scene, &other, &mut early, &mut later)?;
+        }
+        let method = format!("both scenes, all gauges and quantities, {name}");
+        let lines = |worst: &Worst| Lines { context, id: edges, method: worst.method(&method) };
+        claims.push(lines(&early).bounded(
+            ("while-it-lasts", "distance up to 14 us, over the quantity's largest", ""),
+            early.value(),
+            2e-14,
+            "roundoff: nothing has come back from an edge; sums of other lengths",
+        ));
+        claims.push(lines(&later).measured(
+            ("later", "distance at 30 us, over the quantity's largest", ""),
+            later.value(),
+            (1e-3, 4e-3),
+            "by then the edges are seen",
+        ));
+    }
+    claims.push(first_return(context)?);
+    Ok(claims)
+}
+
+/// Takes the distances of two scenes at all gauges.
+fn compare(
+    problem: Problem,
+    scene: &SmpmScene,
+    other: &SmpmScene,
+    early: &mut Worst,
+    later: &mut Worst,
+) -> Result<(), CaseError> {
+    let plan = scene.plan::<2>()?;
+    let [ours, theirs] = [centre(scene)?, centre(other)?];
+    let mut largest = vec![0.0_f64; plan.quantities.len()];
+    for (response, value) in ours.iter().enumerate() {
+        let quantity = plan.parts(response).1;
+        largest[quantity] = largest[quantity].max(value.abs());
+    }
+    for (response, (a, b)) in ours.iter().zip(&theirs).enumerate() {
+        let (gauge, quantity, window) = plan.parts(response);
+        let time = plan.windows[window].to;
+        let place = format!("{problem:?}, {}, {time} us", plan.gauges[gauge].name);
+        let worst = if time > LAST { &mut *later } else { &mut *early };
+        worst.take((b - a).abs() / largest[quantity], &place);
+    }
+    Ok(())
+}
+
+/// The responses of the mean run.
+fn centre(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
+    let experiment = experiment::<2>(scene)?;
+    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    Ok(study.centre().to_vec())
+}
+
+/// The shortest way from the point of ignition by an edge to a gauge, over the fastest signal of the run: the speed whose
+/// Courant number limits the step, viscosity included.
+fn first_return(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let scene = Problem::ContactExplosion.scene_with(0.05, &[LAST])?;
+    let gauges = scene.plan::<2>()?.gauges;
+    let ways = gauges.iter().flat_map(|gauge| {
+        let smpm::Place::Nearest([x, y]) = gauge.place else { return vec![] };
+        let sides = [2.0 * HALF_LENGTH - x, 2.0 * HALF_LENGTH + x];
+        vec![sides[0].hypot(y), sides[1].hypot(y), x.hypot(2.0 * HEIGHT - y)]
+    });
+    let way = ways.fold(f64::INFINITY, f64::min);
+    let experiment = experiment::<2>(&scene)?;
+    let inputs = scene.inputs::<5>()?;
+    let mut run: Simulation<f64, 2> =
+        Experiment::<2, 5>::simulation(&experiment, &inputs.centre())?;
+    let mut fastest = 0.0_f64;
+    while run.time() < LAST {
+        let config = run.config();
+        fastest = fastest.max(config.courant_number * config.cell / run.longest_step());
+        let _ = run.step()?;
+    }
+    let method = format!("{way:.3} cm at {fastest:.3} cm/us, the fastest signal of the run");
+    Ok(Lines { context, id: "", method }.measured(
+        ("first-return", "earliest time at which anything can be back from an edge", "us"),
+        way / fastest,
+        (21.3, 22.3),
+        "the scene ends at 14 us",
+    ))
+}

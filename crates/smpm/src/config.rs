@@ -43,12 +43,12 @@ pub enum Geometry {
 pub enum Contact {
     /// They share one velocity on the grid: they stick together while they share nodes.
     Bonded,
-    /// Each has its own velocity on the grid (Bardenhagen et al. 2001). Where two approach at a node, an impulse along the
-    /// normal makes their normal velocities equal, and one across it, at most `coefficient` times as large, acts against
-    /// their slip; what parts is free. What one loses the other gains, to roundoff. The normal of a pair is the gradient of
-    /// the mass of the body that is given first: give the flatter or the stiffer one first, since at a corner the gradient
-    /// leans. Bodies see each other as soon as they share a node: one to two cells early. A
-    /// body that friction holds creeps: on an incline of 0.5 rad with the coefficient 0.8 at 4 % of the acceleration of free fall.
+    /// Each has its own velocity on the grid (Bardenhagen et al. 2001). Two that approach at a node meet there once bodies fill
+    /// the volume around it, which is when the gap between flat surfaces has closed. Then their normal velocities become equal,
+    /// and an impulse across the normal, at most `coefficient` times as large as that along it, acts against their slip; what
+    /// parts is free. The approach that particles bring is no impulse: they keep it, as those of bonded bodies do, and the
+    /// stress that builds up takes it from them. What one body loses the other gains, within roundoff. The normal of a
+    /// pair is the difference of the gradients of their volumes, the steeper of which counts for more.
     Friction {
         /// Coulomb's coefficient, zero or above.
         coefficient: f64,

@@ -8,7 +8,6 @@ use crate::config::{Config, Geometry, UpdateOrder};
 use crate::error::Error;
 use crate::grid::{Grid, Solve};
 use crate::number::{Number, is_compiled};
-use crate::outward::sum_outward;
 use crate::particle_pass::ParticlePass;
 use crate::particle_terms::Given;
 use crate::particle_to_grid::particle_to_grid;
@@ -16,6 +15,7 @@ use crate::particles::Particles;
 use crate::pass::Pass;
 use crate::snapshot::{Clock, Stored, read, write};
 use crate::summary::{Summary, signal_speed};
+use crate::surfaces::sum_surfaces;
 use crate::tile_size::MOST_NODES;
 
 /// A node lighter than this part of the lightest particle stands still.
@@ -237,7 +237,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         self.allocate()?;
         if self.grid.has_contact() {
-            sum_outward(&mut self.grid, &self.bodies, &self.config);
+            sum_surfaces(&mut self.grid, &self.bodies, &self.config);
         }
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {

@@ -32,13 +32,13 @@ fn disks() -> Simulation<f64, 2> {
 }
 
 #[test]
-fn colliding_disks_part() {
+fn colliding_disks_part_with_their_energy() {
     let mut simulation = disks();
     let start = simulation.ledger();
     // The lattice covers the disks to 1 %.
     assert!((start.kinetic / 2.5132741228718345 - 1.0).abs() < 0.01, "{}", start.kinetic);
-    // Free flight: three cells at most before they touch.
-    simulation.advance_to(1.2).unwrap();
+    // Free flight until they touch, at 1.58579.
+    simulation.advance_to(1.58).unwrap();
     assert!((simulation.ledger().kinetic / start.kinetic - 1.0).abs() < 1e-12);
     simulation.advance_to(1.9).unwrap();
     let squeezed = simulation.ledger();
@@ -54,17 +54,19 @@ fn colliding_disks_part() {
     // Some of the energy stays as vibration.
     assert!(velocity.iter().all(|&v| v < -0.08 && v > -0.1), "{velocity:?}");
     let total = (end.kinetic + end.internal) / start.kinetic;
-    // Contact at nodes is of first order in the cell: seen +4 % with 16 cells to a diameter.
-    assert!((total - 1.0).abs() < 0.06, "{total}");
+    assert!((total - 1.0).abs() < 0.01, "{total}");
 }
 
 const GRAVITY: f64 = 10.0;
 /// When the block has settled, and how long it is watched from then on.
-const SETTLED: f64 = 0.1;
+const SETTLED: f64 = 0.2;
 const DURATION: f64 = 0.2;
 
 /// A block on a slab, both inclined by `angle`: what its mean velocity along the slab grows by, and its place less what the
 /// velocity at the beginning accounts for.
+///
+/// Weight that acts at once sets block and slab swinging, with a normal force between none and twice the weight. Below 0.68 of
+/// it a block that should stick slips, so only with the swing damped can sticking be seen.
 fn slide(angle: f64, coefficient: f64) -> (f64, f64) {
     let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let slab = Body::new(elastic(1.0, 1e4, 0.0), &fill([0.0, 0.0], [4.0, 0.5]), [0.0; 2]).unwrap();
@@ -75,8 +77,8 @@ fn slide(angle: f64, coefficient: f64) -> (f64, f64) {
         contact: Contact::Friction { coefficient },
         gravity: [GRAVITY * angle.sin(), -GRAVITY * angle.cos()],
         boundaries: vec![ground],
-        // What the sudden weight sets swinging dies out in a time that does not matter.
-        transfer: Transfer::Flip { damping_time: 0.01 },
+        // PIC damps what is uneven over a cell and leaves the slide of a body alone.
+        transfer: Transfer::Flip { damping_time: 1e-3 },
         viscosity: NO_VISCOSITY,
         ..Config::with_cell(0.1)
     };
@@ -116,10 +118,10 @@ fn a_block_stays_below_the_angle_of_friction() {
     // tan 0.5 = 0.546.
     let (velocity, displacement) = slide(0.5, 0.8);
     let free = 0.5 * GRAVITY * DURATION * DURATION * 0.5_f64.sin();
-    // It creeps: nodes that part for a step bear no friction in it. Seen 3.6 % of the way and 4.2 % of the speed of free fall.
-    assert!(displacement.abs() < 0.05 * free, "{displacement} of {free}");
+    // Seen 0.1 % of the way and 0.04 % of the speed of free fall.
+    assert!(displacement.abs() < 0.005 * free, "{displacement} of {free}");
     let free = GRAVITY * DURATION * 0.5_f64.sin();
-    assert!(velocity.abs() < 0.05 * free, "{velocity} of {free}");
+    assert!(velocity.abs() < 0.005 * free, "{velocity} of {free}");
 }
 
 #[test]

@@ -7,7 +7,7 @@
 )]
 
 use crate::boundary::Plane;
-use crate::contact::{Surface, meet};
+use crate::contact::{Friction, MOST_GAP, Surface, meet};
 use crate::node::Node;
 use crate::number::Number;
 use crate::tile_size::{HALO, block_edge, block_len, signed, tile_edge, tile_len, tile_of};
@@ -150,7 +150,7 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         tile: &Tile<D>,
         owned: &mut [Node<S, D>],
         masses: &[S],
-        coefficient: f64,
+        friction: Friction,
     ) {
         for index in 0..tile_len(D) {
             let bears = |field: usize| masses[field * tile_len(D) + index].value() > 0.0;
@@ -159,8 +159,8 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
             }
             let place = place::<D>(&tile.at, index, tile_edge(D));
             let fill = |field: usize| self.surface_at(place, field).fill.value();
-            // What bodies leave empty around the node is the gap between them.
-            if (0..self.n_fields).map(fill).sum::<f64>() < 1.0 {
+            // The volume that bodies leave empty around the node is the gap between them.
+            if (0..self.n_fields).map(fill).sum::<f64>() < 1.0 - MOST_GAP {
                 continue;
             }
             for second in (1..self.n_fields).filter(|&field| bears(field)) {
@@ -170,11 +170,7 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
                     let of_a = self.surface_at(place, first);
                     let (a, b) = (first * tile_len(D) + index, second * tile_len(D) + index);
                     let (mass_a, mass_b) = (masses[a], masses[b]);
-                    meet(
-                        (&mut low[a], mass_a, &of_a),
-                        (&mut high[index], mass_b, &of_b),
-                        coefficient,
-                    );
+                    meet((&mut low[a], mass_a, &of_a), (&mut high[index], mass_b, &of_b), friction);
                 }
             }
         }

@@ -11,7 +11,7 @@ use crate::blocks::{BlockSums, Fields, fill, place, place_in_block, seen_at};
 use crate::body::Body;
 use crate::boundary::Plane;
 use crate::config::{Config, Contact};
-use crate::contact::Surface;
+use crate::contact::{Friction, Surface};
 use crate::error::Error;
 use crate::lattice::Lattice;
 use crate::node::Node;
@@ -50,6 +50,8 @@ pub(crate) struct Grid<S, const D: usize> {
 pub(crate) struct Solve {
     /// The step; zero where velocities alone are asked for.
     pub(crate) dt: f64,
+    /// The share of a nodal velocity that particles take in it.
+    pub(crate) pic: f64,
     /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
     /// Whether masses were summed too; else they are those of the last time.
@@ -180,7 +182,12 @@ impl<S: Number, const D: usize> Grid<S, D> {
                         sums.solve(&tiles[slot], (owned, masses), field, solve);
                     }
                     if let Some(coefficient) = friction {
-                        sums.let_meet(&tiles[slot], owned, masses, coefficient);
+                        sums.let_meet(
+                            &tiles[slot],
+                            owned,
+                            masses,
+                            Friction { coefficient, pic: solve.pic },
+                        );
                     }
                     if tiles[slot].plain {
                         add_changes(owned);

@@ -287,7 +287,8 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     fn map_to_grid(&mut self, given: Given, dt: f64) {
         particle_to_grid(&mut self.grid, &self.bodies, &self.config, given);
         let with_mass = given != Given::Momentum;
-        self.grid.solve(Solve { dt, smallest_mass: self.smallest_mass, with_mass });
+        let (_, pic) = self.config.transfer.shares(dt);
+        self.grid.solve(Solve { dt, pic, smallest_mass: self.smallest_mass, with_mass });
     }
 
     /// A pass over all particles: grid-to-particle, the material update, the motion.

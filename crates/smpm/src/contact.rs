@@ -155,9 +155,8 @@ mod tests {
         let (mut a, mut b) = (Node::moving(brought), Node::moving([0.0; 2]));
         *a.velocity_change_mut() = forced;
         let energy = |a: &Node<f64, 2>, b: &Node<f64, 2>| {
-            let square = |of: &Node<f64, 2>, k: usize| {
-                (of.velocity()[k] + of.velocity_change()[k]).powi(2)
-            };
+            let square =
+                |of: &Node<f64, 2>, k: usize| (of.velocity()[k] + of.velocity_change()[k]).powi(2);
             (0..2).map(|k| square(a, k) + 1.5 * square(b, k)).sum::<f64>()
         };
         let start = energy(&a, &b);

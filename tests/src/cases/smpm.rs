@@ -4,6 +4,7 @@ pub(crate) mod contact_explosion;
 pub(crate) mod detonation;
 pub(crate) mod disks;
 pub(crate) mod elastic_bar;
+mod incline;
 pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
 mod methods;

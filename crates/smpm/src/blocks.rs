@@ -7,7 +7,7 @@
 )]
 
 use crate::boundary::Plane;
-use crate::contact::meet;
+use crate::contact::{Friction, MOST_GAP, Surface, meet};
 use crate::node::Node;
 use crate::number::Number;
 use crate::tile_size::{HALO, block_edge, block_len, signed, tile_edge, tile_len, tile_of};
@@ -57,7 +57,7 @@ pub(crate) struct BlockSums<'a, S, const D: usize> {
     pub(crate) n_fields: usize,
     pub(crate) blocks: &'a [Node<S, D>],
     pub(crate) masses: &'a [S],
-    pub(crate) outward: &'a [[S; D]],
+    pub(crate) surfaces: &'a [Surface<S, D>],
 }
 
 impl<S: Number, const D: usize> BlockSums<'_, S, D> {
@@ -127,7 +127,8 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
             let place = place::<D>(&tile.at, index, tile_edge(D));
             let mut sum = S::constant(0.0);
             *node = Node::zero();
-            for_each_image(self.planes, place, |at, mirrors| {
+            let shows = |plane: &Plane, depth| plane.mirrors() && (1..=MOST_DEPTH).contains(&depth);
+            for_each_image(self.planes, place, shows, |at, mirrors| {
                 let (mut image, mass) = self.sum_at(at, field);
                 for plane in mirrors.into_iter().flatten() {
                     *image.momentum_mut() = plane.mirrored(*image.momentum());
@@ -142,48 +143,56 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         }
     }
 
-    /// Lets all pairs of bodies meet at the nodes of a tile, in the order of their numbers.
+    /// Lets all pairs of bodies meet at the nodes of a tile that bodies fill, in the order of their numbers.
     #[inline(always)]
     pub(crate) fn let_meet(
         &self,
         tile: &Tile<D>,
         owned: &mut [Node<S, D>],
         masses: &[S],
-        coefficient: f64,
+        friction: Friction,
     ) {
         for index in 0..tile_len(D) {
-            for second in 1..self.n_fields {
+            let bears = |field: usize| masses[field * tile_len(D) + index].value() > 0.0;
+            if (0..self.n_fields).filter(|&field| bears(field)).count() < 2 {
+                continue;
+            }
+            let place = place::<D>(&tile.at, index, tile_edge(D));
+            let fill = |field: usize| self.surface_at(place, field).fill.value();
+            // The volume that bodies leave empty around the node is the gap between them.
+            if (0..self.n_fields).map(fill).sum::<f64>() < 1.0 - MOST_GAP {
+                continue;
+            }
+            for second in (1..self.n_fields).filter(|&field| bears(field)) {
                 let (low, high) = owned.split_at_mut(second * tile_len(D));
-                let (b, mass_b) = (&mut high[index], masses[second * tile_len(D) + index]);
-                if mass_b.value() <= 0.0 {
-                    continue;
-                }
-                for first in 0..second {
-                    let a = first * tile_len(D) + index;
-                    let (a, mass_a) = (&mut low[a], masses[a]);
-                    if mass_a.value() <= 0.0 {
-                        continue;
-                    }
-                    let place = place::<D>(&tile.at, index, tile_edge(D));
-                    let outward = self.outward_at(place, first);
-                    meet((a, mass_a), (b, mass_b), outward, coefficient);
+                let of_b = self.surface_at(place, second);
+                for first in (0..second).filter(|&field| bears(field)) {
+                    let of_a = self.surface_at(place, first);
+                    let (a, b) = (first * tile_len(D) + index, second * tile_len(D) + index);
+                    let (mass_a, mass_b) = (masses[a], masses[b]);
+                    meet((&mut low[a], mass_a, &of_a), (&mut high[index], mass_b, &of_b), friction);
                 }
             }
         }
     }
 
-    /// The gradient of the mass of a body at a node, with its images.
-    fn outward_at(&self, place: [i32; D], field: usize) -> [S; D] {
-        let mut outward = [S::constant(0.0); D];
-        for_each_image(self.planes, place, |at, mirrors| {
+    /// The surface of a body at a node, as if every plane were a mirror: what is beyond a plane is no gap. A node on a plane is
+    /// its own image.
+    fn surface_at(&self, place: [i32; D], field: usize) -> Surface<S, D> {
+        let mut surface = Surface::none();
+        let shows = |_: &Plane, depth: i32| depth.abs() <= MOST_DEPTH;
+        for_each_image(self.planes, place, shows, |at, mirrors| {
             self.for_each_copy(at, field, |copy| {
+                let part = &self.surfaces[copy];
+                surface.fill = surface.fill + part.fill;
                 for k in 0..D {
-                    let part = self.outward[copy][k];
-                    outward[k] = outward[k] + if mirrors[k].is_some() { -part } else { part };
+                    let part = part.outward[k];
+                    let part = if mirrors[k].is_some() { -part } else { part };
+                    surface.outward[k] = surface.outward[k] + part;
                 }
             });
         });
-        outward
+        surface
     }
 
     /// What all blocks hold of a node, in the order of the tiles below it, and of its mass.
@@ -249,17 +258,18 @@ pub(crate) fn fill<S: Number, const D: usize>(
     }
 }
 
-/// Calls with a node and with the images of it that mirrors show, and by which mirror along each axis.
+/// Calls with a node and with the images of it that planes show, and by which plane along each axis.
 fn for_each_image<'a, const D: usize>(
     planes: &'a [Plane],
     place: [i32; D],
+    shows: impl Fn(&Plane, i32) -> bool,
     mut visit: impl FnMut([i32; D], [Option<&'a Plane>; D]),
 ) {
     // Each image of a node may have images in the planes that follow: at an edge there are three, at a corner seven.
     let mut near: [Option<&Plane>; D] = [None; D];
     for plane in planes {
         let depth = -plane.beyond(place[plane.axis]);
-        if plane.mirrors() && (1..=MOST_DEPTH).contains(&depth) {
+        if shows(plane, depth) {
             near[plane.axis] = Some(plane);
         }
     }

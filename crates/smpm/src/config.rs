@@ -29,6 +29,19 @@ pub enum Transfer {
     Apic,
 }
 
+impl Transfer {
+    /// The shares of FLIP and of PIC in a step.
+    pub(crate) fn shares(self, dt: f64) -> (f64, f64) {
+        match self {
+            Self::Flip { damping_time } => {
+                let share = (-dt / damping_time).exp();
+                (share, 1.0 - share)
+            }
+            Self::Apic => (0.0, 1.0),
+        }
+    }
+}
+
 /// What two dimensions stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Geometry {
@@ -38,17 +51,22 @@ pub enum Geometry {
     Axisymmetric,
 }
 
-/// What bodies that meet do to each other.
+/// Interaction of bodies in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Contact {
-    /// They share one velocity on the grid: they stick together while they share nodes.
+    /// Bonded: bodies share one velocity on the grid and stick together while they share nodes.
     Bonded,
-    /// Each has its own velocity on the grid (Bardenhagen et al. 2001). Where two approach at a node, an impulse along the
-    /// normal makes their normal velocities equal, and one across it, at most `coefficient` times as large, acts against
-    /// their slip; what parts is free. What one loses the other gains, to roundoff. The normal of a pair is the gradient of
-    /// the mass of the body that is given first: give the flatter or the stiffer one first, since at a corner the gradient
-    /// leans. Bodies see each other as soon as they share a node: one to two cells early. A
-    /// body that friction holds creeps: on an incline of 0.5 rad with the coefficient 0.8 at 4 % of the acceleration of free fall.
+    /// Frictional contact with separation: each body has its own velocity on the grid (Bardenhagen et al. 2001).
+    ///
+    /// Two bodies are in contact at a node where all bodies fill the volume around it,
+    ///
+    /// $$ \sum_b \phi_b \ge 1 - \tfrac{1}{64}, \qquad \phi_b = \sum_{p \in b} V_p N_i(x_p) / h^D, $$
+    ///
+    /// which is when the gap between flat surfaces has closed; without a gap test bodies meet one to three cells early (Huang,
+    /// Zhang, Ma and Huang 2011 test the gap by particles instead). There an impulse stops the approach that forces add, and
+    /// another across the normal, at most `coefficient` times as large, acts against their slip. The approach that particles
+    /// bring is no impulse: the stress that builds up stops it. Bodies that separate are free. Momentum is conserved within
+    /// roundoff. The normal is the difference of the gradients of $\phi$, each weighted by its square.
     Friction {
         /// Coulomb's coefficient, zero or above.
         coefficient: f64,
@@ -89,7 +107,7 @@ pub struct Config<const D: usize> {
     pub courant_number: f64,
     /// Acceleration of all particles (length per time squared).
     pub gravity: [f64; D],
-    /// What bodies that meet do to each other.
+    /// Interaction of bodies in contact.
     pub contact: Contact,
     /// Planes at which the motion is prescribed.
     pub boundaries: Vec<Boundary>,

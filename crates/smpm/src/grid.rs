@@ -11,6 +11,7 @@ use crate::blocks::{BlockSums, Fields, fill, place, place_in_block, seen_at};
 use crate::body::Body;
 use crate::boundary::Plane;
 use crate::config::{Config, Contact};
+use crate::contact::{Friction, Surface};
 use crate::error::Error;
 use crate::lattice::Lattice;
 use crate::node::Node;
@@ -40,8 +41,8 @@ pub(crate) struct Grid<S, const D: usize> {
     n_fields: usize,
     /// Coulomb's coefficient where bodies have their own fields.
     friction: Option<f64>,
-    /// Like the blocks, the gradients of the masses of the bodies; empty where they share a field.
-    outward: Vec<[S; D]>,
+    /// Like the blocks, the surfaces of the bodies; empty where they share a field.
+    surfaces: Vec<Surface<S, D>>,
 }
 
 /// What the nodes do with what particle-to-grid has summed.
@@ -49,6 +50,8 @@ pub(crate) struct Grid<S, const D: usize> {
 pub(crate) struct Solve {
     /// The step; zero where velocities alone are asked for.
     pub(crate) dt: f64,
+    /// The share of a nodal velocity that particles take in it.
+    pub(crate) pic: f64,
     /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
     /// Whether masses were summed too; else they are those of the last time.
@@ -71,7 +74,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
             masses: vec![],
             n_fields,
             friction,
-            outward: vec![],
+            surfaces: vec![],
         }
     }
 
@@ -99,7 +102,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         self.nodes.resize(n_sets * tile_len(D), Node::zero());
         self.masses.resize(n_sets * tile_len(D), zero);
         if self.has_contact() {
-            self.outward.resize(n_sets * block_len(D), [zero; D]);
+            self.surfaces.resize(n_sets * block_len(D), Surface::none());
         }
         Ok(())
     }
@@ -133,15 +136,15 @@ impl<S: Number, const D: usize> Grid<S, D> {
         });
     }
 
-    /// The same for the gradients of masses.
-    pub(crate) fn sum_outward_in_blocks(
+    /// The same for the surfaces of bodies.
+    pub(crate) fn sum_surfaces_in_blocks(
         &mut self,
-        add: impl Fn(usize, usize, &mut [[S; D]]) + Sync,
+        add: impl Fn(usize, usize, &mut [Surface<S, D>]) + Sync,
     ) {
         let (tiles, n_nodes) = (&self.tiles.all, self.n_fields * block_len(D));
-        for_each_chunk(&mut self.outward, n_nodes, &|slot, blocks| {
+        for_each_chunk(&mut self.surfaces, n_nodes, &|slot, blocks| {
             if tiles[slot].occupied {
-                blocks.fill([S::constant(0.0); D]);
+                blocks.fill(Surface::none());
                 add(slot, slot * n_nodes, blocks);
             }
         });
@@ -165,11 +168,9 @@ impl<S: Number, const D: usize> Grid<S, D> {
             n_fields,
             blocks: &self.blocks,
             masses: &self.block_masses,
-            outward: &self.outward,
+            surfaces: &self.surfaces,
         };
-        // Velocities that particles bring once more hold what contact did to them.
-        let friction = self.friction.filter(|_| solve.dt > 0.0);
-        let cell = self.lattice.cell;
+        let (friction, cell) = (self.friction, self.lattice.cell);
         let both = (&mut self.nodes[..], &mut self.masses[..]);
         for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
             dispatch(
@@ -181,7 +182,12 @@ impl<S: Number, const D: usize> Grid<S, D> {
                         sums.solve(&tiles[slot], (owned, masses), field, solve);
                     }
                     if let Some(coefficient) = friction {
-                        sums.let_meet(&tiles[slot], owned, masses, coefficient);
+                        sums.let_meet(
+                            &tiles[slot],
+                            owned,
+                            masses,
+                            Friction { coefficient, pic: solve.pic },
+                        );
                     }
                     if tiles[slot].plain {
                         add_changes(owned);

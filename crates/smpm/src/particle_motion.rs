@@ -62,13 +62,7 @@ impl<S: Number, const D: usize> Sums<S, D> {
 
 impl<const D: usize> GridToParticle<D> {
     pub(crate) fn of(lattice: Lattice<D>, config: &Config<D>, pass: Pass, dt: f64) -> Self {
-        let shares = match config.transfer {
-            Transfer::Flip { damping_time } => {
-                let share = (-dt / damping_time).exp();
-                (share, 1.0 - share)
-            }
-            Transfer::Apic => (0.0, 1.0),
-        };
+        let shares = config.transfer.shares(dt);
         let square = config.cell * config.cell;
         Self {
             lattice,

@@ -8,7 +8,6 @@ use crate::config::{Config, Geometry, UpdateOrder};
 use crate::error::Error;
 use crate::grid::{Grid, Solve};
 use crate::number::{Number, is_compiled};
-use crate::outward::sum_outward;
 use crate::particle_pass::ParticlePass;
 use crate::particle_terms::Given;
 use crate::particle_to_grid::particle_to_grid;
@@ -16,6 +15,7 @@ use crate::particles::Particles;
 use crate::pass::Pass;
 use crate::snapshot::{Clock, Stored, read, write};
 use crate::summary::{Summary, signal_speed};
+use crate::surfaces::sum_surfaces;
 use crate::tile_size::MOST_NODES;
 
 /// A node lighter than this part of the lightest particle does not move.
@@ -237,7 +237,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         self.allocate()?;
         if self.grid.has_contact() {
-            sum_outward(&mut self.grid, &self.bodies, &self.config);
+            sum_surfaces(&mut self.grid, &self.bodies, &self.config);
         }
         let order = self.config.update_order;
         if order == UpdateOrder::StressFirst {
@@ -287,7 +287,8 @@ impl<S: Number, const D: usize> Simulation<S, D> {
     fn map_to_grid(&mut self, given: Given, dt: f64) {
         particle_to_grid(&mut self.grid, &self.bodies, &self.config, given);
         let with_mass = given != Given::Momentum;
-        self.grid.solve(Solve { dt, smallest_mass: self.smallest_mass, with_mass });
+        let (_, pic) = self.config.transfer.shares(dt);
+        self.grid.solve(Solve { dt, pic, smallest_mass: self.smallest_mass, with_mass });
     }
 
     /// A pass over all particles: grid-to-particle, the material update, the motion.

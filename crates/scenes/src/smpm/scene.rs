@@ -213,7 +213,7 @@ pub enum ContactScene {
     /// Bonded: bodies share one velocity field, as in the paper.
     #[default]
     Bonded,
-    /// Frictional contact with separation. The normal is that of the body given first: the flatter or stiffer one.
+    /// Frictional contact with separation. No impulse acts before the gap between the bodies has closed.
     Friction {
         /// Coulomb's friction coefficient (no unit).
         coefficient: f64,

@@ -1,9 +1,9 @@
-//! Bodies that meet with velocities of their own: they part, slide and stick.
+//! Frictional contact: bodies separate, slide and stick.
 
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
-    Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, Side, Simulation,
-    Transfer,
+    Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, Shape, Side,
+    Simulation, Transfer,
 };
 
 const NO_VISCOSITY: BulkViscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
@@ -32,13 +32,13 @@ fn disks() -> Simulation<f64, 2> {
 }
 
 #[test]
-fn colliding_disks_part() {
+fn colliding_disks_part_with_their_energy() {
     let mut simulation = disks();
     let start = simulation.ledger();
     // The lattice covers the disks to 1 %.
     assert!((start.kinetic / 2.5132741228718345 - 1.0).abs() < 0.01, "{}", start.kinetic);
-    // Free flight: three cells at most before they touch.
-    simulation.advance_to(1.2).unwrap();
+    // Free flight until they touch, at 1.58579; the margin of the gap test and the step take less than 0.2 cells of it.
+    simulation.advance_to(1.57).unwrap();
     assert!((simulation.ledger().kinetic / start.kinetic - 1.0).abs() < 1e-12);
     simulation.advance_to(1.9).unwrap();
     let squeezed = simulation.ledger();
@@ -54,72 +54,94 @@ fn colliding_disks_part() {
     // Some of the energy stays as vibration.
     assert!(velocity.iter().all(|&v| v < -0.08 && v > -0.1), "{velocity:?}");
     let total = (end.kinetic + end.internal) / start.kinetic;
-    // Contact at nodes is of first order in the cell: seen +4 % with 16 cells to a diameter.
-    assert!((total - 1.0).abs() < 0.06, "{total}");
+    assert!((total - 1.0).abs() < 0.01, "{total}");
 }
 
 const GRAVITY: f64 = 10.0;
-/// When the block has settled, and how long it is watched from then on.
-const SETTLED: f64 = 0.1;
+/// The inclination (rad); its tangent is 0.546.
+const ANGLE: f64 = 0.5;
+/// Until then velocities are damped.
+const SETTLED: f64 = 0.4;
+/// Duration of the undamped motion after that.
 const DURATION: f64 = 0.2;
 
-/// A block on a slab, both inclined by `angle`: what its mean velocity along the slab grows by, and its place less what the
-/// velocity at the beginning accounts for.
-fn slide(angle: f64, coefficient: f64) -> (f64, f64) {
+/// A block on a slab, both inclined by [`ANGLE`].
+fn incline(shape: Shape, coefficient: f64, damping_time: f64) -> Simulation<f64, 2> {
     let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let slab = Body::new(elastic(1.0, 1e4, 0.0), &fill([0.0, 0.0], [4.0, 0.5]), [0.0; 2]).unwrap();
     let block = Body::new(elastic(1.0, 1e4, 0.0), &fill([1.0, 0.5], [2.0, 1.0]), [0.0; 2]).unwrap();
     let ground =
         Boundary { axis: 1, position: 0.0, side: Side::Above, kind: BoundaryKind::Clamped };
     let config = Config {
+        shape,
         contact: Contact::Friction { coefficient },
-        gravity: [GRAVITY * angle.sin(), -GRAVITY * angle.cos()],
+        gravity: [GRAVITY * ANGLE.sin(), -GRAVITY * ANGLE.cos()],
         boundaries: vec![ground],
-        // What the sudden weight sets swinging dies out in a time that does not matter.
-        transfer: Transfer::Flip { damping_time: 0.01 },
+        transfer: Transfer::Flip { damping_time },
         viscosity: NO_VISCOSITY,
+        // The fall of the slab under its own weight is energy that no state holds at the start.
+        most_energy_growth: f64::MAX,
         ..Config::with_cell(0.1)
     };
-    // The fall of the slab under its own weight is energy that no state holds at the start.
-    let config = Config { most_energy_growth: f64::MAX, ..config };
-    let mut simulation = Simulation::new(config, vec![slab, block]).unwrap();
-    let mut watched = |until: f64| {
-        simulation.advance_to(until).unwrap();
-        let positions = simulation.bodies()[1].positions();
-        let place = positions.iter().map(|x| x[0]).sum::<f64>() / positions.len() as f64;
-        let ledger = simulation.ledgers()[1];
-        (ledger.momentum[0] / ledger.mass, place)
-    };
-    let (velocity, place) = watched(SETTLED);
-    let (later, there) = watched(SETTLED + DURATION);
-    (later - velocity, there - place - velocity * DURATION)
+    Simulation::new(config, vec![slab, block]).unwrap()
+}
+
+/// Velocity and place of the block along the slab: means over its particles.
+fn of_block(simulation: &Simulation<f64, 2>) -> (f64, f64) {
+    let positions = simulation.bodies()[1].positions();
+    let place = positions.iter().map(|x| x[0]).sum::<f64>() / positions.len() as f64;
+    let ledger = simulation.ledgers()[1];
+    (ledger.momentum[0] / ledger.mass, place)
+}
+
+/// The block once the vibration has decayed.
+///
+/// Sudden weight makes block and slab vibrate, with a normal force between zero and twice the weight. A block with the
+/// coefficient 0.8 slips where the force is below 0.68 of the weight: by 11 % of free fall on each of three grids. So sticking
+/// shows only after damping.
+fn settled(shape: Shape, coefficient: f64) -> Simulation<f64, 2> {
+    // PIC damps what is uneven over a cell and does not change the mean velocity of a body.
+    let mut damped = incline(shape, coefficient, 3e-4);
+    damped.advance_to(SETTLED).unwrap();
+    let mut state = vec![];
+    damped.snapshot(&mut state).unwrap();
+    let mut undamped = incline(shape, coefficient, f64::INFINITY);
+    undamped.restore(&state[..]).unwrap();
+    undamped
 }
 
 #[test]
 fn a_block_slides_down_an_incline_as_coulomb_says() {
-    let angle = 0.5_f64;
     for coefficient in [0.0, 0.2, 0.4] {
-        let (velocity, displacement) = slide(angle, coefficient);
-        let acceleration = GRAVITY * (angle.sin() - coefficient * angle.cos());
-        let exact = acceleration * DURATION;
-        // The block settles and swings: friction follows its normal momentum, which is not quite that of its weight.
-        let tolerance = 0.02 * GRAVITY * DURATION * angle.sin();
-        assert!((velocity - exact).abs() < tolerance, "{coefficient}: {velocity} {exact}");
+        let mut simulation = settled(Shape::QuadraticBSpline, coefficient);
+        let (velocity, place) = of_block(&simulation);
+        simulation.advance_to(SETTLED + DURATION).unwrap();
+        let (later, there) = of_block(&simulation);
+        let acceleration = GRAVITY * (ANGLE.sin() - coefficient * ANGLE.cos());
+        let (found, exact) = (later - velocity, acceleration * DURATION);
+        // Seen 1.2 % of free fall at most: the normals at the edges of the block are oblique.
+        let tolerance = 0.02 * GRAVITY * DURATION * ANGLE.sin();
+        assert!((found - exact).abs() < tolerance, "{coefficient}: {found} {exact}");
+        let found = there - place - velocity * DURATION;
         let exact = 0.5 * acceleration * DURATION * DURATION;
-        let tolerance = 0.02 * 0.5 * GRAVITY * DURATION * DURATION * angle.sin();
-        assert!((displacement - exact).abs() < tolerance, "{coefficient}: {displacement} {exact}");
+        let tolerance = 0.02 * 0.5 * GRAVITY * DURATION * DURATION * ANGLE.sin();
+        assert!((found - exact).abs() < tolerance, "{coefficient}: {found} {exact}");
     }
 }
 
 #[test]
-fn a_block_stays_below_the_angle_of_friction() {
-    // tan 0.5 = 0.546.
-    let (velocity, displacement) = slide(0.5, 0.8);
-    let free = 0.5 * GRAVITY * DURATION * DURATION * 0.5_f64.sin();
-    // It creeps: nodes that part for a step bear no friction in it. Seen 3.6 % of the way and 4.2 % of the speed of free fall.
-    assert!(displacement.abs() < 0.05 * free, "{displacement} of {free}");
-    let free = GRAVITY * DURATION * 0.5_f64.sin();
-    assert!(velocity.abs() < 0.05 * free, "{velocity} of {free}");
+fn a_block_at_rest_below_the_angle_of_friction_stays() {
+    let free = 0.5 * GRAVITY * DURATION * DURATION * ANGLE.sin();
+    for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+        let mut simulation = settled(shape, 0.8);
+        let (_, place) = of_block(&simulation);
+        for part in 1..=20 {
+            simulation.advance_to(SETTLED + DURATION * f64::from(part) / 20.0).unwrap();
+            let displacement = of_block(&simulation).1 - place;
+            // Seen 0.1 % with cubic functions, less with the others.
+            assert!(displacement.abs() < 0.005 * free, "{shape:?}: {displacement} of {free}");
+        }
+    }
 }
 
 #[test]

@@ -155,7 +155,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let names = ["modulus", "horizon"].into_iter().zip(BOUNDS);
     let space = ParameterSpace::new(names.map(parameter).collect())?;
-    let mut stream = Noise::new(SEED).stream(Purpose::InitialLaw, 0);
+    let mut stream = Noise::new(SEED).stream(Purpose::InitialDistribution, 0);
     let mut found = Found::default();
     for number in 0..DATA_SETS {
         context.progress(&format!("data set {} of {DATA_SETS}", number + 1));

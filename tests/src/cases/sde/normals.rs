@@ -22,7 +22,7 @@ const PAIRS: u32 = 1 << 22;
 const BEYOND: f64 = 0.002_699_796_063_260_19;
 
 fn run(context: &Context<'_>) -> Vec<Claim> {
-    let mut stream = Noise::new(91).stream(Purpose::InitialLaw, 0);
+    let mut stream = Noise::new(91).stream(Purpose::InitialDistribution, 0);
     let (mut sums, mut beyond, mut product) = ([0.0; 4], 0_u32, 0.0);
     for _ in 0..PAIRS {
         let pair = stream.next_normal_pair();

@@ -6,9 +6,9 @@ use smpm::uncertainty::{Experiment, Study};
 use work_precision::problems::smpm::problems::{Problem, experiment};
 use work_precision::problems::smpm::published::{clamp, widen};
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

@@ -4,9 +4,9 @@ use work_precision::problems::smpm::published::{
     MeanAndVariance, PrintedRow, Solved, TABLES, by_series, one_time, printed,
 };
 
-use super::worst::Worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {

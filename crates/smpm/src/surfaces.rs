@@ -1,25 +1,30 @@
-//! Where the surface of a body looks: what contact takes its normals from.
+//! Where the surfaces of bodies are, and where they look: what contact takes gaps and normals from.
 
 use crate::binning::Binning;
 use crate::body::Body;
-use crate::config::Config;
+use crate::config::{Config, Geometry};
+use crate::contact::Surface;
 use crate::grid::Grid;
 use crate::number::Number;
 use crate::particles::Particles;
 use crate::shape::{Axis, outer};
 use crate::tile_size::block_edge;
 
-/// Sums the gradient of the mass, `sum_p m_p grad N_i` per cell, at the nodes of all blocks: there it points out of the body.
-pub(crate) fn sum_outward<S: Number, const D: usize>(
+/// Sums volumes and their gradients, `V_p N_i` and `V_p grad N_i` per cell over the volume of a cell, at the nodes of all
+/// blocks. Where axisymmetric the volumes are those of the cross-section.
+pub(crate) fn sum_surfaces<S: Number, const D: usize>(
     grid: &mut Grid<S, D>,
     bodies: &[Body<S, D>],
     config: &Config<D>,
 ) {
     let lattice = grid.lattice;
-    grid.sum_outward_in_blocks(|slot, first, blocks| {
+    let per_cell = (0..D).fold(1.0, |product, _| product * lattice.per_cell);
+    let axisymmetric = config.geometry == Geometry::Axisymmetric;
+    grid.sum_surfaces_in_blocks(|slot, first, blocks| {
         let mut axes = [Axis::<S, 1>::empty(); D];
         for body in bodies {
-            let Particles { position, half_length, mass, .. } = &body.particles;
+            let Particles { position, half_length, reference_volume, .. } = &body.particles;
+            let conditions = body.points.conditions();
             let Binning { bases, nodes, .. } = &body.binning;
             for p in body.binning.runs_of(slot).flatten() {
                 let (x, half, base) = (&position[p..=p], half_length.get(p..=p), &bases[p..=p]);
@@ -29,7 +34,11 @@ pub(crate) fn sum_outward<S: Number, const D: usize>(
                     3 => lattice.find_axes::<S, 3, 1>(config.shape, x, half, base, &mut axes),
                     _ => lattice.find_axes::<S, 4, 1>(config.shape, x, half, base, &mut axes),
                 }
-                add(&axes, config.shape.n_nodes(), mass[p], &mut blocks[nodes[p] - first..]);
+                let mut volume = conditions[p].volume * (reference_volume[p] * per_cell);
+                if axisymmetric {
+                    volume = volume / position[p][0];
+                }
+                add(&axes, config.shape.n_nodes(), volume, &mut blocks[nodes[p] - first..]);
             }
         }
     });
@@ -39,17 +48,19 @@ pub(crate) fn sum_outward<S: Number, const D: usize>(
 fn add<S: Number, const D: usize>(
     axes: &[Axis<S, 1>; D],
     n_nodes: usize,
-    mass: S,
-    nodes: &mut [[S; D]],
+    volume: S,
+    nodes: &mut [Surface<S, D>],
 ) {
     let edge = block_edge(D);
     for k in 0..if D > 2 { n_nodes } else { 1 } {
         for j in 0..if D > 1 { n_nodes } else { 1 } {
             let (n, grad_n) = outer(axes, 0, (j, k));
             for (i, node) in nodes[(k * edge + j) * edge..][..n_nodes].iter_mut().enumerate() {
-                node[0] = node[0] + mass * n * axes[0].slope[i][0];
+                let part = volume * axes[0].value[i][0];
+                node.fill = node.fill + part * n;
+                node.outward[0] = node.outward[0] + volume * n * axes[0].slope[i][0];
                 for c in 1..D {
-                    node[c] = node[c] + mass * grad_n[c] * axes[0].value[i][0];
+                    node.outward[c] = node.outward[c] + part * grad_n[c];
                 }
             }
         }

@@ -68,9 +68,11 @@ impl<S: Number, const D: usize> Surface<S, D> {
 
 /// Contact of two bodies at a node that they fill.
 ///
-/// Symbols: $v$ = nodal velocities before the step, $\Delta v$ = their changes by forces, $m = m_a m_b / (m_a + m_b)$, $n$ = the
-/// unit normal from `a` to `b`, $\Delta = (v_a - v_b) \cdot n$, $\mu$ = `coefficient`, $\beta$ = `pic`, the share of a nodal
-/// velocity that particles take. The approach before the step is removed from the nodal velocities as at a mirror plane. It is
+/// Symbols: $v$ = nodal velocities before the step, $\Delta v$ = their changes by forces, $m = m_a m_b / (m_a + m_b)$.
+/// The unit normal $n$ points from `a` to `b`, and $\Delta = (v_a - v_b) \cdot n$. $\mu$ = `coefficient`; $\beta$ = `pic` is the
+/// share of a nodal velocity that particles take.
+///
+/// The approach before the step is removed from the nodal velocities as at a mirror plane. It is
 /// no velocity change, so FLIP particles keep it, and the collision loses no energy by it. The approach that forces add is an
 /// impulse on the particles:
 ///

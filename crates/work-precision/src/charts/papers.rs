@@ -99,7 +99,7 @@ fn text(page: &Page) -> Result<String, std::fmt::Error> {
     {
         write!(
             text,
-            "\n## {moment} ({unit})\n\n| | gauge | C.V. | print, method | frozen | 8 to 14 us | run | print, Monte Carlo | \
+            "\n## {moment} ({unit})\n\n| | gauge | coefficient of variation | print, method | frozen | 8 to 14 us | run | print, Monte Carlo | \
             samples |\n|---|---|---|---|---|---|---|---|---|\n"
         )?;
         for row in &page.rows {

@@ -86,7 +86,7 @@ fn compare(
     Ok(())
 }
 
-/// The responses of the mean run.
+/// The responses of the reference run.
 fn centre(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
     let experiment = experiment::<2>(scene)?;
     let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;

@@ -253,7 +253,7 @@ fn yield_surface(context: &Context<'_>, solved: &[(f64, Solved)]) -> Result<Clai
             }
         }
     }
-    let lines = Lines { context, id: "", method: "mean runs, all gauges, 8 to 14 us".into() };
+    let lines = Lines { context, id: "", method: "reference runs, all gauges, 8 to 14 us".into() };
     Ok(lines.measured(
         ("within-yield", "largest abs(S_11) over sigma_y", ""),
         largest,

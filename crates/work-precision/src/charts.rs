@@ -9,6 +9,7 @@ mod kernels;
 mod models;
 mod mpi;
 mod papers;
+mod papers_figures;
 mod peridyn;
 mod sde;
 mod smpm;

@@ -1,10 +1,11 @@
-//! Tables of the source documents as printed, beside ours.
+//! Tables and figures of the source documents, beside ours.
 
 use std::fmt::Write as _;
 
 use figures::Drawing;
 use serde::Serialize;
 
+use super::papers_figures::{of_canor_denoel, of_chen};
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::smpm::published::{
@@ -13,7 +14,7 @@ use crate::problems::smpm::published::{
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "papers",
-    title: "Tables 6 to 8 of Chen et al. 2019 beside ours at one time, as a page",
+    title: "Tables 6 to 8 and figures 9 to 12 of Chen et al. 2019, figure 1b of Canor & Denoël 2013, beside ours",
     draw,
 };
 
@@ -58,7 +59,11 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         rows.push(row(solved, printed, time)?);
     }
     let page = Page { time, n_samples, rows };
-    Ok(vec![Drawing::page("smpm-published-tables", text(&page)?, &page)?])
+    let mut drawings = vec![Drawing::page("smpm-published-tables", text(&page)?, &page)?];
+    context.progress("figures");
+    drawings.extend(of_chen(&all, &TIMES, time)?);
+    drawings.push(of_canor_denoel()?);
+    Ok(drawings)
 }
 
 fn row(solved: &Solved, printed: PrintedRow, time: f64) -> Result<Row, CaseError> {

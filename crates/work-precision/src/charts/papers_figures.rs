@@ -1,0 +1,135 @@
+//! Figures of the source documents: the same quantities over the same axes, ours beside what is printed.
+
+use figures::{Band, Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
+use scenes::fpk::density::{Asked, Demand, DensityRun};
+use scenes::machine::Machine;
+
+use crate::context::CaseError;
+use crate::problems::fpk::methods::papers_config;
+use crate::problems::fpk::problem::Problem;
+use crate::problems::smpm::published::{Solved, TABLES, by_series, printed};
+
+/// Figure of Chen et al. 2019, table and gauge.
+const OF_CHEN: [(u32, usize, &str); 4] = [(9, 0, "H"), (10, 0, "I"), (11, 1, "G"), (12, 2, "G")];
+
+/// Moment, unit, factor from Mbar.
+const MOMENTS: [(&str, &str, f64); 2] =
+    [("mean", "1e-2 Mbar", 1e2), ("variance", "1e-6 Mbar^2", 1e6)];
+
+/// Figures 9 to 12 of Chen et al. 2019: mean and variance at a gauge over time, at both coefficients of variation.
+pub(super) fn of_chen(
+    all: &[(f64, Solved)],
+    times: &[f64],
+    time: f64,
+) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = Vec::new();
+    for of in OF_CHEN {
+        for moment in 0..2 {
+            drawings.push(figure_of_chen(all, times, time, (of, moment))?);
+        }
+    }
+    Ok(drawings)
+}
+
+fn figure_of_chen(
+    all: &[(f64, Solved)],
+    times: &[f64],
+    time: f64,
+    ((figure, table, gauge), moment): ((u32, usize, &str), usize),
+) -> Result<Drawing, CaseError> {
+    let (word, unit, factor) = MOMENTS[moment];
+    let (mut lines, mut references) = (Vec::new(), Vec::new());
+    for (cv, solved) in all {
+        let (mut run, mut frozen, mut samples) = (Vec::new(), Vec::new(), Vec::new());
+        for &t in times {
+            let response = solved.response(table, gauge, t)?;
+            run.push((t, Some(factor * by_series(&solved.propagated[response])?[moment].0)));
+            frozen.push((t, Some(factor * by_series(&solved.frozen[response])?[moment].0)));
+            let (value, error) = solved.by_samples(response)?[moment];
+            samples.push(ReferencePoint { x: t, y: factor * value, error: Some(factor * error) });
+        }
+        lines.push(Line { name: format!("derivatives of the run, {cv}"), points: run });
+        lines.push(Line { name: format!("frozen form, {cv}"), points: frozen });
+        references.push(ReferencePoints { name: format!("samples, {cv}"), points: samples });
+    }
+    let rows = printed()?.into_iter().filter(|row| row.table == table && row.gauge == gauge);
+    let at_time = |y: f64| ReferencePoint { x: time, y: factor * y, error: None };
+    references.push(ReferencePoints {
+        name: "printed, method; no time given".into(),
+        points: rows.map(|row| at_time(row.method[moment])).collect(),
+    });
+    let symbol = TABLES[table].1;
+    let data = TimeSeries {
+        words: Words {
+            title: format!("Figure {figure} of Chen et al. 2019: {word} of {symbol} at {gauge}"),
+            subtitle: "contact explosion, strength as printed; A, B, n, C, m normal, coefficients of variation 0.1 and 0.15".into(),
+            x_label: "time (us)".into(),
+            y_label: format!("{word} of {symbol} ({unit})"),
+            caption: vec![
+                format!("Printed values of Tables 6 to 8 are drawn at {time} us, the one time at which ours are compared with all of them; curves of the print are not available."),
+                Machine::read().caption(),
+            ],
+        },
+        scale: Scale::Linear,
+        lines,
+        bands: Vec::<Band>::new(),
+        references,
+    };
+    Ok(Drawing::time_series(&format!("papers-chen-figure-{figure}-{word}"), &data)?)
+}
+
+/// Figure 1b of Canor and Denoël 2013: second moments of the oscillator with a viscous damper over time.
+pub(super) fn of_canor_denoel() -> Result<Drawing, CaseError> {
+    const TIMES: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+    let problem = Problem::viscous_damper()?;
+    let powers = [[2, 0], [0, 2]];
+    let asked = Asked {
+        times: (1..=60).map(|tenth| f64::from(tenth) / 10.0).collect(),
+        powers: powers.to_vec(),
+        demand: Demand::displacement(),
+        thresholds: vec![0.5],
+        cells: false,
+    };
+    let printed = problem.density(&papers_config(problem.system.period()), &asked)?;
+    let better = problem.density(&problem.density_config(1.0)?, &asked)?;
+    let line = |run: &DensityRun, of: &str, k: usize| Line {
+        name: format!("{}, {of}", ["E[q^2]", "E[v^2]"][k]),
+        points: run.rows.iter().map(|row| (row.t, Some(row.moments[k]))).collect(),
+    };
+    let mut lines = Vec::new();
+    for k in 0..2 {
+        lines.push(line(&printed, "method as printed", k));
+        lines.push(line(&better, "log-density fit", k));
+    }
+    let references = powers.iter().enumerate().map(|(k, powers)| {
+        let point = |&t: &f64| {
+            let reference = problem.reference.moment(*powers, t)?;
+            Some(ReferencePoint { x: t, y: reference.value, error: reference.error })
+        };
+        ReferencePoints {
+            name: format!("{}, independent reference", ["E[q^2]", "E[v^2]"][k]),
+            points: TIMES.iter().filter_map(point).collect(),
+        }
+    });
+    let data = TimeSeries {
+        words: Words {
+            title: "Figure 1b of Canor and Denoël 2013: second moments of the damped building"
+                .into(),
+            subtitle:
+                "viscous damper, 50 x 33 particles, Courant number 0.8, support of 2.5 spacings"
+                    .into(),
+            x_label: "time (s)".into(),
+            y_label: "E[q^2] (m^2), E[v^2] (m^2/s^2)".into(),
+            caption: vec![
+                "Curves of the print are not available; its Monte Carlo has 100,000 samples."
+                    .into(),
+                Machine::read().caption(),
+            ],
+        },
+        scale: Scale::Linear,
+        lines,
+        bands: Vec::new(),
+        references: references.collect(),
+    };
+    Ok(Drawing::time_series("papers-canor-denoel-figure-1b", &data)?)
+}

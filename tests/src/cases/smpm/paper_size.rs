@@ -71,7 +71,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                 "",
             ),
             worst.value(),
-            1e-9,
+            6e-14,
             "roundoff: nothing has come back from an edge of either scene",
         ));
     }

@@ -143,7 +143,7 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         }
     }
 
-    /// Lets all pairs of bodies meet at the nodes of a tile that bodies fill, in the order of their numbers.
+    /// Applies contact to all pairs of bodies at the nodes of a tile that bodies fill, in the order of their numbers.
     #[inline(always)]
     pub(crate) fn let_meet(
         &self,

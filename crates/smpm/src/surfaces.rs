@@ -1,4 +1,4 @@
-//! Where the surfaces of bodies are, and where they look: what contact takes gaps and normals from.
+//! Volume fractions of the bodies at the nodes, and their gradients: the input of the gap test and of the normals of contact.
 
 use crate::binning::Binning;
 use crate::body::Body;

@@ -34,7 +34,7 @@ struct ReferenceDisks {
 const RADIUS: f64 = 0.2;
 /// Of each, along both axes.
 const SPEED: f64 = 0.1;
-/// The disks have parted.
+/// By then the disks have separated.
 const END: f64 = 3.5;
 const CELL: f64 = RADIUS / 8.0;
 /// By this part of it the kinetic energy has begun to fall.

@@ -15,20 +15,20 @@
 use std::f64::consts::LN_2;
 
 use crate::arrays::{from_fn, map};
+use crate::numbers::{Lanes, Mask};
 
 const LN_2_HIGH: f64 = 6.93147180369123816490e-01;
 const LN_2_LOW: f64 = 1.90821492927058770002e-10;
 /// Bit pattern of one.
-const ONE: u64 = 0x3ff0_0000_0000_0000;
+pub(crate) const ONE: u64 = 0x3ff0_0000_0000_0000;
+/// Bit pattern of `sqrt(1/2)`, rounded down to 20 bits of mantissa.
+pub(crate) const SQRT_HALF: u64 = 0x3fe6_a09e_0000_0000;
 /// `2^52`: in its binade the last bit has the value one.
-const TWO_52: f64 = (1_u64 << 52) as f64;
+pub(crate) const TWO_52: f64 = (1_u64 << 52) as f64;
 
 /// `(k, f)` with `x = 2^k (1 + f)` and `1 + f` in `(sqrt(1/2), sqrt(2))`, for normal, positive, finite `x`.
 #[inline(always)]
-fn binade(x: f64) -> (f64, f64) {
-    /// Bit pattern of `sqrt(1/2)`, rounded down to 20 bits of mantissa.
-    const SQRT_HALF: u64 = 0x3fe6_a09e_0000_0000;
-
+pub(crate) fn binade(x: f64) -> (f64, f64) {
     let shifted = x.to_bits().wrapping_add(ONE - SQRT_HALF);
     // Converts a small integer to a double through its bits: AVX2 has no conversion of 64-bit integers.
     let k = f64::from_bits(TWO_52.to_bits() | shifted >> 52) - (TWO_52 + 1023.0);
@@ -56,16 +56,16 @@ const L: [f64; 7] = [
 ///
 /// Source: the order of summation of fdlibm's `e_log.c`, Sun Microsystems 1993.
 #[inline(always)]
-fn ln_normal(x: f64) -> f64 {
-    let (k, f) = binade(x);
-    let half_square = 0.5 * f * f;
-    let s = f / (2.0 + f);
+fn ln_normal<N: Binary64>(x: N) -> N {
+    let (k, f) = x.binade();
+    let half_square = x.splat(0.5) * f * f;
+    let s = f / (x.splat(2.0) + f);
     let z = s * s;
     let w = z * z;
-    let even = w * (L[1] + w * (L[3] + w * L[5]));
-    let odd = z * (L[0] + w * (L[2] + w * (L[4] + w * L[6])));
-    let rest = s * (half_square + even + odd) + k * LN_2_LOW;
-    k * LN_2_HIGH - ((half_square - rest) - f)
+    let even = w * (x.splat(L[1]) + w * (x.splat(L[3]) + w * x.splat(L[5])));
+    let odd = z * (x.splat(L[0]) + w * (x.splat(L[2]) + w * (x.splat(L[4]) + w * x.splat(L[6]))));
+    let rest = s * (half_square + even + odd) + k * x.splat(LN_2_LOW);
+    k * x.splat(LN_2_HIGH) - ((half_square - rest) - f)
 }
 
 /// `-2 ln u` for `K` normal `u` in `(0, 1]`; relative error below `3 * 2^-52`, which its square root halves.
@@ -133,15 +133,49 @@ fn sum_of_six(c: [f64; 6], z: f64) -> f64 {
     (c[0] + z * c[1]) + w * ((c[2] + z * c[3]) + w * (c[4] + z * c[5]))
 }
 
+/// What exponential and logarithm need to know of the bits of a number, or of the numbers in the lanes of a register.
+pub(crate) trait Binary64: Lanes<Number = f64> {
+    /// `(k, f)` with `x = 2^k (1 + f)` and `1 + f` in `(sqrt(1/2), sqrt(2))`, for normal, positive, finite `x`.
+    fn binade(self) -> (Self, Self);
+    /// `2^k` for `k` from -1022 to 1024 (infinity), given [`ROUND`] `+ k`.
+    fn power_of_two(self) -> Self;
+}
+
+impl Binary64 for f64 {
+    #[inline(always)]
+    fn binade(self) -> (f64, f64) {
+        binade(self)
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> f64 {
+        power_of_two(self)
+    }
+}
+
+/// Adding and subtracting it rounds to an integer, which the lowest bits then hold.
+const ROUND: f64 = 1.5 * TWO_52;
+
+/// `2^k` from its bit pattern; for `k = 1024` the pattern is that of infinity.
+#[inline(always)]
+pub(crate) fn power_of_two(rounded: f64) -> f64 {
+    f64::from_bits(ONE.wrapping_add(rounded.to_bits() << 52))
+}
+
 /// `exp x`; relative error below two units in the last place.
 ///
 /// Returns zero below -708, where the result would be denormal, infinity above 709.43, and NaN for NaN.
+#[inline(always)]
+#[must_use]
+pub fn exp(x: f64) -> f64 {
+    exp_of(x)
+}
+
+/// The same of each lane.
 ///
 /// The argument is reduced to `x = k ln 2 + r` with `|r| <= ln(2)/2`; then `exp r = 1 + 2r/(2 - c)` with
 /// `c = r - r^2 P(r^2)`. Source: the minimax coefficients of fdlibm's `e_exp.c`, Sun Microsystems 1993.
 #[inline(always)]
-#[must_use]
-pub fn exp(x: f64) -> f64 {
+pub(crate) fn exp_of<N: Binary64>(x: N) -> N {
     const P: [f64; 5] = [
         1.66666666666666019037e-01,
         -2.77777777770155933842e-03,
@@ -149,23 +183,21 @@ pub fn exp(x: f64) -> f64 {
         -1.65339022054652515390e-06,
         4.13813679705723846039e-08,
     ];
-    /// Adding and subtracting it rounds to an integer, which the lowest bits then hold.
-    const ROUND: f64 = 1.5 * TWO_52;
-
     // NaN compares false with both limits and passes through.
-    let clamped = if x < -708.0 { -708.0 } else { x };
-    let clamped = if clamped > 710.0 { 710.0 } else { clamped };
-    let rounded = clamped * std::f64::consts::LOG2_E + ROUND;
-    let k = rounded - ROUND;
-    let high = clamped - k * LN_2_HIGH;
-    let low = k * LN_2_LOW;
+    let clamped = N::select(x.less(x.splat(-708.0)), x.splat(-708.0), x);
+    let clamped = N::select(x.splat(710.0).less(clamped), x.splat(710.0), clamped);
+    let rounded = clamped * x.splat(std::f64::consts::LOG2_E) + x.splat(ROUND);
+    let k = rounded - x.splat(ROUND);
+    let high = clamped - k * x.splat(LN_2_HIGH);
+    let low = k * x.splat(LN_2_LOW);
     let r = high - low;
     let z = r * r;
-    let c = r - z * (P[0] + z * (P[1] + z * (P[2] + z * (P[3] + z * P[4]))));
-    let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
-    // 2^k from its bit pattern; for k = 1024 the pattern is that of infinity.
-    let scaled = y * f64::from_bits(ONE.wrapping_add(rounded.to_bits() << 52));
-    if x < -708.0 { 0.0 } else { scaled }
+    let even = x.splat(P[0])
+        + z * (x.splat(P[1]) + z * (x.splat(P[2]) + z * (x.splat(P[3]) + z * x.splat(P[4]))));
+    let rest = r - z * even;
+    let y = x.splat(1.0) - ((low - (r * rest) / (x.splat(2.0) - rest)) - high);
+    let scaled = y * rounded.power_of_two();
+    N::select(x.less(x.splat(-708.0)), x.splat(0.0), scaled)
 }
 
 /// `ln x`; error below one unit in the last place for normal `x`.
@@ -174,11 +206,31 @@ pub fn exp(x: f64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn ln(x: f64) -> f64 {
+    ln_of(x)
+}
+
+/// The same of each lane.
+#[inline(always)]
+pub(crate) fn ln_of<N: Binary64>(x: N) -> N {
     // The result for `x` that is not normal and positive, computed independently so that no operation waits for it.
-    let elsewhere = if x < f64::MIN_POSITIVE { f64::NEG_INFINITY } else { x };
-    let elsewhere = if x < 0.0 { f64::NAN } else { elsewhere };
-    let there = ln_normal(x);
-    if (f64::MIN_POSITIVE..f64::INFINITY).contains(&x) { there } else { elsewhere }
+    let elsewhere = N::select(x.less(x.splat(f64::MIN_POSITIVE)), x.splat(f64::NEG_INFINITY), x);
+    let elsewhere = N::select(x.less(x.splat(0.0)), x.splat(f64::NAN), elsewhere);
+    let is_normal = x.at_least(x.splat(f64::MIN_POSITIVE)).and(x.less(x.splat(f64::INFINITY)));
+    N::select(is_normal, ln_normal(x), elsewhere)
+}
+
+/// `exp x` of `f64`, rounded.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "it rounds")]
+pub(crate) fn exp_rounded(x: f32) -> f32 {
+    exp(x.into()) as f32
+}
+
+/// `ln x` of `f64`, rounded.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "it rounds")]
+pub(crate) fn ln_rounded(x: f32) -> f32 {
+    ln(x.into()) as f32
 }
 
 /// `x^a` for `x >= 0` and finite nonzero `a`, as `exp(a ln x)`.

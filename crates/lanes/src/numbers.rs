@@ -5,8 +5,10 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
+use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Sub};
 
+use crate::elementary::{exp, exp_rounded, ln, ln_rounded};
 use crate::sealed::Sealed;
 
 /// A scalar or a register of scalars: a formula written over `Lanes` works for both.
@@ -45,7 +47,16 @@ use crate::sealed::Sealed;
 /// assert_eq!(x, [2.0, 0.0, 3.0, 0.5, 1.0, 0.0, 0.0, 4.0]);
 /// ```
 pub trait Lanes:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Sealed
+    Copy
+    + Debug
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Sealed
+    + 'static
 {
     /// Number type of a lane.
     type Number: Copy;
@@ -57,6 +68,10 @@ pub trait Lanes:
     fn sqrt(self) -> Self;
     /// The value without its sign bit; NaN stays NaN.
     fn abs(self) -> Self;
+    /// The exponential, as [`exp`](crate::exp) of each lane; of `f32` that of `f64`, rounded.
+    fn exp(self) -> Self;
+    /// The natural logarithm, as [`ln`](crate::ln) of each lane; of `f32` that of `f64`, rounded.
+    fn ln(self) -> Self;
     /// `self` where `self < other`, else `other`; `other` also where either is NaN or both are zero.
     fn min(self, other: Self) -> Self;
     /// `self` where `self > other`, else `other`; `other` also where either is NaN or both are zero.
@@ -67,14 +82,30 @@ pub trait Lanes:
     fn at_least(self, other: Self) -> Self::Mask;
     /// `inside` in the lanes where the mask is true, `outside` in the others.
     fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self;
+    /// The number in a lane; of lanes beyond the last, that in the last.
+    fn lane(self, lane: u32) -> Self::Number;
 }
 
 /// A Boolean value for each lane.
-pub trait Mask: Copy + Sealed {
+pub trait Mask: Copy + Debug + Send + Sync + Sealed + 'static {
     /// Whether it is true in any lane.
     fn any(self) -> bool;
+    /// Whether it is true in every lane.
+    #[inline(always)]
+    fn all(self) -> bool {
+        !self.not().any()
+    }
     /// Bit mask: bit `k` is lane `k`; bits beyond the lanes are zero.
     fn bits(self) -> u32;
+    /// True where both are.
+    #[must_use]
+    fn and(self, other: Self) -> Self;
+    /// True where either is.
+    #[must_use]
+    fn or(self, other: Self) -> Self;
+    /// True where it is false.
+    #[must_use]
+    fn not(self) -> Self;
 }
 
 impl Sealed for bool {}
@@ -88,10 +119,22 @@ impl Mask for bool {
     fn bits(self) -> u32 {
         self.into()
     }
+    #[inline(always)]
+    fn and(self, other: bool) -> bool {
+        self & other
+    }
+    #[inline(always)]
+    fn or(self, other: bool) -> bool {
+        self | other
+    }
+    #[inline(always)]
+    fn not(self) -> bool {
+        !self
+    }
 }
 
 macro_rules! one_lane {
-    ($real:ty) => {
+    ($real:ty, $exp:expr, $ln:expr) => {
         impl Sealed for $real {}
 
         impl Lanes for $real {
@@ -109,6 +152,14 @@ macro_rules! one_lane {
             #[inline(always)]
             fn abs(self) -> Self {
                 self.abs()
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                $exp(self)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                $ln(self)
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {
@@ -130,8 +181,12 @@ macro_rules! one_lane {
             fn select(mask: bool, inside: Self, outside: Self) -> Self {
                 if mask { inside } else { outside }
             }
+            #[inline(always)]
+            fn lane(self, _lane: u32) -> Self {
+                self
+            }
         }
     };
 }
-one_lane!(f64);
-one_lane!(f32);
+one_lane!(f64, exp, ln);
+one_lane!(f32, exp_rounded, ln_rounded);

@@ -83,6 +83,14 @@ macro_rules! portable {
                 self.each(|k| self.1[k].abs())
             }
             #[inline(always)]
+            fn exp(self) -> Self {
+                self.each(|k| Lanes::exp(self.1[k]))
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                self.each(|k| Lanes::ln(self.1[k]))
+            }
+            #[inline(always)]
             fn min(self, other: Self) -> Self {
                 self.each(|k| Lanes::min(self.1[k], other.1[k]))
             }
@@ -102,12 +110,28 @@ macro_rules! portable {
             fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self {
                 inside.each(|k| if mask.1[k] != 0 { inside.1[k] } else { outside.1[k] })
             }
+            #[inline(always)]
+            fn lane(self, lane: u32) -> $real {
+                self.1[(lane as usize).min($n - 1)]
+            }
         }
 
         impl Mask for Packed<Portable, [$word; $n]> {
             #[inline(always)]
             fn any(self) -> bool {
                 self.bits() != 0
+            }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                self.each(|k| self.1[k] & other.1[k])
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                self.each(|k| self.1[k] | other.1[k])
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                self.each(|k| !self.1[k])
             }
             #[inline(always)]
             #[cfg(target_arch = "x86_64")]

@@ -11,9 +11,13 @@ use core::arch::x86_64::__m256i;
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Sub};
 
+use pulp::bytemuck::Pod;
 use pulp::x86::{V3, V4};
-use pulp::{NullaryFnOnce, Simd, b8, b16, cast, f32x8, f32x16, f64x4, f64x8, m32x8, m64x4};
+use pulp::{
+    NullaryFnOnce, Simd, b8, b16, cast, f32x8, f32x16, f64x4, f64x8, m32x8, m64x4, u64x4, u64x8,
+};
 
+use crate::elementary::{Binary64, ONE, SQRT_HALF, TWO_52, exp_of, exp_rounded, ln_of, ln_rounded};
 use crate::numbers::{Lanes, Mask};
 use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
 use crate::sealed::Sealed;
@@ -179,7 +183,9 @@ macro_rules! registers {
     (($level:ident, $n:literal, $real:ident, $vector:ident, $mask:ident),
      ($add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident),
      ($splat:ident, $sqrt:ident, $abs:ident, $min:ident, $max:ident),
-     ($less:ident, $at_least:ident, $select:ident)) => {
+     ($less:ident, $at_least:ident, $select:ident),
+     ($and:ident, $or:ident, $not:ident),
+     ($exp:expr, $ln:expr)) => {
         operator!($level, $vector, Add, add, $add);
         operator!($level, $vector, Sub, sub, $sub);
         operator!($level, $vector, Mul, mul, $mul);
@@ -202,6 +208,14 @@ macro_rules! registers {
                 Self(self.0, self.0.$abs(self.1))
             }
             #[inline(always)]
+            fn exp(self) -> Self {
+                $exp(self)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                $ln(self)
+            }
+            #[inline(always)]
             fn min(self, other: Self) -> Self {
                 Self(self.0, self.0.$min(self.1, other.1))
             }
@@ -221,12 +235,29 @@ macro_rules! registers {
             fn select(mask: Self::Mask, inside: Self, outside: Self) -> Self {
                 Self(mask.0, mask.0.$select(mask.1, inside.1, outside.1))
             }
+            #[inline(always)]
+            fn lane(self, lane: u32) -> $real {
+                let lanes: [$real; $n] = cast(self.1);
+                lanes[(lane as usize).min($n - 1)]
+            }
         }
 
         impl Mask for Packed<$level, $mask> {
             #[inline(always)]
             fn any(self) -> bool {
                 self.bits() != 0
+            }
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                Packed(self.0, self.0.$and(self.1, other.1))
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                Packed(self.0, self.0.$or(self.1, other.1))
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                Packed(self.0, self.0.$not(self.1))
             }
             #[inline(always)]
             fn bits(self) -> u32 {
@@ -288,7 +319,9 @@ macro_rules! f32_registers {
             ($level, $n, f32, $vector, $mask),
             (add_f32s, sub_f32s, mul_f32s, div_f32s, mul_add_f32s),
             (splat_f32s, sqrt_f32s, abs_f32s, min_f32s, max_f32s),
-            (less_than_f32s, greater_than_or_equal_f32s, select_f32s)
+            (less_than_f32s, greater_than_or_equal_f32s, select_f32s),
+            (and_m32s, or_m32s, not_m32s),
+            (|x| each_of::<_, _, $n>(x, exp_rounded), |x| each_of::<_, _, $n>(x, ln_rounded))
         );
     };
 }
@@ -301,12 +334,58 @@ macro_rules! f64_registers {
             ($level, $n, f64, $vector, $mask),
             (add_f64s, sub_f64s, mul_f64s, div_f64s, mul_add_f64s),
             (splat_f64s, sqrt_f64s, abs_f64s, min_f64s, max_f64s),
-            (less_than_f64s, greater_than_or_equal_f64s, select_f64s)
+            (less_than_f64s, greater_than_or_equal_f64s, select_f64s),
+            (and_m64s, or_m64s, not_m64s),
+            (exp_of, ln_of)
         );
     };
 }
 f64_registers!(V3, 4, f64x4, m64x4);
 f64_registers!(V4, 8, f64x8, b8);
+
+/// A function of each lane, lane by lane.
+#[inline(always)]
+fn each_of<L, V: Pod, const N: usize>(x: Packed<L, V>, f: impl Fn(f32) -> f32) -> Packed<L, V>
+where
+    [f32; N]: Pod,
+{
+    let mut lanes: [f32; N] = cast(x.1);
+    for lane in &mut lanes {
+        *lane = f(*lane);
+    }
+    Packed(x.0, cast(lanes))
+}
+
+/// Implements [`Binary64`] of a register, by the operations of [`binade`](crate::elementary::binade) and
+/// [`power_of_two`](crate::elementary::power_of_two).
+macro_rules! binary64 {
+    ($level:ident, $vector:ident, $words:ident, $features:ident, $shift_left:ident, $shift_right:ident) => {
+        impl Binary64 for Packed<$level, $vector> {
+            #[inline(always)]
+            fn binade(self) -> (Self, Self) {
+                let Self(level, x) = self;
+                let shifted = level.add_u64s(cast(x), level.splat_u64s(ONE - SQRT_HALF));
+                let exponent: $words =
+                    cast(level.$features.$shift_right::<52>(cast::<$words, _>(shifted)));
+                let k = level.or_u64s(exponent, level.splat_u64s(TWO_52.to_bits()));
+                let mantissa = level.and_u64s(shifted, level.splat_u64s(u64::MAX >> 12));
+                let f = level.add_u64s(mantissa, level.splat_u64s(SQRT_HALF));
+                let (k, f) = (Self(level, cast(k)), Self(level, cast(f)));
+                (k - self.splat(TWO_52 + 1023.0), f - self.splat(1.0))
+            }
+
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                let Self(level, rounded) = self;
+                let k: $words =
+                    cast(level.$features.$shift_left::<52>(cast::<$vector, _>(rounded)));
+                Self(level, cast(level.add_u64s(k, level.splat_u64s(ONE))))
+            }
+        }
+    };
+}
+binary64!(V3, f64x4, u64x4, avx2, _mm256_slli_epi64, _mm256_srli_epi64);
+binary64!(V4, f64x8, u64x8, avx512f, _mm512_slli_epi64, _mm512_srli_epi64);
 
 impl Sealed for V3 {}
 impl Sealed for V4 {}

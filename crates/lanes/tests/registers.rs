@@ -5,7 +5,7 @@ use lanes::{Float, Lanes, MOST_LANES, Mask, Registers, SimdLevel, Work};
 /// One formula with every operation on two operands, over numbers and registers.
 #[allow(clippy::inline_always, reason = "compiled for the registers of a level")]
 #[inline(always)]
-fn results<N: Lanes>(a: N, b: N) -> [N; 11] {
+fn results<N: Lanes>(a: N, b: N) -> [N; 15] {
     let (less, at_least) = (a.less(b), a.at_least(b));
     [
         a + b,
@@ -19,6 +19,10 @@ fn results<N: Lanes>(a: N, b: N) -> [N; 11] {
         N::select(less, a, b * a),
         N::select(at_least, b, a * a),
         a * b + a,
+        a.exp(),
+        a.ln(),
+        (a * b).exp(),
+        (a / b).ln(),
     ]
 }
 
@@ -102,6 +106,15 @@ fn agree_at<T: Bits, R: Registers<T>>(
         [(a.less(b), bit(&|x| x < pivot)), (a.at_least(b), bit(&|x| x >= pivot))]
     {
         assert_eq!((mask.bits(), mask.any()), (expected, expected != 0));
+        assert_eq!(mask.all(), expected == bit(&|_| true));
+        assert_eq!(mask.not().bits(), bit(&|_| true) & !expected);
+    }
+    let (less, at_least) = (a.less(b), b.at_least(a));
+    assert_eq!(less.and(at_least).bits(), bit(&|x| x < pivot && pivot >= x));
+    assert_eq!(less.or(at_least.not()).bits(), bit(&|x| x < pivot || !(pivot >= x)));
+    for lane in 0..R::N {
+        let found = a.lane(u32::try_from(lane).expect("few lanes"));
+        assert_eq!(found.bits(), values[at + lane].bits());
     }
     let single: Vec<_> = (0..R::N).map(|k| results(values[at + k], pivot)).collect();
     let swapped: Vec<_> = (0..R::N).map(|k| results(pivot, values[at + k])).collect();

@@ -8,6 +8,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::jet::{LANES, lanes, pair};
+use crate::real::{Real, one_value};
 use crate::scalar::Scalar;
 
 /// A value with first derivatives along up to eight directions: a [`Jet`](crate::Jet) without second derivatives.
@@ -48,16 +49,8 @@ impl Gradient {
     }
 }
 
-impl Scalar for Gradient {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Self { first: [0.0; LANES], value }
-    }
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.value
-    }
+impl Real for Gradient {
+    one_value!(1);
 
     #[inline(always)]
     fn squared(self) -> Self {
@@ -78,19 +71,31 @@ impl Scalar for Gradient {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let y = self.value.exp();
+        let y = lanes::exp(self.value);
         self.compose(y, y)
     }
 
     #[inline(always)]
-    fn exp_scaled(self, factor: f64) -> Self {
-        let y = (self.value * factor).exp();
-        self.compose(y, factor * y)
+    fn ln(self) -> Self {
+        self.compose(lanes::ln(self.value), 1.0 / self.value)
+    }
+}
+
+impl Scalar for Gradient {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self { first: [0.0; LANES], value }
     }
 
     #[inline(always)]
-    fn ln(self) -> Self {
-        self.compose(self.value.ln(), 1.0 / self.value)
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn exp_scaled(self, factor: f64) -> Self {
+        let y = lanes::exp(self.value * factor);
+        self.compose(y, factor * y)
     }
 
     #[inline(always)]

@@ -9,6 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wide::f64x2;
 
+use crate::real::{Real, one_value};
 use crate::scalar::Scalar;
 
 /// Number of directions of a [`Jet`].
@@ -101,16 +102,8 @@ impl Jet {
     }
 }
 
-impl Scalar for Jet {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Self::new(value, [0.0; LANES])
-    }
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        self.value
-    }
+impl Real for Jet {
+    one_value!(2);
 
     #[inline(always)]
     fn squared(self) -> Self {
@@ -141,21 +134,33 @@ impl Scalar for Jet {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let y = self.value.exp();
+        let y = lanes::exp(self.value);
         self.compose(y, y, y)
-    }
-
-    #[inline(always)]
-    fn exp_scaled(self, factor: f64) -> Self {
-        let y = (self.value * factor).exp();
-        let derivative = factor * y;
-        self.compose(y, derivative, factor * derivative)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
         let inverse = 1.0 / self.value;
-        self.compose(self.value.ln(), inverse, -(inverse * inverse))
+        self.compose(lanes::ln(self.value), inverse, -(inverse * inverse))
+    }
+}
+
+impl Scalar for Jet {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::new(value, [0.0; LANES])
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn exp_scaled(self, factor: f64) -> Self {
+        let y = lanes::exp(self.value * factor);
+        let derivative = factor * y;
+        self.compose(y, derivative, factor * derivative)
     }
 
     #[inline(always)]

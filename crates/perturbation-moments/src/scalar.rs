@@ -1,40 +1,21 @@
 //! The number type of a response: values, jets or dual numbers.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
-
 use num_dual::{Dual2_64, DualNum, HyperDual64, HyperHyperDual64};
 
-/// A real number, possibly with derivatives.
+use crate::real::Real;
+
+/// A real number, possibly with derivatives: a [`Real`] that is one value.
 ///
 /// A [`Response`](crate::Response) is written once for this trait. With [`f64`] it computes a value, with
 /// [`Jet`](crate::Jet) a value with derivatives along eight directions. With the dual numbers of num-dual, used inside
 /// [`ForwardDifferentiation`](crate::ForwardDifferentiation), it computes mixed second and third derivatives.
 ///
 /// Outside the domain of a function the value is NaN or infinite, as for [`f64`]; the caller returns an error.
-pub trait Scalar:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + Add<f64, Output = Self>
-    + Sub<f64, Output = Self>
-    + Mul<f64, Output = Self>
-    + Div<f64, Output = Self>
-{
+pub trait Scalar: Real<Mask = bool, Primal = f64> {
     /// A constant.
     fn constant(value: f64) -> Self;
     /// The number without its derivatives, for branches.
     fn value(self) -> f64;
-    /// `1/x`.
-    fn recip(self) -> Self;
-    /// The square root, for `x > 0`; not differentiable at zero.
-    fn sqrt(self) -> Self;
-    /// The exponential.
-    fn exp(self) -> Self;
-    /// The natural logarithm, for `x > 0`.
-    fn ln(self) -> Self;
     /// The sine of an angle in radians.
     fn sin(self) -> Self;
     /// The cosine of an angle in radians.
@@ -51,14 +32,6 @@ pub trait Scalar:
     fn exp_scaled(self, factor: f64) -> Self {
         (self * factor).exp()
     }
-
-    /// The square.
-    #[must_use]
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]
-    fn squared(self) -> Self {
-        self * self
-    }
 }
 
 /// Uses the functions of the type itself: those of num-dual stay an independent reference.
@@ -73,22 +46,6 @@ macro_rules! scalar {
             #[inline(always)]
             fn value(self) -> f64 {
                 $value(self)
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                DualNum::recip(&self)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                DualNum::sqrt(&self)
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                DualNum::exp(&self)
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                DualNum::ln(&self)
             }
             #[inline(always)]
             fn sin(self) -> Self {

@@ -198,24 +198,35 @@ fn offset<const D: usize>(base: &[i32; D], corner: &[i32; D]) -> usize {
 
 /// Brings entry `order[i]` to place `i` for every `i`, in place, along the cycles of the permutation. `done` is a buffer.
 pub(crate) fn permute<T: Copy>(entries: &mut [T], order: &[u32], done: &mut Vec<bool>) {
-    if entries.is_empty() {
-        return;
+    if !entries.is_empty() {
+        permute_by(entries, order, done, |entries, i| entries[i], |entries, i, e| entries[i] = e);
     }
+}
+
+/// The same of entries that are read and written by functions.
+pub(crate) fn permute_by<E: ?Sized, T>(
+    entries: &mut E,
+    order: &[u32],
+    done: &mut Vec<bool>,
+    read: impl Fn(&E, usize) -> T,
+    write: impl Fn(&mut E, usize, T),
+) {
     done.clear();
     done.resize(order.len(), false);
     for start in 0..order.len() {
         if done[start] {
             continue;
         }
-        let (first, mut place) = (entries[start], start);
+        let (first, mut place) = (read(entries, start), start);
         loop {
             done[place] = true;
             let from = order[place] as usize;
             if from == start {
-                entries[place] = first;
+                write(entries, place, first);
                 break;
             }
-            entries[place] = entries[from];
+            let entry = read(entries, from);
+            write(entries, place, entry);
             place = from;
         }
     }

@@ -6,8 +6,8 @@ use crate::binning::Binning;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
 use crate::material::{LocalResponse, LocalState, Material, Observed};
-use crate::material_points::{MaterialPoints, Points, UpdateBatch};
-use crate::number::{Number, is_plain};
+use crate::material_points::{MaterialPoints, Points};
+use crate::number::Number;
 use crate::particles::{Chunk, Particles, Row};
 use crate::tensor::Symmetric;
 
@@ -27,8 +27,8 @@ pub struct Body<S, const D: usize> {
     views: Views<S, D>,
 }
 
-/// The update of a material: from this crate where it is compiled here, else compiled for the caller.
-fn update_of<M, S, const PLANE: bool>() -> UpdateBatch<M, S, PLANE>
+/// The particles of a material: several at once where it is compiled with this crate, else one by one, compiled for the caller.
+fn points_of<M, S>(material: M, plane: bool, places: &[[f64; 3]]) -> Box<dyn MaterialPoints<S>>
 where
     M: Material<S> + 'static,
     S: Number,
@@ -37,15 +37,15 @@ where
     // The unit tests run no step.
     #[cfg(not(test))]
     if const { M::IS_COMPILED && !S::COMPILED.is_empty() } {
-        let of_this_material = |update: &&(dyn std::any::Any + Send + Sync)| {
-            update.downcast_ref::<UpdateBatch<M, S, PLANE>>().copied()
+        let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
+            make.downcast_ref::<crate::compiled_points::Make<M, S>>().copied()
         };
-        return match crate::compiled_updates::updates().iter().find_map(of_this_material) {
-            Some(update) => update,
-            None => unreachable!("the update of this material is compiled"),
+        return match crate::compiled_points::makers().iter().find_map(of_this_material) {
+            Some(make) => make(material, plane, places),
+            None => unreachable!("the points of this material are compiled"),
         };
     }
-    UpdateBatch::HERE
+    Box::new(Points::<M, S>::at_start(material, plane, places))
 }
 
 /// Columns by the numbers of particles, made when asked for.
@@ -87,11 +87,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         }
         let density = material.density();
         positive("density", density.value())?;
-        let points: Box<dyn MaterialPoints<S>> = if const { D < 3 && is_plain::<S>() } {
-            Box::new(Points::<M, S, true>::at_start(material, update_of(), &places))
-        } else {
-            Box::new(Points::<M, S, false>::at_start(material, update_of(), &places))
-        };
+        let points = points_of(material, D < 3, &places);
         Ok(Self {
             particles: Particles::of(fill, velocity, density),
             points,

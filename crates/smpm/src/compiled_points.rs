@@ -1,15 +1,16 @@
-//! Material updates compiled once, in this crate: every material that a scene may name, over `f64` in the plane and in space, and over
-//! jets. A material from outside compiles its own.
+//! Material points compiled once, in this crate: every material that a scene may name, over `f64` several particles at once, over
+//! jets one by one. A material from outside compiles its own.
 
 use std::any::Any;
 
 use perturbation_moments::Jet;
 
 use crate::material::{
-    ElasticBulk, ElasticShear, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen,
-    NeoHookean, Solid, StiffenedGas, TensionCutOff, VonMises,
+    ElasticBulk, ElasticShear, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, Material,
+    MaterialFamily, MieGruneisen, NeoHookean, Solid, StiffenedGas, TensionCutOff, VonMises,
 };
-use crate::material_points::UpdateBatch;
+use crate::material_points::{MaterialPoints, Points};
+use crate::points_in_lanes::PointsInLanes;
 
 type Liquid<S> = Solid<MieGruneisen<S>, Fluid>;
 type CavitatingLiquid<S> = Solid<TensionCutOff<MieGruneisen<S>, S>, Fluid>;
@@ -22,22 +23,41 @@ type ShockedPlastic<S> = Solid<MieGruneisen<S>, VonMises<S>>;
 type Metal<S> = Solid<MieGruneisen<S>, JohnsonCook<S>>;
 type BreakingMetal<S> = Solid<MieGruneisen<S>, JohnsonCookDamage<S>>;
 
+/// How a body's particles are made of a material: whether motion stays in the plane of the first two axes, and their places.
+pub(crate) type Make<M, S> = fn(M, bool, &[[f64; 3]]) -> Box<dyn MaterialPoints<S>>;
+
+fn in_lanes<M: MaterialFamily<f64> + 'static>(
+    material: M,
+    plane: bool,
+    places: &[[f64; 3]],
+) -> Box<dyn MaterialPoints<f64>> {
+    Box::new(PointsInLanes::at_start(material, plane, places))
+}
+
+fn one_by_one<M: Material<Jet, State: 'static> + 'static>(
+    material: M,
+    plane: bool,
+    places: &[[f64; 3]],
+) -> Box<dyn MaterialPoints<Jet>> {
+    Box::new(Points::at_start(material, plane, places))
+}
+
 macro_rules! of {
     ($($material:ident),+ $(,)?) => {
         [$(
             [
-                &UpdateBatch::<$material<f64>, f64, true>::HERE as &(dyn Any + Send + Sync),
-                &UpdateBatch::<$material<f64>, f64, false>::HERE,
-                &UpdateBatch::<$material<Jet>, Jet, false>::HERE,
+                &(in_lanes::<$material<f64>> as Make<$material<f64>, f64>)
+                    as &(dyn Any + Send + Sync),
+                &(one_by_one::<$material<Jet>> as Make<$material<Jet>, Jet>),
             ]
         ),+]
     };
 }
 
-/// All compiled updates.
+/// All of them.
 #[inline(never)]
-pub(crate) fn updates() -> &'static [&'static (dyn Any + Send + Sync)] {
-    static ALL: [[&(dyn Any + Send + Sync); 3]; 11] = of![
+pub(crate) fn makers() -> &'static [&'static (dyn Any + Send + Sync)] {
+    static ALL: [[&(dyn Any + Send + Sync); 2]; 11] = of![
         Liquid,
         CavitatingLiquid,
         Gas,

@@ -1,5 +1,7 @@
 //! What can go wrong, with the value and its limit.
 
+use perturbation_moments::Real;
+
 /// Why a simulation could not be set up, go on, or be observed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -379,6 +381,26 @@ pub struct Fault {
     pub value: f64,
     /// What it must be, in words.
     pub must: &'static str,
+}
+
+impl Fault {
+    /// Refuses a value where a mask is false; of several lanes it names the first.
+    ///
+    /// # Errors
+    /// The fault.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
+    pub fn unless<S: Real>(
+        holds: S::Mask,
+        value: S,
+        quantity: &'static str,
+        must: &'static str,
+    ) -> Result<(), Self> {
+        match value.first_outside(holds) {
+            None => Ok(()),
+            Some(value) => Err(Self { quantity, value, must }),
+        }
+    }
 }
 
 /// Refuses what is not finite.

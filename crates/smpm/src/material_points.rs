@@ -7,13 +7,14 @@
 
 use std::ops::Range;
 
-use lanes::dispatch;
+use lanes::{Mask, dispatch};
+use perturbation_moments::{Real, when};
 
 use crate::binning::permute;
 use crate::config::BulkViscosity;
 use crate::error::Fault;
 use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
-use crate::number::{Number, is_finite};
+use crate::number::Number;
 use crate::tensor::{Symmetric, in_plane, volume_change};
 
 /// What the material made of a particle.
@@ -80,148 +81,117 @@ pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
 }
 
-/// The materials of a batch over a step; of several faults, that of the particle with the lowest number. Without the
-/// dimension: this is most of the code of a material, and there is one of it for each kind of number; for `f64` another
-/// for motion that is known to stay in the plane of the first two axes (`PLANE`).
-pub(crate) struct UpdateBatch<M: Material<S>, S: Number, const PLANE: bool>(Update<M, S>);
-
-type Update<M, S> =
-    fn((&M, S), Strain, &[[[S; 3]; 3]], Kept<'_, M, S>, &[u32]) -> Option<(u32, Fault)>;
-
-/// What is kept of a batch: states and conditions.
-type Kept<'a, M, S> = (&'a mut [<M as Material<S>>::State], &'a mut [Condition<S>]);
-
-/// A material with what it keeps of all particles of a body. `PLANE` says that the motion is known to stay in the plane of the first
-/// two axes; it matters for `f64` only.
-pub(crate) struct Points<M: Material<S>, S: Number, const PLANE: bool> {
+/// A material with what it keeps of all particles of a body, one by one: for a material that looks at values.
+pub(crate) struct Points<M: Material<S>, S: Number> {
     material: M,
-    update: UpdateBatch<M, S, PLANE>,
     density: S,
+    /// Whether the motion is known to stay in the plane of the first two axes.
+    plane: bool,
     states: Vec<M::State>,
     conditions: Vec<Condition<S>>,
 }
 
-impl<M: Material<S>, S: Number, const PLANE: bool> Points<M, S, PLANE> {
+impl<M: Material<S>, S: Number> Points<M, S> {
     /// All particles as they start, at their places.
     #[inline(never)]
-    pub(crate) fn at_start(
-        material: M,
-        update: UpdateBatch<M, S, PLANE>,
-        places: &[[f64; 3]],
-    ) -> Self {
+    pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
         let states: Vec<_> = places.iter().map(|&place| material.start(place)).collect();
+        let conditions = states.iter().map(|state| Condition::at_start(&material, state)).collect();
+        Self { density: material.density(), material, plane, states, conditions }
+    }
+}
+
+impl<S: Number> Condition<S> {
+    pub(crate) fn at_start<M: Material<S>>(material: &M, state: &M::State) -> Self {
         let one = S::constant(1.0);
-        let condition = |state: &M::State| Condition {
+        Self {
             stress: material.start_stress(state),
             viscosity: S::constant(0.0),
             volume: one,
             wave_speed: material.wave_speed(one, state),
             rate: 0.0,
-        };
-        let conditions = states.iter().map(condition).collect();
-        Self { density: material.density(), material, update, states, conditions }
+        }
     }
 }
 
-impl<M: Material<S>, S: Number, const PLANE: bool> UpdateBatch<M, S, PLANE> {
-    pub(crate) const HERE: Self = Self(update_batch::<M, S, PLANE>);
+/// Of several faults, that of the particle with the lowest number.
+pub(crate) fn keep_lowest(first: &mut Option<(u32, Fault)>, found: (u32, Fault)) {
+    if first.is_none_or(|(lowest, _)| found.0 < lowest) {
+        *first = Some(found);
+    }
 }
 
-#[inline(never)]
-fn update_batch<M: Material<S>, S: Number, const PLANE: bool>(
-    of: (&M, S),
-    strain: Strain,
-    velocity_gradients: &[[[S; 3]; 3]],
-    (states, conditions): Kept<'_, M, S>,
-    numbers: &[u32],
-) -> Option<(u32, Fault)> {
-    dispatch(
-        #[inline(always)]
-        || {
-            let mut first: Option<(u32, Fault)> = None;
-            let n = velocity_gradients.len();
-            let (states, conditions) = (&mut states[..n], &mut conditions[..n]);
-            for i in 0..n {
-                let (state, condition) = (&mut states[i], &mut conditions[i]);
-                let l = &velocity_gradients[i];
-                let l = if PLANE { in_plane(l) } else { *l };
-                if let Err(fault) = next(of, strain, &l, state, condition)
-                    && first.is_none_or(|(lowest, _)| numbers[i] < lowest)
-                {
-                    first = Some((numbers[i], fault));
-                }
-            }
-            first
-        },
-    )
+/// What a step makes of a particle, or of several in lanes: its new condition.
+pub(crate) struct Next<S> {
+    pub(crate) stress: Symmetric<S>,
+    pub(crate) viscosity: S,
+    pub(crate) volume: S,
+    pub(crate) wave_speed: S,
+    /// `tr L`.
+    pub(crate) rate: S,
 }
 
-/// One particle over a step.
+/// One particle over a step, or several in lanes, by `V/V_0` and wave speed before.
 #[inline(always)]
-fn next<M: Material<S>, S: Number>(
+pub(crate) fn next<M: Material<S>, S: Real>(
     (material, density): (&M, S),
     Strain { dt, time, cell, viscosity, .. }: Strain,
     l: &[[S; 3]; 3],
+    (volume_before, wave_speed): (S, S),
     state: &mut M::State,
-    condition: &mut Condition<S>,
-) -> Result<(), Fault> {
-    let volume = condition.volume * volume_change(l, dt);
-    if !(volume.value() > 0.0 && is_finite(volume.value())) {
-        let must = "above 0 and finite";
-        return Err(Fault { quantity: "V/V_0", value: volume.value(), must });
-    }
-    let trace = l[0][0] + l[1][1] + l[2][2];
-    let q = if trace.value() < 0.0 {
-        let slope = trace * (viscosity.quadratic * cell) - condition.wave_speed * viscosity.linear;
-        density / volume * slope * trace * cell
-    } else {
-        S::constant(0.0)
-    };
-    let now = Now {
-        velocity_gradient: *l,
-        dt,
-        time,
-        volume_before: condition.volume,
-        volume,
-        viscosity: q,
-        cell,
-    };
+) -> Result<Next<S>, Fault> {
+    let zero = volume_before.splat(0.0);
+    let volume = volume_before * volume_change(l, dt);
+    let holds = zero.less(volume).and(volume.is_finite());
+    Fault::unless(holds, volume, "V/V_0", "above 0 and finite")?;
+    let rate = l[0][0] + l[1][1] + l[2][2];
+    let slope = rate * (viscosity.quadratic * cell) - wave_speed * viscosity.linear;
+    let q = when!(rate.less(zero), density / volume * slope * rate * cell, zero);
+    let velocity_gradient = *l;
+    let now = Now { velocity_gradient, dt, time, volume_before, volume, viscosity: q, cell };
     let stress = material.update(&now, state)?;
     // A sum is not finite if a term is not; then one is to be found, or the sum itself is too large.
-    let mut sum = q.value();
+    let mut sum = q.primal();
     for k in 0..6 {
-        sum += stress.0[k].value();
+        sum = sum + stress.0[k].primal();
     }
-    if !is_finite(sum) {
-        let value = stress.values().into_iter().find(|value| !value.is_finite()).unwrap_or(sum);
-        return Err(Fault { quantity: "stress", value, must: "finite" });
+    if !sum.is_finite().all() {
+        for entry in stress.0 {
+            Fault::unless(entry.is_finite(), entry, "stress", "finite")?;
+        }
+        Fault::unless(sum.is_finite(), sum, "stress", "finite")?;
     }
     let wave_speed = material.wave_speed(volume, state);
-    let c = wave_speed.value();
-    if !(c >= 0.0 && is_finite(c)) {
-        return Err(Fault { quantity: "wave speed", value: c, must: "0 or above and finite" });
+    let holds = wave_speed.at_least(zero).and(wave_speed.is_finite());
+    Fault::unless(holds, wave_speed, "wave speed", "0 or above and finite")?;
+    Ok(Next { stress, viscosity: q, volume, wave_speed, rate })
+}
+
+impl<S: Number> From<Next<S>> for Condition<S> {
+    #[inline(always)]
+    fn from(next: Next<S>) -> Self {
+        let Next { stress, viscosity, volume, wave_speed, rate } = next;
+        Self { stress, viscosity, volume, wave_speed, rate: rate.value() }
     }
-    *condition = Condition { stress, viscosity: q, volume, wave_speed, rate: trace.value() };
-    Ok(())
 }
 
 /// A material with what it keeps of a run of particles.
-struct Portion<'a, M: Material<S>, S: Number, const PLANE: bool> {
+struct Portion<'a, M: Material<S>, S: Number> {
     material: &'a M,
-    update: UpdateBatch<M, S, PLANE>,
     density: S,
+    plane: bool,
     states: &'a mut [M::State],
     conditions: &'a mut [Condition<S>],
 }
 
-impl<M: Material<S>, S: Number, const PLANE: bool> MaterialUpdate<S> for Portion<'_, M, S, PLANE> {
+impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
     fn split(&mut self, middle: usize, work: &mut Halves<'_, S>) {
-        let (material, update, density) = (self.material, self.update, self.density);
+        let Self { material, density, plane, .. } = *self;
         let (states, further_states) = self.states.split_at_mut(middle);
         let (conditions, further) = self.conditions.split_at_mut(middle);
-        let mut low = Portion { material, update, density, states, conditions };
-        let mut high =
-            Portion { material, update, density, states: further_states, conditions: further };
+        let mut low = Portion { material, density, plane, states, conditions };
+        let (states, conditions) = (further_states, further);
+        let mut high = Portion { material, density, plane, states, conditions };
         work(&mut low, &mut high);
     }
 
@@ -232,9 +202,23 @@ impl<M: Material<S>, S: Number, const PLANE: bool> MaterialUpdate<S> for Portion
         velocity_gradients: &[[[S; 3]; 3]],
         numbers: &[u32],
     ) -> Option<(u32, Fault)> {
-        let of = (self.material, self.density);
-        let kept = (&mut self.states[range.clone()], &mut self.conditions[range]);
-        (self.update.0)(of, strain, velocity_gradients, kept, numbers)
+        let (of, plane) = ((self.material, self.density), self.plane);
+        let (states, conditions) = (&mut self.states[range.clone()], &mut self.conditions[range]);
+        dispatch(
+            #[inline(always)]
+            || {
+                let mut first = None;
+                for (i, l) in velocity_gradients.iter().enumerate() {
+                    let (state, condition) = (&mut states[i], &mut conditions[i]);
+                    let l = if plane { in_plane(l) } else { *l };
+                    match next(of, strain, &l, (condition.volume, condition.wave_speed), state) {
+                        Ok(next) => *condition = next.into(),
+                        Err(fault) => keep_lowest(&mut first, (numbers[i], fault)),
+                    }
+                }
+                first
+            },
+        )
     }
 
     fn conditions(&self) -> &[Condition<S>] {
@@ -248,15 +232,14 @@ impl<M: Material<S>, S: Number, const PLANE: bool> MaterialUpdate<S> for Portion
     }
 }
 
-impl<M: Material<S> + 'static, S: Number, const PLANE: bool> MaterialPoints<S>
-    for Points<M, S, PLANE>
+impl<M: Material<S> + 'static, S: Number> MaterialPoints<S> for Points<M, S>
 where
     M::State: 'static,
 {
     fn pass(&mut self, work: &mut dyn FnMut(&mut dyn MaterialUpdate<S>)) {
-        let Self { material, update, density, states, conditions } = self;
-        let (update, density) = (*update, *density);
-        work(&mut Portion { material, update, density, states, conditions });
+        let Self { material, density, plane, states, conditions } = self;
+        let (density, plane) = (*density, *plane);
+        work(&mut Portion { material, density, plane, states, conditions });
     }
 
     fn conditions(&self) -> &[Condition<S>] {
@@ -279,7 +262,7 @@ where
     fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
         let (mut condition, mut state) = (self.conditions[place], self.states[place]);
         condition.visit_numbers(visit);
-        self.material.visit_numbers(&mut state, visit)
+        self.material.visit_numbers(&mut state, |number: &mut S| visit(number))
     }
 
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
@@ -288,15 +271,7 @@ where
     }
 }
 
-impl<M: Material<S>, S: Number, const PLANE: bool> Clone for UpdateBatch<M, S, PLANE> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<M: Material<S>, S: Number, const PLANE: bool> Copy for UpdateBatch<M, S, PLANE> {}
-
-impl<M: Material<S>, S: Number, const PLANE: bool> std::fmt::Debug for Points<M, S, PLANE> {
+impl<M: Material<S>, S: Number> std::fmt::Debug for Points<M, S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { material, density, states, conditions, .. } = self;
         let mut fields = formatter.debug_struct("Points");
@@ -306,7 +281,7 @@ impl<M: Material<S>, S: Number, const PLANE: bool> std::fmt::Debug for Points<M,
 }
 
 impl<S: Number> Condition<S> {
-    fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
+    pub(crate) fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
         let Self { stress, viscosity, volume, wave_speed, rate } = self;
         let mut number = S::constant(*rate);
         let others = [viscosity, volume, wave_speed, &mut number];

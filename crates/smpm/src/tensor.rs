@@ -7,7 +7,8 @@
 
 use std::ops::{Add, Sub};
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar, when};
 
 // No closures: they are not always inlined, and then not compiled for the widest registers.
 
@@ -24,12 +25,31 @@ impl<S: Scalar> Symmetric<S> {
         Self([S::constant(0.0); 6])
     }
 
+    /// The values, without derivatives.
+    #[must_use]
+    pub fn values(&self) -> [f64; 6] {
+        self.0.map(Scalar::value)
+    }
+}
+
+impl<S: Real> Symmetric<S> {
     /// `value` times the identity.
     #[must_use]
     #[inline(always)]
     pub fn isotropic(value: S) -> Self {
-        let zero = S::constant(0.0);
+        let zero = value.splat(0.0);
         Self([value, value, value, zero, zero, zero])
+    }
+
+    /// `inside` in the lanes where the mask is true, `outside` in the others.
+    #[must_use]
+    #[inline(always)]
+    pub fn select(mask: S::Mask, inside: &Self, outside: &Self) -> Self {
+        let mut chosen = inside.0;
+        for k in 0..6 {
+            chosen[k] = S::select(mask, inside.0[k], outside.0[k]);
+        }
+        Self(chosen)
     }
 
     /// The symmetric part of a matrix, `(A + A^T)/2`: the rate of deformation of a velocity gradient.
@@ -117,10 +137,19 @@ impl<S: Scalar> Symmetric<S> {
     #[must_use]
     #[inline(always)]
     pub fn turned(&self, velocity_gradient: &[[S; 3]; 3], dt: f64) -> Self {
-        let l = velocity_gradient;
-        if leaves_no_plane(l) {
-            return self.turned_in_plane((l[1][0] - l[0][1]) * (0.25 * dt));
+        let stays = stays_in_plane(velocity_gradient);
+        if stays.all() {
+            return self.turned_in_plane(velocity_gradient, dt);
         }
+        let turned = self.turned_in_space(velocity_gradient, dt);
+        if stays.any() {
+            return Self::select(stays, &self.turned_in_plane(velocity_gradient, dt), &turned);
+        }
+        turned
+    }
+
+    #[inline(always)]
+    fn turned_in_space(&self, l: &[[S; 3]; 3], dt: f64) -> Self {
         // P = [[0, -c, b], [c, 0, -a], [-b, a, 0]].
         let (a, b, c) = (l[2][1] - l[1][2], l[0][2] - l[2][0], l[1][0] - l[0][1]);
         let (a, b, c) = (a * (0.25 * dt), b * (0.25 * dt), c * (0.25 * dt));
@@ -156,7 +185,8 @@ impl<S: Scalar> Symmetric<S> {
 
     /// Turned about the third axis, with `c` the tangent of half the angle.
     #[inline(always)]
-    fn turned_in_plane(&self, c: S) -> Self {
+    fn turned_in_plane(&self, l: &[[S; 3]; 3], dt: f64) -> Self {
+        let c = (l[1][0] - l[0][1]) * (0.25 * dt);
         let [xx, yy, zz, xy, yz, xz] = self.0;
         let factor = (c.squared() + 1.0).recip() * 2.0;
         let (cosine, sine) = (factor - 1.0, factor * c);
@@ -179,15 +209,9 @@ impl<S: Scalar> Symmetric<S> {
         let [xx, yy, zz, xy, yz, xz] = self.0;
         [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     }
-
-    /// The values, without derivatives.
-    #[must_use]
-    pub fn values(&self) -> [f64; 6] {
-        self.0.map(Scalar::value)
-    }
 }
 
-impl<S: Scalar> Add for Symmetric<S> {
+impl<S: Real> Add for Symmetric<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -200,7 +224,7 @@ impl<S: Scalar> Add for Symmetric<S> {
     }
 }
 
-impl<S: Scalar> Sub for Symmetric<S> {
+impl<S: Real> Sub for Symmetric<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -216,7 +240,7 @@ impl<S: Scalar> Sub for Symmetric<S> {
 /// `sqrt(3/2 S:S)` of a deviator: the von Mises stress (Chen et al. 2019, eq 14).
 #[must_use]
 #[inline(always)]
-pub fn von_mises<S: Scalar>(deviator: &Symmetric<S>) -> S {
+pub fn von_mises<S: Real>(deviator: &Symmetric<S>) -> S {
     (deviator.square() * 1.5).sqrt()
 }
 
@@ -225,12 +249,23 @@ pub fn von_mises<S: Scalar>(deviator: &Symmetric<S>) -> S {
 /// Where the four entries that leave the plane are zero it is that of the plane, as in [`Symmetric::turned`].
 #[must_use]
 #[inline(always)]
-pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
-    let l = velocity_gradient;
-    if leaves_no_plane(l) {
-        let (xx, yy, zz) = (l[0][0] * dt + 1.0, l[1][1] * dt + 1.0, l[2][2] * dt + 1.0);
-        return (xx * yy - l[0][1] * dt * (l[1][0] * dt)) * zz;
+pub fn volume_change<S: Real>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
+    let stays = stays_in_plane(velocity_gradient);
+    if stays.all() {
+        return volume_change_in_plane(velocity_gradient, dt);
     }
+    let change = volume_change_in_space(velocity_gradient, dt);
+    when!(stays, volume_change_in_plane(velocity_gradient, dt), change)
+}
+
+#[inline(always)]
+fn volume_change_in_plane<S: Real>(l: &[[S; 3]; 3], dt: f64) -> S {
+    let (xx, yy, zz) = (l[0][0] * dt + 1.0, l[1][1] * dt + 1.0, l[2][2] * dt + 1.0);
+    (xx * yy - l[0][1] * dt * (l[1][0] * dt)) * zz
+}
+
+#[inline(always)]
+fn volume_change_in_space<S: Real>(l: &[[S; 3]; 3], dt: f64) -> S {
     let mut m = *l;
     for i in 0..3 {
         for j in 0..3 {
@@ -246,16 +281,20 @@ pub fn volume_change<S: Scalar>(velocity_gradient: &[[S; 3]; 3], dt: f64) -> S {
 
 /// A velocity gradient with zeros, known to the compiler, where entries leave the plane of the first two axes.
 #[inline(always)]
-pub(crate) fn in_plane<S: Scalar>(l: &[[S; 3]; 3]) -> [[S; 3]; 3] {
-    let zero = S::constant(0.0);
+pub(crate) fn in_plane<S: Real>(l: &[[S; 3]; 3]) -> [[S; 3]; 3] {
+    let zero = l[0][0].splat(0.0);
     [[l[0][0], l[0][1], zero], [l[1][0], l[1][1], zero], [zero, zero, l[2][2]]]
 }
 
-/// Whether the motion stays in the plane of the first two axes, by the values.
+/// Where the motion stays in the plane of the first two axes, by the values.
 #[inline(always)]
-fn leaves_no_plane<S: Scalar>(l: &[[S; 3]; 3]) -> bool {
-    let entry = |i: usize, j: usize| l[i][j].value() == 0.0;
-    entry(0, 2) && entry(1, 2) && entry(2, 0) && entry(2, 1)
+fn stays_in_plane<S: Real>(l: &[[S; 3]; 3]) -> S::Mask {
+    let zero = l[0][0].splat(0.0);
+    let mut stays = zero.at_least(zero);
+    for entry in [l[0][2], l[1][2], l[2][0], l[2][1]] {
+        stays = stays.and(entry.at_least(zero)).and(zero.at_least(entry));
+    }
+    stays
 }
 
 #[cfg(test)]

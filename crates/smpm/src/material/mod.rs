@@ -38,6 +38,7 @@ macro_rules! parameters {
             /// Every parameter by a function of its name and value, in the order of [`NAMES`](Self::NAMES): how numbers become
             /// jets.
             #[must_use]
+            #[inline(always)]
             pub fn map<T>(self, mut of: impl FnMut(&'static str, S) -> T) -> $name<T> {
                 $name { $($field: of(stringify!($field), self.$field)),+ }
             }
@@ -45,7 +46,34 @@ macro_rules! parameters {
     };
 }
 
+/// Makes a struct of parameters, of numbers that follow from them and of what is the same in all number types a member of its family.
+macro_rules! family_member {
+    ($family:ident, $kind:ident: $name:ident { $($number:ident),* $(; $kept:ident)* }, $filled:ident => $state:expr) => {
+        impl<F: Scalar> $family<F> for $name<F> {
+            type In<S: Real> = $name<S>;
+
+            #[inline(always)]
+            fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> $name<S> {
+                $name {
+                    parameters: self.parameters.map(
+                        #[inline(always)]
+                        |_, number| of(number),
+                    ),
+                    $($number: of(self.$number),)*
+                    $($kept: self.$kept,)*
+                }
+            }
+
+            #[inline(always)]
+            fn filled<S: Real>($filled: S) -> <$name<S> as $kind<S>>::State {
+                $state
+            }
+        }
+    };
+}
+
 mod equation_of_state;
+mod family;
 pub mod library;
 mod local;
 mod neo_hookean;
@@ -53,13 +81,14 @@ mod solid;
 mod strength;
 mod units;
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
 pub use equation_of_state::{
     Detonation, ElasticBulk, ElasticBulkParameters, EquationOfState, Jwl, JwlParameters, Line,
     MieGruneisen, MieGruneisenParameters, Start, StiffenedGas, StiffenedGasParameters,
     TensionCutOff,
 };
+pub use family::{EquationFamily, MaterialFamily, StrengthFamily};
 pub use local::{LocalFlow, LocalResponse, LocalState};
 pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
 pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
@@ -94,9 +123,10 @@ pub struct Now<S> {
 
 /// A constitutive model. Stresses are those of Cauchy, tension positive.
 ///
-/// It is pure in the state: the same history gives a bitwise identical result. Branches look at [`Scalar::value`], so that a jet takes
-/// the path of the run it differentiates.
-pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
+/// It is pure in the state: the same history gives a bitwise identical result. Branches look at values, so that a jet takes the path
+/// of the run it differentiates: [`Scalar::value`] where `S` is one number, masks where the text is to serve several particles at
+/// once ([`MaterialFamily`]).
+pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
@@ -108,10 +138,15 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     fn density(&self) -> S;
 
     /// The state of a particle at `t = 0`; `position` has zeros beyond the dimension.
-    fn start(&self, position: [f64; 3]) -> Self::State;
+    fn start(&self, position: [f64; 3]) -> Self::State
+    where
+        S: Scalar;
 
     /// The stress at `t = 0`; none unless the material says otherwise.
-    fn start_stress(&self, _state: &Self::State) -> Symmetric<S> {
+    fn start_stress(&self, _state: &Self::State) -> Symmetric<S>
+    where
+        S: Scalar,
+    {
         Symmetric::zero()
     }
 
@@ -126,24 +161,33 @@ pub trait Material<S: Scalar>: std::fmt::Debug + Send + Sync {
     fn wave_speed(&self, volume: S, state: &Self::State) -> S;
 
     /// What can be observed of a state besides the stress.
-    fn observe(&self, state: &Self::State) -> Observed<S>;
+    fn observe(&self, state: &Self::State) -> Observed<S>
+    where
+        S: Scalar;
 
     /// `e`, internal energy per reference volume (stress): that of [`observe`](Self::observe), which every step asks for.
     #[inline(always)]
-    fn energy(&self, state: &Self::State) -> S {
+    fn energy(&self, state: &Self::State) -> S
+    where
+        S: Scalar,
+    {
         self.observe(state).energy
     }
 
     /// Pressure and flow stress by the formulas of the model at a state that is taken for certain: the derivatives of Chen et
     /// al. (2019, eq 31-35), which leave out that the state depends on the parameters too. `None` where the model has no such
     /// formulas.
-    fn at_local_state(&self, _state: &LocalState) -> Option<LocalResponse<S>> {
+    fn at_local_state(&self, _state: &LocalState) -> Option<LocalResponse<S>>
+    where
+        S: Scalar,
+    {
         None
     }
 
     /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
     /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
-    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: impl FnMut(&mut S)) -> bool {
         size_of::<Self::State>() == 0
     }
 }

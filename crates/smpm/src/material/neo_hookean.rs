@@ -1,8 +1,8 @@
 //! Compressible neo-Hookean elasticity.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar, when};
 
-use super::{Material, Now, Observed};
+use super::{Material, MaterialFamily, Now, Observed};
 use crate::error::{Error, Fault, positive};
 use crate::tensor::Symmetric;
 
@@ -60,12 +60,15 @@ impl<S: Scalar> NeoHookean<S> {
 
 /// `B = F F^T`.
 #[inline(always)]
-fn left_cauchy_green<S: Scalar>(f: &[[S; 3]; 3]) -> Symmetric<S> {
-    let entry = |i: usize, j: usize| f[i][0] * f[j][0] + f[i][1] * f[j][1] + f[i][2] * f[j][2];
-    Symmetric([entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2)])
+fn left_cauchy_green<S: Real>(f: &[[S; 3]; 3]) -> Symmetric<S> {
+    let mut entries = [f[0][0]; 6];
+    for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].into_iter().enumerate() {
+        entries[k] = f[i][0] * f[j][0] + f[i][1] * f[j][1] + f[i][2] * f[j][2];
+    }
+    Symmetric(entries)
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
+impl<S: Real> Material<S> for NeoHookean<S> {
     type State = NeoHookeanState<S>;
 
     const IS_COMPILED: bool = true;
@@ -74,7 +77,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
         self.parameters.density
     }
 
-    fn start(&self, _position: [f64; 3]) -> NeoHookeanState<S> {
+    fn start(&self, _position: [f64; 3]) -> NeoHookeanState<S>
+    where
+        S: Scalar,
+    {
         let (zero, one) = (S::constant(0.0), S::constant(1.0));
         NeoHookeanState {
             deformation_gradient: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
@@ -99,12 +105,9 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
         let bulk = (self.lambda * now.volume.ln() - shear) * inverse;
         let stress = left_cauchy_green(&state.deformation_gradient).scaled(shear * inverse)
             + Symmetric::isotropic(bulk);
-        let value = stress.trace().value();
-        if value.is_finite() {
-            Ok(stress)
-        } else {
-            Err(Fault { quantity: "the trace of the stress", value, must: "finite" })
-        }
+        let trace = stress.trace();
+        Fault::unless(trace.is_finite(), trace, "the trace of the stress", "finite")?;
+        Ok(stress)
     }
 
     /// Along the longest stretch: `sqrt((mu b + mu + lambda (1 - ln J))/rho_0)`, `b` a bound on the largest eigenvalue of
@@ -116,30 +119,44 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Material<S> for NeoHookean<S> {
         let mean = stretch.trace() * (1.0 / 3.0);
         let square = deviator.square() * (2.0 / 3.0);
         // At equal stretches the root has no derivative.
-        let largest = if square.value() > 1e-24 { mean + square.sqrt() } else { mean };
+        let is_stretched = square.splat(1e-24).less(square);
+        let largest = when!(is_stretched, mean + square.sqrt(), mean);
         let shear = self.parameters.shear_modulus;
         let modulus = shear * (largest + 1.0) + self.lambda * (volume.ln() * -1.0 + 1.0);
-        if modulus.value() > 0.0 {
-            (modulus / self.parameters.density).sqrt()
-        } else {
-            S::constant(0.0)
-        }
+        let zero = modulus.splat(0.0);
+        when!(zero.less(modulus), (modulus / self.parameters.density).sqrt(), zero)
     }
 
     #[inline(always)]
-    fn observe(&self, state: &NeoHookeanState<S>) -> Observed<S> {
+    fn observe(&self, state: &NeoHookeanState<S>) -> Observed<S>
+    where
+        S: Scalar,
+    {
         let stretch = left_cauchy_green(&state.deformation_gradient);
         let logarithm = state.volume.ln();
         let shear = self.parameters.shear_modulus * ((stretch.trace() - 3.0) * 0.5 - logarithm);
         Observed::of_energy(shear + self.lambda * logarithm.squared() * 0.5 + state.heat)
     }
 
-    fn visit_numbers(&self, state: &mut NeoHookeanState<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut NeoHookeanState<S>, mut visit: impl FnMut(&mut S)) -> bool {
         let NeoHookeanState { deformation_gradient, volume, heat } = state;
-        deformation_gradient.as_flattened_mut().iter_mut().chain([volume, heat]).for_each(visit);
+        for i in 0..3 {
+            for j in 0..3 {
+                visit(&mut deformation_gradient[i][j]);
+            }
+        }
+        visit(volume);
+        visit(heat);
         true
     }
 }
+
+family_member!(MaterialFamily, Material: NeoHookean { lambda }, number => NeoHookeanState {
+    deformation_gradient: [[number; 3]; 3],
+    volume: number,
+    heat: number,
+});
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,6 @@
 //! An equation of state and a strength make a material.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar, when};
 
 use super::{
     ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, EquationOfState,
@@ -8,7 +8,6 @@ use super::{
 };
 use crate::error::{Error, Fault, positive};
 use crate::material::equation_of_state::at_least;
-use crate::number::is_finite;
 use crate::tensor::Symmetric;
 
 /// A material by its equation of state and its strength, each checked when it was made.
@@ -40,12 +39,7 @@ pub struct SolidState<S, T, Y> {
     pub strength: Y,
 }
 
-impl<S, E, Y> Material<S> for Solid<E, Y>
-where
-    S: Scalar + std::fmt::Debug + Send + Sync,
-    E: EquationOfState<S>,
-    Y: Strength<S>,
-{
+impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y> {
     type State = SolidState<S, E::State, Y::State>;
 
     const IS_COMPILED: bool = Y::KIND.is_in(E::COMPILED_WITH);
@@ -54,7 +48,10 @@ where
         self.equation.density()
     }
 
-    fn start(&self, position: [f64; 3]) -> Self::State {
+    fn start(&self, position: [f64; 3]) -> Self::State
+    where
+        S: Scalar,
+    {
         let start = self.equation.start(position);
         SolidState {
             energy: start.energy,
@@ -65,13 +62,16 @@ where
     }
 
     /// A gas starts under its pressure.
-    fn start_stress(&self, state: &Self::State) -> Symmetric<S> {
+    fn start_stress(&self, state: &Self::State) -> Symmetric<S>
+    where
+        S: Scalar,
+    {
         Symmetric::isotropic(state.pressure * -1.0)
     }
 
     #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<Symmetric<S>, Fault> {
-        self.equation.admit(now.volume.value())?;
+        self.equation.admit(now.volume)?;
         let mut line = self.equation.line(now.volume);
         let half_change = (now.volume - now.volume_before) * 0.5;
         let work = self.strength.update(now, &mut state.strength)?;
@@ -83,50 +83,57 @@ where
         let mut solved = line.a;
         if E::KNOWS_ENERGY {
             let resistance = line.b * half_change + 1.0;
-            if resistance.value() <= 0.0 {
-                return Err(Fault {
-                    quantity: "1 + b dJ/2 of the energy of a step",
-                    value: resistance.value(),
-                    must: "greater than 0: the step compresses too much",
-                });
-            }
+            Fault::unless(
+                resistance.splat(0.0).less(resistance),
+                resistance,
+                "1 + b dJ/2 of the energy of a step",
+                "greater than 0: the step compresses too much",
+            )?;
             solved = (line.a + line.b * half_way) / resistance;
         }
         let solved = at_least(solved, self.equation.least_pressure());
         let pressure = self.strength.carry(solved, &mut state.strength)?;
-        if !is_finite(pressure.value()) {
-            let value = pressure.value();
-            return Err(Fault { quantity: "the pressure", value, must: "finite" });
-        }
+        Fault::unless(pressure.is_finite(), pressure, "the pressure", "finite")?;
         state.pressure = pressure;
         state.energy = half_way - pressure * half_change;
-        Ok(self.strength.deviator(&state.strength) - Symmetric::isotropic(pressure))
+        Ok(match self.strength.deviator(&state.strength) {
+            Some(deviator) => deviator - Symmetric::isotropic(pressure),
+            None => Symmetric::isotropic(pressure * -1.0),
+        })
     }
 
     /// Zero where the tangent is not positive: no longitudinal wave runs there.
     #[inline(always)]
     fn wave_speed(&self, volume: S, state: &Self::State) -> S {
-        let shear = self.strength.shear_modulus(&state.strength) * (4.0 / 3.0);
-        let modulus = self.equation.bulk_modulus(volume, state.energy) + shear;
-        if modulus.value() > 0.0 {
-            (modulus * volume / self.equation.density()).sqrt()
-        } else {
-            S::constant(0.0)
+        let mut modulus = self.equation.bulk_modulus(volume, state.energy);
+        if let Some(shear) = self.strength.shear_modulus(&state.strength) {
+            modulus = modulus + shear * (4.0 / 3.0);
         }
+        let zero = modulus.splat(0.0);
+        when!(zero.less(modulus), (modulus * volume / self.equation.density()).sqrt(), zero)
     }
 
     #[inline(always)]
-    fn observe(&self, state: &Self::State) -> Observed<S> {
+    fn observe(&self, state: &Self::State) -> Observed<S>
+    where
+        S: Scalar,
+    {
         Observed { energy: state.energy, ..self.strength.observe(&state.strength) }
     }
 
     #[inline(always)]
-    fn energy(&self, state: &Self::State) -> S {
+    fn energy(&self, state: &Self::State) -> S
+    where
+        S: Scalar,
+    {
         state.energy
     }
 
     /// The line at a certain volume and energy, times what burn or a cut-off has left of it.
-    fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
+    fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>>
+    where
+        S: Scalar,
+    {
         let line = self.equation.line(S::constant(state.volume));
         let full = line.a + line.b * state.observed.energy;
         // Without burn or cut-off the ratio is one within roundoff; at no pressure there is nothing to differentiate.
@@ -135,11 +142,12 @@ where
         Some(LocalResponse { pressure: full * share, flow })
     }
 
-    fn visit_numbers(&self, state: &mut Self::State, visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut Self::State, mut visit: impl FnMut(&mut S)) -> bool {
         visit(&mut state.energy);
         visit(&mut state.pressure);
-        self.equation.visit_numbers(&mut state.equation, visit)
-            && self.strength.visit_numbers(&mut state.strength, visit)
+        self.equation.visit_numbers(&mut state.equation, &mut visit)
+            && self.strength.visit_numbers(&mut state.strength, &mut visit)
     }
 }
 

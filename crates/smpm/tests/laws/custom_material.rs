@@ -57,12 +57,12 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for Newtonian<S> {
         Ok(state.contract(&rate) * now.volume * now.dt)
     }
 
-    fn deviator(&self, state: &Symmetric<S>) -> Symmetric<S> {
-        *state
+    fn deviator(&self, state: &Symmetric<S>) -> Option<Symmetric<S>> {
+        Some(*state)
     }
 
-    fn shear_modulus(&self, _state: &Symmetric<S>) -> S {
-        S::constant(0.0)
+    fn shear_modulus(&self, _state: &Symmetric<S>) -> Option<S> {
+        None
     }
 
     fn observe(&self, _state: &Symmetric<S>) -> Observed<S> {

@@ -1,7 +1,7 @@
 //! Equations of state against closed forms: the Hugoniot, detonation, slow expansion.
 
 use perturbation_moments::responses::{MieGruneisen as FrozenPressure, MieGruneisenState};
-use perturbation_moments::{Jet, Scalar};
+use perturbation_moments::{Jet, Real, Scalar};
 use smpm::material::{
     Detonation, EquationOfState, Fluid, Jwl, Material, MieGruneisen, Now, Solid, library,
 };

@@ -75,7 +75,9 @@ fn strain_point<S: Number>(x: &[S; 5], strain: f64) -> Result<(S, Observed<S>), 
             fault,
         })?;
     }
-    Ok((smpm::tensor::von_mises(&material.deviator(&state)), material.observe(&state)))
+    let deviator = material.deviator(&state);
+    let equivalent = deviator.map_or(zero, |deviator| smpm::tensor::von_mises(&deviator));
+    Ok((equivalent, material.observe(&state)))
 }
 
 fn inputs(coefficient_of_variation: f64) -> Result<RandomVector<5>, CaseError> {

@@ -1,8 +1,8 @@
 //! A pressure that only knows the volume.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
-use super::{EquationOfState, Line, Start};
+use super::{EquationFamily, EquationOfState, Line, Start};
 use crate::error::{Error, positive};
 use crate::material::StrengthKind;
 
@@ -38,7 +38,7 @@ impl<S: Scalar> ElasticBulk<S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBulk<S> {
+impl<S: Real> EquationOfState<S> for ElasticBulk<S> {
     type State = ();
 
     const KNOWS_ENERGY: bool = false;
@@ -50,18 +50,21 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBu
         self.parameters.density
     }
 
-    fn start(&self, _position: [f64; 3]) -> Start<S, ()> {
+    fn start(&self, _position: [f64; 3]) -> Start<S, ()>
+    where
+        S: Scalar,
+    {
         Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
     }
 
     #[inline(always)]
     fn line(&self, volume: S) -> Line<S> {
-        Line { a: self.parameters.bulk_modulus * volume.ln() * -1.0, b: S::constant(0.0) }
+        Line { a: self.parameters.bulk_modulus * volume.ln() * -1.0, b: volume.splat(0.0) }
     }
 
     #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
-        Line { a: self.parameters.bulk_modulus / volume * -1.0, b: S::constant(0.0) }
+        Line { a: self.parameters.bulk_modulus / volume * -1.0, b: volume.splat(0.0) }
     }
 
     #[inline(always)]
@@ -69,6 +72,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for ElasticBu
         self.parameters.bulk_modulus
     }
 }
+
+family_member!(EquationFamily, EquationOfState: ElasticBulk {  }, _number => ());
 
 #[cfg(test)]
 mod tests {

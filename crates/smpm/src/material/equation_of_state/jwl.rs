@@ -1,8 +1,9 @@
 //! Detonation products and their programmed burn.
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar};
 
-use super::{EquationOfState, Line, Start};
+use super::{EquationFamily, EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};
 use crate::material::{Now, StrengthKind};
 
@@ -78,7 +79,9 @@ impl<S: Scalar> Jwl<S> {
         }
         Ok(Self { parameters, detonation })
     }
+}
 
+impl<S: Real> Jwl<S> {
     /// `exp(-R J)` before both terms, with `A` and `B`.
     #[inline(always)]
     fn exponentials(&self, volume: S) -> [S; 2] {
@@ -87,9 +90,9 @@ impl<S: Scalar> Jwl<S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
+impl<S: Real> EquationOfState<S> for Jwl<S> {
     /// `d`, the distance from the point of detonation (length).
-    type State = f64;
+    type State = S::Primal;
 
     const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
@@ -98,7 +101,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         self.parameters.density
     }
 
-    fn start(&self, position: [f64; 3]) -> Start<S, f64> {
+    fn start(&self, position: [f64; 3]) -> Start<S, S::Primal>
+    where
+        S: Scalar,
+    {
         let square: f64 =
             position.iter().zip(self.detonation.point).map(|(x, y)| (x - y) * (x - y)).sum();
         Start { state: square.sqrt(), energy: self.parameters.energy, pressure: S::constant(0.0) }
@@ -110,8 +116,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         let inverse = volume.recip();
         let [first, second] = self.exponentials(volume);
         let b = p.omega * inverse;
-        let term = |exponential: S, rate: S| exponential * (b / rate * -1.0 + 1.0);
-        Line { a: term(first, p.r1) + term(second, p.r2), b }
+        let (one, two) = (b / p.r1 * -1.0 + 1.0, b / p.r2 * -1.0 + 1.0);
+        Line { a: first * one + second * two, b }
     }
 
     #[inline(always)]
@@ -120,30 +126,34 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Jwl<S> {
         let inverse = volume.recip();
         let [first, second] = self.exponentials(volume);
         let b = p.omega * inverse;
-        let term = |exponential: S, rate: S| exponential * (b * inverse / rate + b - rate);
-        Line { a: term(first, p.r1) + term(second, p.r2), b: b * inverse * -1.0 }
+        let by_volume = b * inverse;
+        let (one, two) = (by_volume / p.r1 + b - p.r1, by_volume / p.r2 + b - p.r2);
+        Line { a: first * one + second * two, b: by_volume * -1.0 }
     }
 
     #[inline(always)]
-    fn advance(&self, now: &Now<S>, distance: &mut f64) -> Option<S> {
-        let passed = self.parameters.detonation_speed * now.time - *distance;
+    fn advance(&self, now: &Now<S>, distance: &mut S::Primal) -> Option<S> {
+        let passed = self.parameters.detonation_speed * now.time - S::from_primal(*distance);
         let burnt = passed * (1.0 / (self.detonation.cells * now.cell));
-        if burnt.value() >= 1.0 {
-            None
-        } else if burnt.value() <= 0.0 {
-            Some(S::constant(0.0))
-        } else {
-            Some(burnt)
+        let (none, all) = (burnt.splat(0.0), burnt.splat(1.0));
+        let is_burnt = burnt.at_least(all);
+        if is_burnt.all() {
+            return None;
         }
+        let begun = S::select(none.at_least(burnt), none, burnt);
+        Some(S::select(is_burnt, all, begun))
     }
 
-    fn visit_numbers(&self, state: &mut f64, visit: &mut dyn FnMut(&mut S)) -> bool {
-        let mut distance = S::constant(*state);
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut S::Primal, mut visit: impl FnMut(&mut S)) -> bool {
+        let mut distance = S::from_primal(*state);
         visit(&mut distance);
-        *state = distance.value();
+        *state = distance.primal();
         true
     }
 }
+
+family_member!(EquationFamily, EquationOfState: Jwl { ; detonation }, number => number.primal());
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,9 @@
 //! The equation of state of Mie and Grueneisen.
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar, when};
 
-use super::{EquationOfState, Line, Start};
+use super::{EquationFamily, EquationOfState, Line, Start};
 use crate::error::{Error, Fault, finite, not_negative, positive};
 use crate::material::StrengthKind;
 
@@ -77,12 +78,22 @@ impl<S: Scalar> MieGruneisen<S> {
         finite("gruneisen slope", p.gruneisen_slope.value())?;
         Ok(Self { parameters, modulus: p.density * p.sound_speed.squared() })
     }
+}
 
+impl<S: Real> MieGruneisen<S> {
     /// `1 - S1 x - S2 x^2 - S3 x^3`.
     #[inline(always)]
     fn denominator(&self, x: S) -> S {
         let p = &self.parameters;
         (((p.s3 * x + p.s2) * x + p.s1) * x) * -1.0 + 1.0
+    }
+
+    /// The pressure at no energy, under compression.
+    #[inline(always)]
+    fn hugoniot(&self, volume: S, gruneisen: S) -> S {
+        let x = volume * -1.0 + 1.0;
+        let hugoniot = self.modulus * x / self.denominator(x).squared();
+        hugoniot * (gruneisen * x * -0.5 + 1.0)
     }
 
     /// `gamma_0 + a mu`.
@@ -92,7 +103,7 @@ impl<S: Scalar> MieGruneisen<S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGruneisen<S> {
+impl<S: Real> EquationOfState<S> for MieGruneisen<S> {
     type State = ();
 
     const COMPILED_WITH: &'static [StrengthKind] = &[
@@ -110,7 +121,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
         self.parameters.density
     }
 
-    fn start(&self, _position: [f64; 3]) -> Start<S, ()> {
+    fn start(&self, _position: [f64; 3]) -> Start<S, ()>
+    where
+        S: Scalar,
+    {
         Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
     }
 
@@ -118,13 +132,8 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
     fn line(&self, volume: S) -> Line<S> {
         let mu = volume.recip() - 1.0;
         let gruneisen = self.gruneisen(mu);
-        if mu.value() > 0.0 {
-            let x = volume * -1.0 + 1.0;
-            let hugoniot = self.modulus * x / self.denominator(x).squared();
-            Line { a: hugoniot * (gruneisen * x * -0.5 + 1.0), b: gruneisen }
-        } else {
-            Line { a: self.modulus * mu, b: gruneisen }
-        }
+        let a = when!(mu.splat(0.0).less(mu), self.hugoniot(volume, gruneisen), self.modulus * mu);
+        Line { a, b: gruneisen }
     }
 
     #[inline(always)]
@@ -133,7 +142,9 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
         let inverse = volume.recip();
         let mu_slope = inverse.squared() * -1.0;
         let by_gruneisen = p.gruneisen_slope * mu_slope;
-        if volume.value() < 1.0 {
+        let is_compressed = volume.less(volume.splat(1.0));
+        let mut a = self.modulus * mu_slope;
+        if is_compressed.any() {
             // dx/dJ = -1.
             let x = volume * -1.0 + 1.0;
             let gruneisen = self.gruneisen(inverse - 1.0);
@@ -143,32 +154,31 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for MieGrunei
             let hugoniot = self.modulus * x * square;
             let hugoniot_slope =
                 self.modulus * square * (x * denominator_slope / denominator * 2.0 - 1.0);
-            Line {
-                a: hugoniot_slope * (gruneisen * x * -0.5 + 1.0)
-                    + hugoniot * (gruneisen - by_gruneisen * x) * 0.5,
-                b: by_gruneisen,
-            }
-        } else {
-            Line { a: self.modulus * mu_slope, b: by_gruneisen }
+            let compressed = hugoniot_slope * (gruneisen * x * -0.5 + 1.0)
+                + hugoniot * (gruneisen - by_gruneisen * x) * 0.5;
+            a = S::select(is_compressed, compressed, a);
         }
+        Line { a, b: by_gruneisen }
     }
 
     #[inline(always)]
-    fn admit(&self, volume: f64) -> Result<(), Fault> {
+    fn admit(&self, volume: S) -> Result<(), Fault> {
         let p = &self.parameters;
-        let x = (1.0 - volume).max(0.0);
-        let value = 1.0 - ((p.s3.value() * x + p.s2.value()) * x + p.s1.value()) * x;
-        if value > 0.0 {
-            Ok(())
-        } else {
-            Err(Fault {
-                quantity: "1 - S1 x - S2 x^2 - S3 x^3 of the Hugoniot, x = 1 - V/V_0,",
-                value,
-                must: "greater than 0: no shock compresses further",
-            })
-        }
+        let x = volume.primal() * -1.0 + 1.0;
+        let zero = x.splat(0.0);
+        let x = S::Primal::select(zero.less(x), x, zero);
+        let terms = ((p.s3.primal() * x + p.s2.primal()) * x + p.s1.primal()) * x;
+        let denominator = terms * -1.0 + 1.0;
+        Fault::unless(
+            zero.less(denominator),
+            denominator,
+            "1 - S1 x - S2 x^2 - S3 x^3 of the Hugoniot, x = 1 - V/V_0,",
+            "greater than 0: no shock compresses further",
+        )
     }
 }
+
+family_member!(EquationFamily, EquationOfState: MieGruneisen { modulus }, _number => ());
 
 #[cfg(test)]
 mod tests {

@@ -6,8 +6,9 @@ mod mie_gruneisen;
 mod stiffened_gas;
 mod tension_cut_off;
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
+pub(crate) use super::family::EquationFamily;
 use crate::error::Fault;
 use crate::material::{Now, StrengthKind};
 
@@ -43,7 +44,7 @@ pub struct Start<S, T> {
 /// $$ p = a(J) + b(J) e, \qquad J = V/V_0 $$
 ///
 /// Four methods say all of a usual one. The others are for burn, for tension and for a range that ends.
-pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
+pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers besides volume and energy; mostly `()`.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
@@ -62,7 +63,9 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     fn density(&self) -> S;
 
     /// A particle at `t = 0`; `position` has zeros beyond the dimension.
-    fn start(&self, position: [f64; 3]) -> Start<S, Self::State>;
+    fn start(&self, position: [f64; 3]) -> Start<S, Self::State>
+    where
+        S: Scalar;
 
     /// `a` and `b` at `J = volume`.
     fn line(&self, volume: S) -> Line<S>;
@@ -78,7 +81,8 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
 
     /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
     /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
-    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: impl FnMut(&mut S)) -> bool {
         size_of::<Self::State>() == 0
     }
 
@@ -93,7 +97,7 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// What is out of range there.
     #[inline(always)]
-    fn admit(&self, _volume: f64) -> Result<(), Fault> {
+    fn admit(&self, _volume: S) -> Result<(), Fault> {
         Ok(())
     }
 
@@ -110,16 +114,18 @@ pub trait EquationOfState<S: Scalar>: std::fmt::Debug + Send + Sync {
 
 /// The pressure, or the least one that is borne.
 #[inline(always)]
-pub(crate) fn at_least<S: Scalar>(pressure: S, least: Option<S>) -> S {
+pub(crate) fn at_least<S: Real>(pressure: S, least: Option<S>) -> S {
     match least {
-        Some(least) if pressure.value() < least.value() => least,
-        _ => pressure,
+        Some(least) => S::select(pressure.less(least), least, pressure),
+        None => pressure,
     }
 }
 
 #[cfg(test)]
 pub(crate) mod laws {
-    use super::{EquationOfState, Scalar};
+    use perturbation_moments::Scalar;
+
+    use super::EquationOfState;
 
     /// The slopes against central differences of the lines, and the bulk modulus against the pressure along a short isentrope.
     pub(crate) fn slopes_and_bulk_modulus<E: EquationOfState<f64>>(

@@ -1,8 +1,8 @@
 //! The stiffened gas.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
-use super::{EquationOfState, Line, Start};
+use super::{EquationFamily, EquationOfState, Line, Start};
 use crate::error::{Error, not_negative, positive};
 use crate::material::StrengthKind;
 
@@ -53,7 +53,7 @@ impl<S: Scalar> StiffenedGas<S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for StiffenedGas<S> {
+impl<S: Real> EquationOfState<S> for StiffenedGas<S> {
     type State = ();
 
     const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
@@ -63,7 +63,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Stiffened
         self.parameters.density
     }
 
-    fn start(&self, _position: [f64; 3]) -> Start<S, ()> {
+    fn start(&self, _position: [f64; 3]) -> Start<S, ()>
+    where
+        S: Scalar,
+    {
         let p = &self.parameters;
         let energy = (p.pressure + p.exponent * p.stiffness) / (p.exponent - 1.0);
         Start { state: (), energy, pressure: p.pressure }
@@ -78,9 +81,11 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> EquationOfState<S> for Stiffened
     #[inline(always)]
     fn slope(&self, volume: S) -> Line<S> {
         let p = &self.parameters;
-        Line { a: S::constant(0.0), b: (p.exponent * -1.0 + 1.0) / volume.squared() }
+        Line { a: volume.splat(0.0), b: (p.exponent * -1.0 + 1.0) / volume.squared() }
     }
 }
+
+family_member!(EquationFamily, EquationOfState: StiffenedGas {  }, _number => ());
 
 #[cfg(test)]
 mod tests {

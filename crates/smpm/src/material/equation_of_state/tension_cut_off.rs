@@ -1,8 +1,8 @@
 //! A limit of tension on any equation of state.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
-use super::{EquationOfState, Line, Start};
+use super::{EquationFamily, EquationOfState, Line, Start};
 use crate::error::{Error, Fault, not_negative};
 use crate::material::{Now, StrengthKind};
 
@@ -26,9 +26,7 @@ impl<E, S: Scalar> TensionCutOff<E, S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationOfState<S>
-    for TensionCutOff<E, S>
-{
+impl<S: Real, E: EquationOfState<S>> EquationOfState<S> for TensionCutOff<E, S> {
     type State = E::State;
 
     const KNOWS_ENERGY: bool = E::KNOWS_ENERGY;
@@ -40,7 +38,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
         self.equation.density()
     }
 
-    fn start(&self, position: [f64; 3]) -> Start<S, Self::State> {
+    fn start(&self, position: [f64; 3]) -> Start<S, Self::State>
+    where
+        S: Scalar,
+    {
         self.equation.start(position)
     }
 
@@ -65,11 +66,26 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync, E: EquationOfState<S>> EquationO
     }
 
     #[inline(always)]
-    fn admit(&self, volume: f64) -> Result<(), Fault> {
+    fn admit(&self, volume: S) -> Result<(), Fault> {
         self.equation.admit(volume)
     }
 
-    fn visit_numbers(&self, state: &mut Self::State, visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut Self::State, visit: impl FnMut(&mut S)) -> bool {
         self.equation.visit_numbers(state, visit)
+    }
+}
+
+impl<F: Scalar, E: EquationFamily<F>> EquationFamily<F> for TensionCutOff<E, F> {
+    type In<S: Real> = TensionCutOff<E::In<S>, S>;
+
+    #[inline(always)]
+    fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S> {
+        TensionCutOff { equation: self.equation.in_numbers(of), least: of(self.least) }
+    }
+
+    #[inline(always)]
+    fn filled<S: Real>(number: S) -> <E::In<S> as EquationOfState<S>>::State {
+        E::filled(number)
     }
 }

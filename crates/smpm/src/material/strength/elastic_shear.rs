@@ -1,8 +1,8 @@
 //! Shear without yield.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthKind, Trial};
+use super::{Strength, StrengthFamily, StrengthKind, Trial};
 use crate::error::{Error, Fault, positive};
 use crate::material::{Now, Observed};
 use crate::tensor::Symmetric;
@@ -37,12 +37,15 @@ impl<S: Scalar> ElasticShear<S> {
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> {
+impl<S: Real> Strength<S> for ElasticShear<S> {
     type State = Symmetric<S>;
 
     const KIND: StrengthKind = StrengthKind::Elastic;
 
-    fn start(&self) -> Symmetric<S> {
+    fn start(&self) -> Symmetric<S>
+    where
+        S: Scalar,
+    {
         Symmetric::zero()
     }
 
@@ -55,25 +58,33 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for ElasticShear<S> 
     }
 
     #[inline(always)]
-    fn deviator(&self, state: &Symmetric<S>) -> Symmetric<S> {
-        *state
+    fn deviator(&self, state: &Symmetric<S>) -> Option<Symmetric<S>> {
+        Some(*state)
     }
 
     #[inline(always)]
-    fn shear_modulus(&self, _state: &Symmetric<S>) -> S {
-        self.parameters.shear_modulus
+    fn shear_modulus(&self, _state: &Symmetric<S>) -> Option<S> {
+        Some(self.parameters.shear_modulus)
     }
 
     #[inline(always)]
-    fn observe(&self, _state: &Symmetric<S>) -> Observed<S> {
+    fn observe(&self, _state: &Symmetric<S>) -> Observed<S>
+    where
+        S: Scalar,
+    {
         Observed::of_energy(S::constant(0.0))
     }
 
-    fn visit_numbers(&self, state: &mut Symmetric<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
-        state.0.iter_mut().for_each(visit);
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut Symmetric<S>, mut visit: impl FnMut(&mut S)) -> bool {
+        for k in 0..6 {
+            visit(&mut state.0[k]);
+        }
         true
     }
 }
+
+family_member!(StrengthFamily, Strength: ElasticShear { }, number => Symmetric([number; 6]));
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,8 @@
 //! No strength.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthKind};
+use super::{Strength, StrengthFamily, StrengthKind};
 use crate::error::Fault;
 use crate::material::{Now, Observed};
 use crate::tensor::Symmetric;
@@ -11,30 +11,49 @@ use crate::tensor::Symmetric;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Fluid;
 
-impl<S: Scalar> Strength<S> for Fluid {
+impl<S: Real> Strength<S> for Fluid {
     type State = ();
 
     const KIND: StrengthKind = StrengthKind::Fluid;
 
-    fn start(&self) {}
-
-    #[inline(always)]
-    fn update(&self, _now: &Now<S>, _state: &mut ()) -> Result<S, Fault> {
-        Ok(S::constant(0.0))
+    fn start(&self)
+    where
+        S: Scalar,
+    {
     }
 
     #[inline(always)]
-    fn deviator(&self, _state: &()) -> Symmetric<S> {
-        Symmetric::zero()
+    fn update(&self, now: &Now<S>, _state: &mut ()) -> Result<S, Fault> {
+        Ok(now.volume.splat(0.0))
     }
 
     #[inline(always)]
-    fn shear_modulus(&self, _state: &()) -> S {
-        S::constant(0.0)
+    fn deviator(&self, _state: &()) -> Option<Symmetric<S>> {
+        None
     }
 
     #[inline(always)]
-    fn observe(&self, _state: &()) -> Observed<S> {
+    fn shear_modulus(&self, _state: &()) -> Option<S> {
+        None
+    }
+
+    #[inline(always)]
+    fn observe(&self, _state: &()) -> Observed<S>
+    where
+        S: Scalar,
+    {
         Observed::of_energy(S::constant(0.0))
     }
+}
+
+impl<F: Scalar> StrengthFamily<F> for Fluid {
+    type In<S: Real> = Self;
+
+    #[inline(always)]
+    fn in_numbers<S: Real>(&self, _of: impl Fn(F) -> S + Copy) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn filled<S: Real>(_number: S) {}
 }

@@ -1,9 +1,10 @@
 //! The flow stress of Johnson and Cook with the heat of plastic work.
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar, when};
 
 use super::johnson_cook_return::{LEAST_STRAIN, Return};
-use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
+use super::{LEAST_OVERSHOOT, Strength, StrengthFamily, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -86,9 +87,6 @@ pub struct JohnsonCookState<S> {
 }
 
 impl<S: Scalar> JohnsonCook<S> {
-    /// Newton steps after the values: one polishes the value, a second one the derivatives. A plain `f64` has none.
-    const POLISH: usize = if size_of::<S>() == size_of::<f64>() { 1 } else { 2 };
-
     /// Checks the parameters.
     ///
     /// # Errors
@@ -129,59 +127,89 @@ impl<S: Scalar> JohnsonCook<S> {
     pub fn parameters(&self) -> &JohnsonCookParameters<S> {
         &self.parameters
     }
+}
+
+impl<S: Real> JohnsonCookState<S> {
+    /// `inside` in the lanes where the mask is true, `outside` in the others.
+    #[inline(always)]
+    pub(crate) fn select(mask: S::Mask, inside: &Self, outside: &Self) -> Self {
+        Self {
+            deviator: Symmetric::select(mask, &inside.deviator, &outside.deviator),
+            plastic_strain: S::select(mask, inside.plastic_strain, outside.plastic_strain),
+            homologous_temperature: S::select(
+                mask,
+                inside.homologous_temperature,
+                outside.homologous_temperature,
+            ),
+            flow_stress: S::select(mask, inside.flow_stress, outside.flow_stress),
+            overshoot: S::select(mask, inside.overshoot, outside.overshoot),
+            hardening: S::select(mask, inside.hardening, outside.hardening),
+            softening: S::select(mask, inside.softening, outside.softening),
+        }
+    }
+}
+
+impl<S: Real> JohnsonCook<S> {
+    /// Newton steps after the values: one polishes the value, a second one the derivatives, where there are any.
+    const POLISH: usize = if S::ORDER == 0 { 1 } else { 2 };
 
     /// The logarithm of the relative rate, of the floor below it.
     #[inline(always)]
     pub(crate) fn log_rate(&self, rate: &Symmetric<S>) -> S {
         let reference = self.parameters.reference_rate;
         let square = rate.square() * (2.0 / 3.0) / reference.squared();
-        let floor = self.parameters.rate_floor.value();
-        if square.value() > floor * floor { square.ln() * 0.5 } else { self.log_floor }
+        let floor = self.parameters.rate_floor.primal();
+        let counts = (floor * floor).less(square.primal());
+        when!(counts, square.ln() * 0.5, self.log_floor)
     }
 
     /// `1 - T*^m`; one in the cold, zero in the melt.
     #[inline(always)]
     fn softening(&self, temperature: S) -> S {
-        let value = temperature.value();
-        if value <= 0.0 {
-            S::constant(1.0)
-        } else if value >= 1.0 {
-            S::constant(0.0)
-        } else {
-            (self.parameters.m * temperature.ln()).exp() * -1.0 + 1.0
-        }
+        let (zero, one) = (temperature.splat(0.0), temperature.splat(1.0));
+        let is_warm = zero.less(temperature);
+        let softened =
+            when!(is_warm, (self.parameters.m * temperature.ln()).exp() * -1.0 + 1.0, one);
+        S::select(temperature.at_least(one), zero, softened)
     }
 
-    /// Yields: plastic strain, flow stress and temperature; the factor of the trial deviator.
+    /// Yields where the mask is true: plastic strain, flow stress and temperature; the factor of the trial deviator, one elsewhere.
     #[inline(always)]
     fn yielding(
         &self,
-        equivalent: S,
-        factor: S,
+        yields: S::Mask,
+        (equivalent, factor): (S, S),
         volume: S,
         state: &mut JohnsonCookState<S>,
     ) -> Result<S, Fault> {
         let p = &self.parameters;
         let shear = p.shear_modulus * 3.0;
-        if factor.value() <= 0.0 {
+        let zero = factor.splat(0.0);
+        let is_molten = yields.and(zero.less(factor).not());
+        if is_molten.any() {
             // In the melt all deformation is plastic and no work is done.
-            state.plastic_strain = state.plastic_strain + equivalent / shear;
-            state.flow_stress = S::constant(0.0);
-            return Ok(S::constant(0.0));
+            let strain = state.plastic_strain + equivalent / shear;
+            state.plastic_strain = S::select(is_molten, strain, state.plastic_strain);
+            state.flow_stress = S::select(is_molten, zero, state.flow_stress);
+        }
+        let of_deviator = S::select(is_molten, zero, zero.splat(1.0));
+        let yields = yields.and(is_molten.not());
+        if !yields.any() {
+            return Ok(of_deviator);
         }
         let values = Return {
-            overshoot: state.overshoot.value(),
-            shear: shear.value(),
-            factor: (p.b * factor).value(),
-            exponent: p.n.value(),
-            strain: state.plastic_strain.value(),
-            hardening: state.hardening.value(),
+            overshoot: state.overshoot.primal(),
+            shear: shear.primal(),
+            factor: (p.b * factor).primal(),
+            exponent: p.n.primal(),
+            strain: state.plastic_strain.primal(),
+            hardening: state.hardening.primal(),
         };
-        let increment = values.increment()?;
-        if values.strain + increment < LEAST_STRAIN {
-            return Ok(S::constant(1.0));
-        }
-        let mut increment = S::constant(increment);
+        let increment = values.increment(yields)?;
+        let strain = values.strain + increment;
+        let yields = yields.and(strain.at_least(strain.splat(LEAST_STRAIN)));
+        let mut increment = S::from_primal(increment);
+        let mut hardening = state.hardening;
         for _ in 0..Self::POLISH {
             let strain = state.plastic_strain + increment;
             let power = (p.n * strain.ln()).exp();
@@ -190,23 +218,29 @@ impl<S: Scalar> JohnsonCook<S> {
             let step = residual / (shear + factor * p.b * slope);
             increment = increment + step;
             // The step is at roundoff of the value, and of the first derivative after the first: linear is exact.
-            state.hardening = power + slope * step;
+            hardening = power + slope * step;
         }
-        state.plastic_strain = state.plastic_strain + increment;
-        state.flow_stress = equivalent - shear * increment;
-        state.homologous_temperature =
-            state.homologous_temperature + self.heating * volume * state.flow_stress * increment;
-        state.softening = self.softening(state.homologous_temperature);
-        Ok(state.flow_stress / equivalent)
+        let flow = equivalent - shear * increment;
+        let heated = state.homologous_temperature + self.heating * volume * flow * increment;
+        state.hardening = S::select(yields, hardening, state.hardening);
+        state.plastic_strain =
+            S::select(yields, state.plastic_strain + increment, state.plastic_strain);
+        state.flow_stress = S::select(yields, flow, state.flow_stress);
+        state.homologous_temperature = S::select(yields, heated, state.homologous_temperature);
+        state.softening = S::select(yields, self.softening(heated), state.softening);
+        Ok(S::select(yields, flow / equivalent, of_deviator))
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
+impl<S: Real> Strength<S> for JohnsonCook<S> {
     type State = JohnsonCookState<S>;
 
     const KIND: StrengthKind = StrengthKind::JohnsonCook;
 
-    fn start(&self) -> JohnsonCookState<S> {
+    fn start(&self) -> JohnsonCookState<S>
+    where
+        S: Scalar,
+    {
         let zero = S::constant(0.0);
         JohnsonCookState {
             deviator: Symmetric::zero(),
@@ -229,26 +263,30 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
         let flow = (p.a + p.b * state.hardening) * factor;
         state.flow_stress = flow;
         state.overshoot = equivalent - flow;
-        state.deviator = if state.overshoot.value() <= LEAST_OVERSHOOT * flow.value() {
-            trial.deviator
-        } else {
-            trial.deviator.scaled(self.yielding(equivalent, factor, now.volume, state)?)
-        };
+        state.deviator = trial.deviator;
+        let yields = (flow.primal() * LEAST_OVERSHOOT).less(state.overshoot.primal());
+        if yields.any() {
+            let returned = self.yielding(yields, (equivalent, factor), now.volume, state)?;
+            state.deviator = trial.deviator.scaled(returned);
+        }
         Ok(trial.work(now, &before, &state.deviator))
     }
 
     #[inline(always)]
-    fn deviator(&self, state: &JohnsonCookState<S>) -> Symmetric<S> {
-        state.deviator
+    fn deviator(&self, state: &JohnsonCookState<S>) -> Option<Symmetric<S>> {
+        Some(state.deviator)
     }
 
     #[inline(always)]
-    fn shear_modulus(&self, _state: &JohnsonCookState<S>) -> S {
-        self.parameters.shear_modulus
+    fn shear_modulus(&self, _state: &JohnsonCookState<S>) -> Option<S> {
+        Some(self.parameters.shear_modulus)
     }
 
     #[inline(always)]
-    fn observe(&self, state: &JohnsonCookState<S>) -> Observed<S> {
+    fn observe(&self, state: &JohnsonCookState<S>) -> Observed<S>
+    where
+        S: Scalar,
+    {
         let p = &self.parameters;
         Observed {
             plastic_strain: state.plastic_strain,
@@ -261,7 +299,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
     }
 
     /// The rate is the one that gives the flow stress seen.
-    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>>
+    where
+        S: Scalar,
+    {
         let p = &self.parameters;
         let strain = observed.plastic_strain;
         let hardening =
@@ -287,10 +328,11 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
         })
     }
 
+    #[inline(always)]
     fn visit_numbers(
         &self,
         state: &mut JohnsonCookState<S>,
-        visit: &mut dyn FnMut(&mut S),
+        mut visit: impl FnMut(&mut S),
     ) -> bool {
         let JohnsonCookState {
             deviator,
@@ -301,16 +343,28 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCook<S> {
             hardening,
             softening,
         } = state;
-        let thermal = [homologous_temperature, hardening, softening];
-        deviator
-            .0
-            .iter_mut()
-            .chain([plastic_strain, flow_stress, overshoot])
-            .chain(thermal)
-            .for_each(visit);
+        for k in 0..6 {
+            visit(&mut deviator.0[k]);
+        }
+        visit(plastic_strain);
+        visit(flow_stress);
+        visit(overshoot);
+        visit(homologous_temperature);
+        visit(hardening);
+        visit(softening);
         true
     }
 }
+
+family_member!(StrengthFamily, Strength: JohnsonCook { heating, log_floor }, number => JohnsonCookState {
+    deviator: Symmetric([number; 6]),
+    plastic_strain: number,
+    homologous_temperature: number,
+    flow_stress: number,
+    overshoot: number,
+    hardening: number,
+    softening: number,
+});
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,11 @@
 //! Johnson and Cook's fracture on top of their flow stress.
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar};
 
-use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
+use super::{
+    JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthFamily, StrengthKind,
+};
 use crate::error::{Error, Fault, finite, not_negative, positive};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -47,10 +50,8 @@ pub struct JohnsonCookDamage<S> {
 pub struct JohnsonCookDamageState<S> {
     /// Of the flow stress.
     pub flow: JohnsonCookState<S>,
-    /// `D`, from 0 to 1.
+    /// `D`, from 0 to 1: one where it has failed.
     pub damage: S,
-    /// Whether it has failed.
-    pub failed: bool,
     /// The plastic strain of this step over the factors of rate and temperature, until the pressure is known.
     pending: S,
 }
@@ -78,112 +79,144 @@ impl<S: Scalar> JohnsonCookDamage<S> {
         positive("spall strength", p.spall_strength.value())?;
         Ok(Self { flow: JohnsonCook::new(flow)?, parameters })
     }
+}
 
-    /// Refuses a factor of the strain at fracture that is not above zero.
-    fn above_zero(quantity: &'static str, factor: S) -> Result<S, Fault> {
-        let value = factor.value();
-        if value > 0.0 {
-            Ok(factor)
-        } else {
-            Err(Fault { quantity, value, must: "greater than 0" })
-        }
+/// Refuses a factor of the strain at fracture that is not above zero where the mask is true.
+#[inline(always)]
+fn above_zero<S: Real>(mask: S::Mask, quantity: &'static str, factor: S) -> Result<(), Fault> {
+    let holds = factor.splat(0.0).less(factor).or(mask.not());
+    Fault::unless(holds, factor, quantity, "greater than 0")
+}
+
+impl<S: Real> JohnsonCookDamageState<S> {
+    /// Where it has failed.
+    #[inline(always)]
+    pub fn has_failed(&self) -> S::Mask {
+        self.damage.at_least(self.damage.splat(1.0))
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for JohnsonCookDamage<S> {
+impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
     type State = JohnsonCookDamageState<S>;
 
     const KIND: StrengthKind = StrengthKind::JohnsonCookDamage;
 
-    fn start(&self) -> JohnsonCookDamageState<S> {
+    fn start(&self) -> JohnsonCookDamageState<S>
+    where
+        S: Scalar,
+    {
         let zero = S::constant(0.0);
-        JohnsonCookDamageState {
-            flow: self.flow.start(),
-            damage: zero,
-            failed: false,
-            pending: zero,
-        }
+        JohnsonCookDamageState { flow: self.flow.start(), damage: zero, pending: zero }
     }
 
     #[inline(always)]
     fn update(&self, now: &Now<S>, state: &mut JohnsonCookDamageState<S>) -> Result<S, Fault> {
-        let zero = S::constant(0.0);
+        let zero = now.volume.splat(0.0);
         state.pending = zero;
-        if state.failed {
+        let bears = state.has_failed().not();
+        if !bears.any() {
             return Ok(zero);
         }
-        let (strain, temperature) = (state.flow.plastic_strain, state.flow.homologous_temperature);
+        let before = state.flow;
         let work = self.flow.update(now, &mut state.flow)?;
-        let increment = state.flow.plastic_strain - strain;
-        if increment.value() > 0.0 {
+        state.flow = JohnsonCookState::select(bears, &state.flow, &before);
+        let increment = state.flow.plastic_strain - before.plastic_strain;
+        let yields = bears.and(zero.less(increment));
+        if yields.any() {
             let p = &self.parameters;
             let rate = Symmetric::part_of(&now.velocity_gradient).deviator();
             let by_rate = p.d4 * self.flow.log_rate(&rate) + 1.0;
-            let by_heat = p.d5 * temperature + 1.0;
-            state.pending = increment
-                / (Self::above_zero("1 + D4 ln(rate) of the strain at fracture", by_rate)?
-                    * Self::above_zero("1 + D5 T of the strain at fracture", by_heat)?);
+            let by_heat = p.d5 * before.homologous_temperature + 1.0;
+            above_zero(yields, "1 + D4 ln(rate) of the strain at fracture", by_rate)?;
+            above_zero(yields, "1 + D5 T of the strain at fracture", by_heat)?;
+            state.pending = S::select(yields, increment / (by_rate * by_heat), zero);
         }
-        Ok(work)
+        Ok(S::select(bears, work, zero))
     }
 
     #[inline(always)]
     fn carry(&self, pressure: S, state: &mut JohnsonCookDamageState<S>) -> Result<S, Fault> {
         let p = &self.parameters;
+        let (zero, one) = (pressure.splat(0.0), pressure.splat(1.0));
         let flow = state.flow.flow_stress;
-        if !state.failed && state.pending.value() > 0.0 && flow.value() > 0.0 {
+        let bears = state.has_failed().not();
+        let grows = bears.and(zero.less(state.pending)).and(zero.less(flow));
+        if grows.any() {
             let triaxiality = pressure / flow * -1.0;
-            let triaxiality = if triaxiality.value() > LARGEST_TRIAXIALITY {
-                S::constant(LARGEST_TRIAXIALITY)
-            } else {
-                triaxiality
-            };
-            let by_triaxiality = p.d1 + p.d2 * (p.d3 * triaxiality).exp();
-            let strain =
-                Self::above_zero("D1 + D2 exp(D3 s) of the strain at fracture", by_triaxiality)?;
-            state.damage = state.damage + state.pending / strain;
+            let largest = pressure.splat(LARGEST_TRIAXIALITY);
+            let triaxiality = S::select(largest.less(triaxiality), largest, triaxiality);
+            let strain = p.d1 + p.d2 * (p.d3 * triaxiality).exp();
+            above_zero(grows, "D1 + D2 exp(D3 s) of the strain at fracture", strain)?;
+            let grown = state.damage + state.pending / strain;
+            state.damage = S::select(grows, grown, state.damage);
         }
-        let spalls = -pressure.value() >= p.spall_strength.value();
-        if !state.failed && (state.damage.value() >= 1.0 || spalls) {
-            state.failed = true;
-            state.damage = S::constant(1.0);
-            state.flow.deviator = Symmetric::zero();
-            state.flow.flow_stress = S::constant(0.0);
-            state.flow.overshoot = S::constant(0.0);
+        let spalls = (pressure * -1.0).at_least(p.spall_strength);
+        let fails = bears.and(state.has_failed().or(spalls));
+        if fails.any() {
+            state.damage = S::select(fails, one, state.damage);
+            let (deviator, none) = (&mut state.flow.deviator, Symmetric::isotropic(zero));
+            *deviator = Symmetric::select(fails, &none, deviator);
+            state.flow.flow_stress = S::select(fails, zero, state.flow.flow_stress);
+            state.flow.overshoot = S::select(fails, zero, state.flow.overshoot);
         }
-        Ok(if state.failed && pressure.value() < 0.0 { S::constant(0.0) } else { pressure })
+        let is_slack = state.has_failed().and(pressure.less(zero));
+        Ok(S::select(is_slack, zero, pressure))
     }
 
     #[inline(always)]
-    fn deviator(&self, state: &JohnsonCookDamageState<S>) -> Symmetric<S> {
-        state.flow.deviator
+    fn deviator(&self, state: &JohnsonCookDamageState<S>) -> Option<Symmetric<S>> {
+        Some(state.flow.deviator)
     }
 
     #[inline(always)]
-    fn shear_modulus(&self, state: &JohnsonCookDamageState<S>) -> S {
-        if state.failed { S::constant(0.0) } else { self.flow.shear_modulus(&state.flow) }
+    fn shear_modulus(&self, state: &JohnsonCookDamageState<S>) -> Option<S> {
+        let whole = self.flow.shear_modulus(&state.flow)?;
+        Some(S::select(state.has_failed(), whole.splat(0.0), whole))
     }
 
     #[inline(always)]
-    fn observe(&self, state: &JohnsonCookDamageState<S>) -> Observed<S> {
+    fn observe(&self, state: &JohnsonCookDamageState<S>) -> Observed<S>
+    where
+        S: Scalar,
+    {
         Observed { damage: state.damage, ..self.flow.observe(&state.flow) }
     }
 
-    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>>
+    where
+        S: Scalar,
+    {
         self.flow.flow_at(observed).filter(|_| observed.damage < 1.0)
     }
 
+    #[inline(always)]
     fn visit_numbers(
         &self,
         state: &mut JohnsonCookDamageState<S>,
-        visit: &mut dyn FnMut(&mut S),
+        mut visit: impl FnMut(&mut S),
     ) -> bool {
-        let mut failed = S::constant(f64::from(u8::from(state.failed)));
         visit(&mut state.damage);
         visit(&mut state.pending);
-        visit(&mut failed);
-        state.failed = failed.value() != 0.0;
-        self.flow.visit_numbers(&mut state.flow, visit)
+        self.flow.visit_numbers(&mut state.flow, &mut visit)
+    }
+}
+
+impl<F: Scalar> StrengthFamily<F> for JohnsonCookDamage<F> {
+    type In<S: Real> = JohnsonCookDamage<S>;
+
+    #[inline(always)]
+    fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> JohnsonCookDamage<S> {
+        let parameters = self.parameters.map(
+            #[inline(always)]
+            |_, number| of(number),
+        );
+        JohnsonCookDamage { flow: self.flow.in_numbers(of), parameters }
+    }
+
+    #[inline(always)]
+    fn filled<S: Real>(number: S) -> JohnsonCookDamageState<S> {
+        let flow = JohnsonCook::<F>::filled(number);
+        JohnsonCookDamageState { flow, damage: number, pending: number }
     }
 }
 
@@ -225,25 +258,25 @@ mod tests {
         let (pressure, rate, dt) = (-640.0, 100.0, 1e-5);
         let fracture = (0.05 + 3.44 * (-2.12_f64 * 0.8).exp()) * (1.0 + 0.002 * 100.0_f64.ln());
         let mut steps = 0;
-        while !state.failed {
+        while !state.has_failed() {
             steps += 1;
             assert!(steps < 10_000);
             material.update(&stretching(rate, dt), &mut state).unwrap();
             let carried = material.carry(pressure, &mut state).unwrap();
-            let expected = if state.failed { 0.0 } else { pressure };
+            let expected = if state.has_failed() { 0.0 } else { pressure };
             assert!((carried - expected).abs() < 1e-12);
         }
         // Up to the last step.
         let strain = state.flow.plastic_strain;
         assert!((strain - fracture).abs() <= rate * dt, "{strain} {fracture}");
-        assert_eq!(material.deviator(&state), Symmetric::zero());
+        assert_eq!(material.deviator(&state), Some(Symmetric::zero()));
         assert_eq!(
             (material.carry(-5.0, &mut state), material.carry(5.0, &mut state)),
             (Ok(0.0), Ok(5.0))
         );
         // Nor does it bear anything later.
         assert_eq!(material.update(&stretching(rate, dt), &mut state), Ok(0.0));
-        assert_eq!(material.deviator(&state), Symmetric::zero());
+        assert_eq!(material.deviator(&state), Some(Symmetric::zero()));
     }
 
     #[test]
@@ -252,7 +285,7 @@ mod tests {
         let mut state = material.start();
         assert_eq!(material.carry(-2499.0, &mut state), Ok(-2499.0));
         assert_eq!(material.carry(-2501.0, &mut state), Ok(0.0));
-        assert!(state.failed && material.observe(&state).damage >= 1.0);
+        assert!(state.has_failed() && material.observe(&state).damage >= 1.0);
     }
 
     #[test]

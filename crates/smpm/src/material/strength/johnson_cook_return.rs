@@ -1,63 +1,92 @@
 //! The return to the yield surface of Johnson and Cook, as numbers.
 
+use lanes::Mask;
+use perturbation_moments::Real;
+
 use crate::error::Fault;
 
 /// A plastic strain that is none: the curvature of its logarithm, `1/eps^2`, must be a number. Only exponents below 0.1 get
 /// there, and the stress is the same within roundoff.
 pub(super) const LEAST_STRAIN: f64 = 1e-100;
 
+/// Iterations at most.
+const MOST_ITERATIONS: usize = 200;
+
 /// The return to the yield surface as numbers: `overshoot = 3 G x + h ((strain + x)^n - hardening)`.
-pub(super) struct Return {
-    pub(super) overshoot: f64,
+pub(super) struct Return<P> {
+    pub(super) overshoot: P,
     /// `3 G`.
-    pub(super) shear: f64,
+    pub(super) shear: P,
     /// `B (1 + C ln rate) (1 - T^m)`.
-    pub(super) factor: f64,
-    pub(super) exponent: f64,
-    pub(super) strain: f64,
+    pub(super) factor: P,
+    pub(super) exponent: P,
+    pub(super) strain: P,
     /// `strain^n`.
-    pub(super) hardening: f64,
+    pub(super) hardening: P,
 }
 
-impl Return {
-    /// The plastic strain of the step, to a relative `1e-12`. Most is needed of it at no plastic strain, where the slope is
-    /// infinite; from below, Newton's method ascends to the root for `n <= 1`; for any `n` the bracket holds. Zero where it would
-    /// be below [`LEAST_STRAIN`].
-    pub(super) fn increment(&self) -> Result<f64, Fault> {
+impl<P: Real<Primal = P>> Return<P> {
+    /// The plastic strain of the step, to a relative `1e-12`, where the mask is true; the factor is above zero there. Most is
+    /// needed of it at no plastic strain, where the slope is infinite; from below, Newton's method ascends to the root for `n <= 1`;
+    /// for any `n` the bracket holds. Zero where it would be below [`LEAST_STRAIN`], and where the mask is false.
+    #[inline(always)]
+    pub(super) fn increment(&self, mask: P::Mask) -> Result<P, Fault> {
         let &Self { overshoot, shear, factor, exponent: n, strain, hardening } = self;
-        let (mut low, mut high) = (0.0, overshoot / shear);
-        if factor <= 0.0 {
-            return Ok(high);
-        }
-        let mut x =
-            if strain > 0.0 { overshoot / (shear + factor * n * hardening / strain) } else { 0.0 };
-        if strain < 0.1 * high {
-            let reach = |overshoot: f64| (overshoot / factor).powf(1.0 / n);
-            if strain <= 0.0 && reach(overshoot) < LEAST_STRAIN {
-                return Ok(0.0);
+        let zero = overshoot.splat(0.0);
+        let (mut low, mut high) = (zero, overshoot / shear);
+        let (mut x, mut left) = self.begin(mask, high);
+        for _ in 0..MOST_ITERATIONS {
+            if !left.any() {
+                return Ok(x);
             }
-            // Neither part takes more than half of the overshoot there.
-            x = x.max((0.5 * high).min(reach(0.5 * overshoot)));
-        }
-        for _ in 0..200 {
-            let power = (n * (strain + x).ln()).exp();
+            let power = ((strain + x).ln() * n).exp();
             let residual = overshoot - shear * x - factor * (power - hardening);
-            if residual > 0.0 {
-                low = x;
-            } else {
-                high = x;
-            }
+            let is_below = zero.less(residual);
+            low = P::select(is_below, x, low);
+            high = P::select(is_below, high, x);
             let step = residual / (shear + factor * n * power / (strain + x));
-            if step.abs() <= 1e-6 * x {
-                return Ok(x + step);
-            }
-            x = if low < x + step && x + step < high { x + step } else { 0.5 * (low + high) };
+            let (next, least) = (x + step, x * 1e-6);
+            let is_found = least.at_least(step).and(least.at_least(-step));
+            let is_inside = low.less(next).and(next.less(high));
+            let bracketed = P::select(is_inside, next, (low + high) * 0.5);
+            x = P::select(left, P::select(is_found, next, bracketed), x);
+            left = left.and(is_found.not());
         }
-        Err(Fault {
-            quantity: "the plastic strain of a step",
-            value: x,
-            must: "found within 200 iterations",
-        })
+        Fault::unless(
+            left.not(),
+            x,
+            "the plastic strain of a step",
+            "found within 200 iterations",
+        )?;
+        Ok(x)
+    }
+
+    /// The plastic strain from none at which hardening alone bears an overshoot.
+    #[inline(always)]
+    fn reach(&self, overshoot: P) -> P {
+        ((overshoot / self.factor).ln() / self.exponent).exp()
+    }
+
+    /// Where the iteration begins, and in which lanes it is needed.
+    #[inline(always)]
+    fn begin(&self, mask: P::Mask, high: P) -> (P, P::Mask) {
+        let &Self { overshoot, shear, factor, exponent: n, strain, hardening } = self;
+        let zero = overshoot.splat(0.0);
+        let is_strained = zero.less(strain);
+        let tangent = overshoot / (shear + factor * n * hardening / strain);
+        let x = P::select(is_strained, tangent, zero);
+        let begins = mask.and(strain.less(high * 0.1));
+        if !begins.any() {
+            return (P::select(mask, x, zero), mask);
+        }
+        let is_none = self.reach(overshoot).less(overshoot.splat(LEAST_STRAIN));
+        let is_none = begins.and(is_strained.not()).and(is_none);
+        // Neither part takes more than half of the overshoot there.
+        let (half, part) = (high * 0.5, self.reach(overshoot * 0.5));
+        let least = P::select(half.less(part), half, part);
+        let further = P::select(begins.and(x.less(least)), least, x);
+        let left = mask.and(is_none.not());
+        (P::select(left, further, zero), left)
     }
 }
 
@@ -74,7 +103,7 @@ mod tests {
                     let hardening = if strain > 0.0 { f64::powf(strain, exponent) } else { 0.0 };
                     let shear = 3.0 * 77500.0;
                     let case = Return { overshoot, shear, factor, exponent, strain, hardening };
-                    let x = case.increment().unwrap();
+                    let x = case.increment(true).unwrap();
                     if strain <= 0.0 && (overshoot / factor).powf(1.0 / exponent) < LEAST_STRAIN {
                         assert_eq!(x.to_bits(), 0);
                         continue;

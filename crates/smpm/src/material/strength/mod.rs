@@ -7,12 +7,13 @@ mod johnson_cook_damage;
 mod johnson_cook_return;
 mod von_mises;
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{Real, Scalar, when};
 
 use crate::error::Fault;
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
+pub(crate) use super::family::StrengthFamily;
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
 pub use fluid::Fluid;
 pub use johnson_cook::{JohnsonCook, JohnsonCookParameters, JohnsonCookState};
@@ -54,7 +55,7 @@ impl StrengthKind {
 }
 
 /// How a material resists a change of shape.
-pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
+pub trait Strength<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
@@ -63,7 +64,9 @@ pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
     const KIND: StrengthKind = StrengthKind::Other;
 
     /// A particle at `t = 0`.
-    fn start(&self) -> Self::State;
+    fn start(&self) -> Self::State
+    where
+        S: Scalar;
 
     /// Advances the deviator over a step; its work per reference volume (stress).
     ///
@@ -71,23 +74,29 @@ pub trait Strength<S: Scalar>: std::fmt::Debug + Send + Sync {
     /// Where the state leaves the range of the model.
     fn update(&self, now: &Now<S>, state: &mut Self::State) -> Result<S, Fault>;
 
-    /// The deviator of the stress, after [`carry`](Self::carry) (stress).
-    fn deviator(&self, state: &Self::State) -> Symmetric<S>;
+    /// The deviator of the stress, after [`carry`](Self::carry) (stress); `None` for none at all.
+    fn deviator(&self, state: &Self::State) -> Option<Symmetric<S>>;
 
-    /// The shear modulus in the present state (stress).
-    fn shear_modulus(&self, state: &Self::State) -> S;
+    /// The shear modulus in the present state (stress); `None` where no shear wave runs.
+    fn shear_modulus(&self, state: &Self::State) -> Option<S>;
 
     /// What can be observed; the energy is left at zero.
-    fn observe(&self, state: &Self::State) -> Observed<S>;
+    fn observe(&self, state: &Self::State) -> Observed<S>
+    where
+        S: Scalar;
 
     /// The flow stress at a plastic strain, rate and temperature that are taken for certain; `None` where nothing yields.
-    fn flow_at(&self, _observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+    fn flow_at(&self, _observed: &Observed<f64>) -> Option<LocalFlow<S>>
+    where
+        S: Scalar,
+    {
         None
     }
 
     /// Calls with every number that a state is made of, always in the same order: what is written there is the new state.
     /// Snapshots need it; false, the default of states that hold anything, says that there can be none.
-    fn visit_numbers(&self, _state: &mut Self::State, _visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, _state: &mut Self::State, _visit: impl FnMut(&mut S)) -> bool {
         size_of::<Self::State>() == 0
     }
 
@@ -115,7 +124,7 @@ pub(crate) struct Trial<S> {
     pub(crate) deviator: Symmetric<S>,
 }
 
-impl<S: Scalar> Trial<S> {
+impl<S: Real> Trial<S> {
     #[inline(always)]
     pub(crate) fn new(now: &Now<S>, before: &Symmetric<S>, shear_modulus: S) -> Self {
         let rate = Symmetric::part_of(&now.velocity_gradient).deviator();
@@ -130,16 +139,15 @@ impl<S: Scalar> Trial<S> {
     #[inline(always)]
     pub(crate) fn equivalent(&self, shear_modulus: S) -> Result<S, Fault> {
         let square = self.deviator.square();
-        let value = square.value();
-        let scale = 1e-20 * shear_modulus.value();
-        if !value.is_finite() {
-            let must = "finite: the rate of deformation is out of range";
-            return Err(Fault { quantity: "the square of the trial deviator", value, must });
-        }
-        if value <= scale * scale {
-            return Ok(S::constant(0.0));
-        }
-        Ok((square * 1.5).sqrt())
+        let scale = shear_modulus.primal() * 1e-20;
+        Fault::unless(
+            square.is_finite(),
+            square,
+            "the square of the trial deviator",
+            "finite: the rate of deformation is out of range",
+        )?;
+        let is_stressed = (scale * scale).less(square.primal());
+        Ok(when!(is_stressed, (square * 1.5).sqrt(), square.splat(0.0)))
     }
 
     /// `(S_n + S_{n+1})/2 : D dt`, per reference volume.
@@ -152,7 +160,9 @@ impl<S: Scalar> Trial<S> {
 
 #[cfg(test)]
 pub(crate) mod laws {
-    use super::{Now, Scalar};
+    use perturbation_moments::Scalar;
+
+    use super::Now;
 
     /// A step of pure shear deformation `diag(r, -r/2, -r/2)`, whose equivalent rate is `r`, at constant volume.
     pub(crate) fn stretching<S: Scalar>(rate: f64, dt: f64) -> Now<S> {

@@ -1,8 +1,9 @@
 //! Von Mises plasticity with linear hardening.
 
-use perturbation_moments::Scalar;
+use lanes::Mask;
+use perturbation_moments::{Real, Scalar};
 
-use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
+use super::{LEAST_OVERSHOOT, Strength, StrengthFamily, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
@@ -56,19 +57,24 @@ impl<S: Scalar> VonMises<S> {
         not_negative("hardening modulus", parameters.hardening_modulus.value())?;
         Ok(Self { parameters })
     }
+}
 
+impl<S: Real> VonMises<S> {
     #[inline(always)]
     fn flow(&self, plastic_strain: S) -> S {
         self.parameters.yield_stress + self.parameters.hardening_modulus * plastic_strain
     }
 }
 
-impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
+impl<S: Real> Strength<S> for VonMises<S> {
     type State = VonMisesState<S>;
 
     const KIND: StrengthKind = StrengthKind::VonMises;
 
-    fn start(&self) -> VonMisesState<S> {
+    fn start(&self) -> VonMisesState<S>
+    where
+        S: Scalar,
+    {
         let zero = S::constant(0.0);
         VonMisesState { deviator: Symmetric::zero(), plastic_strain: zero, overshoot: zero }
     }
@@ -81,28 +87,35 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         let equivalent = trial.equivalent(shear_modulus)?;
         let flow = self.flow(state.plastic_strain);
         state.overshoot = equivalent - flow;
-        state.deviator = if state.overshoot.value() <= LEAST_OVERSHOOT * flow.value() {
-            trial.deviator
-        } else {
+        state.deviator = trial.deviator;
+        let yields = (flow.primal() * LEAST_OVERSHOOT).less(state.overshoot.primal());
+        if yields.any() {
+            let zero = flow.splat(0.0);
             let increment = state.overshoot / (shear_modulus * 3.0 + hardening_modulus);
+            let increment = S::select(yields, increment, zero);
             state.plastic_strain = state.plastic_strain + increment;
-            trial.deviator.scaled((flow + hardening_modulus * increment) / equivalent)
-        };
+            let factor = (flow + hardening_modulus * increment) / equivalent;
+            let returned = trial.deviator.scaled(factor);
+            state.deviator = Symmetric::select(yields, &returned, &trial.deviator);
+        }
         Ok(trial.work(now, &before, &state.deviator))
     }
 
     #[inline(always)]
-    fn deviator(&self, state: &VonMisesState<S>) -> Symmetric<S> {
-        state.deviator
+    fn deviator(&self, state: &VonMisesState<S>) -> Option<Symmetric<S>> {
+        Some(state.deviator)
     }
 
     #[inline(always)]
-    fn shear_modulus(&self, _state: &VonMisesState<S>) -> S {
-        self.parameters.shear_modulus
+    fn shear_modulus(&self, _state: &VonMisesState<S>) -> Option<S> {
+        Some(self.parameters.shear_modulus)
     }
 
     #[inline(always)]
-    fn observe(&self, state: &VonMisesState<S>) -> Observed<S> {
+    fn observe(&self, state: &VonMisesState<S>) -> Observed<S>
+    where
+        S: Scalar,
+    {
         Observed {
             plastic_strain: state.plastic_strain,
             flow_stress: self.flow(state.plastic_strain),
@@ -111,7 +124,10 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         }
     }
 
-    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>> {
+    fn flow_at(&self, observed: &Observed<f64>) -> Option<LocalFlow<S>>
+    where
+        S: Scalar,
+    {
         Some(LocalFlow {
             stress: self.flow(S::constant(observed.plastic_strain)),
             hardening_modulus: self.parameters.hardening_modulus.value(),
@@ -119,12 +135,23 @@ impl<S: Scalar + std::fmt::Debug + Send + Sync> Strength<S> for VonMises<S> {
         })
     }
 
-    fn visit_numbers(&self, state: &mut VonMisesState<S>, visit: &mut dyn FnMut(&mut S)) -> bool {
+    #[inline(always)]
+    fn visit_numbers(&self, state: &mut VonMisesState<S>, mut visit: impl FnMut(&mut S)) -> bool {
         let VonMisesState { deviator, plastic_strain, overshoot } = state;
-        deviator.0.iter_mut().chain([plastic_strain, overshoot]).for_each(visit);
+        for k in 0..6 {
+            visit(&mut deviator.0[k]);
+        }
+        visit(plastic_strain);
+        visit(overshoot);
         true
     }
 }
+
+family_member!(StrengthFamily, Strength: VonMises { }, number => VonMisesState {
+    deviator: Symmetric([number; 6]),
+    plastic_strain: number,
+    overshoot: number,
+});
 
 #[cfg(test)]
 mod tests {

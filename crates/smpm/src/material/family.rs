@@ -1,0 +1,63 @@
+//! A material in several number types: what computes several particles at once.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use perturbation_moments::{Real, Scalar};
+
+use super::{EquationOfState, Material, Solid, SolidState, Strength};
+
+/// A family of types, one for each number type, and their states.
+macro_rules! family {
+    ($(#[$about:meta])* $family:ident: $kind:ident) => {
+        $(#[$about])*
+        pub trait $family<F: Scalar>: $kind<F> {
+            /// The same over another number type.
+            type In<S: Real>: $kind<S>;
+
+            /// The same over another number type, each parameter by a function of it.
+            fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S>;
+
+            /// A state whose numbers are all the same, to be overwritten by
+            /// [`visit_numbers`](Material::visit_numbers).
+            fn filled<S: Real>(number: S) -> <Self::In<S> as $kind<S>>::State;
+        }
+    };
+}
+
+family! {
+    /// A material whose text serves several particles at once: over `f64` and jets it is computed in the lanes of a register.
+    ///
+    /// Its update must choose by masks where particles differ ([`Real::select`], [`when`](perturbation_moments::when)): then each lane
+    /// has the bits of its particle alone. All of its state must be in [`visit_numbers`](Material::visit_numbers).
+    MaterialFamily: Material
+}
+family! {
+    /// An [`EquationOfState`] likewise.
+    EquationFamily: EquationOfState
+}
+family! {
+    /// A [`Strength`] likewise.
+    StrengthFamily: Strength
+}
+
+impl<F: Scalar, E: EquationFamily<F>, Y: StrengthFamily<F>> MaterialFamily<F> for Solid<E, Y> {
+    type In<S: Real> = Solid<E::In<S>, Y::In<S>>;
+
+    #[inline(always)]
+    fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S> {
+        Solid { equation: self.equation.in_numbers(of), strength: self.strength.in_numbers(of) }
+    }
+
+    #[inline(always)]
+    fn filled<S: Real>(number: S) -> <Self::In<S> as Material<S>>::State {
+        SolidState {
+            energy: number,
+            pressure: number,
+            equation: E::filled(number),
+            strength: Y::filled(number),
+        }
+    }
+}

@@ -4,6 +4,7 @@ mod arrays;
 mod elementary;
 mod level;
 mod numbers;
+mod one_lane;
 mod portable;
 mod registers;
 mod sealed;

@@ -8,7 +8,6 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Sub};
 
-use crate::elementary::{exp, exp_rounded, ln, ln_rounded};
 use crate::sealed::Sealed;
 
 /// A scalar or a register of scalars: a formula written over `Lanes` works for both.
@@ -132,61 +131,3 @@ impl Mask for bool {
         !self
     }
 }
-
-macro_rules! one_lane {
-    ($real:ty, $exp:expr, $ln:expr) => {
-        impl Sealed for $real {}
-
-        impl Lanes for $real {
-            type Number = Self;
-            type Mask = bool;
-
-            #[inline(always)]
-            fn splat(self, value: Self) -> Self {
-                value
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                self.sqrt()
-            }
-            #[inline(always)]
-            fn abs(self) -> Self {
-                self.abs()
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                $exp(self)
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                $ln(self)
-            }
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                if self < other { self } else { other }
-            }
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                if self > other { self } else { other }
-            }
-            #[inline(always)]
-            fn less(self, other: Self) -> bool {
-                self < other
-            }
-            #[inline(always)]
-            fn at_least(self, other: Self) -> bool {
-                self >= other
-            }
-            #[inline(always)]
-            fn select(mask: bool, inside: Self, outside: Self) -> Self {
-                if mask { inside } else { outside }
-            }
-            #[inline(always)]
-            fn lane(self, _lane: u32) -> Self {
-                self
-            }
-        }
-    };
-}
-one_lane!(f64, exp, ln);
-one_lane!(f32, exp_rounded, ln_rounded);

@@ -8,8 +8,8 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::jet::{LANES, lanes, pair};
-use crate::real::{Real, one_value};
-use crate::scalar::Scalar;
+use crate::real::Real;
+use crate::scalar::{Scalar, one_value};
 
 /// A value with first derivatives along up to eight directions: a [`Jet`](crate::Jet) without second derivatives.
 ///

@@ -9,8 +9,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wide::f64x2;
 
-use crate::real::{Real, one_value};
-use crate::scalar::Scalar;
+use crate::real::Real;
+use crate::scalar::{Scalar, one_value};
 
 /// Number of directions of a [`Jet`].
 pub const LANES: usize = 8;

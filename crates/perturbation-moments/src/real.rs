@@ -9,10 +9,6 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use lanes::{Lanes, Mask};
-use num_dual::{Dual2_64, DualNum, HyperDual64, HyperHyperDual64};
-
-use crate::scalar::Scalar;
-
 /// A real number of a formula: a value, or a value in each lane of a register, possibly with derivatives.
 ///
 /// One text over `Real` serves `f64`, [`Jet`](crate::Jet), [`Gradient`](crate::Gradient), and for several `f64` at once in the
@@ -112,95 +108,6 @@ macro_rules! when {
         if $crate::Mask::any(mask) { $crate::Real::select(mask, $inside, outside) } else { outside }
     }};
 }
-
-/// One value: comparisons have one truth.
-macro_rules! one_value {
-    ($order:expr) => {
-        type Mask = bool;
-        type Primal = f64;
-        const ORDER: usize = $order;
-
-        #[inline(always)]
-        fn splat(self, value: f64) -> Self {
-            Scalar::constant(value)
-        }
-        #[inline(always)]
-        fn from_primal(value: f64) -> Self {
-            Scalar::constant(value)
-        }
-        #[inline(always)]
-        fn primal(self) -> f64 {
-            Scalar::value(self)
-        }
-        #[inline(always)]
-        fn less(self, other: Self) -> bool {
-            Scalar::value(self) < Scalar::value(other)
-        }
-        #[inline(always)]
-        fn at_least(self, other: Self) -> bool {
-            Scalar::value(self) >= Scalar::value(other)
-        }
-        #[inline(always)]
-        fn select(mask: bool, inside: Self, outside: Self) -> Self {
-            if mask { inside } else { outside }
-        }
-        #[inline(always)]
-        fn first_outside(self, mask: bool) -> Option<f64> {
-            if mask { None } else { Some(Scalar::value(self)) }
-        }
-    };
-}
-pub(crate) use one_value;
-
-impl Real for f64 {
-    one_value!(0);
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        1.0 / self
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn exp(self) -> Self {
-        lanes::exp(self)
-    }
-    #[inline(always)]
-    fn ln(self) -> Self {
-        lanes::ln(self)
-    }
-}
-
-/// Uses the functions of the type itself: those of num-dual stay an independent reference.
-macro_rules! of_num_dual {
-    ($type:ty, $order:expr) => {
-        impl Real for $type {
-            one_value!($order);
-
-            #[inline(always)]
-            fn recip(self) -> Self {
-                DualNum::recip(&self)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                DualNum::sqrt(&self)
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                DualNum::exp(&self)
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                DualNum::ln(&self)
-            }
-        }
-    };
-}
-of_num_dual!(Dual2_64, 2);
-of_num_dual!(HyperDual64, 2);
-of_num_dual!(HyperHyperDual64, 3);
 
 /// A number in each lane of a register, without derivatives.
 ///

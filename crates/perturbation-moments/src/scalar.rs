@@ -1,5 +1,7 @@
 //! The number type of a response: values, jets or dual numbers.
 
+#![allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]
+
 use num_dual::{Dual2_64, DualNum, HyperDual64, HyperHyperDual64};
 
 use crate::real::Real;
@@ -34,10 +36,98 @@ pub trait Scalar: Real<Mask = bool, Primal = f64> {
     }
 }
 
+/// One value: comparisons have one truth.
+macro_rules! one_value {
+    ($order:expr) => {
+        type Mask = bool;
+        type Primal = f64;
+        const ORDER: usize = $order;
+
+        #[inline(always)]
+        fn splat(self, value: f64) -> Self {
+            Scalar::constant(value)
+        }
+        #[inline(always)]
+        fn from_primal(value: f64) -> Self {
+            Scalar::constant(value)
+        }
+        #[inline(always)]
+        fn primal(self) -> f64 {
+            Scalar::value(self)
+        }
+        #[inline(always)]
+        fn less(self, other: Self) -> bool {
+            Scalar::value(self) < Scalar::value(other)
+        }
+        #[inline(always)]
+        fn at_least(self, other: Self) -> bool {
+            Scalar::value(self) >= Scalar::value(other)
+        }
+        #[inline(always)]
+        fn select(mask: bool, inside: Self, outside: Self) -> Self {
+            if mask { inside } else { outside }
+        }
+        #[inline(always)]
+        fn first_outside(self, mask: bool) -> Option<f64> {
+            if mask { None } else { Some(Scalar::value(self)) }
+        }
+    };
+}
+pub(crate) use one_value;
+
+impl Real for f64 {
+    one_value!(0);
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        1.0 / self
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        lanes::exp(self)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        lanes::ln(self)
+    }
+}
+
+/// Uses the functions of the type itself: those of num-dual stay an independent reference.
+macro_rules! of_num_dual {
+    ($type:ty, $order:expr) => {
+        impl Real for $type {
+            one_value!($order);
+
+            #[inline(always)]
+            fn recip(self) -> Self {
+                DualNum::recip(&self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                DualNum::sqrt(&self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                DualNum::exp(&self)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                DualNum::ln(&self)
+            }
+        }
+    };
+}
+of_num_dual!(Dual2_64, 2);
+of_num_dual!(HyperDual64, 2);
+of_num_dual!(HyperHyperDual64, 3);
+
 /// Uses the functions of the type itself: those of num-dual stay an independent reference.
 macro_rules! scalar {
     ($type:ty, $constant:expr, $value:expr) => {
-        #[allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]
         impl Scalar for $type {
             #[inline(always)]
             fn constant(value: f64) -> Self {

@@ -5,10 +5,11 @@ use std::sync::OnceLock;
 use crate::binning::Binning;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
-use crate::material::{LocalResponse, LocalState, Material, Observed};
+use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
 use crate::material_points::{MaterialPoints, Points};
 use crate::number::Number;
 use crate::particles::{Chunk, Particles, Row};
+use crate::points_in_lanes::PointsInLanes;
 use crate::tensor::Symmetric;
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
@@ -81,16 +82,24 @@ impl<S: Number, const D: usize> Body<S, D> {
     where
         M::State: 'static,
     {
+        let density = material.density();
+        Self::of(density, fill, velocity, |places| points_of(material, D < 3, places))
+    }
+
+    fn of(
+        density: S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+        points: impl FnOnce(&[[f64; 3]]) -> Box<dyn MaterialPoints<S>>,
+    ) -> Result<Self, Error> {
         let places = fill.checked()?;
         for &component in &velocity {
             finite("velocity", component)?;
         }
-        let density = material.density();
         positive("density", density.value())?;
-        let points = points_of(material, D < 3, &places);
         Ok(Self {
             particles: Particles::of(fill, velocity, density),
-            points,
+            points: points(&places),
             binning: Binning::of(places.len()),
             spacing: fill.spacing,
             places: vec![],
@@ -257,6 +266,25 @@ impl<S: Number, const D: usize> Body<S, D> {
 }
 
 impl<const D: usize> Body<f64, D> {
+    /// As [`new`](Self::new), for a material from outside this crate whose text serves several particles at once: the same bits,
+    /// faster. Materials of this crate are computed so by `new` too.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn in_lanes<M: MaterialFamily<f64> + 'static>(
+        material: M,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Self, Error>
+    where
+        <M as Material<f64>>::State: 'static,
+    {
+        let density = material.density();
+        Self::of(density, fill, velocity, |places| {
+            Box::new(PointsInLanes::at_start(material, D < 3, places))
+        })
+    }
+
     /// The state of a particle without its history.
     #[must_use]
     pub fn local_state(&self, particle: usize) -> LocalState {

@@ -110,7 +110,7 @@ impl<M: MaterialFamily<f64>> PointsInLanes<M> {
             layout.store(&material, &mut states, (particle, state));
         }
         let (density, level) = (material.density(), SimdLevel::best());
-        Self { density, material, plane, level, states, layout, conditions }
+        Self { material, density, plane, level, states, layout, conditions }
     }
 
     fn state(&self, particle: usize) -> M::State {

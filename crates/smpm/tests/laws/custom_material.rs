@@ -1,9 +1,16 @@
 //! An equation of state, a strength and a whole material as a user would write them.
 
-use perturbation_moments::{Jet, Scalar};
-use smpm::Fault;
-use smpm::material::{EquationOfState, Line, Material, Now, Observed, Solid, Start, Strength};
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined is compiled for the narrowest registers"
+)]
+
+use perturbation_moments::{Jet, Real, Scalar, when};
+use smpm::material::{
+    EquationFamily, EquationOfState, Fluid, Line, Material, Now, Observed, Solid, Start, Strength,
+};
 use smpm::tensor::Symmetric;
+use smpm::{Body, Config, Fault, Fill, Simulation};
 
 // docs: equation
 /// Murnaghan 1944: `p = K/n (J^-n - 1)`.
@@ -143,4 +150,77 @@ fn own_pressure_and_strength_make_a_material() {
 fn a_whole_material_is_five_methods() {
     let stress: Symmetric<f64> = Dust.update(&squeezed(), &mut ()).unwrap();
     assert_eq!(stress, Symmetric::zero());
+}
+
+// docs: lanes
+/// A liquid that bears no tension: `p = -K ln J` for `J < 1`, else none.
+#[derive(Debug)]
+struct Drops<S> {
+    density: S,
+    bulk_modulus: S,
+}
+
+impl<S: Real> EquationOfState<S> for Drops<S> {
+    type State = ();
+
+    const KNOWS_ENERGY: bool = false;
+
+    fn density(&self) -> S {
+        self.density
+    }
+
+    fn start(&self, _position: [f64; 3]) -> Start<S, ()>
+    where
+        S: Scalar,
+    {
+        Start { state: (), energy: S::constant(0.0), pressure: S::constant(0.0) }
+    }
+
+    #[inline(always)]
+    fn line(&self, volume: S) -> Line<S> {
+        let (zero, one) = (volume.splat(0.0), volume.splat(1.0));
+        let pressure = when!(volume.less(one), -(self.bulk_modulus * volume.ln()), zero);
+        Line { a: pressure, b: zero }
+    }
+
+    #[inline(always)]
+    fn slope(&self, volume: S) -> Line<S> {
+        let (zero, one) = (volume.splat(0.0), volume.splat(1.0));
+        Line { a: when!(volume.less(one), -(self.bulk_modulus / volume), zero), b: zero }
+    }
+}
+
+impl EquationFamily<f64> for Drops<f64> {
+    type In<S: Real> = Drops<S>;
+
+    fn in_numbers<S: Real>(&self, of: impl Fn(f64) -> S + Copy) -> Drops<S> {
+        Drops { density: of(self.density), bulk_modulus: of(self.bulk_modulus) }
+    }
+
+    fn filled<S: Real>(_number: S) {}
+}
+// docs: end
+
+#[test]
+fn own_material_in_lanes_has_the_bits_of_one_by_one() {
+    let drops = || Solid { equation: Drops { density: 1.0, bulk_modulus: 10.0 }, strength: Fluid };
+    // 35 particles: not a multiple of any register.
+    let fill = Fill::of([0.5; 2], ([0.0; 2], [3.5, 2.5]), |_| true).unwrap();
+    let bodies = [
+        Body::new(drops(), &fill, [0.0; 2]).unwrap(),
+        Body::in_lanes(drops(), &fill, [0.0; 2]).unwrap(),
+    ];
+    let [alone, together] = bodies.map(|mut body| {
+        // Squeezed on one side, torn on the other.
+        body.set_velocities(|[x, y]| [0.3 * (x - 1.5) * (x - 1.5) - 0.6, 0.1 * y]).unwrap();
+        let mut simulation = Simulation::new(Config::with_cell(1.0), vec![body]).unwrap();
+        for _ in 0..40 {
+            let _ = simulation.step().unwrap();
+        }
+        let body = &simulation.bodies()[0];
+        let pressures: Vec<f64> = (0..35).map(|particle| body.pressure(particle)).collect();
+        (body.positions().to_vec(), pressures)
+    });
+    assert_eq!(alone, together);
+    assert!(together.1.iter().any(|&p| p > 0.0) && together.1.iter().any(|&p| p <= 0.0));
 }

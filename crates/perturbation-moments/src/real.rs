@@ -51,7 +51,7 @@ pub trait Real:
     /// The number without its derivatives, for iterations: `f64`, or one in each lane.
     type Primal: Real<Mask = Self::Mask, Primal = Self::Primal>;
     /// Up to which order it carries derivatives.
-    const ORDER: usize;
+    const DERIVATIVES: usize;
 
     /// A constant, in as many lanes as `self` has.
     #[must_use]
@@ -153,7 +153,7 @@ impl<V: Lanes<Number = f64>> Neg for InLanes<V> {
 impl<V: Lanes<Number = f64>> Real for InLanes<V> {
     type Mask = V::Mask;
     type Primal = Self;
-    const ORDER: usize = 0;
+    const DERIVATIVES: usize = 0;
 
     #[inline(always)]
     fn splat(self, value: f64) -> Self {

@@ -41,7 +41,7 @@ macro_rules! one_value {
     ($order:expr) => {
         type Mask = bool;
         type Primal = f64;
-        const ORDER: usize = $order;
+        const DERIVATIVES: usize = $order;
 
         #[inline(always)]
         fn splat(self, value: f64) -> Self {

@@ -151,7 +151,7 @@ impl<S: Real> JohnsonCookState<S> {
 
 impl<S: Real> JohnsonCook<S> {
     /// Newton steps after the values: one polishes the value, a second one the derivatives, where there are any.
-    const POLISH: usize = if S::ORDER == 0 { 1 } else { 2 };
+    const POLISH: usize = if S::DERIVATIVES == 0 { 1 } else { 2 };
 
     /// The logarithm of the relative rate, of the floor below it.
     #[inline(always)]

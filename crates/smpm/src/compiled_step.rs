@@ -2,12 +2,15 @@
 
 use perturbation_moments::Jet;
 
-use crate::number::Number;
+use crate::number::{Number, show_derivatives};
 
 #[cfg(not(test))]
 macro_rules! compiled {
-    ($number:ty: $($dimension:literal $step:ident),+) => {
+    ($number:ty: $($dimension:literal $step:ident),+ $(; $($derivatives:tt)+)?) => {
+        #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
         impl Number for $number {
+            $(show_derivatives!($($derivatives)+);)?
+
             const COMPILED: &'static [usize] = &[$($dimension),+];
 
             fn compiled_step(dimension: usize) -> &'static (dyn std::any::Any + Send + Sync) {
@@ -37,10 +40,13 @@ macro_rules! compiled {
 #[cfg(not(test))]
 compiled!(f64: 1 in_one, 2 in_two, 3 in_three);
 #[cfg(not(test))]
-compiled!(Jet: 1 in_one, 2 in_two, 3 in_three);
+compiled!(Jet: 1 in_one, 2 in_two, 3 in_three; 2: 1 => first, 2 => second);
 
 // The unit tests run no step.
 #[cfg(test)]
 impl Number for f64 {}
 #[cfg(test)]
-impl Number for Jet {}
+#[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
+impl Number for Jet {
+    show_derivatives!(2: 1 => first, 2 => second);
+}

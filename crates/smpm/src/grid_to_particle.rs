@@ -13,12 +13,13 @@
 )]
 
 use crate::grid::Grid;
+use crate::grid_to_jet::GridToJet;
 use crate::node::Node;
 use crate::number::{Number, in_registers_of, is_plain};
 use crate::particle_motion::{GridToParticle, Sums, nothing};
 use crate::particles::Chunk;
 use crate::pass::Pass;
-use crate::shape::{Axis, nodes_along, nodes_spanned, outer};
+use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
@@ -41,8 +42,10 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// For `f64`, in the usual cases, the compiler knows the requested quantities and tests at no node; next to the
-    /// arithmetic of a jet a test costs nothing, and its code is long.
+    /// For `f64`, in the usual cases, the compiler knows the requested quantities and tests at no node. Numbers that show
+    /// their derivatives have plain weights ([`GridToJet`]), but not with GIMP, where the length of a particle has derivatives
+    /// too. There, and for a number of a user, every weight is such a number: next to its arithmetic a test costs nothing, and
+    /// its code is long.
     #[inline(never)]
     fn in_registers<S: Number, const NODES: usize>(
         &self,
@@ -50,6 +53,10 @@ impl<const D: usize> GridToParticle<D> {
         chunk: &mut Chunk<'_, S, D>,
         gradients: &mut [[[S; 3]; 3]],
     ) {
+        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
+            GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
+            return;
+        }
         in_registers_of::<S, _>(
             #[inline(always)]
             || {

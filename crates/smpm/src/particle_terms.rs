@@ -18,7 +18,7 @@ use crate::shape::Shape;
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
 /// Entry `kl` of a symmetric tensor.
-const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+pub(crate) const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// What particle-to-grid sums at the nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,12 +49,12 @@ pub(crate) struct ParticleToGrid<const D: usize> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Run<'a, S, const D: usize> {
     pub(crate) position: &'a [[S; D]],
-    velocity: &'a [[S; D]],
+    pub(crate) velocity: &'a [[S; D]],
     affine: &'a [[[S; D]; D]],
     pub(crate) half_length: &'a [[S; D]],
-    mass: &'a [S],
-    reference_volume: &'a [f64],
-    conditions: &'a [Condition<S>],
+    pub(crate) mass: &'a [S],
+    pub(crate) reference_volume: &'a [f64],
+    pub(crate) conditions: &'a [Condition<S>],
     /// The lowest node that it sees.
     pub(crate) base: &'a [[i32; D]],
     /// Where in the blocks of the grid this node is.
@@ -138,6 +138,32 @@ impl<const D: usize> ParticleToGrid<D> {
         p: usize,
         terms: &mut Terms<S, D>,
     ) {
+        self.find_momentum(of, p, terms);
+        if self.given == Given::MassMomentumAndForce {
+            let force = self.stress_force(of, p);
+            for c in 0..D {
+                terms.along.force_mut()[c] = force[0][c];
+                if D > 1 {
+                    terms.across.force_mut()[c] = force[D.min(2) - 1][c];
+                }
+                if D > 2 {
+                    terms.force_z[c] = force[D - 1][c];
+                }
+            }
+            if self.body_force {
+                terms.body_force = self.force_on_all_nodes(of, p);
+            }
+        }
+    }
+
+    /// Mass, momentum, and how it grows.
+    #[inline(always)]
+    pub(crate) fn find_momentum<S: Number>(
+        &self,
+        of: &Run<'_, S, D>,
+        p: usize,
+        terms: &mut Terms<S, D>,
+    ) {
         let lattice = &self.lattice;
         terms.mass = of.mass[p];
         let mut velocity = of.velocity[p];
@@ -153,21 +179,6 @@ impl<const D: usize> ParticleToGrid<D> {
         }
         for k in 0..D {
             terms.along.momentum_mut()[k] = velocity[k] * terms.mass;
-        }
-        if self.given == Given::MassMomentumAndForce {
-            let force = self.stress_force(of, p);
-            for c in 0..D {
-                terms.along.force_mut()[c] = force[0][c];
-                if D > 1 {
-                    terms.across.force_mut()[c] = force[D.min(2) - 1][c];
-                }
-                if D > 2 {
-                    terms.force_z[c] = force[D - 1][c];
-                }
-            }
-            if self.body_force {
-                terms.body_force = self.force_on_all_nodes(of, p);
-            }
         }
     }
 
@@ -191,7 +202,7 @@ impl<const D: usize> ParticleToGrid<D> {
 
     /// What acts on all nodes of a particle alike: gravity, the hoop.
     #[inline(always)]
-    fn force_on_all_nodes<S: Number>(&self, of: &Run<'_, S, D>, p: usize) -> [S; D] {
+    pub(crate) fn force_on_all_nodes<S: Number>(&self, of: &Run<'_, S, D>, p: usize) -> [S; D] {
         let mut force = [of.mass[p]; D];
         for k in 0..D {
             force[k] = of.mass[p] * self.gravity[k];

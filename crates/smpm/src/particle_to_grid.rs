@@ -14,10 +14,11 @@
 use crate::body::Body;
 use crate::config::Config;
 use crate::grid::Grid;
+use crate::jet_to_grid::JetToGrid;
 use crate::node::Node;
 use crate::number::{Number, in_registers_of, is_plain};
 use crate::particle_terms::{Given, ParticleToGrid, Run, Terms};
-use crate::shape::{Axis, nodes_along, nodes_spanned, outer};
+use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
@@ -74,13 +75,21 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
 
 impl<const D: usize> ParticleToGrid<D> {
     /// The particles of a body in a tile. For `f64`, in the usual cases, the compiler knows what is transferred and
-    /// tests at no node. Next to the arithmetic of a jet a test costs nothing, and its code is long.
+    /// tests at no node. Numbers that show their derivatives have plain weights ([`JetToGrid`]), but not with GIMP, where the
+    /// length of a particle has derivatives too. There, and for a number of a user, every weight is such a number: next to
+    /// its arithmetic a test costs nothing, and its code is long.
     fn tile<S: Number, const NODES: usize>(
         &self,
         body: &Body<S, D>,
         slot: usize,
         block: &mut Block<'_, S, D>,
     ) {
+        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
+            let (transfer, first) = (*self, block.first);
+            let (nodes, masses) = (&mut *block.nodes, &mut *block.masses);
+            JetToGrid::<_, D, NODES> { transfer, body, slot, first, nodes, masses }.add_all();
+            return;
+        }
         in_registers_of::<S, _>(
             #[inline(always)]
             || {

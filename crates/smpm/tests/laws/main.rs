@@ -7,6 +7,7 @@ mod boundaries;
 mod contact;
 mod custom_keep;
 mod custom_material;
+mod derivatives;
 mod equations_of_state;
 mod invariants;
 mod johnson_cook_point;

@@ -1,0 +1,203 @@
+//! Grid to particle for numbers with derivatives, by plain weights: [`crate::taylor_weights`].
+//!
+//! The nodes' numbers are summed with the shape function and its derivatives as plain weights, each order as far as the
+//! particle needs it. What it is to have, a velocity or a slope of the velocity, follows once from these sums and from the
+//! derivatives of its place.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+)]
+
+use lanes::{Lanes, Registers, SimdLevel, Work};
+
+use crate::grid::Grid;
+use crate::node::Node;
+use crate::number::Number;
+use crate::particle_motion::{GridToParticle, Sums};
+use crate::particles::Chunk;
+use crate::shape::nodes_spanned;
+use crate::taylor_weights::{
+    Derivatives, MOST_TERMS, Shift, TaylorWeights, load, registers_of_directions, store,
+};
+
+// Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// A pass over a chunk of particles.
+#[derive(Debug)]
+pub(crate) struct GridToJet<'a, 'b, S, const D: usize, const NODES: usize> {
+    pub(crate) transfer: GridToParticle<D>,
+    pub(crate) grid: &'a Grid<S, D>,
+    pub(crate) chunk: &'a mut Chunk<'b, S, D>,
+    pub(crate) gradients: &'a mut [[[S; 3]; 3]],
+}
+
+/// Sums `sum_i u_i N_i^(t)` of a component of a vector at the nodes, by derivative `t`.
+#[derive(Debug)]
+struct Moments<V> {
+    value: [f64; MOST_TERMS],
+    first: [V; MOST_TERMS],
+    second: [V; MOST_TERMS],
+}
+
+impl<V: Lanes<Number = f64>> Moments<V> {
+    /// `sum_i u_i N_i^(t)` at the place of the particle, with its derivatives.
+    #[inline(always)]
+    fn write<S: Number, R: Registers<f64, Vector = V>, const D: usize>(
+        &self,
+        registers: R,
+        (t, to): (usize, &mut S),
+        shift: &Shift<V, D>,
+        at: usize,
+    ) {
+        let next = &Derivatives::<D>::NEXT;
+        if let Some(value) = to.value_mut() {
+            *value = self.value[t];
+        }
+        let mut first = self.first[t];
+        for l in 0..D {
+            first = first + shift.first[l] * registers.splat(self.value[next[t][l]]);
+        }
+        store(registers, first, (to, 1), at);
+        if S::ORDER < 2 {
+            return;
+        }
+        let mut second = self.second[t];
+        for l in 0..D {
+            let slope = self.first[next[t][l]];
+            second = second + shift.first[l] * (slope + slope);
+            second = second + shift.second[l] * registers.splat(self.value[next[t][l]]);
+            let mut along = shift.first[l] * registers.splat(self.value[next[next[t][l]][l]]);
+            for m in 0..l {
+                let mixed = self.value[next[next[t][l]][m]];
+                along = along + shift.first[m] * registers.splat(mixed + mixed);
+            }
+            second = second + shift.first[l] * along;
+        }
+        store(registers, second, (to, 2), at);
+    }
+}
+
+/// Which component of which vector of a node.
+#[derive(Debug, Clone, Copy)]
+enum Entry {
+    Velocity(usize),
+    Change(usize),
+}
+
+impl Entry {
+    #[inline(always)]
+    fn of<S: Number, const D: usize>(self, node: &Node<S, D>) -> &S {
+        match self {
+            Self::Velocity(c) => &node.velocity()[c],
+            Self::Change(c) => &node.velocity_change()[c],
+        }
+    }
+}
+
+impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODES> {
+    /// What the pass asks of all particles of the chunk.
+    pub(crate) fn find_all(self) {
+        SimdLevel::best().run(self);
+    }
+
+    /// Sums of an entry of the nodes for `N_i` itself, and for its derivatives up to the order `highest`.
+    #[inline(always)]
+    fn moments<R: Registers<f64>>(
+        registers: R,
+        (nodes, weights): (&[Node<S, D>], &TaylorWeights<NODES, D>),
+        (entry, times): (Entry, Option<usize>),
+        highest: usize,
+        at: usize,
+    ) -> Moments<R::Vector> {
+        let nothing = registers.splat(-0.0);
+        let value = weights.gather(
+            (-0.0, times),
+            highest + S::ORDER,
+            #[inline(always)]
+            |i| entry.of(&nodes[i]).value(),
+        );
+        let first = weights.gather(
+            (nothing, times),
+            highest + S::ORDER - 1,
+            #[inline(always)]
+            |i| load(registers, entry.of(&nodes[i]), 1, at),
+        );
+        let mut second = [nothing; MOST_TERMS];
+        if S::ORDER > 1 {
+            second = weights.gather(
+                (nothing, times),
+                highest,
+                #[inline(always)]
+                |i| load(registers, entry.of(&nodes[i]), 2, at),
+            );
+        }
+        Moments { value, first, second }
+    }
+
+    /// The sums over the nodes that a particle sees, `SLOPES` of the velocity among them or not.
+    #[inline(always)]
+    fn sum<R: Registers<f64>, const SLOPES: bool>(
+        &self,
+        registers: R,
+        of: (&[Node<S, D>], &TaylorWeights<NODES, D>),
+        position: &[S; D],
+        sums: &mut Sums<S, D>,
+    ) {
+        let GridToParticle { pass, with_pic, shares, affine, .. } = self.transfer;
+        let with_change = pass.updates_velocity() && (!with_pic || shares.0 != 0.0);
+        let with_moment =
+            pass.updates_velocity() && affine && self.transfer.inverse_inertia.is_some();
+        for at in registers_of_directions::<R>() {
+            let shift = Shift::load(registers, position, self.transfer.lattice.per_cell, at);
+            for c in 0..D {
+                let velocity = (Entry::Velocity(c), None);
+                let moments = Self::moments(registers, of, velocity, usize::from(SLOPES), at);
+                moments.write(registers, (0, &mut sums.velocity[c]), &shift, at);
+                if SLOPES {
+                    for l in 0..D {
+                        let slope = Derivatives::<D>::NEXT[0][l];
+                        let to = (slope, &mut sums.gradient[l][c]);
+                        moments.write(registers, to, &shift, at);
+                    }
+                }
+                if with_change {
+                    let moments = Self::moments(registers, of, (Entry::Change(c), None), 0, at);
+                    moments.write(registers, (0, &mut sums.change[c]), &shift, at);
+                }
+                if with_moment {
+                    for l in 0..D {
+                        let times = (Entry::Velocity(c), Some(l));
+                        let moments = Self::moments(registers, of, times, 0, at);
+                        moments.write(registers, (0, &mut sums.moment[c][l]), &shift, at);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<S: Number, const D: usize, const NODES: usize> Work<f64> for GridToJet<'_, '_, S, D, NODES> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<R: Registers<f64>>(self, registers: R) {
+        let (mut sums, mut weights) = (Sums::none(), TaylorWeights::none());
+        let GridToParticle { pass, affine, inverse_inertia, lattice, .. } = self.transfer;
+        let with_matrix = pass.updates_velocity() && affine && inverse_inertia.is_none();
+        let with_slopes = pass.updates_stress() || with_matrix;
+        for p in 0..self.gradients.len() {
+            let (position, base) = (self.chunk.position[p], &self.chunk.base[p]);
+            weights.find(&lattice, &position, base);
+            let nodes = &self.grid.from(self.chunk.node[p])[..nodes_spanned::<NODES, D>()];
+            let of = (nodes, &weights);
+            if with_slopes {
+                self.sum::<R, true>(registers, of, &position, &mut sums);
+            } else {
+                self.sum::<R, false>(registers, of, &position, &mut sums);
+            }
+            let transfer = self.transfer;
+            transfer.apply::<S, NODES>(self.chunk, p, &sums, &mut self.gradients[p]);
+        }
+    }
+}

@@ -55,9 +55,10 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   audit [NAME]... [--list]    checks that take longer or need tools that may be absent:
                               licences, features, interfaces, coverage, mutants, oldest
                               Rust, packages; one that cannot run is skipped
-  audit claims [--only NAME]... [--crate NAME]... [--record]
+  audit claims [--only NAME]... [--crate NAME]... [--missing] [--record]
                               build with one constant or sign wrong at a time: do the
-                              claims of its crate notice? --record writes docs/mutants.md
+                              claims of its crate notice? --missing runs those whose source
+                              or cases changed; --record writes docs/mutants.md and .json
 
 `cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability and schema as
 the tests are built: slower, with checks of overflow, and without another build of everything after `cargo test`.

@@ -209,6 +209,18 @@ fn every_measured_number_of_a_held_page_has_a_record() -> Outcome {
 }
 
 #[test]
+fn what_was_measured_once_has_its_day() -> Outcome {
+    let mut bare = Vec::new();
+    for file in files(&root(), ".md")? {
+        let path = file.strip_prefix(root())?.to_string_lossy().replace('\\', "/");
+        let lines = held::undated(&fs::read_to_string(&file)?);
+        bare.extend(lines.into_iter().map(|line| format!("{path}:{line}")));
+    }
+    assert!(bare.is_empty(), "measured once, but not on which day:\n{}", bare.join("\n"));
+    Ok(())
+}
+
+#[test]
 fn a_number_that_differs_from_its_record_is_found() {
     let verification: Value = serde_json::json!({
         "claims": { "a/b/c": { "measured": 1.639e-3, "error": -0.00224 } },

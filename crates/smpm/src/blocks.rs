@@ -13,6 +13,9 @@ use crate::number::Number;
 use crate::tile_size::{HALO, block_edge, block_len, signed, tile_edge, tile_len, tile_of};
 use crate::tiles::{Directory, MOST_DEPTH, NONE, Tile};
 
+/// At a node the surfaces of so many bodies are summed once; those of further bodies again for each pair.
+const KEPT: usize = 4;
+
 /// A node of a box by its number: the place of node `index` of box `tile`, of so many nodes along each axis.
 pub(crate) fn place<const D: usize>(tile: &[i32; D], index: usize, edge: usize) -> [i32; D] {
     let mut rest = index;
@@ -158,16 +161,23 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
                 continue;
             }
             let place = place::<D>(&tile.at, index, tile_edge(D));
-            let fill = |field: usize| self.surface_at(place, field).fill.value();
+            let mut kept = [Surface::none(); KEPT];
+            for (field, surface) in kept.iter_mut().enumerate().take(self.n_fields) {
+                *surface = self.surface_at(place, field);
+            }
+            let surface = |field: usize| {
+                kept.get(field).copied().unwrap_or_else(|| self.surface_at(place, field))
+            };
             // The volume that bodies leave empty around the node is the gap between them.
+            let fill = |field: usize| surface(field).fill.value();
             if (0..self.n_fields).map(fill).sum::<f64>() < 1.0 - MOST_GAP {
                 continue;
             }
             for second in (1..self.n_fields).filter(|&field| bears(field)) {
                 let (low, high) = owned.split_at_mut(second * tile_len(D));
-                let of_b = self.surface_at(place, second);
+                let of_b = surface(second);
                 for first in (0..second).filter(|&field| bears(field)) {
-                    let of_a = self.surface_at(place, first);
+                    let of_a = surface(first);
                     let (a, b) = (first * tile_len(D) + index, second * tile_len(D) + index);
                     let (mass_a, mass_b) = (masses[a], masses[b]);
                     meet((&mut low[a], mass_a, &of_a), (&mut high[index], mass_b, &of_b), friction);

@@ -10,6 +10,7 @@ mod page;
 mod proof;
 mod rounds;
 mod scratch;
+mod subject;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -20,30 +21,44 @@ use mutant::Mutant;
 use outcome::{Outcome, Outcomes};
 use proof::Proof;
 use scratch::Scratch;
+use subject::Sources;
 
 const HELP: &str = "\
 Builds the workspace with one constant or sign wrong at a time and runs the cases of the crate.
 
-Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--list] [--record] [--kept]
+Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--missing] [--list] [--record] [--kept]
 
   --only NAME    run this mutant
   --crate NAME   run the mutants of this crate
+  --missing      of these, run those without an outcome, or whose source or cases changed since
   --list         list the mutants
-  --record       write docs/mutants.md too, from all outcomes that were kept
+  --record       write docs/mutants.md and docs/mutants.json too, from all outcomes that were kept
   --kept         run nothing: print, or record, the outcomes that were kept
 
-The tree is copied to target/mutants, where outcomes are kept as well. The exit code is 1 if a mutant
-survived, did not compile or did not end.
+The tree is copied to target/mutants, where outcomes are kept as well. They are merged with those of
+docs/mutants.json. The exit code is 1 if a mutant survived, did not compile or did not end.
 ";
 
-/// What to run.
+/// The command line.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     names: Vec<String>,
     crates: Vec<String>,
-    is_list: bool,
+    run: Run,
     is_record: bool,
-    is_kept: bool,
+}
+
+/// Which of the chosen mutants to run.
+#[derive(Debug, Default, PartialEq)]
+enum Run {
+    #[default]
+    All,
+    /// Those without an outcome that is up to date.
+    Missing,
+    /// None: outcomes that were kept.
+    Kept,
+    /// None: a list.
+    List,
 }
 
 /// The command line after `audit claims`.
@@ -63,7 +78,7 @@ pub(super) fn run(arguments: &[String]) -> ExitCode {
             return ExitCode::from(USAGE);
         }
     };
-    if options.is_list {
+    if options.run == Run::List {
         return print(&page::list(&chosen));
     }
     match audit(&chosen, &all, &options) {
@@ -84,9 +99,10 @@ fn options(arguments: &[String]) -> Result<Options, String> {
         match argument.as_str() {
             "--only" => options.names.push(value()?),
             "--crate" => options.crates.push(value()?),
-            "--list" => options.is_list = true,
+            "--missing" => options.run = Run::Missing,
+            "--list" => options.run = Run::List,
             "--record" => options.is_record = true,
-            "--kept" => options.is_kept = true,
+            "--kept" => options.run = Run::Kept,
             other => return Err(format!("`audit claims` has no argument `{other}`\n\n{HELP}")),
         }
     }
@@ -114,16 +130,23 @@ fn choose(all: &[Mutant], options: &Options) -> Result<Vec<Mutant>, String> {
 
 /// Runs these mutants, or takes what was kept of them; whether all were caught.
 fn audit(chosen: &[Mutant], all: &[Mutant], options: &Options) -> Result<bool, String> {
-    let folder = workspace().join("target").join("mutants");
-    let mut outcomes = Outcomes::read(&folder.join("outcomes.json"));
-    if !options.is_kept {
-        run_rounds(chosen, &folder, &mut outcomes)?;
+    let root = workspace();
+    let folder = root.join("target").join("mutants");
+    let (recorded, recent) = (root.join("docs/mutants.json"), folder.join("outcomes.json"));
+    let sources = Sources::read(&root, all)?;
+    let hashes = all.iter().map(|mutant| (mutant.name.clone(), sources.hash(mutant))).collect();
+    let mut outcomes = Outcomes::read(&[&recorded, &recent], hashes);
+    if options.run != Run::Kept {
+        let is_due = |mutant: &&Mutant| options.run == Run::All || outcomes.of(mutant).is_none();
+        let due: Vec<Mutant> = chosen.iter().filter(is_due).cloned().collect();
+        run_rounds(&due, &folder, &mut outcomes)?;
     }
     print(&format!("\n{}", page::table(chosen, &outcomes)));
     if options.is_record {
         let text = page::render(all, &outcomes, &scratch::machine());
-        let path = workspace().join("docs/mutants.md");
+        let path = root.join("docs/mutants.md");
         std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        outcomes.write(&recorded)?;
     }
     let n_caught = chosen.iter().filter(|mutant| outcomes.is_caught(mutant)).count();
     say(&format!("{n_caught} of {} mutants caught ({} in all)\n", chosen.len(), all.len()));
@@ -132,6 +155,9 @@ fn audit(chosen: &[Mutant], all: &[Mutant], options: &Options) -> Result<bool, S
 
 /// Outcomes are written after each round, so that an audit that is interrupted keeps them.
 fn run_rounds(chosen: &[Mutant], folder: &Path, outcomes: &mut Outcomes) -> Result<(), String> {
+    if chosen.is_empty() {
+        return Ok(());
+    }
     let scratch = Scratch::copy(&workspace(), &folder.join("tree"))?;
     let commit = scratch::commit(&workspace());
     let proof = Proof { tree: scratch.root().to_owned(), target: build_folder(folder) };
@@ -144,9 +170,9 @@ fn run_rounds(chosen: &[Mutant], folder: &Path, outcomes: &mut Outcomes) -> Resu
         say(&format!("[{}/{}] {}\n", k + 1, rounds.len(), names.join(", ")));
         for (mutant, outcome) in carry_out(round, &scratch, &proof, limit)? {
             say(&format!("    {}: {}\n", mutant.name, outcome.words()));
-            outcomes.keep(&mutant.name, commit.clone(), outcome);
+            outcomes.keep(mutant, commit.clone(), outcome);
         }
-        outcomes.write()?;
+        outcomes.write(&folder.join("outcomes.json"))?;
     }
     Ok(())
 }

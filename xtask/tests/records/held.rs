@@ -3,7 +3,7 @@
 //! Exempt are code, formulas, and what a page marks otherwise:
 //!
 //! - a block is measured once if it or its heading says so ("measured once", "prototype" or "trial"); a table or a list also
-//!   if the paragraph before it does;
+//!   if the paragraph before it does. "Measured once" is followed by the day, as in "measured once, 2026-11-24";
 //! - a page is, if it says "numbers of this page were measured once";
 //! - `<!-- setting -->`, `<!-- printed -->` or `<!-- derived -->` in a line exempts that line, and alone on a line the
 //!   block below: a size or tolerance, a number that a publication prints, a closed form or its evaluation.
@@ -50,6 +50,27 @@ pub(crate) fn without_key(page: &str, keys: &BTreeMap<String, String>) -> Vec<St
         }
     }
     found
+}
+
+/// The lines that say "measured once" and not on which day. In quotation marks the words are explained.
+pub(crate) fn undated(page: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (number, line) in page.lines().enumerate() {
+        let lower = line.to_lowercase();
+        let is_dated =
+            |rest: &str| rest.starts_with('"') || rest.strip_prefix(", ").is_some_and(is_day);
+        if !lower.split(ONCE[0]).skip(1).all(is_dated) {
+            found.push(format!("{}: {line}", number + 1));
+        }
+    }
+    found
+}
+
+/// Whether a text begins with a day of the form 2026-11-24.
+fn is_day(text: &str) -> bool {
+    let form = "dddd-dd-dd";
+    let fits = |(c, f): (char, char)| if f == 'd' { c.is_ascii_digit() } else { c == f };
+    text.len() >= form.len() && text.chars().zip(form.chars()).all(fits)
 }
 
 fn is_once(line: &str) -> bool {
@@ -107,4 +128,16 @@ fn a_measured_number_without_a_key_is_found() {
     assert_eq!(found("Measured once: 1 %\nand 2 %\n"), 0);
     assert_eq!(found("Measured once: 1 %\n\nand 2 %\n"), 1);
     assert_eq!(found("# Costs, measured once\n\n1 %\n\n2 %\n\n# Errors\n\n3 %"), 1);
+}
+
+#[test]
+fn a_measurement_without_its_day_is_found() {
+    assert_eq!(
+        undated("Measured once, 2026-11-24: 3 %\n(measured once, 2026-11-24 to 2026-11-25)"),
+        [""; 0]
+    );
+    assert_eq!(undated("a\nit was measured once: 3 %"), ["2: it was measured once: 3 %"]);
+    assert_eq!(undated("measured once, 2026-11: 3 %").len(), 1);
+    assert_eq!(undated("measured once, 2026-11-24, then measured once more").len(), 1);
+    assert_eq!(undated("\"Measured once\" means that no claim holds it"), [""; 0]);
 }

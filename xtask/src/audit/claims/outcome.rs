@@ -1,7 +1,7 @@
 //! Outcomes of mutants, kept from one run of the audit to the next.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -51,48 +51,74 @@ impl Outcome {
     }
 }
 
-/// Outcomes by the name of the mutant, with the commit they were found at.
+/// An outcome, with what it was found for.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Kept {
+    /// Commit of the tree.
+    pub(super) commit: String,
+    /// [`Sources::hash`](super::subject::Sources::hash) of the mutant.
+    pub(super) hash: String,
+    pub(super) outcome: Outcome,
+}
+
+/// Outcomes by the name of the mutant.
 #[derive(Debug, Default)]
 pub(super) struct Outcomes {
-    path: PathBuf,
-    kept: BTreeMap<String, (String, Outcome)>,
+    kept: BTreeMap<String, Kept>,
+    /// The hashes of all mutants now: an outcome of another hash is out of date.
+    hashes: BTreeMap<String, String>,
 }
 
 impl Outcomes {
-    /// None where there is no file, or one that cannot be read.
-    pub(super) fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        let value: Value = serde_json::from_str(&text).unwrap_or_default();
-        let kept = value.as_object().into_iter().flatten();
-        let kept = kept.map(|(name, value)| (name.clone(), from_json(value))).collect();
-        Self { path: path.to_owned(), kept }
+    /// Those of these files, none where there is no file or one that cannot be read. Of two for a mutant the one that is up to
+    /// date counts, or the later.
+    pub(super) fn read(files: &[&Path], hashes: BTreeMap<String, String>) -> Self {
+        let mut outcomes = Self { kept: BTreeMap::new(), hashes };
+        for file in files {
+            let text = std::fs::read_to_string(file).unwrap_or_default();
+            let value: Value = serde_json::from_str(&text).unwrap_or_default();
+            for (name, value) in value.as_object().into_iter().flatten() {
+                let kept = from_json(value);
+                if !outcomes.holds(name) || outcomes.hashes.get(name) == Some(&kept.hash) {
+                    outcomes.kept.insert(name.clone(), kept);
+                }
+            }
+        }
+        outcomes
     }
 
-    pub(super) fn keep(&mut self, name: &str, commit: String, outcome: Outcome) {
-        self.kept.insert(name.to_owned(), (commit, outcome));
+    pub(super) fn keep(&mut self, mutant: &Mutant, commit: String, outcome: Outcome) {
+        let hash = self.hashes.get(&mutant.name).cloned().unwrap_or_default();
+        self.kept.insert(mutant.name.clone(), Kept { commit, hash, outcome });
     }
 
-    pub(super) fn write(&self) -> Result<(), String> {
+    pub(super) fn write(&self, file: &Path) -> Result<(), String> {
         let all: serde_json::Map<String, Value> =
             self.kept.iter().map(|(name, kept)| (name.clone(), to_json(kept))).collect();
-        std::fs::write(&self.path, format!("{:#}\n", Value::Object(all)))
-            .map_err(|error| format!("{}: {error}", self.path.display()))
+        std::fs::write(file, format!("{:#}\n", Value::Object(all)))
+            .map_err(|error| format!("{}: {error}", file.display()))
     }
 
-    /// The commit and the outcome, if the mutant was run.
-    pub(super) fn of(&self, mutant: &Mutant) -> Option<&(String, Outcome)> {
-        self.kept.get(&mutant.name)
+    /// Whether an outcome is kept for the mutant, its source and its cases as they are.
+    fn holds(&self, name: &str) -> bool {
+        self.kept.get(name).is_some_and(|kept| self.hashes.get(name) == Some(&kept.hash))
+    }
+
+    /// The outcome of a mutant, if there is one for its source and its cases as they are.
+    pub(super) fn of(&self, mutant: &Mutant) -> Option<&Kept> {
+        self.kept.get(&mutant.name).filter(|_| self.holds(&mutant.name))
     }
 
     pub(super) fn is_caught(&self, mutant: &Mutant) -> bool {
-        self.of(mutant).is_some_and(|(_, outcome)| outcome.is_caught(mutant.breaks))
+        self.of(mutant).is_some_and(|kept| kept.outcome.is_caught(mutant.breaks))
     }
 }
 
-fn to_json((commit, outcome): &(String, Outcome)) -> Value {
+fn to_json(Kept { commit, hash, outcome }: &Kept) -> Value {
     let Outcome { accuracy, structure, regression, stopped, first, fault, seconds } = outcome;
     json!({
         "commit": commit,
+        "hash": hash,
         "accuracy": accuracy,
         "structure": structure,
         "regression": regression,
@@ -103,7 +129,7 @@ fn to_json((commit, outcome): &(String, Outcome)) -> Value {
     })
 }
 
-fn from_json(value: &Value) -> (String, Outcome) {
+fn from_json(value: &Value) -> Kept {
     let text = |key: &str| value[key].as_str().unwrap_or_default().to_owned();
     let count = |key: &str| value[key].as_u64().unwrap_or_default();
     let outcome = Outcome {
@@ -115,11 +141,12 @@ fn from_json(value: &Value) -> (String, Outcome) {
         fault: text("fault"),
         seconds: value["seconds"].as_f64().unwrap_or_default(),
     };
-    (text("commit"), outcome)
+    Kept { commit: text("commit"), hash: text("hash"), outcome }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::mutant::tests::mutant;
     use super::*;
 
     #[test]
@@ -136,15 +163,48 @@ mod tests {
         assert_eq!(caught(&Outcome::not_compiled("type")), [false, false]);
     }
 
+    fn hashes(hash: &str) -> BTreeMap<String, String> {
+        BTreeMap::from([("x".to_owned(), hash.to_owned())])
+    }
+
     #[test]
     fn outcomes_survive_writing_and_reading() {
         let path = std::env::temp_dir().join(format!("outcomes-{}.json", std::process::id()));
+        let mutant = mutant("x", "smpm", "smpm");
         let outcome =
             Outcome { accuracy: 2, first: "a/b/c".into(), seconds: 1.5, ..Outcome::default() };
-        let mut outcomes = Outcomes::read(&path);
-        outcomes.keep("x", "1234".into(), outcome.clone());
-        outcomes.write().unwrap();
-        assert_eq!(Outcomes::read(&path).kept["x"], ("1234".to_owned(), outcome));
+        let mut outcomes = Outcomes::read(&[&path], hashes("1"));
+        assert_eq!(outcomes.of(&mutant), None);
+        outcomes.keep(&mutant, "1234".into(), outcome.clone());
+        outcomes.write(&path).unwrap();
+        let expected = Kept { commit: "1234".into(), hash: "1".into(), outcome };
+        assert_eq!(Outcomes::read(&[&path], hashes("1")).of(&mutant), Some(&expected));
+        // Its source or its cases have changed since.
+        assert_eq!(Outcomes::read(&[&path], hashes("2")).of(&mutant), None);
         std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn of_two_outcomes_the_one_of_today_counts() {
+        let mutant = mutant("x", "smpm", "smpm");
+        let file = |name: &str, hash: &str, accuracy: u64| {
+            let path = std::env::temp_dir().join(format!("{name}-{}.json", std::process::id()));
+            let mut outcomes = Outcomes::read(&[], hashes(hash));
+            outcomes.keep(&mutant, "1234".into(), Outcome { accuracy, ..Outcome::default() });
+            outcomes.write(&path).unwrap();
+            path
+        };
+        let [a, b, c] = [file("two-a", "1", 1), file("two-b", "2", 2), file("two-c", "1", 3)];
+        let found = |files: &[&Path]| {
+            let outcomes = Outcomes::read(files, hashes("1"));
+            outcomes.of(&mutant).map(|kept| kept.outcome.accuracy)
+        };
+        assert_eq!(found(&[&a, &b]), Some(1));
+        assert_eq!(found(&[&b, &a]), Some(1));
+        assert_eq!(found(&[&a, &b, &c]), Some(3));
+        assert_eq!(found(&[&b]), None);
+        for path in [a, b, c] {
+            std::fs::remove_file(path).unwrap();
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::mutant::{Breaks, Mutant};
-use super::outcome::Outcomes;
+use super::outcome::{Kept, Outcomes};
 
 /// Name, crate and physics of each mutant.
 pub(super) fn list(mutants: &[Mutant]) -> String {
@@ -14,7 +14,7 @@ pub(super) fn list(mutants: &[Mutant]) -> String {
 /// A line for each mutant: verdict, counts, seconds, first claim.
 pub(super) fn table(mutants: &[Mutant], outcomes: &Outcomes) -> String {
     let line = |mutant: &Mutant| {
-        let said = outcomes.of(mutant).map_or("not run".to_owned(), |(_, outcome)| outcome.words());
+        let said = outcomes.of(mutant).map_or("not run".to_owned(), |kept| kept.outcome.words());
         format!("{:<10}{:<28}{said}\n", verdict(mutant, outcomes), mutant.name)
     };
     mutants.iter().map(line).collect()
@@ -24,7 +24,7 @@ fn verdict(mutant: &Mutant, outcomes: &Outcomes) -> &'static str {
     match outcomes.of(mutant) {
         None => "not run",
         Some(_) if outcomes.is_caught(mutant) => "caught",
-        Some((_, outcome)) if !outcome.fault.is_empty() => "NO RESULT",
+        Some(kept) if !kept.outcome.fault.is_empty() => "NO RESULT",
         Some(_) => "SURVIVED",
     }
 }
@@ -65,7 +65,9 @@ fn head(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
          Each mutant replaces one text in one file (`xtask/src/audit/mutants.json`). The workspace is built with it, and the \
          cases of its crate are run. A mutant is caught if a claim of accuracy fails or a case stops with an error; a mutant \
          that breaks a structure, also by a structural claim. A regression bound alone catches nothing.\n\n\
-         `cargo xtask audit claims --only NAME` repeats a row; *seconds* is its share of the build and the run.\n",
+         `cargo xtask audit claims --only NAME` repeats a row; *seconds* is its share of the build and the run. An outcome counts \
+         as long as the mutant, the file that it changes and the files of its cases stay the same; *commit* is where it was \
+         found. `cargo xtask audit claims --missing` runs the others.\n",
         mutants.len(),
         n_run - n_caught,
     )
@@ -74,7 +76,7 @@ fn head(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
 fn row(mutant: &Mutant, outcomes: &Outcomes) -> String {
     let kind = if mutant.breaks == Breaks::Structure { " (structure)" } else { "" };
     let start = format!("| {} | {}{kind} ", mutant.name, mutant.what);
-    let Some((commit, outcome)) = outcomes.of(mutant) else {
+    let Some(Kept { commit, outcome, .. }) = outcomes.of(mutant) else {
         return format!("{start}| not run | | | | | | | |\n");
     };
     let said = if outcome.fault.is_empty() {
@@ -103,10 +105,11 @@ mod tests {
     fn the_page_counts_what_was_run_and_what_was_caught() {
         let mutants =
             [mutant("a", "smpm", "smpm"), mutant("b", "smpm", "smpm"), mutant("c", "lanes", "x")];
-        let mut outcomes = Outcomes::default();
+        let names = ["a", "b", "c"].map(|name| (name.to_owned(), String::new()));
+        let mut outcomes = Outcomes::read(&[], BTreeMap::from(names));
         let caught = Outcome { accuracy: 2, first: "smpm/x/y".into(), ..Outcome::default() };
-        outcomes.keep("a", "1234".into(), caught);
-        outcomes.keep("b", "1234".into(), Outcome { regression: 1, ..Outcome::default() });
+        outcomes.keep(&mutants[0], "1234".into(), caught);
+        outcomes.keep(&mutants[1], "1234".into(), Outcome { regression: 1, ..Outcome::default() });
         let page = render(&mutants, &outcomes, "a machine");
         for expected in [
             "3 mutants, 2 run, 1 caught, 1 survived. a machine.",

@@ -8,8 +8,9 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::jet::{LANES, lanes, pair};
+use crate::one_value;
 use crate::real::Real;
-use crate::scalar::{Scalar, one_value};
+use crate::scalar::Scalar;
 
 /// A value with first derivatives along up to eight directions: a [`Jet`](crate::Jet) without second derivatives.
 ///

@@ -9,8 +9,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wide::f64x2;
 
+use crate::one_value;
 use crate::real::Real;
-use crate::scalar::{Scalar, one_value};
+use crate::scalar::Scalar;
 
 /// Number of directions of a [`Jet`].
 pub const LANES: usize = 8;

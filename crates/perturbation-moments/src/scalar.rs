@@ -36,7 +36,9 @@ pub trait Scalar: Real<Mask = bool, Primal = f64> {
     }
 }
 
-/// One value: comparisons have one truth.
+/// `one_value!(n)` in an `impl Real` is the part that follows from [`Scalar`] where a number is one value and carries derivatives up to
+/// the order `n`: comparisons have one truth, which chooses.
+#[macro_export]
 macro_rules! one_value {
     ($order:expr) => {
         type Mask = bool;
@@ -45,23 +47,23 @@ macro_rules! one_value {
 
         #[inline(always)]
         fn splat(self, value: f64) -> Self {
-            Scalar::constant(value)
+            $crate::Scalar::constant(value)
         }
         #[inline(always)]
         fn from_primal(value: f64) -> Self {
-            Scalar::constant(value)
+            $crate::Scalar::constant(value)
         }
         #[inline(always)]
         fn primal(self) -> f64 {
-            Scalar::value(self)
+            $crate::Scalar::value(self)
         }
         #[inline(always)]
         fn less(self, other: Self) -> bool {
-            Scalar::value(self) < Scalar::value(other)
+            $crate::Scalar::value(self) < $crate::Scalar::value(other)
         }
         #[inline(always)]
         fn at_least(self, other: Self) -> bool {
-            Scalar::value(self) >= Scalar::value(other)
+            $crate::Scalar::value(self) >= $crate::Scalar::value(other)
         }
         #[inline(always)]
         fn select(mask: bool, inside: Self, outside: Self) -> Self {
@@ -69,11 +71,10 @@ macro_rules! one_value {
         }
         #[inline(always)]
         fn first_outside(self, mask: bool) -> Option<f64> {
-            if mask { None } else { Some(Scalar::value(self)) }
+            if mask { None } else { Some($crate::Scalar::value(self)) }
         }
     };
 }
-pub(crate) use one_value;
 
 impl Real for f64 {
     one_value!(0);

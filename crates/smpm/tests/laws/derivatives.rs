@@ -1,8 +1,10 @@
 //! The transfer of jets and gradients, against the same step over a number of which it knows nothing but the arithmetic.
 
+#![allow(clippy::inline_always, reason = "part of formulas inside a dispatched closure")]
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use perturbation_moments::{Gradient, Jet, LANES, Scalar};
+use perturbation_moments::{Gradient, Jet, LANES, Real, Scalar, one_value};
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{Body, Config, Fill, Geometry, Number, Shape, Simulation, Transfer, UpdateOrder};
 
@@ -12,13 +14,9 @@ struct ByOperations(Jet);
 
 impl Number for ByOperations {}
 
-impl Scalar for ByOperations {
-    fn constant(value: f64) -> Self {
-        Self(Jet::constant(value))
-    }
-    fn value(self) -> f64 {
-        self.0.value
-    }
+impl Real for ByOperations {
+    one_value!(2);
+
     fn recip(self) -> Self {
         Self(self.0.recip())
     }
@@ -31,6 +29,18 @@ impl Scalar for ByOperations {
     fn ln(self) -> Self {
         Self(self.0.ln())
     }
+    fn squared(self) -> Self {
+        Self(self.0.squared())
+    }
+}
+
+impl Scalar for ByOperations {
+    fn constant(value: f64) -> Self {
+        Self(Jet::constant(value))
+    }
+    fn value(self) -> f64 {
+        self.0.value
+    }
     fn sin(self) -> Self {
         Self(self.0.sin())
     }
@@ -42,9 +52,6 @@ impl Scalar for ByOperations {
     }
     fn powf(self, exponent: f64) -> Self {
         Self(self.0.powf(exponent))
-    }
-    fn squared(self) -> Self {
-        Self(self.0.squared())
     }
 }
 

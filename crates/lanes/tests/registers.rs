@@ -113,7 +113,7 @@ fn agree_at<T: Bits, R: Registers<T>>(
     assert_eq!(less.and(at_least).bits(), bit(&|x| x < pivot && pivot >= x));
     assert_eq!(
         less.or(at_least.not()).bits(),
-        bit(&|x| x < pivot || pivot < x || x.is_nan() || pivot.is_nan())
+        bit(&|x| x.partial_cmp(&pivot) != Some(std::cmp::Ordering::Equal))
     );
     for lane in 0..R::N {
         let found = a.lane(u32::try_from(lane).expect("few lanes"));

@@ -31,7 +31,7 @@ pub const LANES: usize = 8;
 /// Domain: that of the same operation on the value. `powf`, `ln` and `sqrt` of zero have infinite derivatives.
 ///
 /// ```
-/// use perturbation_moments::{Jet, Scalar};
+/// use perturbation_moments::{Jet, Real};
 ///
 /// // y = x1 exp(x2) at (3, 0): dy/dx1 = 1, dy/dx2 = 3, and along (1, 1) the second derivative is 2 + 3.
 /// let x1 = Jet::new(3.0, [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);

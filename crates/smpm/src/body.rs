@@ -266,8 +266,8 @@ impl<S: Number, const D: usize> Body<S, D> {
 }
 
 impl<const D: usize> Body<f64, D> {
-    /// As [`new`](Self::new), for a material from outside this crate whose text serves several particles at once: the same bits,
-    /// faster. Materials of this crate are computed so by `new` too.
+    /// As [`new`](Self::new), for a material from outside this crate whose text serves several particles at once: bitwise
+    /// identical, and faster. Materials of this crate are computed so by `new` too.
     ///
     /// # Errors
     /// As [`new`](Self::new).

@@ -7,7 +7,7 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{EquationOfState, Material, Solid, SolidState, Strength};
+use super::{EquationOfState, Material, Strength};
 
 /// A family of types, one for each number type, and their states.
 macro_rules! family {
@@ -41,23 +41,4 @@ family! {
 family! {
     /// A [`Strength`] likewise.
     StrengthFamily: Strength
-}
-
-impl<F: Scalar, E: EquationFamily<F>, Y: StrengthFamily<F>> MaterialFamily<F> for Solid<E, Y> {
-    type In<S: Real> = Solid<E::In<S>, Y::In<S>>;
-
-    #[inline(always)]
-    fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S> {
-        Solid { equation: self.equation.in_numbers(of), strength: self.strength.in_numbers(of) }
-    }
-
-    #[inline(always)]
-    fn filled<S: Real>(number: S) -> <Self::In<S> as Material<S>>::State {
-        SolidState {
-            energy: number,
-            pressure: number,
-            equation: E::filled(number),
-            strength: Y::filled(number),
-        }
-    }
 }

@@ -3,8 +3,9 @@
 use perturbation_moments::{Real, Scalar, when};
 
 use super::{
-    ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, EquationOfState,
-    LocalResponse, LocalState, Material, Now, Observed, Strength,
+    ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, EquationFamily,
+    EquationOfState, LocalResponse, LocalState, Material, MaterialFamily, Now, Observed, Strength,
+    StrengthFamily,
 };
 use crate::error::{Error, Fault, positive};
 use crate::material::equation_of_state::at_least;
@@ -148,6 +149,25 @@ impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y>
         visit(&mut state.pressure);
         self.equation.visit_numbers(&mut state.equation, &mut visit)
             && self.strength.visit_numbers(&mut state.strength, &mut visit)
+    }
+}
+
+impl<F: Scalar, E: EquationFamily<F>, Y: StrengthFamily<F>> MaterialFamily<F> for Solid<E, Y> {
+    type In<S: Real> = Solid<E::In<S>, Y::In<S>>;
+
+    #[inline(always)]
+    fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S> {
+        Solid { equation: self.equation.in_numbers(of), strength: self.strength.in_numbers(of) }
+    }
+
+    #[inline(always)]
+    fn filled<S: Real>(number: S) -> <Self::In<S> as Material<S>>::State {
+        SolidState {
+            energy: number,
+            pressure: number,
+            equation: E::filled(number),
+            strength: Y::filled(number),
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{EquationFamily, EquationOfState, Line, Start};
+use super::{EquationOfState, Line, Start};
 use crate::error::{Error, positive};
-use crate::material::StrengthKind;
+use crate::material::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What an [`ElasticBulk`] is made of.

@@ -3,9 +3,9 @@
 use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
 
-use super::{EquationFamily, EquationOfState, Line, Start};
+use super::{EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};
-use crate::material::{Now, StrengthKind};
+use crate::material::{EquationFamily, Now, StrengthKind};
 
 parameters! {
     /// What a [`Jwl`] is made of.

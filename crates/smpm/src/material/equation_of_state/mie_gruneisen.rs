@@ -3,9 +3,9 @@
 use lanes::Mask;
 use perturbation_moments::{Real, Scalar, when};
 
-use super::{EquationFamily, EquationOfState, Line, Start};
+use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::material::StrengthKind;
+use crate::material::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What a [`MieGruneisen`] is made of.

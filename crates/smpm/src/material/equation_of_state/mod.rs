@@ -8,7 +8,6 @@ mod tension_cut_off;
 
 use perturbation_moments::{Real, Scalar};
 
-pub(crate) use super::family::EquationFamily;
 use crate::error::Fault;
 use crate::material::{Now, StrengthKind};
 

@@ -2,9 +2,9 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{EquationFamily, EquationOfState, Line, Start};
+use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, not_negative};
-use crate::material::{Now, StrengthKind};
+use crate::material::{EquationFamily, Now, StrengthKind};
 
 /// An equation of state whose pressure does not fall below `-limit`: a liquid that cavitates.
 ///

@@ -2,9 +2,9 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthFamily, StrengthKind, Trial};
+use super::{Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, positive};
-use crate::material::{Now, Observed};
+use crate::material::{Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
 
 parameters! {

@@ -2,9 +2,9 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthFamily, StrengthKind};
+use super::{Strength, StrengthKind};
 use crate::error::Fault;
-use crate::material::{Now, Observed};
+use crate::material::{Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
 
 /// A material that bears pressure only.

@@ -3,11 +3,9 @@
 use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
 
-use super::{
-    JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthFamily, StrengthKind,
-};
+use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::material::{LocalFlow, Now, Observed};
+use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
 
 parameters! {

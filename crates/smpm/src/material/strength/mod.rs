@@ -13,7 +13,6 @@ use crate::error::Fault;
 use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
 
-pub(crate) use super::family::StrengthFamily;
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
 pub use fluid::Fluid;
 pub use johnson_cook::{JohnsonCook, JohnsonCookParameters, JohnsonCookState};

@@ -3,9 +3,9 @@
 use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
 
-use super::{LEAST_OVERSHOOT, Strength, StrengthFamily, StrengthKind, Trial};
+use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
-use crate::material::{LocalFlow, Now, Observed};
+use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
 
 parameters! {

@@ -17,7 +17,6 @@ use crate::node::Node;
 use crate::number::{Number, in_registers_of, is_plain};
 use crate::particle_motion::{GridToParticle, Sums, nothing};
 use crate::particles::Chunk;
-use crate::pass::Pass;
 use crate::shape::{Axis, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
 
@@ -27,8 +26,8 @@ use crate::tile_size::block_edge;
 const BATCH: usize = 8;
 
 impl<const D: usize> GridToParticle<D> {
-    /// What the pass asks of all particles of a chunk; velocity gradients go into `gradients`.
-    pub(crate) fn chunk<S: Number>(
+    /// What the pass asks of all particles of a chunk, each alone; velocity gradients go into `gradients`.
+    pub(crate) fn one_by_one<S: Number>(
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
@@ -41,8 +40,7 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// For `f64`, in the usual cases, the compiler knows the requested quantities and tests at no node; next to the
-    /// arithmetic of a jet a test costs nothing, and its code is long.
+    /// One by one: next to the arithmetic of a jet what is tested at each node costs nothing.
     #[inline(never)]
     fn in_registers<S: Number, const NODES: usize>(
         &self,
@@ -57,16 +55,7 @@ impl<const D: usize> GridToParticle<D> {
                     self.batches::<S, NODES, 1>(grid, chunk, gradients);
                     return;
                 }
-                let flip = Self { affine: false, with_pic: false, ..*self };
-                match (self.pass, self.affine || self.with_pic) {
-                    (Pass::Whole, false) => Self { pass: Pass::Whole, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    (Pass::Velocity, false) => Self { pass: Pass::Velocity, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    (Pass::StressAndMove, _) => Self { pass: Pass::StressAndMove, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    _ => self.batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                }
+                self.batches::<S, NODES, BATCH>(grid, chunk, gradients);
             },
         );
     }

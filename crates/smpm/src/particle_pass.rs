@@ -10,6 +10,7 @@ use lanes::dispatch;
 use crate::body::Body;
 use crate::config::Config;
 use crate::grid::Grid;
+use crate::in_lanes::grid_to_particle;
 use crate::material_points::{Condition, MaterialUpdate, Strain};
 use crate::number::Number;
 use crate::parallel::join;
@@ -27,7 +28,7 @@ pub(crate) struct ParticlePass<'a, S, const D: usize> {
     grid: &'a Grid<S, D>,
     config: &'a Config<D>,
     pass: Pass,
-    grid_to_particle: GridToParticle<D>,
+    transfer: GridToParticle<D>,
     strain: Strain,
 }
 
@@ -44,7 +45,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
             grid,
             config,
             pass,
-            grid_to_particle: GridToParticle::of(grid.lattice, config, pass, dt),
+            transfer: GridToParticle::of(grid.lattice, config, pass, dt),
             strain: Strain { dt, time, cell, viscosity },
         }
     }
@@ -89,7 +90,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
             let batch = begin..share.len().min(begin + BATCH);
             let mut chunk = share.part(batch.clone());
             let velocity_gradients = &mut velocity_gradients[..batch.len()];
-            self.grid_to_particle.chunk(self.grid, &mut chunk, velocity_gradients);
+            grid_to_particle(&self.transfer, self.grid, &mut chunk, velocity_gradients);
             if self.pass.updates_stress() {
                 let (range, numbers) = (batch.clone(), chunk.number);
                 let fault = points.update(range, self.strain, velocity_gradients, numbers);

@@ -18,7 +18,7 @@ use crate::shape::Shape;
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
 /// Entry `kl` of a symmetric tensor.
-const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+pub(crate) const ENTRY: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// What particle-to-grid sums at the nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

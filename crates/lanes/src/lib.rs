@@ -10,6 +10,8 @@ mod registers;
 mod sealed;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+#[cfg(target_arch = "x86_64")]
+mod x86_fours;
 
 pub use arrays::{from_fn, map};
 pub use elementary::{exp, ln, minus_twice_ln, power, sin_cos};

@@ -9,7 +9,10 @@ use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Sub};
 
 use crate::numbers::{Lanes, Mask};
-use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
+use crate::registers::{
+    Packed, Registers, Work, add, blocks, chunk_mut, four, loaded, spread, sums, to_front,
+    transposed, unzipped, zipped,
+};
 use crate::sealed::Sealed;
 
 /// The portable level: instructions that every machine supports.
@@ -168,6 +171,42 @@ macro_rules! portable {
             #[inline(always)]
             fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
                 a * b + c
+            }
+            #[inline(always)]
+            fn load_fours(self, fours: &[&[$real; 4]]) -> Self::Vector {
+                Packed(self, loaded(fours))
+            }
+            #[inline(always)]
+            fn spread_fours(self, fours: &[&[$real; 4]]) -> [Self::Vector; 4] {
+                let [a, b, c, d] = spread(fours);
+                [Packed(self, a), Packed(self, b), Packed(self, c), Packed(self, d)]
+            }
+            #[inline(always)]
+            fn four(self, vector: Self::Vector, block: usize) -> [$real; 4] {
+                four(&vector.1, block)
+            }
+            #[inline(always)]
+            fn add_four(self, vector: Self::Vector, block: usize, to: &mut [$real; 4]) {
+                add(&vector.1, block, to);
+            }
+            #[inline(always)]
+            fn unzip_fours(self, low: Self::Vector, high: Self::Vector) -> [Self::Vector; 2] {
+                let [first, second] = unzipped(low.1, high.1);
+                [Packed(self, first), Packed(self, second)]
+            }
+            #[inline(always)]
+            fn zip_fours(self, first: Self::Vector, second: Self::Vector) -> [Self::Vector; 2] {
+                let [low, high] = zipped(first.1, second.1);
+                [Packed(self, low), Packed(self, high)]
+            }
+            #[inline(always)]
+            fn transpose_fours(self, [a, b, c, d]: [Self::Vector; 4]) -> [Self::Vector; 4] {
+                let [a, b, c, d] = transposed([a.1, b.1, c.1, d.1]);
+                [Packed(self, a), Packed(self, b), Packed(self, c), Packed(self, d)]
+            }
+            #[inline(always)]
+            fn sum_fours(self, [a, b, c, d]: [Self::Vector; 4]) -> Self::Vector {
+                Packed(self, sums([a.1, b.1, c.1, d.1]))
             }
             #[inline(always)]
             fn compress(self, mask: u32, vector: Self::Vector, out: &mut [$real], to: usize) {

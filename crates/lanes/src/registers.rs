@@ -53,6 +53,23 @@ pub trait Registers<T>: Copy + Sealed {
     fn mask(self, bits: u32) -> <Self::Vector as Lanes>::Mask;
     /// `a b + c`, rounded once or twice: **the only function whose result depends on the level**.
     fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// Loads blocks of four lanes from several places: block `b` from `fours[b]`.
+    fn load_fours(self, fours: &[&[T; 4]]) -> Self::Vector;
+    /// Fills every block of four lanes with one number: block `b` of register `k` with `fours[b][k]`.
+    fn spread_fours(self, fours: &[&[T; 4]]) -> [Self::Vector; 4];
+    /// One block of four lanes.
+    fn four(self, vector: Self::Vector, block: usize) -> [T; 4];
+    /// Adds one block of four lanes to numbers in memory.
+    fn add_four(self, vector: Self::Vector, block: usize, to: &mut [T; 4]);
+    /// Separates pairs, of which every block of four lanes holds two: the first numbers of the pairs of `low` and `high`, and the
+    /// second.
+    fn unzip_fours(self, low: Self::Vector, high: Self::Vector) -> [Self::Vector; 2];
+    /// Brings together what [`unzip_fours`](Self::unzip_fours) separates.
+    fn zip_fours(self, first: Self::Vector, second: Self::Vector) -> [Self::Vector; 2];
+    /// Transposes every block of four lanes: lane `k` of a block of row `i` becomes lane `i` of this block of row `k`.
+    fn transpose_fours(self, rows: [Self::Vector; 4]) -> [Self::Vector; 4];
+    /// Sums every block of four lanes: lane `k` of a block is the sum `(x_0 + x_1) + (x_2 + x_3)` of this block of row `k`.
+    fn sum_fours(self, rows: [Self::Vector; 4]) -> Self::Vector;
     /// Packs the lanes of a mask into `out[to..]`; the rest of `out[to..to + N]` is left undefined.
     fn compress(self, mask: u32, vector: Self::Vector, out: &mut [T], to: usize);
     /// Packs indices as [`compress`](Self::compress) does; returns their number.
@@ -113,6 +130,95 @@ pub(crate) fn chunk<T, const N: usize>(slice: &[T], at: usize) -> &[T; N] {
 #[inline(always)]
 pub(crate) fn chunk_mut<T, const N: usize>(slice: &mut [T], at: usize) -> &mut [T; N] {
     slice[at..at + N].first_chunk_mut().expect("a slice of N")
+}
+
+/// Transposes blocks of four entries of four rows.
+#[inline(always)]
+pub(crate) fn transposed<T: Copy, const N: usize>(rows: [[T; N]; 4]) -> [[T; N]; 4] {
+    let mut columns = rows;
+    for at in 0..N {
+        let (block, k) = (at / 4 * 4, at % 4);
+        for i in 0..4 {
+            columns[k][block + i] = rows[i][at];
+        }
+    }
+    columns
+}
+
+/// Loads blocks of four entries.
+#[inline(always)]
+pub(crate) fn loaded<T: Copy + Default, const N: usize>(fours: &[&[T; 4]]) -> [T; N] {
+    let mut lanes = [T::default(); N];
+    for at in 0..N {
+        lanes[at] = fours[at / 4][at % 4];
+    }
+    lanes
+}
+
+/// Fills blocks of four entries with one number each.
+#[inline(always)]
+pub(crate) fn spread<T: Copy + Default, const N: usize>(fours: &[&[T; 4]]) -> [[T; N]; 4] {
+    let mut rows = [[T::default(); N]; 4];
+    for at in 0..N {
+        for k in 0..4 {
+            rows[k][at] = fours[at / 4][k];
+        }
+    }
+    rows
+}
+
+/// One block of four entries.
+#[inline(always)]
+pub(crate) fn four<T: Copy, const N: usize>(lanes: &[T; N], block: usize) -> [T; 4] {
+    *chunk(lanes, 4 * block)
+}
+
+/// Adds one block of four entries to others.
+#[inline(always)]
+pub(crate) fn add<T: Lanes, const N: usize>(lanes: &[T; N], block: usize, to: &mut [T; 4]) {
+    for k in 0..4 {
+        to[k] = to[k] + lanes[4 * block + k];
+    }
+}
+
+/// Separates pairs in blocks of four entries.
+#[inline(always)]
+pub(crate) fn unzipped<T: Copy, const N: usize>(low: [T; N], high: [T; N]) -> [[T; N]; 2] {
+    let mut halves = [low, high];
+    for at in 0..N {
+        let (block, k) = (at / 4 * 4, at % 4);
+        let pairs = if k < 2 { &low } else { &high };
+        for half in 0..2 {
+            halves[half][at] = pairs[block + 2 * (k % 2) + half];
+        }
+    }
+    halves
+}
+
+/// Brings together the numbers of pairs in blocks of four entries.
+#[inline(always)]
+pub(crate) fn zipped<T: Copy, const N: usize>(first: [T; N], second: [T; N]) -> [[T; N]; 2] {
+    let mut halves = [first, second];
+    for at in 0..N {
+        let (block, k) = (at / 4 * 4, at % 4);
+        let of = if k % 2 == 0 { &first } else { &second };
+        for half in 0..2 {
+            halves[half][at] = of[block + 2 * half + k / 2];
+        }
+    }
+    halves
+}
+
+/// Sums blocks of four entries of four rows; the order of the sums is that of every level.
+#[inline(always)]
+pub(crate) fn sums<T: Lanes, const N: usize>(rows: [[T; N]; 4]) -> [T; N] {
+    let mut sums = rows[0];
+    for at in 0..N {
+        let block = at / 4 * 4;
+        let row = &rows[at % 4];
+        sums[at] = (row[block] + row[block + 1]) + (row[block + 2] + row[block + 3]);
+    }
+    sums
 }
 
 /// Stores every value; the next store overwrites it unless its bit is set. No branch can be mispredicted.

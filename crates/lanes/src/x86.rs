@@ -21,6 +21,7 @@ use crate::elementary::{Binary64, ONE, SQRT_HALF, TWO_52, exp_of, exp_rounded, l
 use crate::numbers::{Lanes, Mask};
 use crate::registers::{Packed, Registers, Work, blocks, chunk_mut, to_front};
 use crate::sealed::Sealed;
+use crate::x86_fours::Fours;
 
 /// Work on the registers of a level, in the form that pulp accepts.
 pub(crate) struct On<L, W, T> {
@@ -289,6 +290,42 @@ macro_rules! registers {
             #[inline(always)]
             fn mul_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
                 Packed(self, self.$mul_add(a.1, b.1, c.1))
+            }
+            #[inline(always)]
+            fn load_fours(self, fours: &[&[$real; 4]]) -> Self::Vector {
+                Packed(self, self.loaded(fours))
+            }
+            #[inline(always)]
+            fn spread_fours(self, fours: &[&[$real; 4]]) -> [Self::Vector; 4] {
+                let [a, b, c, d] = self.spread(fours);
+                [Packed(self, a), Packed(self, b), Packed(self, c), Packed(self, d)]
+            }
+            #[inline(always)]
+            fn four(self, vector: Self::Vector, block: usize) -> [$real; 4] {
+                self.block(vector.1, block)
+            }
+            #[inline(always)]
+            fn add_four(self, vector: Self::Vector, block: usize, to: &mut [$real; 4]) {
+                self.add_block(vector.1, block, to);
+            }
+            #[inline(always)]
+            fn unzip_fours(self, low: Self::Vector, high: Self::Vector) -> [Self::Vector; 2] {
+                let [first, second] = self.unzipped(low.1, high.1);
+                [Packed(self, first), Packed(self, second)]
+            }
+            #[inline(always)]
+            fn zip_fours(self, first: Self::Vector, second: Self::Vector) -> [Self::Vector; 2] {
+                let [low, high] = self.zipped(first.1, second.1);
+                [Packed(self, low), Packed(self, high)]
+            }
+            #[inline(always)]
+            fn transpose_fours(self, [a, b, c, d]: [Self::Vector; 4]) -> [Self::Vector; 4] {
+                let [a, b, c, d] = self.transposed([a.1, b.1, c.1, d.1]);
+                [Packed(self, a), Packed(self, b), Packed(self, c), Packed(self, d)]
+            }
+            #[inline(always)]
+            fn sum_fours(self, [a, b, c, d]: [Self::Vector; 4]) -> Self::Vector {
+                Packed(self, self.sums([a.1, b.1, c.1, d.1]))
             }
             #[inline(always)]
             fn compress(self, mask: u32, vector: Self::Vector, out: &mut [$real], to: usize) {

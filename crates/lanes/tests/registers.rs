@@ -87,6 +87,54 @@ impl<T: Bits> Work<T> for Agrees<T> {
             }
             compress_at(registers, &values, at);
         }
+        fours(registers);
+    }
+}
+
+/// Transposes and sums blocks of four lanes of four rows, which differ in every entry.
+fn fours<T: Bits, R: Registers<T>>(registers: R) {
+    let mut rows = [[T::default(); MOST_LANES]; 4];
+    for (i, row) in rows.iter_mut().enumerate() {
+        for (k, entry) in row.iter_mut().enumerate() {
+            // Their sums are rounded, so that another order of summation gives other bits.
+            *entry = T::of(1.0 / (1 + MOST_LANES * i + k) as f64);
+        }
+    }
+    let vectors = [0, 1, 2, 3].map(|i| registers.load_at(&rows[i], 0));
+    let stored = |vector: R::Vector| {
+        let mut stored = [T::default(); MOST_LANES];
+        registers.store_at(vector, &mut stored, 0);
+        stored.map(Bits::bits)
+    };
+    let (transposed, sums) =
+        (registers.transpose_fours(vectors).map(stored), stored(registers.sum_fours(vectors)));
+    let places: Vec<&[T; 4]> = (0..R::N / 4)
+        .map(|block| rows[block % 4][3 * block..].first_chunk().expect("a slice of four"))
+        .collect();
+    let (loaded, spread) =
+        (stored(registers.load_fours(&places)), registers.spread_fours(&places).map(stored));
+    let unzipped = registers.unzip_fours(vectors[0], vectors[1]).map(stored);
+    let [first, second] = registers.unzip_fours(vectors[0], vectors[1]);
+    assert_eq!(registers.zip_fours(first, second).map(stored), [0, 1].map(|i| stored(vectors[i])));
+    for lane in 0..R::N {
+        let (block, k) = (lane / 4 * 4, lane % 4);
+        assert_eq!(loaded[lane], places[block / 4][k].bits());
+        assert_eq!(registers.four(vectors[2], block / 4)[k].bits(), rows[2][lane].bits());
+        let mut total = *places[0];
+        registers.add_four(vectors[1], block / 4, &mut total);
+        assert_eq!(total[k].bits(), (places[0][k] + rows[1][lane]).bits());
+        for i in 0..2 {
+            assert_eq!(unzipped[i][lane], rows[k / 2][block + 2 * (k % 2) + i].bits());
+        }
+        for i in 0..4 {
+            assert_eq!(spread[i][lane], places[block / 4][i].bits());
+        }
+        for i in 0..4 {
+            assert_eq!(transposed[k][block + i], rows[i][lane].bits(), "row {i}, lane {lane}");
+        }
+        let of = &rows[k][block..block + 4];
+        let sum = (of[0] + of[1]) + (of[2] + of[3]);
+        assert_eq!(sums[lane], sum.bits(), "the sum of block {block} of row {k}");
     }
 }
 

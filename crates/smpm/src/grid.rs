@@ -113,6 +113,12 @@ impl<S: Number, const D: usize> Grid<S, D> {
         &self.blocks[node..]
     }
 
+    /// All of them, to be written.
+    #[cfg(test)]
+    pub(crate) fn blocks_mut(&mut self) -> &mut [Node<S, D>] {
+        &mut self.blocks
+    }
+
     /// Clears every tile's blocks, one for each field, and lets its particles add to them: `add(slot, first, blocks, masses)`
     /// with the number of their first node. Masses are cleared where they are summed too.
     pub(crate) fn sum_in_blocks(

@@ -18,7 +18,6 @@ use crate::node::Node;
 use crate::number::{Number, in_registers_of, is_plain};
 use crate::particle_motion::{GridToParticle, Sums, nothing};
 use crate::particles::Chunk;
-use crate::pass::Pass;
 use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
 
@@ -28,8 +27,8 @@ use crate::tile_size::block_edge;
 const BATCH: usize = 8;
 
 impl<const D: usize> GridToParticle<D> {
-    /// What the pass asks of all particles of a chunk; velocity gradients go into `gradients`.
-    pub(crate) fn chunk<S: Number>(
+    /// What the pass asks of all particles of a chunk, each alone; velocity gradients go into `gradients`.
+    pub(crate) fn one_by_one<S: Number>(
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
@@ -42,10 +41,9 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// For `f64`, in the usual cases, the compiler knows the requested quantities and tests at no node. Numbers that show
-    /// their derivatives have plain weights ([`GridToJet`]), but not with GIMP, where the length of a particle has derivatives
-    /// too. There, and for a number of a user, every weight is such a number: next to its arithmetic a test costs nothing, and
-    /// its code is long.
+    /// Numbers that show their derivatives have plain weights ([`GridToJet`]), but not with GIMP, where the length of a particle has
+    /// derivatives too. Others go one by one: next to the arithmetic of a number with derivatives what is tested at each node costs
+    /// nothing.
     #[inline(never)]
     fn in_registers<S: Number, const NODES: usize>(
         &self,
@@ -64,16 +62,7 @@ impl<const D: usize> GridToParticle<D> {
                     self.batches::<S, NODES, 1>(grid, chunk, gradients);
                     return;
                 }
-                let flip = Self { affine: false, with_pic: false, ..*self };
-                match (self.pass, self.affine || self.with_pic) {
-                    (Pass::Whole, false) => Self { pass: Pass::Whole, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    (Pass::Velocity, false) => Self { pass: Pass::Velocity, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    (Pass::StressAndMove, _) => Self { pass: Pass::StressAndMove, ..flip }
-                        .batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                    _ => self.batches::<S, NODES, BATCH>(grid, chunk, gradients),
-                }
+                self.batches::<S, NODES, BATCH>(grid, chunk, gradients);
             },
         );
     }

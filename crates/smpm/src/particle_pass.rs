@@ -17,6 +17,7 @@ use crate::particle_motion::GridToParticle;
 use crate::particles::{BATCH, Chunk};
 use crate::pass::Pass;
 use crate::summary::{Summary, look};
+use crate::transfers::grid_to_particle;
 
 /// Particles of a thread's share at least, a multiple of a batch.
 const SHARE: usize = 1024;
@@ -27,7 +28,7 @@ pub(crate) struct ParticlePass<'a, S, const D: usize> {
     grid: &'a Grid<S, D>,
     config: &'a Config<D>,
     pass: Pass,
-    grid_to_particle: GridToParticle<D>,
+    transfer: GridToParticle<D>,
     strain: Strain,
 }
 
@@ -44,7 +45,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
             grid,
             config,
             pass,
-            grid_to_particle: GridToParticle::of(grid.lattice, config, pass, dt),
+            transfer: GridToParticle::of(grid.lattice, config, pass, dt),
             strain: Strain { dt, time, cell, viscosity },
         }
     }
@@ -89,7 +90,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
             let batch = begin..share.len().min(begin + BATCH);
             let mut chunk = share.part(batch.clone());
             let velocity_gradients = &mut velocity_gradients[..batch.len()];
-            self.grid_to_particle.chunk(self.grid, &mut chunk, velocity_gradients);
+            grid_to_particle(&self.transfer, self.grid, &mut chunk, velocity_gradients);
             if self.pass.updates_stress() {
                 let (range, numbers) = (batch.clone(), chunk.number);
                 let fault = points.update(range, self.strain, velocity_gradients, numbers);

@@ -12,8 +12,6 @@
 )]
 
 use crate::body::Body;
-use crate::config::Config;
-use crate::grid::Grid;
 use crate::jet_to_grid::JetToGrid;
 use crate::node::Node;
 use crate::number::{Number, in_registers_of, is_plain};
@@ -53,31 +51,26 @@ impl<S: Number, const D: usize> RowTerms<S, D> {
     }
 }
 
-/// Sums what is `given` at the nodes of all blocks.
-pub(crate) fn particle_to_grid<S: Number, const D: usize>(
-    grid: &mut Grid<S, D>,
-    bodies: &[Body<S, D>],
-    config: &Config<D>,
-    given: Given,
-) {
-    let transfer = ParticleToGrid::of(config, given);
-    grid.sum_in_blocks(given != Given::Momentum, |slot, first, nodes, masses| {
-        for body in bodies {
-            let block = &mut Block { first, nodes, masses };
-            match config.shape.n_nodes() {
-                2 => transfer.tile::<S, 2>(body, slot, block),
-                3 => transfer.tile::<S, 3>(body, slot, block),
-                _ => transfer.tile::<S, 4>(body, slot, block),
-            }
-        }
-    });
-}
-
 impl<const D: usize> ParticleToGrid<D> {
-    /// The particles of a body in a tile. For `f64`, in the usual cases, the compiler knows what is transferred and
-    /// tests at no node. Numbers that show their derivatives have plain weights ([`JetToGrid`]), but not with GIMP, where the
-    /// length of a particle has derivatives too. There, and for a number of a user, every weight is such a number: next to
-    /// its arithmetic a test costs nothing, and its code is long.
+    /// The particles of a body in a tile, each alone, to the tile's blocks from node number `first` on.
+    pub(crate) fn one_by_one<S: Number>(
+        &self,
+        body: &Body<S, D>,
+        slot: usize,
+        (first, nodes, masses): (usize, &mut [Node<S, D>], &mut [S]),
+    ) {
+        let block = &mut Block { first, nodes, masses };
+        match self.shape.n_nodes() {
+            2 => self.tile::<S, 2>(body, slot, block),
+            3 => self.tile::<S, 3>(body, slot, block),
+            _ => self.tile::<S, 4>(body, slot, block),
+        }
+    }
+
+    /// The particles of a body in a tile, one by one. Those of `f64` are in lanes, but where a body has fewer than a register
+    /// holds. Numbers that show their derivatives have plain weights ([`JetToGrid`]), but not with GIMP, where the length of a
+    /// particle has derivatives too. There, and for a number of a user, every weight is such a number: next to its arithmetic
+    /// what is tested at each node costs nothing.
     fn tile<S: Number, const NODES: usize>(
         &self,
         body: &Body<S, D>,
@@ -97,18 +90,7 @@ impl<const D: usize> ParticleToGrid<D> {
                     self.batches::<S, NODES, 1>(body, slot, block);
                     return;
                 }
-                let flip = Self { affine: false, axisymmetric: false, body_force: false, ..*self };
-                match (self.given, self.affine || self.body_force) {
-                    (Given::MassMomentumAndForce, false) => {
-                        let all = Self { given: Given::MassMomentumAndForce, ..flip };
-                        all.batches::<S, NODES, BATCH>(body, slot, block);
-                    }
-                    (Given::Momentum, _) if !self.affine => {
-                        let momentum = Self { given: Given::Momentum, ..flip };
-                        momentum.batches::<S, NODES, BATCH>(body, slot, block);
-                    }
-                    _ => self.batches::<S, NODES, BATCH>(body, slot, block),
-                }
+                self.batches::<S, NODES, BATCH>(body, slot, block);
             },
         );
     }

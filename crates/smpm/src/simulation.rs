@@ -7,16 +7,16 @@ use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, UpdateOrder};
 use crate::error::Error;
 use crate::grid::{Grid, Solve};
-use crate::number::{Number, is_compiled};
+use crate::number::{Number, is_compiled, is_plain};
 use crate::particle_pass::ParticlePass;
 use crate::particle_terms::Given;
-use crate::particle_to_grid::particle_to_grid;
 use crate::particles::Particles;
 use crate::pass::Pass;
 use crate::snapshot::{Clock, Stored, read, write};
 use crate::summary::{Summary, signal_speed};
 use crate::surfaces::sum_surfaces;
 use crate::tile_size::MOST_NODES;
+use crate::transfers::particle_to_grid;
 
 /// A node lighter than this part of the lightest particle does not move.
 const SMALLEST_MASS: f64 = 1e-12;
@@ -265,7 +265,11 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         self.bin()?;
         let mut is_sorted = false;
         for body in &mut self.bodies {
-            if self.n_steps == 0 || body.binning.is_disordered() {
+            let binning = &mut body.binning;
+            if self.n_steps == 0
+                || binning.is_disordered()
+                || (is_plain::<S>() && binning.cells_are_disordered(self.n_steps))
+            {
                 body.sort(&mut self.done);
                 is_sorted = true;
             }

@@ -66,7 +66,9 @@ fn jets_are_the_differences_of_whole_runs() {
         let (a, b) = (jets.variance_first_order(), differences.variance_first_order());
         // Truncation, h^2 of a ringing that depends strongly on the parameters; seen 2e-6.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
-        assert_eq!(jets.mean_first_order().to_bits(), differences.mean_first_order().to_bits());
+        // The nodes sum `f64` over groups of particles, jets one by one: roundoff, seen 5e-16.
+        let (a, b) = (jets.mean_first_order(), differences.mean_first_order());
+        assert!((a / b - 1.0).abs() < 5e-15, "{a} {b}");
     }
     assert_eq!(propagated.n_probes, 4);
     assert!(propagated.moments[0].trust().unwrap().curvature_ratio.is_some());

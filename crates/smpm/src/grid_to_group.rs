@@ -1,0 +1,482 @@
+//! Grid to particle for groups of particles in lanes, with the operations of `grid_to_particle.rs` in the same order: results are
+//! bitwise identical to those one by one. The numbers of a node are read once for up to four particles.
+//!
+//! All shape functions, transfers and dimensions take this path; a chunk of fewer than four particles does not.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into the dispatched work is not compiled for its registers"
+)]
+
+use lanes::{Lanes, Registers, SimdLevel, Work};
+
+use crate::grid::Grid;
+use crate::group::{Group, LANES, PAIR, components, group_outer, lanes_of, of_groups, parts};
+use crate::group_axis::GroupAxis;
+use crate::lattice::Lattice;
+use crate::node::Node;
+use crate::particle_motion::GridToParticle;
+use crate::particles::Chunk;
+use crate::pass::Pass;
+use crate::shape::{Shape, nodes_along};
+use crate::tile_size::block_edge;
+
+// Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// Sums over nodes of the particles in lanes.
+#[derive(Debug, Clone, Copy)]
+struct GroupSums<V, const D: usize> {
+    velocity: [V; D],
+    change: [V; D],
+    gradient: [[V; D]; D],
+    moment: [[V; D]; D],
+}
+
+/// Which of the sums a pass needs.
+#[derive(Debug, Clone, Copy)]
+struct Wanted {
+    change: bool,
+    gradient: bool,
+    moment: bool,
+}
+
+/// A chunk of particles, at least [`LANES`] of them.
+struct ChunkInLanes<'a, 'c, const D: usize, const NODES: usize> {
+    transfer: &'a GridToParticle<D>,
+    grid: &'a Grid<f64, D>,
+    chunk: &'a mut Chunk<'c, f64, D>,
+    gradients: &'a mut [[[f64; 3]; 3]],
+}
+
+/// Updates all particles of a chunk, at least [`LANES`] of them, as the pass requires; writes their velocity gradients.
+pub(crate) fn grid_to_groups<const D: usize>(
+    level: SimdLevel,
+    transfer: &GridToParticle<D>,
+    grid: &Grid<f64, D>,
+    (chunk, gradients): (&mut Chunk<'_, f64, D>, &mut [[[f64; 3]; 3]]),
+) {
+    match transfer.shape.n_nodes() {
+        2 => level.run(ChunkInLanes::<D, 2> { transfer, grid, chunk, gradients }),
+        3 => level.run(ChunkInLanes::<D, 3> { transfer, grid, chunk, gradients }),
+        _ => level.run(ChunkInLanes::<D, 4> { transfer, grid, chunk, gradients }),
+    }
+}
+
+impl<const D: usize, const NODES: usize> Work<f64> for ChunkInLanes<'_, '_, D, NODES> {
+    type Output = ();
+
+    /// The usual cases are compiled separately, without a test at each node.
+    #[inline(always)]
+    fn run<R: Registers<f64>>(mut self, registers: R) {
+        let transfer = *self.transfer;
+        let flip = GridToParticle { affine: false, with_pic: false, ..transfer };
+        match (transfer.pass, transfer.affine || transfer.with_pic) {
+            (Pass::Whole, false) => {
+                self.groups(registers, &GridToParticle { pass: Pass::Whole, ..flip });
+            }
+            (Pass::Velocity, false) => {
+                self.groups(registers, &GridToParticle { pass: Pass::Velocity, ..flip });
+            }
+            (Pass::StressAndMove, _) => {
+                self.groups(registers, &GridToParticle { pass: Pass::StressAndMove, ..flip });
+            }
+            _ => self.groups(registers, &transfer),
+        }
+    }
+}
+
+impl<const D: usize, const NODES: usize> ChunkInLanes<'_, '_, D, NODES> {
+    #[inline(always)]
+    fn groups<R: Registers<f64>>(&mut self, registers: R, transfer: &GridToParticle<D>) {
+        let Self { grid, chunk, gradients, .. } = self;
+        let mut begin = 0;
+        loop {
+            let (mut pair, mut n_groups) = ([Group::none(); PAIR], 0);
+            while n_groups < PAIR && begin < gradients.len() {
+                let group = Group::at(chunk.node, begin, gradients.len());
+                begin += group.len;
+                pair[n_groups] = group;
+                n_groups += 1;
+            }
+            if n_groups == 0 {
+                return;
+            }
+            if n_groups < PAIR {
+                pair[1] = Group { len: 0, ..pair[0] };
+            }
+            for part in 0..parts::<R>() {
+                let groups = &pair[R::N / LANES * part..];
+                if groups[0].len == 0 {
+                    continue;
+                }
+                let x = components(registers, chunk.position, groups);
+                let axes = transfer.lattice.group_axes::<R, NODES>(
+                    registers,
+                    transfer.shape,
+                    (&x, chunk.half_length),
+                    (groups, chunk.base),
+                );
+                let mut nodes = [grid.from(chunk.node[groups[0].particle()]); PAIR];
+                for b in 1..R::N / LANES {
+                    nodes[b] = grid.from(chunk.node[groups[b].particle()]);
+                }
+                let sums = transfer.sum_groups::<R, NODES>(registers, &axes, &nodes);
+                transfer.apply_to_groups(registers, chunk, (groups, &x), &sums, gradients);
+            }
+        }
+    }
+}
+
+/// Velocity and its change of a node of each group, in all lanes of the group.
+#[inline(always)]
+fn node_of_groups<R: Registers<f64>, const D: usize>(
+    registers: R,
+    nodes: [&Node<f64, D>; PAIR],
+) -> ([R::Vector; D], [R::Vector; D]) {
+    let zero = registers.splat(0.0);
+    let (mut velocity, mut change) = ([zero; D], [zero; D]);
+    let numbers = [nodes[0].numbers(), nodes[1].numbers()];
+    if let (Some(one), Some(two)) = (numbers[0].first_chunk(), numbers[1].first_chunk()) {
+        let spread = registers.spread_fours(&[one, two]);
+        for k in 0..LANES {
+            if k < D {
+                velocity[k] = spread[k];
+            } else if k < 2 * D {
+                change[k - D] = spread[k];
+            }
+        }
+    } else {
+        velocity[0] = of_groups(registers, [numbers[0][0], numbers[1][0]]);
+        change[0] = of_groups(registers, [numbers[0][1], numbers[1][1]]);
+    }
+    if let (3, Some(one), Some(two)) = (D, numbers[0].last_chunk(), numbers[1].last_chunk()) {
+        let [_, _, y, z] = registers.spread_fours(&[one, two]);
+        (change[D - 2], change[D - 1]) = (y, z);
+    }
+    (velocity, change)
+}
+
+/// Sums along a row of nodes.
+#[derive(Debug, Clone, Copy)]
+struct RowSums<V, const D: usize> {
+    velocity: [V; D],
+    change: [V; D],
+    steep: [V; D],
+    moment: [V; D],
+}
+
+#[inline(always)]
+fn sum_row<R: Registers<f64>, const NODES: usize, const D: usize>(
+    registers: R,
+    axis: &GroupAxis<R::Vector>,
+    rows: [&[Node<f64, D>]; PAIR],
+    wanted: Wanted,
+) -> RowSums<R::Vector, D> {
+    let nothing = [registers.splat(-0.0); D];
+    let mut sums = RowSums { velocity: nothing, change: nothing, steep: nothing, moment: nothing };
+    for i in 0..NODES {
+        let (value, slope) = (axis.value[i], axis.slope[i]);
+        let (velocity, change) = node_of_groups(registers, [&rows[0][i], &rows[1][i]]);
+        for c in 0..D {
+            let v = velocity[c];
+            sums.velocity[c] = sums.velocity[c] + v * value;
+            if wanted.gradient {
+                sums.steep[c] = sums.steep[c] + v * slope;
+            }
+            if wanted.moment && i > 0 {
+                let arm = value * registers.splat(i as f64);
+                sums.moment[c] = sums.moment[c] + v * arm;
+            }
+            if wanted.change {
+                sums.change[c] = sums.change[c] + change[c] * value;
+            }
+        }
+    }
+    sums
+}
+
+impl<V: Lanes<Number = f64>, const D: usize> GroupSums<V, D> {
+    /// Adds row `(j, k)`; `n` and `grad_n` are the factor of the axes beyond the first in the shape function and its slopes.
+    #[inline(always)]
+    fn add_row(
+        &mut self,
+        row: &RowSums<V, D>,
+        (n, grad_n): (V, &[V; D]),
+        (j, k): (usize, usize),
+        wanted: Wanted,
+    ) {
+        for c in 0..D {
+            let here = row.velocity[c] * n;
+            self.velocity[c] = self.velocity[c] + here;
+            if wanted.change {
+                self.change[c] = self.change[c] + row.change[c] * n;
+            }
+            if wanted.gradient {
+                self.gradient[0][c] = self.gradient[0][c] + row.steep[c] * n;
+                for l in 1..D {
+                    self.gradient[l][c] = self.gradient[l][c] + row.velocity[c] * grad_n[l];
+                }
+            }
+            if wanted.moment {
+                let of = &mut self.moment[c];
+                of[0] = of[0] + row.moment[c] * n;
+                if D > 1 {
+                    of[D.min(2) - 1] = of[D.min(2) - 1] + here * n.splat(j as f64);
+                }
+                if D > 2 {
+                    of[D - 1] = of[D - 1] + here * n.splat(k as f64);
+                }
+            }
+        }
+    }
+}
+
+impl<const D: usize> GridToParticle<D> {
+    #[inline(always)]
+    fn wanted(&self) -> Wanted {
+        let updates = self.pass.updates_velocity();
+        let with_matrix = updates && self.affine;
+        let moment = with_matrix && self.inverse_inertia.is_some();
+        Wanted {
+            change: updates && (!self.with_pic || self.shares.0 != 0.0),
+            gradient: self.pass.updates_stress() || (with_matrix && !moment),
+            moment,
+        }
+    }
+
+    /// Sums over the nodes of groups, row by row; `nodes` begin with the lowest one of each group.
+    #[inline(always)]
+    fn sum_groups<R: Registers<f64>, const NODES: usize>(
+        &self,
+        registers: R,
+        axes: &[GroupAxis<R::Vector>; D],
+        nodes: &[&[Node<f64, D>]; PAIR],
+    ) -> GroupSums<R::Vector, D> {
+        let (edge, wanted) = (block_edge(D), self.wanted());
+        // Minus zero is the neutral element of addition; the compiler omits it.
+        let nothing = [registers.splat(-0.0); D];
+        let mut sums = GroupSums {
+            velocity: nothing,
+            change: nothing,
+            gradient: [nothing; D],
+            moment: [nothing; D],
+        };
+        for k in 0..nodes_along::<NODES, D>(2) {
+            for j in 0..nodes_along::<NODES, D>(1) {
+                let (n, grad_n) = group_outer(axes, (j, k));
+                let start = (k * edge + j) * edge;
+                let rows = [&nodes[0][start..start + NODES], &nodes[1][start..start + NODES]];
+                let row = sum_row::<R, NODES, D>(registers, &axes[0], rows, wanted);
+                sums.add_row(&row, (n, &grad_n), (j, k), wanted);
+            }
+        }
+        sums
+    }
+}
+
+impl<const D: usize> GridToParticle<D> {
+    /// Updates the particles from their sums over nodes, as `particle_motion.rs` does.
+    #[inline(always)]
+    fn apply_to_groups<R: Registers<f64>>(
+        &self,
+        registers: R,
+        chunk: &mut Chunk<'_, f64, D>,
+        (groups, x): (&[Group], &[R::Vector; D]),
+        sums: &GroupSums<R::Vector, D>,
+        velocity_gradients: &mut [[[f64; 3]; 3]],
+    ) {
+        let dt = registers.splat(self.dt);
+        if self.pass.updates_stress() {
+            self.set_gradients(registers, chunk, (groups, x), sums, velocity_gradients);
+        }
+        if !self.pass.updates_velocity() {
+            return;
+        }
+        let before = components(registers, chunk.velocity, groups);
+        let mut velocity = before;
+        let (flip, pic) = (registers.splat(self.shares.0), registers.splat(self.shares.1));
+        let mut moved = *x;
+        for k in 0..D {
+            let new = sums.velocity[k];
+            velocity[k] = if !self.with_pic {
+                velocity[k] + sums.change[k]
+            } else if self.shares.0 == 0.0 {
+                new
+            } else {
+                (velocity[k] + sums.change[k]) * flip + new * pic
+            };
+            // A particle whose stress is updated later from the same place stays there.
+            moved[k] = if self.pass.moves() { x[k] + new * dt } else { new * dt };
+        }
+        if self.affine {
+            self.set_matrices(registers, chunk, (groups, x), sums);
+        }
+        set_vectors(registers, groups, (&velocity, &before), chunk.velocity);
+        if self.pass.moves() {
+            set_vectors(registers, groups, (&moved, x), chunk.position);
+        } else {
+            let before = components(registers, chunk.displacement, groups);
+            set_vectors(registers, groups, (&moved, &before), chunk.displacement);
+        }
+    }
+
+    /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`; with GIMP the particle's lengths.
+    #[inline(always)]
+    fn set_gradients<R: Registers<f64>>(
+        &self,
+        registers: R,
+        chunk: &mut Chunk<'_, f64, D>,
+        (groups, x): (&[Group], &[R::Vector; D]),
+        sums: &GroupSums<R::Vector, D>,
+        velocity_gradients: &mut [[[f64; 3]; 3]],
+    ) {
+        let per_cell = registers.splat(self.lattice.per_cell);
+        let mut l = sums.gradient;
+        for k in 0..D {
+            for m in 0..D {
+                l[k][m] = sums.gradient[m][k] * per_cell;
+            }
+        }
+        for k in 0..D {
+            set_rows(registers, groups, &l[k], k, velocity_gradients);
+        }
+        if self.axisymmetric {
+            let column = velocity_gradients.as_flattened_mut().as_flattened_mut();
+            set_numbers(registers, groups, sums.velocity[0] / x[0], (column, 9, 8));
+        }
+        if self.shape == Shape::Gimp {
+            let lengths = components(registers, chunk.half_length, groups);
+            for k in 0..D {
+                let longer = lengths[k] + lengths[k] * l[k][k] * registers.splat(self.dt);
+                set_numbers(registers, groups, longer, (chunk.stretched.as_flattened_mut(), D, k));
+            }
+        }
+    }
+
+    /// APIC's matrix.
+    #[inline(always)]
+    fn set_matrices<R: Registers<f64>>(
+        &self,
+        registers: R,
+        chunk: &mut Chunk<'_, f64, D>,
+        (groups, x): (&[Group], &[R::Vector; D]),
+        sums: &GroupSums<R::Vector, D>,
+    ) {
+        let Lattice { origin, cell, per_cell } = self.lattice;
+        let lowest = [groups[0], groups[R::N / LANES - 1]].map(|group| group.particle());
+        for l in 0..D {
+            let corner = of_groups(
+                registers,
+                [
+                    f64::from(chunk.base[lowest[0]][l]) * cell,
+                    f64::from(chunk.base[lowest[1]][l]) * cell,
+                ],
+            );
+            let arm = corner - (x[l] - registers.splat(origin[l]));
+            for k in 0..D {
+                let matrix = match self.inverse_inertia {
+                    None => sums.gradient[l][k] * registers.splat(per_cell),
+                    Some(inverse) => {
+                        let moment = sums.moment[k][l] * registers.splat(cell);
+                        (sums.velocity[k] * arm + moment) * registers.splat(inverse)
+                    }
+                };
+                let column = chunk.affine.as_flattened_mut().as_flattened_mut();
+                set_numbers(registers, groups, matrix, (column, D * D, D * k + l));
+            }
+        }
+    }
+}
+
+/// Writes one number of every particle: number `offset` of its `stride` numbers in a column. All four lanes are written, without a
+/// branch; the groups of the particles in other lanes follow and overwrite them.
+#[inline(always)]
+fn set_numbers<R: Registers<f64>>(
+    registers: R,
+    groups: &[Group],
+    vector: R::Vector,
+    (column, stride, offset): (&mut [f64], usize, usize),
+) {
+    for b in 0..R::N / LANES {
+        let (group, lanes) = (groups[b], registers.four(vector, b));
+        if group.lane > 0 {
+            // At the end of a chunk.
+            for lane in group.lane..group.lane + group.len {
+                column[stride * (group.first + lane) + offset] = lanes[lane];
+            }
+        } else if group.len > 0 {
+            let column = &mut column[stride * group.first..];
+            for lane in 0..LANES {
+                column[stride * lane + offset] = lanes[lane];
+            }
+        }
+    }
+}
+
+/// Writes a column of vectors. Lanes outside the groups keep the vectors `before`.
+#[inline(always)]
+fn set_vectors<R: Registers<f64>, const D: usize>(
+    registers: R,
+    groups: &[Group],
+    (vectors, before): (&[R::Vector; D], &[R::Vector; D]),
+    column: &mut [[f64; D]],
+) {
+    let (inside, flat) = (lanes_of(registers, groups), column.as_flattened_mut());
+    let mut vectors = *vectors;
+    for k in 0..D {
+        vectors[k] = R::Vector::select(inside, vectors[k], before[k]);
+    }
+    if D != 2 || are_last(registers, groups) {
+        for k in 0..D {
+            set_numbers(registers, groups, vectors[k], (flat, D, k));
+        }
+        return;
+    }
+    let halves = registers.zip_fours(vectors[0], vectors[D - 1]);
+    for b in 0..R::N / LANES {
+        if groups[b].len > 0 {
+            let at = D * groups[b].first;
+            flat[at..at + LANES].copy_from_slice(&registers.four(halves[0], b));
+            flat[at + LANES..at + 2 * LANES].copy_from_slice(&registers.four(halves[1], b));
+        }
+    }
+}
+
+/// Writes row `k` of matrices, as [`set_numbers`] does.
+#[inline(always)]
+fn set_rows<R: Registers<f64>, const D: usize>(
+    registers: R,
+    groups: &[Group],
+    row: &[R::Vector; D],
+    k: usize,
+    matrices: &mut [[[f64; 3]; 3]],
+) {
+    if D != 2 || are_last(registers, groups) {
+        for m in 0..D {
+            let column = matrices.as_flattened_mut().as_flattened_mut();
+            set_numbers(registers, groups, row[m], (column, 9, 3 * k + m));
+        }
+        return;
+    }
+    let halves = registers.zip_fours(row[0], row[D - 1]);
+    for b in 0..R::N / LANES {
+        if groups[b].len > 0 {
+            let matrices = &mut matrices[groups[b].first..groups[b].first + LANES];
+            for half in 0..2 {
+                let [a, b, c, d] = registers.four(halves[half], b);
+                (matrices[2 * half][k][0], matrices[2 * half][k][1]) = (a, b);
+                (matrices[2 * half + 1][k][0], matrices[2 * half + 1][k][1]) = (c, d);
+            }
+        }
+    }
+}
+
+/// Whether a group does not begin in its first lane, as at the end of a chunk.
+#[inline(always)]
+fn are_last<R: Registers<f64>>(_: R, groups: &[Group]) -> bool {
+    let mut lanes = 0;
+    for b in 0..R::N / LANES {
+        lanes |= groups[b].lane;
+    }
+    lanes != 0
+}

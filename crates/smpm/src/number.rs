@@ -8,7 +8,7 @@ use perturbation_moments::{Gradient, LANES, Scalar};
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
 /// its history, or a [`Gradient`]. Any [`Scalar`] that threads may share becomes one by `impl Number for MyScalar {}`.
 ///
-/// Shape functions of jets and gradients are plain numbers in the transfer, with their derivatives (except with GIMP). For a type
+/// Shape functions of jets and gradients are `f64` in the transfer, with their derivatives (except with GIMP). For a type
 /// of one's own they are numbers of this type; a jet by either way has the same values, and derivatives equal within roundoff.
 pub trait Number: Scalar + std::fmt::Debug + Send + Sync + 'static {
     /// The dimensions in which the step is compiled with this crate; in others it is compiled with who runs it.

@@ -1,4 +1,4 @@
-//! Shape functions of a particle whose place carries derivatives, as plain numbers.
+//! Shape functions of a particle whose place carries derivatives, as `f64`.
 //!
 //! $$ N_i(x) = N_i(x_0) + \sum_l N_{i,l}(x_0) \, d_l + \tfrac12 \sum_{l m} N_{i,lm}(x_0) \, d_l d_m, \qquad d = x - x_0 $$
 //!

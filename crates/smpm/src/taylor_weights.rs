@@ -3,7 +3,7 @@
 //! $$ N_i(x) = N_i(x_0) + \sum_l N_{i,l}(x_0) \, d_l + \tfrac12 \sum_{l m} N_{i,lm}(x_0) \, d_l d_m, \qquad d = x - x_0 $$
 //!
 //! `x_0` is the value of the place, so `d` has the value zero: the series ends after the first power for numbers with first
-//! derivatives, after the second for those with second ones. It is exact, and `N_i(x_0)` with its derivatives are plain numbers.
+//! derivatives, after the second for those with second ones. It is exact, and `N_i(x_0)` with its derivatives are `f64`.
 //! A derivative of order `n` of a product `q d_l ..` with `k` factors `d` is zero unless `k <= n`. So what a node receives of a
 //! quantity `q` in the order `n` is a polynomial of degree `n` in the derivatives of `N_i`; for `q dN_i/dx_l`, one of degree
 //! `n + 1`.

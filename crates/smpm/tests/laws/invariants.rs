@@ -205,9 +205,11 @@ fn particles_in_lanes_move_as_they_do_one_by_one() {
                 orders.into_iter().zip([1, 3, 4]).chain(orders.map(|o| (o, 37)))
             {
                 let plain = Config::with_cell(1.0);
-                let config = Config { shape, transfer, update_order, ..plain };
+                // Linear ones gain energy at the free surface: in few steps not much.
+                let most_energy_growth = 10.0;
+                let config = Config { shape, transfer, update_order, most_energy_growth, ..plain };
                 let (mut lanes, mut alone) = (bodies::<f64>(n, &config), bodies::<Jet>(n, &config));
-                for _ in 0..40 {
+                for _ in 0..15 {
                     let dt = lanes.longest_step();
                     let _ = (lanes.step_of(dt).unwrap(), alone.step_of(dt).unwrap());
                 }
@@ -218,7 +220,7 @@ fn particles_in_lanes_move_as_they_do_one_by_one() {
                 let lanes = all(&|p, k| [lanes.position(p)[k], lanes.velocity(p)[k]]);
                 let alone = all(&|p, k| [alone.position(p)[k].value, alone.velocity(p)[k].value]);
                 for (a, b) in lanes.iter().zip(&alone) {
-                    // Roundoff of 40 steps.
+                    // Roundoff of 15 steps.
                     let error = (a - b).abs();
                     assert!(
                         error < 1e-12,

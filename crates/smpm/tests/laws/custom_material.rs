@@ -214,7 +214,7 @@ fn own_material_in_lanes_has_the_bits_of_one_by_one() {
         // Squeezed on one side, torn on the other.
         body.set_velocities(|[x, y]| [0.3 * (x - 1.5) * (x - 1.5) - 0.6, 0.1 * y]).unwrap();
         let mut simulation = Simulation::new(Config::with_cell(1.0), vec![body]).unwrap();
-        for _ in 0..10 {
+        for _ in 0..4 {
             let _ = simulation.step().unwrap();
         }
         let body = &simulation.bodies()[0];

@@ -163,7 +163,7 @@ fn compare<const D: usize>(config: &Config<D>) {
         let largest = jets.iter().fold(0.0_f64, |most, jet| most.max(jet.value.abs()));
         for (k, jet) in jets.iter().enumerate() {
             let (expected, gradient) = (by_operations[column][k].0, gradients[column][k]);
-            assert_eq!([jet.value], [expected.value], "{name}: {k} of column {column}");
+            assert_eq!((jet.value, k), (expected.value, k), "{name}: {k} of column {column}");
             // roundoff: of 30 steps, over the largest value; 1.1e-12 with hats, APIC and the stress last, which amplify it.
             let error = (jet.value - plain[column][k]).abs() / largest;
             assert!(error < LIMIT, "{name}: {k} of column {column}: {error:e}");

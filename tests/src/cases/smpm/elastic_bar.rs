@@ -145,8 +145,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.push(lines.bounded(
         ("momentum", "change of the momentum of two rods that meet, over that of one", ""),
         change.value(),
-        1e-9,
-        "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which do not move: a particle whose edge has just passed one loses up to 1e-6 of its force, by chance of the steps up to 7e-10 at Courant numbers from 0.3 to 0.5",
+        2.5e-10,
+        "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which do not move: a particle whose edge has just passed one loses up to 1e-6 of its force, by chance of the steps up to 2e-10 at Courant numbers from 0.3 to 0.5",
     ));
     Ok(claims)
 }

@@ -1,4 +1,4 @@
-//! The arithmetic of formulas: one number, a number in each lane of a register, either with derivatives.
+//! The arithmetic of formulas: one number, possibly with derivatives, or a number in each lane of a register.
 
 #![allow(
     clippy::inline_always,
@@ -9,12 +9,12 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use lanes::{Lanes, Mask};
-/// A real number of a formula: a value, or a value in each lane of a register, possibly with derivatives.
+/// A real number of a formula: a value, possibly with derivatives, or a value in each lane of a register.
 ///
-/// One text over `Real` serves `f64`, [`Jet`](crate::Jet), [`Gradient`](crate::Gradient), and for several `f64` at once in the
-/// lanes of a register: [`InLanes`]. Lanes differ in their values, so a branch becomes a
-/// choice by a [mask](Self::Mask): [`select`](Self::select), or [`when!`](crate::when) where one side is dear. A number that
-/// is one value has one truth as its mask, and `when!` is a branch.
+/// A formula over `Real` serves `f64`, [`Jet`](crate::Jet) and [`Gradient`](crate::Gradient), and several `f64` at once in the lanes
+/// of a register, [`InLanes`]. Lanes differ in their values, so a branch becomes a choice by a [mask](Self::Mask):
+/// [`select`](Self::select), or [`when!`](crate::when) where one side is expensive. For a single value the mask is a `bool`,
+/// and `when!` is a branch.
 ///
 /// A constant needs to know the registers, so it is made from a number at hand: [`splat`](Self::splat).
 ///

@@ -1,4 +1,4 @@
-//! A material in several number types: what computes several particles at once.
+//! A material over any number type, which is how several particles are computed at once.
 
 #![allow(
     clippy::inline_always,
@@ -28,7 +28,7 @@ macro_rules! family {
 }
 
 family! {
-    /// A material whose text serves several particles at once: over `f64` and jets it is computed in the lanes of a register.
+    /// A material whose text serves several particles at once: over `f64` it is computed in the lanes of a register.
     ///
     /// Its update must choose by masks where particles differ ([`Real::select`], [`when`](perturbation_moments::when)): then each lane
     /// has the bits of its particle alone. All of its state must be in [`visit_numbers`](Material::visit_numbers).

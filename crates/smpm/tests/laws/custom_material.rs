@@ -202,7 +202,7 @@ impl EquationFamily<f64> for Drops<f64> {
 // docs: end
 
 #[test]
-fn own_material_in_lanes_has_the_bits_of_one_by_one() {
+fn own_material_in_lanes_is_bitwise_identical_to_one_by_one() {
     let drops = || Solid { equation: Drops { density: 1.0, bulk_modulus: 10.0 }, strength: Fluid };
     // 35 particles: not a multiple of any register.
     let fill = Fill::of([0.5; 2], ([0.0; 2], [3.5, 2.5]), |_| true).unwrap();

@@ -4,6 +4,7 @@ use lanes::Mask;
 use perturbation_moments::{Real, Scalar, when};
 
 use super::johnson_cook_return::{LEAST_STRAIN, Return};
+use super::johnson_cook_state::JohnsonCookState;
 use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
 use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
@@ -67,25 +68,6 @@ pub struct JohnsonCook<S> {
     log_floor: S,
 }
 
-/// What a particle of a [`JohnsonCook`] material remembers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JohnsonCookState<S> {
-    /// The deviator (stress).
-    pub deviator: Symmetric<S>,
-    /// The equivalent plastic strain.
-    pub plastic_strain: S,
-    /// The homologous temperature.
-    pub homologous_temperature: S,
-    /// The flow stress at the rate of the last step (stress).
-    pub flow_stress: S,
-    /// The trial von Mises stress less the flow stress at the last step (stress).
-    pub overshoot: S,
-    /// `eps_p^n`: an elastic step takes no power.
-    hardening: S,
-    /// `1 - T*^m`, likewise.
-    softening: S,
-}
-
 impl<S: Scalar> JohnsonCook<S> {
     /// Checks the parameters.
     ///
@@ -126,26 +108,6 @@ impl<S: Scalar> JohnsonCook<S> {
     #[must_use]
     pub fn parameters(&self) -> &JohnsonCookParameters<S> {
         &self.parameters
-    }
-}
-
-impl<S: Real> JohnsonCookState<S> {
-    /// `inside` in the lanes where the mask is true, `outside` in the others.
-    #[inline(always)]
-    pub(crate) fn select(mask: S::Mask, inside: &Self, outside: &Self) -> Self {
-        Self {
-            deviator: Symmetric::select(mask, &inside.deviator, &outside.deviator),
-            plastic_strain: S::select(mask, inside.plastic_strain, outside.plastic_strain),
-            homologous_temperature: S::select(
-                mask,
-                inside.homologous_temperature,
-                outside.homologous_temperature,
-            ),
-            flow_stress: S::select(mask, inside.flow_stress, outside.flow_stress),
-            overshoot: S::select(mask, inside.overshoot, outside.overshoot),
-            hardening: S::select(mask, inside.hardening, outside.hardening),
-            softening: S::select(mask, inside.softening, outside.softening),
-        }
     }
 }
 

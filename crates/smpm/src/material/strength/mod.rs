@@ -5,6 +5,7 @@ mod fluid;
 mod johnson_cook;
 mod johnson_cook_damage;
 mod johnson_cook_return;
+mod johnson_cook_state;
 mod von_mises;
 
 use perturbation_moments::{Real, Scalar, when};
@@ -15,10 +16,11 @@ use crate::tensor::Symmetric;
 
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
 pub use fluid::Fluid;
-pub use johnson_cook::{JohnsonCook, JohnsonCookParameters, JohnsonCookState};
+pub use johnson_cook::{JohnsonCook, JohnsonCookParameters};
 pub use johnson_cook_damage::{
     JohnsonCookDamage, JohnsonCookDamageParameters, JohnsonCookDamageState,
 };
+pub use johnson_cook_state::JohnsonCookState;
 pub use von_mises::{VonMises, VonMisesParameters, VonMisesState};
 
 /// The strengths of this crate.

@@ -3,7 +3,6 @@
 //! Two files alternate in the folder of the results, so one of them is always complete. Each has a head that
 //! identifies its run, and ends in a hash of the preceding bytes. A scene kind stores named parts in it. Parts stored
 //! after the end of a run serve a longer run of the same scene.
-//! ended serves a longer run of the same scene.
 
 mod error;
 mod file;
@@ -127,8 +126,7 @@ impl Checkpoint {
     /// Whether the interval since the last checkpoint has elapsed.
     #[must_use]
     pub fn is_due(&self) -> bool {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.last.elapsed() >= self.every.max(LEAST_SHARE * kept.took)
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).is_due(self.every)
     }
 
     /// Stores a part, replacing any part of the same name, and writes the checkpoint.
@@ -136,13 +134,35 @@ impl Checkpoint {
     /// # Errors
     /// [`CheckpointError::Part`] if the part cannot be serialised, and errors of the file system.
     pub fn keep<T: Serialize>(&self, name: &str, part: &T) -> Result<(), CheckpointError> {
+        self.store(name, part, |_| true)
+    }
+
+    /// Stores a part, replacing any part of the same name. The checkpoint is written if [due](Self::is_due), else with a later
+    /// part or at the [end](Self::end): an interruption loses at most the interval.
+    ///
+    /// Use it for parts that come in quick succession, since every write writes all parts.
+    ///
+    /// # Errors
+    /// As [`keep`](Self::keep).
+    pub fn keep_if_due<T: Serialize>(&self, name: &str, part: &T) -> Result<(), CheckpointError> {
+        self.store(name, part, |kept| kept.is_due(self.every))
+    }
+
+    fn store<T: Serialize>(
+        &self,
+        name: &str,
+        part: &T,
+        is_due: impl FnOnce(&Kept) -> bool,
+    ) -> Result<(), CheckpointError> {
         let start = Instant::now();
         let bytes = to_bytes(name, part)?;
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.parts.insert(name.to_owned(), bytes);
         kept.stage = Stage::UnderWay;
-        self.write(&mut kept)?;
-        kept.took = start.elapsed();
+        if is_due(&kept) {
+            self.write(&mut kept)?;
+            kept.took = start.elapsed();
+        }
         Ok(())
     }
 
@@ -175,6 +195,10 @@ impl Checkpoint {
 impl Kept {
     fn new(parts: Parts, sequence: u64, stage: Stage) -> Self {
         Self { parts, sequence, stage, last: Instant::now(), took: Duration::ZERO }
+    }
+
+    fn is_due(&self, every: Duration) -> bool {
+        self.last.elapsed() >= every.max(LEAST_SHARE * self.took)
     }
 }
 

@@ -10,7 +10,9 @@ use crate::boundary::Plane;
 use crate::contact::{Friction, MOST_GAP, Surface, meet};
 use crate::node::Node;
 use crate::number::Number;
-use crate::tile_size::{HALO, block_edge, block_len, signed, tile_edge, tile_len, tile_of};
+use crate::tile_size::{
+    HALO, block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of,
+};
 use crate::tiles::{Directory, MOST_DEPTH, NONE, Tile};
 
 /// At a node the surfaces of so many bodies are summed once; those of further bodies again for each pair.
@@ -118,31 +120,38 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         }
     }
 
-    /// The same where planes act.
-    pub(crate) fn collect_at_planes(
+    /// Adds to what [`collect`](Self::collect) has found the images that planes show of the nodes of a tile.
+    pub(crate) fn add_images(
         &self,
         tile: &Tile<D>,
         owned: &mut [Node<S, D>],
         mut masses: Option<&mut [S]>,
         field: usize,
     ) {
+        let is_near = |plane: &Plane| {
+            let (least, most) = plane.range_beyond(&corner_of(&tile.at), tile_edge(D));
+            plane.mirrors() && least < 0 && most >= -MOST_DEPTH
+        };
+        if !self.planes.iter().any(is_near) {
+            return;
+        }
         for (index, node) in owned.iter_mut().enumerate() {
             let place = place::<D>(&tile.at, index, tile_edge(D));
-            let mut sum = S::constant(0.0);
-            *node = Node::zero();
             let shows = |plane: &Plane, depth| plane.mirrors() && (1..=MOST_DEPTH).contains(&depth);
             for_each_image(self.planes, place, shows, |at, mirrors| {
+                if mirrors.iter().all(Option::is_none) {
+                    return;
+                }
                 let (mut image, mass) = self.sum_at(at, field);
                 for plane in mirrors.into_iter().flatten() {
                     *image.momentum_mut() = plane.mirrored(*image.momentum());
                     *image.force_mut() = plane.mirrored(*image.force());
                 }
                 node.add(&image);
-                sum = sum + mass;
+                if let Some(masses) = &mut masses {
+                    masses[index] = masses[index] + mass;
+                }
             });
-            if let Some(masses) = &mut masses {
-                masses[index] = sum;
-            }
         }
     }
 
@@ -294,23 +303,49 @@ fn for_each_image<'a, const D: usize>(
     }
 }
 
-/// A node as a particle sees it: beyond a mirror, the image of the one on this side.
-pub(crate) fn seen_at<S: Number, const D: usize>(
+/// Nodes of a block beyond a mirror: a particle sees the image of the one on this side.
+pub(crate) fn fill_images<S: Number, const D: usize>(
     planes: &[Plane],
+    (directory, tile): (&Directory<D>, &Tile<D>),
+    nodes: &[Node<S, D>],
+    block: &mut [Node<S, D>],
+    fields: Fields,
+) {
+    let reaches = |plane: &Plane| {
+        plane.mirrors() && plane.range_beyond(&corner_of(&tile.at), block_edge(D)).1 > 0
+    };
+    if !planes.iter().any(reaches) {
+        return;
+    }
+    for (index, node) in block.iter_mut().enumerate() {
+        let mut at = place_in_block(&tile.at, index);
+        let behind =
+            |plane: &&Plane, at: &[i32; D]| plane.mirrors() && plane.beyond(at[plane.axis]) > 0;
+        let mut mirrors = [None; D];
+        // A corner is beyond a plane of each axis.
+        for mirror in &mut mirrors {
+            *mirror = planes.iter().find(|plane| behind(plane, &at));
+            if let Some(plane) = mirror {
+                at[plane.axis] = plane.image(at[plane.axis]);
+            }
+        }
+        if mirrors[0].is_some() {
+            *node = node_at(directory, nodes, fields, at);
+            for plane in mirrors.into_iter().rev().flatten() {
+                *node.velocity_mut() = plane.mirrored(*node.velocity());
+                *node.velocity_change_mut() = plane.mirrored(*node.velocity_change());
+            }
+        }
+    }
+}
+
+/// A node by its place.
+fn node_at<S: Number, const D: usize>(
     directory: &Directory<D>,
     nodes: &[Node<S, D>],
     fields: Fields,
     place: [i32; D],
 ) -> Node<S, D> {
-    let behind = planes.iter().find(|plane| plane.mirrors() && plane.beyond(place[plane.axis]) > 0);
-    if let Some(plane) = behind {
-        let mut at = place;
-        at[plane.axis] = plane.image(at[plane.axis]);
-        let mut node = seen_at(planes, directory, nodes, fields, at);
-        *node.velocity_mut() = plane.mirrored(*node.velocity());
-        *node.velocity_change_mut() = plane.mirrored(*node.velocity_change());
-        return node;
-    }
     let (edge, tile) = (tile_edge(D), tile_of(&place));
     let slot = directory.number(&tile);
     if slot == NONE {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, not_negative, positive};
 use crate::number::Number;
+use crate::tile_size::signed;
 
 /// On which side of a plane the bodies are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,6 +89,17 @@ impl Plane {
             Side::Above => self.node - node,
             Side::Below => node - self.node,
         }
+    }
+
+    /// The least and the most that nodes of a box lie beyond the plane: `edge` nodes along each axis from `corner` on.
+    pub(crate) fn range_beyond<const D: usize>(
+        &self,
+        corner: &[i32; D],
+        edge: usize,
+    ) -> (i32, i32) {
+        let first = corner[self.axis];
+        let ends = [self.beyond(first), self.beyond(first + signed(edge) - 1)];
+        (ends[0].min(ends[1]), ends[0].max(ends[1]))
     }
 
     /// Whether what is beyond the plane is an image of what is here.

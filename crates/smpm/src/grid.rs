@@ -7,7 +7,7 @@
 
 use lanes::dispatch;
 
-use crate::blocks::{BlockSums, Fields, fill, place, place_in_block, seen_at};
+use crate::blocks::{BlockSums, Fields, fill, fill_images, place};
 use crate::body::Body;
 use crate::boundary::Plane;
 use crate::config::{Config, Contact};
@@ -17,7 +17,7 @@ use crate::lattice::Lattice;
 use crate::node::Node;
 use crate::number::Number;
 use crate::parallel::{for_each_chunk, for_each_pair_of_chunks};
-use crate::tile_size::{block_edge, block_len, tile_edge, tile_len};
+use crate::tile_size::{block_edge, block_len, corner_of, tile_edge, tile_len};
 use crate::tiles::{Tile, Tiles};
 
 /// The nodes of all tiles.
@@ -195,7 +195,10 @@ impl<S: Number, const D: usize> Grid<S, D> {
                             Friction { coefficient, pic: solve.pic },
                         );
                     }
-                    if tiles[slot].plain {
+                    let acts = |plane: &Plane| {
+                        plane.range_beyond(&corner_of(&tiles[slot].at), tile_edge(D)).1 >= 0
+                    };
+                    if tiles[slot].plain || !sums.planes.iter().any(acts) {
                         add_changes(owned);
                     } else {
                         constrain(&tiles[slot], owned, sums.planes, (solve.dt, cell));
@@ -214,13 +217,9 @@ impl<S: Number, const D: usize> Grid<S, D> {
                 return;
             }
             let fields = Fields { n_fields, field: set % n_fields };
-            if tile.plain {
-                fill(tile, nodes, block, fields);
-                return;
-            }
-            for (index, node) in block.iter_mut().enumerate() {
-                let place = place_in_block::<D>(&tile.at, index);
-                *node = seen_at(planes, directory, nodes, fields, place);
+            fill(tile, nodes, block, fields);
+            if !tile.plain {
+                fill_images(planes, (directory, tile), nodes, block, fields);
             }
         });
     }
@@ -241,11 +240,9 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         field: usize,
         solve: Solve,
     ) {
-        let summed_masses = solve.with_mass.then_some(&mut *masses);
-        if tile.plain {
-            self.collect(tile, owned, summed_masses, field);
-        } else {
-            self.collect_at_planes(tile, owned, summed_masses, field);
+        self.collect(tile, owned, solve.with_mass.then_some(&mut *masses), field);
+        if !tile.plain {
+            self.add_images(tile, owned, solve.with_mass.then_some(&mut *masses), field);
         }
         find_velocities(owned, masses, solve);
     }
@@ -291,6 +288,13 @@ fn constrain<S: Number, const D: usize>(
 ) {
     for (index, node) in owned.iter_mut().enumerate() {
         let place = place::<D>(&tile.at, index % tile_len(D), tile_edge(D));
+        if planes.iter().all(|plane| plane.beyond(place[plane.axis]) < 0) {
+            let change = *node.velocity_change();
+            for k in 0..D {
+                node.velocity_mut()[k] = node.velocity()[k] + change[k];
+            }
+            continue;
+        }
         // Mirrors hold before the step too: what the image takes from the momentum is no change.
         let mut before: [S; D] = *node.velocity();
         for plane in planes.iter().filter(|plane| plane.mirrors()) {

@@ -155,3 +155,19 @@ fn a_checkpoint_is_due_when_the_last_was_long_ago() {
     let (often, _) = Checkpoint::open(&folder.0, head("x"), Start::Anew, OFTEN).unwrap();
     assert!(often.is_due() && !rarely.is_due());
 }
+
+#[test]
+fn parts_in_quick_succession_are_written_together_at_the_end() {
+    let folder = Folder::new("quick");
+    let hour = Duration::from_secs(3600);
+    let open = |start| Checkpoint::open(&folder.0, head("x"), start, hour).unwrap();
+    let (checkpoint, _) = open(Start::Anew);
+    checkpoint.keep_if_due("one", &1_u64).unwrap();
+    checkpoint.keep_if_due("two", &2_u64).unwrap();
+    assert_eq!(checkpoint.part("one").unwrap(), Some(1_u64));
+    assert!(open(Start::GoOn).1.file.is_none());
+    checkpoint.end().unwrap();
+    let (again, _) = open(Start::GoOn);
+    let parts = ["one", "two"].map(|name| again.part::<u64>(name).unwrap());
+    assert_eq!(parts, [Some(1), Some(2)]);
+}

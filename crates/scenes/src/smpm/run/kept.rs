@@ -76,6 +76,6 @@ impl Keep for KeptRuns<'_> {
     fn keep(&self, run: &str, standing: Standing) -> Result<(), Box<dyn Error + Send + Sync>> {
         let Some(checkpoint) = self.checkpoint else { return Ok(()) };
         let kept = KeptRun { standing, cpu_seconds: self.cpu_seconds() };
-        checkpoint.keep(run, &kept).map_err(|error| self.failed(error))
+        checkpoint.keep_if_due(run, &kept).map_err(|error| self.failed(error))
     }
 }

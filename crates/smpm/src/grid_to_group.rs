@@ -65,14 +65,10 @@ pub(crate) fn grid_to_groups<const D: usize>(
 impl<const D: usize, const NODES: usize> Work<f64> for ChunkInLanes<'_, '_, D, NODES> {
     type Output = ();
 
-    /// The usual cases of the usual shape function are compiled separately, without a test at each node. All others share their
-    /// code, which took as long to compile as the rest of the transfers.
+    /// The usual cases are compiled separately, without a test at each node.
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
         let transfer = *self.transfer;
-        if NODES != Shape::QuadraticBSpline.n_nodes() {
-            return self.groups(registers, &transfer);
-        }
         let flip = GridToParticle { affine: false, with_pic: false, ..transfer };
         match (transfer.pass, transfer.affine || transfer.with_pic) {
             (Pass::Whole, false) => {

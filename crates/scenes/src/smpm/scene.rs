@@ -387,7 +387,7 @@ pub enum MethodScene {
         samples: u64,
         /// Seed of all random numbers (no unit).
         seed: u64,
-        /// Whether to use the surrogate of one run with derivatives as a control variate.
+        /// Whether to use a Taylor series as a control variate, from differences of `2N` more runs.
         control: bool,
     },
 }

@@ -6,7 +6,7 @@
 //! | [`Study::propagated`] | 1, of jets | every particle and node carries the derivatives of its history |
 //! | [`Study::finite_difference`] | `2N + 1` | central differences of whole runs |
 //! | [`Study::sigma_points`] | `2N + 1` | three deviations wide: notices a switch |
-//! | [`Study::monte_carlo`] | as many as asked for | the judge, raw and with the propagated Taylor surrogate as control variate |
+//! | [`Study::monte_carlo`] | as many as asked for | the judge, raw and with a Taylor surrogate as control variate |
 //!
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.

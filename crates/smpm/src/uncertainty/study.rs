@@ -202,7 +202,8 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         (0..self.plan.n_responses()).map(of).collect()
     }
 
-    /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the reference run.
+    /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the reference run; a parameter
+    /// without deviation costs none.
     ///
     /// # Errors
     /// Those of the experiment and of a run; of [`AlongDirections::from_star`] for the step.
@@ -216,7 +217,8 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         (0..self.plan.n_responses()).map(of).collect()
     }
 
-    /// Moments by the runs at the centre and at $\pm\sqrt3$ deviations along each direction.
+    /// Moments by the runs at the centre and at $\pm\sqrt3$ deviations along each direction; a parameter without deviation
+    /// costs none.
     ///
     /// # Errors
     /// Those of the experiment and of a run: at three deviations a parameter may be out of range.
@@ -235,7 +237,13 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         let mut table = vec![self.centre().to_vec()];
         let numbered: Vec<(usize, &[f64; N])> = points.iter().enumerate().skip(1).collect();
         let run = |(point, t): &(usize, &[f64; N])| {
-            let mut simulation = self.experiment.simulation(&self.inputs.point(t))?;
+            let parameters = self.inputs.point(t);
+            let is_centre = |(x, centre): (&f64, f64)| x.total_cmp(&centre).is_eq();
+            if parameters.iter().zip(self.inputs.centre()).all(is_centre) {
+                // Along a parameter that is certain.
+                return Ok(self.centre().to_vec());
+            }
+            let mut simulation = self.experiment.simulation(&parameters)?;
             let name = format!("point {point} at {distance} deviations");
             self.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
         };

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::solve::DIFFERENCE;
 use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
@@ -12,9 +13,6 @@ use crate::smpm::scene::{MethodScene, SmpmScene};
 const FIRST_SAMPLES: f64 = 10.0;
 /// Seed of the trials.
 const SEED: u64 = 20_260_101;
-/// Half width of a central difference, in standard deviations.
-const DIFFERENCE: f64 = 0.1;
-
 const LEFT_OUT: &str = "All trials use the cell of the scene, so the grid error is not included: halve the cell and compare.";
 
 /// Methods that solve a scene, its own first; a single one without random parameters.

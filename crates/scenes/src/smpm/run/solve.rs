@@ -18,6 +18,9 @@ use crate::kind::{Cut, Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
+/// Half width of a central difference that no scene sets, in standard deviations.
+pub(super) const DIFFERENCE: f64 = 0.1;
+
 /// Result of a run.
 #[derive(Debug)]
 pub(super) enum Solved {
@@ -143,8 +146,9 @@ fn solve_kept<const D: usize, const N: usize>(
     let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
+    let differences = 2 * scene.random.len() as u64;
     let responses = if let MethodScene::MonteCarlo { samples, seed, control } = scene.method {
-        n_runs += samples + u64::from(control);
+        n_runs += samples + if control { differences } else { 0 };
         run.progress.stage("samples");
         let judge = MonteCarlo { seed, n_samples: samples };
         let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
@@ -156,8 +160,8 @@ fn solve_kept<const D: usize, const N: usize>(
             Samples::Elsewhere => return Ok(Solved::Elsewhere),
         };
         let surrogate = if control {
-            run.progress.stage("run with derivatives, for the control variate");
-            Some(study.propagated()?.moments)
+            run.progress.stage("differences of whole runs, for the control variate");
+            Some(study.finite_difference(DIFFERENCE)?)
         } else {
             None
         };
@@ -214,7 +218,7 @@ fn expanded<const D: usize, const N: usize>(
             run.progress.stage("differences of whole runs");
             let moments = study.finite_difference(step)?;
             let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
-            (table.each(of)?, 2 * N as u64)
+            (table.each(of)?, 2 * table.scene.random.len() as u64)
         }
         MethodScene::SigmaPoints => {
             run.progress.stage("sigma points");
@@ -222,7 +226,7 @@ fn expanded<const D: usize, const N: usize>(
             let of = |i: usize, response: Response| {
                 Ok(response.with_moments(points[i].mean(), points[i].variance()))
             };
-            (table.each(of)?, 2 * N as u64)
+            (table.each(of)?, 2 * table.scene.random.len() as u64)
         }
     })
 }

@@ -4,7 +4,8 @@
 //!
 //! The body is a square of 160 000 elastic particles, four per cell, plane strain, that stretches, shears and rotates:
 //! every particle moves and some change cells in every step. One thread. The roof is a pass that reads and writes the
-//! bytes of the particles that a step must read and write: the limit by memory bandwidth.
+//! bytes of the particles that a step must read and write: the limit by memory bandwidth. Also with 16 particles per cell,
+//! for a cube of 64 000 particles with eight per cell, and by wall time with two threads.
 //!
 //! The cost of derivatives is measured with Johnson-Cook steel, its five constants random, 40 000 particles, quadratic
 //! B-splines, modified update stress last; contenders alternate in one process.
@@ -27,9 +28,15 @@ const EDGE: u32 = 400;
 /// Particles along an edge for jets, whose particles hold twenty times the bytes.
 const EDGE_OF_JETS: u32 = 200;
 
+/// Particles along an edge of the cube.
+const EDGE_IN_SPACE: u32 = 40;
+/// Works with threads, and particles along an edge.
+const EDGES_OF_THREADS: [(&str, u32); 2] =
+    [("wall time, 20 000 particles", 142), ("wall time, 160 000 particles", EDGE)];
+
 const FLIP: Transfer = Transfer::Flip { damping_time: f64::INFINITY };
 
-/// Shape function, update order, transfer; M updates/s of the prototype on an idle core.
+/// Shape function, update order, transfer.
 const SCHEMES: [(&str, Shape, UpdateOrder, Transfer); 4] = [
     ("linear USL", Shape::Linear, UpdateOrder::StressLast, FLIP),
     ("quadratic USL", Shape::QuadraticBSpline, UpdateOrder::StressLast, FLIP),
@@ -38,7 +45,7 @@ const SCHEMES: [(&str, Shape, UpdateOrder, Transfer); 4] = [
 ];
 
 fn square<S: Number, M: Material<S> + 'static>(
-    edge: u32,
+    (edge, per_axis): (u32, u32),
     material: M,
     speed: f64,
     scheme: (Shape, UpdateOrder, Transfer),
@@ -46,8 +53,9 @@ fn square<S: Number, M: Material<S> + 'static>(
 where
     M::State: 'static,
 {
-    let cell = 2.0 / f64::from(edge);
-    let fill = Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap();
+    let spacing = 1.0 / f64::from(edge);
+    let cell = f64::from(per_axis) * spacing;
+    let fill = Fill::of([spacing; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap();
     let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
     body.set_velocities(|[x, y]| {
         let (x, y) = (3.0 * (x - 0.5), 3.0 * (y - 0.5));
@@ -71,15 +79,84 @@ fn roof(bytes: usize) -> impl FnMut() {
     }
 }
 
-fn schemes(ratios: &mut Ratios) {
+fn elastic() -> LinearElasticSolid<f64> {
     let elastic =
         LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
+    LinearElasticSolid::linear_elastic(elastic).unwrap()
+}
+
+/// A cube of elastic particles, eight per cell.
+fn cube() -> Simulation<f64, 3> {
+    let spacing = 1.0 / f64::from(EDGE_IN_SPACE);
+    let fill = Fill::of([spacing; 3], ([0.0; 3], [1.0; 3]), |_| true).unwrap();
+    let mut body = Body::new(elastic(), &fill, [0.0; 3]).unwrap();
+    body.set_velocities(|[x, y, z]| {
+        let (x, y) = (3.0 * (x - 0.5), 3.0 * (y - 0.5));
+        [0.1 * (1.0 + x.sin() - y), 0.1 * (x - 0.5 * y.sin()), 0.05 * z]
+    })
+    .unwrap();
+    let (_, shape, update_order, transfer) = SCHEMES[1];
+    let config = Config { shape, update_order, transfer, ..Config::with_cell(2.0 * spacing) };
+    Simulation::new(config, vec![body]).unwrap()
+}
+
+/// The quadratic scheme with more particles per cell, and in space.
+fn others(ratios: &mut Ratios) {
+    let many = "quadratic USL, 16 per cell";
+    if ratios.wants(many) {
+        let (_, shape, order, transfer) = SCHEMES[1];
+        let mut simulation = square((EDGE, 4), elastic(), 0.1, (shape, order, transfer));
+        let n = simulation.bodies()[0].n_particles();
+        let _ = simulation.step().unwrap();
+        ratios.measure(
+            Work::new(many, n, "ours", || {
+                let _ = black_box(simulation.step().unwrap());
+            })
+            .rival("memory roof", roof(n * 11 * size_of::<f64>())),
+        );
+    }
+    let in_space = "quadratic USL in space, 8 per cell";
+    if ratios.wants(in_space) {
+        let mut simulation = cube();
+        let n = simulation.bodies()[0].n_particles();
+        let _ = simulation.step().unwrap();
+        // Position, velocity, volume, stress, pressure, energy: 3 + 3 + 1 + 6 + 2 numbers.
+        ratios.measure(
+            Work::new(in_space, n, "ours", || {
+                let _ = black_box(simulation.step().unwrap());
+            })
+            .rival("memory roof", roof(n * 15 * size_of::<f64>())),
+        );
+    }
+}
+
+/// Ten steps with one and two threads, from the smallest body for which two are asked to gain on.
+fn threads(ratios: &mut Ratios) {
+    let by = |n_threads: usize, edge: u32| {
+        let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        let (_, shape, order, transfer) = SCHEMES[2];
+        let mut simulation = square((edge, 2), elastic(), 0.01, (shape, order, transfer));
+        move || {
+            pool.install(|| {
+                for _ in 0..10 {
+                    let _ = black_box(simulation.step().unwrap());
+                }
+            });
+        }
+    };
+    for (name, edge) in EDGES_OF_THREADS {
+        if ratios.wants(name) {
+            ratios.wall(name, ["two threads", "one"], 1.7, by(2, edge), by(1, edge));
+        }
+    }
+}
+
+fn schemes(ratios: &mut Ratios) {
     for (name, shape, order, transfer) in SCHEMES {
         if !ratios.wants(name) {
             continue;
         }
-        let material = LinearElasticSolid::<f64>::linear_elastic(elastic).unwrap();
-        let mut simulation = square(EDGE, material, 0.1, (shape, order, transfer));
+        let mut simulation = square((EDGE, 2), elastic(), 0.1, (shape, order, transfer));
         let n = simulation.bodies()[0].n_particles();
         // Position, velocity, volume, stress in the plane and its normal, pressure, energy: 2 + 2 + 1 + 4 + 2 numbers.
         let bytes = n * 11 * size_of::<f64>();
@@ -107,7 +184,7 @@ fn steel<S: Number>(of: impl Fn(f64, usize) -> S) -> Simulation<S, 2> {
         strength: JohnsonCook::new(strength).unwrap(),
     };
     let scheme = (Shape::QuadraticBSpline, UpdateOrder::ModifiedStressLast, FLIP);
-    square(EDGE_OF_JETS, steel, 0.01, scheme)
+    square((EDGE_OF_JETS, 2), steel, 0.01, scheme)
 }
 
 fn overheads(ratios: &mut Ratios) {
@@ -135,7 +212,9 @@ fn main() {
     pool.install(|| {
         let mut ratios = Ratios::from_args("smpm");
         schemes(&mut ratios);
+        others(&mut ratios);
         overheads(&mut ratios);
+        threads(&mut ratios);
         ratios.note("for the memory roof the ratio is the part of it that is reached");
         ratios.note("for derivatives the ratio is their overhead over the same run with f64");
         ratios.print();

@@ -29,6 +29,46 @@ pub struct AlongDirections<const N: usize> {
     pub mixed_squares: Option<f64>,
 }
 
+/// Value and first derivatives along the `N` independent standard normals $t$ of a random vector: the first-order mean and
+/// variance, and no curvature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slopes<const N: usize> {
+    /// $y_0$.
+    pub value: f64,
+    /// $a_k = \partial y / \partial t_k$, in the unit of the response.
+    pub first: [f64; N],
+}
+
+impl<const N: usize> Slopes<N> {
+    /// One-sided differences from the responses at the centre and at the `+` of each direction of a
+    /// [`star`](AlongDirections::star), in order.
+    ///
+    /// $$ a_k = \frac{y_k^+ - y_0}{d} , $$
+    ///
+    /// too large by $\tfrac12 d A_{kk}$ for the curvature $A_{kk}$.
+    ///
+    /// # Errors
+    /// As [`AlongDirections::from_star`].
+    pub fn from_half_star(distance: f64, values: &[f64]) -> Result<Self, Error> {
+        check_points(distance, values, N as u64 + 1)?;
+        let value = values[0];
+        Ok(Self { value, first: std::array::from_fn(|k| (values[k + 1] - value) / distance) })
+    }
+}
+
+/// Refuses a distance, or responses at the points of a star, that give no differences.
+fn check_points(distance: f64, values: &[f64], limit: u64) -> Result<(), Error> {
+    require_positive("distance of the points of a star", distance)?;
+    let value = values.len() as u64;
+    if value < limit {
+        return Err(Error::TooFew { quantity: "points of a star", value, limit });
+    }
+    for (index, &value) in values.iter().enumerate() {
+        require_finite("response at point", index, value)?;
+    }
+    Ok(())
+}
+
 impl<const N: usize> AlongDirections<N> {
     /// Derivatives from the jet of a response, for inputs with or without probes.
     ///
@@ -110,15 +150,7 @@ impl<const N: usize> AlongDirections<N> {
     /// # Errors
     /// [`Error::NotPositive`] for the distance, [`Error::TooFew`] for too few values, [`Error::NotFinite`] for one of them.
     pub fn from_star(distance: f64, values: &[f64]) -> Result<Self, Error> {
-        require_positive("distance of the points of a star", distance)?;
-        let limit = 2 * N as u64 + 1;
-        if (values.len() as u64) < limit {
-            let value = values.len() as u64;
-            return Err(Error::TooFew { quantity: "points of a star", value, limit });
-        }
-        for (index, &value) in values.iter().enumerate() {
-            require_finite("response at point", index, value)?;
-        }
+        check_points(distance, values, 2 * N as u64 + 1)?;
         let (value, pair) = (values[0], |k: usize| (values[2 * k + 1], values[2 * k + 2]));
         Ok(Self {
             value,

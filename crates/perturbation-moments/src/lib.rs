@@ -20,7 +20,7 @@ mod sigma_points;
 mod symmetric;
 mod trust;
 
-pub use along::AlongDirections;
+pub use along::{AlongDirections, Slopes};
 pub use control::{ControlledSamples, SampledMoments};
 pub use derivatives::{Derivatives, Known};
 pub use differences::{CentralDifferences, Differenced};

@@ -1,6 +1,6 @@
 //! Mean, variance and third moment of a response from its derivatives.
 
-use crate::along::AlongDirections;
+use crate::along::{AlongDirections, Slopes};
 use crate::derivatives::{Derivatives, Known};
 use crate::error::Error;
 use crate::expansion::Expansion;
@@ -92,11 +92,33 @@ impl<const N: usize> Moments<N> {
     pub fn along(inputs: &RandomVector<N>, known: &AlongDirections<N>) -> Result<Self, Error> {
         known.check()?;
         let AlongDirections { value, first, second, mixed_squares } = *known;
+        let second = Second::Diagonal { entries: second, mixed_squares };
+        Self::by_directions(inputs, &Slopes { value, first }, second)
+    }
+
+    /// Moments from first derivatives along the directions `L e_k`: those of second order are
+    /// [`Error::CurvatureIncomplete`].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`].
+    pub fn from_slopes(inputs: &RandomVector<N>, slopes: &Slopes<N>) -> Result<Self, Error> {
+        crate::error::require_finite("value of the response", 0, slopes.value)?;
+        for (k, &slope) in slopes.first.iter().enumerate() {
+            crate::error::require_finite("first derivative along direction", k, slope)?;
+        }
+        Self::by_directions(inputs, slopes, Second::None)
+    }
+
+    fn by_directions(
+        inputs: &RandomVector<N>,
+        &Slopes { value, first }: &Slopes<N>,
+        second: Second<N>,
+    ) -> Result<Self, Error> {
         let terms = solve_transposed(inputs.lower_factor(), &first);
         let moments = Self {
             value,
             first,
-            second: Second::Diagonal { entries: second, mixed_squares },
+            second,
             third: None,
             shares: terms.map(|terms| shares(inputs, &terms, &first)),
             roundoff: roundoff(&terms.unwrap_or(first)),

@@ -6,7 +6,7 @@ use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenSta
 use perturbation_moments::{
     CentralDifferences, ControlledSamples, Derivatives, Error, Expansion, ForwardDifferentiation,
     Gradient, HighestOrder, Jet, JetCurvature, JetDifferentiation, Known, Moments, MonteCarlo,
-    RandomVector, Response, Scalar, SigmaPoints, Verdict,
+    RandomVector, Response, Scalar, SigmaPoints, Slopes, Verdict,
 };
 use proptest::prelude::*;
 
@@ -362,4 +362,22 @@ fn every_operation_has_the_bits_of_the_jet() {
         let bits = |first: &[f64; 8]| first.map(f64::to_bits);
         assert_eq!(bits(&gradient.first), bits(&jet.first), "{number}");
     }
+}
+
+#[test]
+fn one_sided_differences_are_off_by_half_the_step_times_the_curvature_and_know_none() {
+    // y = 3 + 2 t_1 - t_2 + t_1^2 / 2.
+    let (d, y) = (0.1, |t: [f64; 2]| 3.0 + 2.0 * t[0] - t[1] + 0.5 * t[0] * t[0]);
+    let values = [y([0.0, 0.0]), y([d, 0.0]), y([0.0, d])];
+    let slopes = Slopes::<2>::from_half_star(d, &values).unwrap();
+    assert!((slopes.first[0] - (2.0 + 0.5 * d)).abs() < 1e-13);
+    assert!((slopes.first[1] + 1.0).abs() < 1e-13);
+    let inputs = RandomVector::independent([1.0, 1.0], [0.5, 0.5]).unwrap();
+    let moments = Moments::from_slopes(&inputs, &slopes).unwrap();
+    assert!((moments.variance_first_order() - (2.05_f64.powi(2) + 1.0)).abs() < 1e-12);
+    assert!(matches!(moments.mean_second_order(), Err(Error::CurvatureIncomplete { .. })));
+    let short = Slopes::<2>::from_half_star(d, &values[..2]).unwrap_err();
+    assert!(matches!(short, Error::TooFew { value: 2, limit: 3, .. }));
+    assert!(Slopes::<2>::from_half_star(0.0, &values).is_err());
+    assert!(Slopes::<2>::from_half_star(d, &[1.0, f64::NAN, 2.0]).is_err());
 }

@@ -235,6 +235,9 @@ fn method_words(method: MethodScene) -> String {
         MethodScene::FiniteDifference { .. } => {
             "Mean and deviation by differences of whole runs".to_owned()
         }
+        MethodScene::ForwardDifference { .. } => {
+            "Centre and deviation by one-sided differences of whole runs".to_owned()
+        }
         MethodScene::SigmaPoints => "Mean and deviation by sigma points".to_owned(),
         MethodScene::MonteCarlo { samples, .. } => {
             format!("Mean and deviation of {samples} sampled runs")

@@ -362,6 +362,7 @@ impl CorrelationScene {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Frozen { as_printed: true })]
 #[schemars(example = Self::FiniteDifference { step: 0.01 })]
+#[schemars(example = Self::ForwardDifference { step: 0.01 })]
 #[schemars(example = Self::MonteCarlo { samples: 400, seed: 1, control: true })]
 pub enum MethodScene {
     /// One run at the centre of the parameters, no variance.
@@ -376,6 +377,11 @@ pub enum MethodScene {
     Propagated,
     /// Central differences of whole runs.
     FiniteDifference {
+        /// Step in standard deviations (no unit).
+        step: f64,
+    },
+    /// One-sided differences of `N` whole runs, for `N` random parameters: the variance by the fewest runs.
+    ForwardDifference {
         /// Step in standard deviations (no unit).
         step: f64,
     },

@@ -1,10 +1,11 @@
-//! Random material parameters: mean and variance of every response, by five methods on the same scene.
+//! Random material parameters: mean and variance of every response, by six methods on the same scene.
 //!
 //! | method | runs for `N` parameters | what it is |
 //! |---|---|---|
 //! | [`Study::frozen`] | 1 | Chen et al. 2019: derivatives of the material's formulas at the local state. Wrong wherever the state itself depends on the parameters: a baseline |
 //! | [`Study::propagated`] | 1, of jets | every particle and node carries the derivatives of its history |
 //! | [`Study::finite_difference`] | `2N + 1` | central differences of whole runs |
+//! | [`Study::forward_difference`] | `N + 1` | one-sided differences of whole runs: the variance by the fewest runs, no second-order mean |
 //! | [`Study::sigma_points`] | `2N + 1` | three deviations wide: notices a switch |
 //! | [`Study::monte_carlo`] | as many as asked for | the judge, raw and with a Taylor surrogate as control variate |
 //!

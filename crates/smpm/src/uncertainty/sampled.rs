@@ -180,14 +180,15 @@ pub struct Exceedance {
 }
 
 impl Exceedance {
-    /// By the second-order mean and the first-order variance. How far the response is from normal it does not know: see
-    /// [`Moments::trust`].
+    /// By the second-order mean, the first-order one where curvature is unknown, and the first-order variance. How far the
+    /// response is from normal it does not know: see [`Moments::trust`].
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the level; as [`Moments::mean_second_order`].
+    /// [`Error::NotFinite`] for the level.
     pub fn by_normal_law<const N: usize>(moments: &Moments<N>, level: f64) -> Result<Self, Error> {
         crate::error::finite("level", level)?;
-        let (mean, variance) = (moments.mean_second_order()?, moments.variance_first_order());
+        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
+        let variance = moments.variance_first_order();
         let probability = if variance > 0.0 {
             upper_tail((level - mean) / variance.sqrt())
         } else {

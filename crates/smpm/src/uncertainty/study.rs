@@ -1,7 +1,7 @@
 //! An experiment with random parameters, and what its responses do.
 
 use perturbation_moments::{
-    AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints,
+    AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints, Slopes,
 };
 
 use super::experiment::Experiment;
@@ -14,6 +14,10 @@ use crate::parallel::map_in_order;
 use crate::record::{Plain, Reader, Record, Schedule, Witness};
 use crate::simulation::Simulation;
 use crate::snapshot::Stored;
+
+/// Which points of a star are run: `+` and `-` of each direction alternate.
+const BOTH_SIDES: usize = 1;
+const ONE_SIDE: usize = 2;
 
 /// An experiment, the distribution of its parameters and a plan of outputs, with the reference run done.
 #[derive(Debug)]
@@ -208,11 +212,26 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment and of a run; of [`AlongDirections::from_star`] for the step.
     pub fn finite_difference(&self, step: f64) -> Result<Vec<Moments<N>>, Error> {
-        let table = self.star(step)?;
+        let table = self.star(step, BOTH_SIDES)?;
         let of = |response: usize| {
             let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
             let known = AlongDirections::from_star(step, &values)?;
             Ok(Moments::along(&self.inputs, &known)?)
+        };
+        (0..self.plan.n_responses()).map(of).collect()
+    }
+
+    /// First-order moments by one-sided differences of `N` whole runs, `step` deviations from the reference run: the variance by
+    /// the fewest runs; no second-order mean. A slope is wrong by half the step times the curvature.
+    ///
+    /// # Errors
+    /// As [`finite_difference`](Self::finite_difference).
+    pub fn forward_difference(&self, step: f64) -> Result<Vec<Moments<N>>, Error> {
+        let table = self.star(step, ONE_SIDE)?;
+        let of = |response: usize| {
+            let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
+            let slopes = Slopes::from_half_star(step, &values)?;
+            Ok(Moments::from_slopes(&self.inputs, &slopes)?)
         };
         (0..self.plan.n_responses()).map(of).collect()
     }
@@ -223,7 +242,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment and of a run: at three deviations a parameter may be out of range.
     pub fn sigma_points(&self) -> Result<Vec<SigmaPoints<N>>, Error> {
-        let table = self.star(SIGMA_POINT_DISTANCE)?;
+        let table = self.star(SIGMA_POINT_DISTANCE, BOTH_SIDES)?;
         let of = |response: usize| {
             let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
             Ok(SigmaPoints::from_values(&values)?)
@@ -231,11 +250,12 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         (0..self.plan.n_responses()).map(of).collect()
     }
 
-    /// All responses at the points of a star, the reference run first.
-    fn star(&self, distance: f64) -> Result<Vec<Vec<f64>>, Error> {
+    /// All responses at every `stride`-th point of a star, the reference run first.
+    fn star(&self, distance: f64, stride: usize) -> Result<Vec<Vec<f64>>, Error> {
         let points = AlongDirections::<N>::star(distance);
         let mut table = vec![self.centre().to_vec()];
-        let numbered: Vec<(usize, &[f64; N])> = points.iter().enumerate().skip(1).collect();
+        let numbered: Vec<(usize, &[f64; N])> =
+            points.iter().enumerate().skip(1).step_by(stride).collect();
         let run = |(point, t): &(usize, &[f64; N])| {
             let parameters = self.inputs.point(t);
             let is_centre = |(x, centre): (&f64, f64)| x.total_cmp(&centre).is_eq();

@@ -162,6 +162,7 @@ fn a_study_that_is_killed_goes_on_to_the_same_bits_by_every_method() {
     comes_to_the_same(&|study| Ok((study.centre().to_vec(), study.schedule().clone())));
     comes_to_the_same(&|study| study.propagated());
     comes_to_the_same(&|study| study.finite_difference(0.1));
+    comes_to_the_same(&|study| study.forward_difference(0.1));
     comes_to_the_same(&|study| study.sigma_points());
     comes_to_the_same(&|study| study.frozen(FrozenForm::Printed));
     comes_to_the_same(&|study| study.frozen(FrozenForm::Corrected));

@@ -1,5 +1,7 @@
 //! Random parameters: jets against differences and samples of whole runs, and the frozen formulas beside them.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use perturbation_moments::{Marginal, MonteCarlo, RandomVector};
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};
@@ -74,6 +76,49 @@ fn jets_are_the_differences_of_whole_runs() {
     assert!(propagated.moments[0].trust().unwrap().curvature_ratio.is_some());
     // Nothing yields.
     assert!(propagated.switches.iter().all(|switch| switch.so_far.is_infinite()));
+}
+
+#[test]
+fn one_sided_differences_give_the_variance_of_central_ones_by_half_the_runs() {
+    let experiment = PlateImpact { speed: 0.2 };
+    let study = Study::new(&experiment, inputs(0.05), plan()).unwrap();
+    let (step, central) = (1e-3, study.finite_difference(1e-3).unwrap());
+    for (one_sided, central) in study.forward_difference(step).unwrap().iter().zip(&central) {
+        let (a, b) = (one_sided.variance_first_order(), central.variance_first_order());
+        // Half the step times the curvature over the slope.
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+        assert!(a.to_bits() != b.to_bits());
+    }
+}
+
+/// Counts the simulations that are built.
+struct Counted<'a>(&'a PlateImpact, AtomicUsize);
+
+impl Experiment<1, 3> for Counted<'_> {
+    fn simulation<S: Number>(&self, x: &[S; 3]) -> Result<Simulation<S, 1>, Error> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.simulation(x)
+    }
+}
+
+#[test]
+fn a_certain_parameter_costs_no_runs() {
+    let random = inputs(0.05);
+    let deviations = [0.0, random.deviations()[1], 0.0];
+    let certain = RandomVector::independent(random.centre(), deviations).unwrap();
+    let experiment = Counted(&PlateImpact { speed: 0.2 }, AtomicUsize::new(0));
+    let study = Study::new(&experiment, certain, plan()).unwrap();
+    let runs_of = |method: &dyn Fn()| {
+        let before = experiment.1.load(Ordering::Relaxed);
+        method();
+        experiment.1.load(Ordering::Relaxed) - before
+    };
+    assert_eq!(runs_of(&|| drop(study.finite_difference(0.1).unwrap())), 2);
+    assert_eq!(runs_of(&|| drop(study.forward_difference(0.1).unwrap())), 1);
+    assert_eq!(runs_of(&|| drop(study.sigma_points().unwrap())), 2);
+    let moments = study.finite_difference(0.1).unwrap();
+    let slopes = moments[0].slopes();
+    assert!(slopes[1] != 0.0 && slopes[0].abs() + slopes[2].abs() == 0.0, "{slopes:?}");
 }
 
 /// `p = rho_0 (C + S_1 u) u`: linear in both, and `gamma_0` has no effect. At fixed volume and energy the derivative by `S_1` is

@@ -202,6 +202,10 @@ impl<const N: usize> Solved<N> {
             "sigma points, 2N + 1 runs",
             timed(LONG, || Ok(study.sigma_points()?.iter().map(SigmaPoints::variance).collect()))?,
         );
+        add(
+            "one-sided differences, N + 1 runs",
+            timed(LONG, || Ok(first_order(&study.forward_difference(DIFFERENCE)?)))?,
+        );
         let n_samples = ladder.last().copied().unwrap_or(0);
         let judged = MonteCarlo { seed: SEEDS[0], n_samples: n_samples as u64 };
         let (mut samples, mut n_failed) = (Vec::new(), 0);

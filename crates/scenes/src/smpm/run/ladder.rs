@@ -23,6 +23,10 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
         methods = vec![
             ("propagated derivatives", MethodScene::Propagated),
             ("differences of whole runs", MethodScene::FiniteDifference { step: DIFFERENCE }),
+            (
+                "one-sided differences of whole runs",
+                MethodScene::ForwardDifference { step: DIFFERENCE },
+            ),
             ("sigma points", MethodScene::SigmaPoints),
             ("derivatives at the local state", MethodScene::Frozen { as_printed: false }),
             (

@@ -220,6 +220,12 @@ fn expanded<const D: usize, const N: usize>(
             let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
             (table.each(of)?, 2 * table.scene.random.len() as u64)
         }
+        MethodScene::ForwardDifference { step } => {
+            run.progress.stage("one-sided differences of whole runs");
+            let moments = study.forward_difference(step)?;
+            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
+            (table.each(of)?, table.scene.random.len() as u64)
+        }
         MethodScene::SigmaPoints => {
             run.progress.stage("sigma points");
             let points = study.sigma_points()?;
@@ -459,8 +465,9 @@ impl<const D: usize> Table<'_, D> {
         moments: &Moments<N>,
         switch: Option<&Switch>,
     ) -> Result<Response, Error> {
-        let variance = moments.variance_first_order();
-        let mut response = response.with_moments(moments.mean_second_order()?, variance);
+        // Without curvature the mean is that of first order.
+        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
+        let mut response = response.with_moments(mean, moments.variance_first_order());
         let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
         response.trust = Some(Indicators {
             curvature_ratio: curvature.map(f64::sqrt),

@@ -175,6 +175,7 @@ fn a_scene_runs_to_its_end_by_every_method() {
         ("\"deterministic\"", false),
         ("{ \"frozen\": {} }", true),
         ("{ \"finite_difference\": { \"step\": 0.01 } }", true),
+        ("{ \"forward_difference\": { \"step\": 0.01 } }", true),
         ("\"sigma_points\"", true),
         ("{ \"monte_carlo\": { \"samples\": 20, \"seed\": 1, \"control\": true } }", true),
     ];

@@ -85,8 +85,8 @@ fn one_sided_differences_give_the_variance_of_central_ones_by_half_the_runs() {
     let (step, central) = (1e-3, study.finite_difference(1e-3).unwrap());
     for (one_sided, central) in study.forward_difference(step).unwrap().iter().zip(&central) {
         let (a, b) = (one_sided.variance_first_order(), central.variance_first_order());
-        // Half the step times the curvature over the slope.
-        assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+        // Half the step times the curvature over the slope; seen 9.9e-5.
+        assert!((a / b - 1.0).abs() < 9e-4, "{a} {b}");
         assert!(a.to_bits() != b.to_bits());
     }
 }

@@ -13,6 +13,9 @@ use crate::smpm::scene::{MethodScene, SmpmScene};
 const FIRST_SAMPLES: f64 = 10.0;
 /// Seed of the trials.
 const SEED: u64 = 20_260_101;
+/// Step of a one-sided difference, in standard deviations: of first order in it.
+const ONE_SIDED: f64 = 0.01;
+
 const LEFT_OUT: &str = "All trials use the cell of the scene, so the grid error is not included: halve the cell and compare.";
 
 /// Methods that solve a scene, its own first; a single one without random parameters.
@@ -25,7 +28,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             ("differences of whole runs", MethodScene::FiniteDifference { step: DIFFERENCE }),
             (
                 "one-sided differences of whole runs",
-                MethodScene::ForwardDifference { step: DIFFERENCE },
+                MethodScene::ForwardDifference { step: ONE_SIDED },
             ),
             ("sigma points", MethodScene::SigmaPoints),
             ("derivatives at the local state", MethodScene::Frozen { as_printed: false }),

@@ -17,6 +17,65 @@ pub(crate) trait Coefficients<const D: usize>: Sync {
     fn noise(&self, t: f64, x: &[[f64; D]], columns: &mut Vec<[f64; D]>);
 }
 
+/// Particles whose components are brought together, so that the loop over them is compiled for registers.
+const CHUNK: usize = 64;
+
+/// `f - div D - D s` at [`CHUNK`] particles or fewer; `shared` is the diffusion of all, where the noise is additive.
+/// `columns` is scratch: positions, scores and velocities by components.
+#[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+#[inline(always)]
+fn velocities<S: Sde<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    shared: &[[f64; D]; D],
+    (x, score): (&[[f64; D]], &[[f64; D]]),
+    v: &mut [[f64; D]],
+    columns: &mut [[[f64; CHUNK]; D]; 3],
+) {
+    for p in 0..v.len() {
+        for k in 0..D {
+            (columns[0][k][p], columns[1][k][p]) = (x[p][k], score[p][k]);
+        }
+    }
+    let [x, score, out] = columns;
+    for p in 0..CHUNK {
+        let (x, score) = (lanes::from_fn(|k| x[k][p]), lanes::from_fn(|k| score[k][p]));
+        let v = velocity_at(system, t, shared, &x, &score);
+        for k in 0..D {
+            out[k][p] = v[k];
+        }
+    }
+    for (p, v) in v.iter_mut().enumerate() {
+        for k in 0..D {
+            v[k] = out[k][p];
+        }
+    }
+}
+
+/// `f - div D - D s` at one particle; `shared` is the diffusion of all, where the noise is additive.
+#[allow(clippy::inline_always, reason = "so that a loop over particles is compiled for registers")]
+#[inline(always)]
+fn velocity_at<S: Sde<D, M>, const D: usize, const M: usize>(
+    system: &S,
+    t: f64,
+    shared: &[[f64; D]; D],
+    x: &[f64; D],
+    score: &[f64; D],
+) -> [f64; D] {
+    let mut v = system.drift(t, x);
+    let mut diffusion = *shared;
+    if S::Noise::STATE_DEPENDENT {
+        diffusion = system.diffusion(t, x);
+        for (value, divergence) in v.iter_mut().zip(&system.diffusion_divergence(t, x)) {
+            *value -= divergence;
+        }
+    }
+    for (value, row) in v.iter_mut().zip(&diffusion) {
+        *value -= row.iter().zip(score).map(|(d, s)| d * s).sum::<f64>();
+    }
+    v
+}
+
 /// The coefficients of a system.
 pub(crate) struct OfSystem<'a, S, const M: usize>(pub(crate) &'a S);
 
@@ -24,19 +83,18 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Coefficients<D> for OfSystem<
     fn velocity(&self, t: f64, x: &[[f64; D]], score: &[[f64; D]], v: &mut [[f64; D]]) {
         let Some(first) = x.first() else { return };
         // Additive noise spreads every particle alike: one diffusion matrix serves all.
-        let shared = (!S::Noise::STATE_DEPENDENT).then(|| self.0.diffusion(t, first));
-        for ((v, x), score) in v.iter_mut().zip(x).zip(score) {
-            let diffusion = shared.unwrap_or_else(|| self.0.diffusion(t, x));
-            *v = self.0.drift(t, x);
-            if S::Noise::STATE_DEPENDENT {
-                for (value, divergence) in v.iter_mut().zip(&self.0.diffusion_divergence(t, x)) {
-                    *value -= divergence;
+        let shared = self.0.diffusion(t, first);
+        let mut columns = [[[0.0; CHUNK]; D]; 3];
+        lanes::dispatch(
+            #[inline(always)]
+            || {
+                for ((v, x), score) in
+                    v.chunks_mut(CHUNK).zip(x.chunks(CHUNK)).zip(score.chunks(CHUNK))
+                {
+                    velocities(self.0, t, &shared, (x, score), v, &mut columns);
                 }
-            }
-            for (value, row) in v.iter_mut().zip(&diffusion) {
-                *value -= row.iter().zip(score).map(|(d, s)| d * s).sum::<f64>();
-            }
-        }
+            },
+        );
     }
 
     fn diffusion(&self, t: f64, x: &[[f64; D]], diffusion: &mut Vec<[[f64; D]; D]>) {

@@ -6,7 +6,8 @@ use crate::cloud::Cloud;
 use crate::coefficients::Coefficients;
 use crate::discretisation::Discretisation;
 use crate::error::Error;
-use crate::metric::{Metric, Whitening};
+use crate::extremes::first_smallest;
+use crate::metric::{Metric, Whitening, mean_and_covariance};
 use crate::parallel::{BLOCK, fill, for_each_block};
 use crate::report::Work;
 use crate::score::Estimates;
@@ -30,6 +31,8 @@ pub(crate) struct Evaluation<const D: usize> {
 #[derive(Debug)]
 pub(crate) struct WhitenedCloud<const D: usize> {
     pub(crate) whitening: Whitening<D>,
+    /// Covariance of the particles that the metric makes the unit matrix; none where it does not.
+    pub(crate) covariance: Option<[[f64; D]; D]>,
     /// `y_i`.
     pub(crate) positions: Vec<[f64; D]>,
     /// Smoothing lengths `h_i`, those of the stage.
@@ -45,6 +48,7 @@ impl<const D: usize> WhitenedCloud<D> {
     fn new(n: usize) -> Self {
         Self {
             whitening: Whitening::identity(),
+            covariance: None,
             positions: vec![[0.0; D]; n],
             smoothing_lengths: vec![0.0; n],
             radii: vec![0.0; n],
@@ -62,12 +66,24 @@ impl<const D: usize> WhitenedCloud<D> {
     ) -> Result<(), Error> {
         let at = (state.n_steps, t);
         self.smoothing_lengths.copy_from_slice(h);
-        self.whitening = Whitening::of(discretisation.combination.metric, x, &state.masses, at)?;
-        let support = discretisation.estimator.support();
-        for (i, (y, radius)) in self.positions.iter_mut().zip(&mut self.radii).enumerate() {
-            *y = self.whitening.whiten(&x[i]);
-            *radius = support * h[i];
+        if discretisation.combination.metric == Metric::Whitened {
+            let (mean, covariance) = mean_and_covariance(x, &state.masses);
+            self.whitening = Whitening::of_covariance(mean, &covariance, at)?;
+            self.covariance = Some(covariance);
         }
+        let support = discretisation.estimator.support();
+        let Self { whitening, positions, radii, .. } = self;
+        lanes::dispatch(
+            #[inline(always)]
+            || {
+                for (y, x) in positions.iter_mut().zip(x) {
+                    *y = whitening.whiten(x);
+                }
+                for (radius, h) in radii.iter_mut().zip(h) {
+                    *radius = support * h;
+                }
+            },
+        );
         check_finite(&self.positions, &self.radii, at)
     }
 
@@ -226,16 +242,22 @@ impl<const D: usize> Evaluation<D> {
         for_each_block(v, &|first, v| {
             let mut score = [[0.0; D]; BLOCK];
             let (block, score) = (first..first + v.len(), &mut score[..v.len()]);
-            for (score, score_y) in score.iter_mut().zip(&score_y[block.clone()]) {
-                *score = whitening.unwhiten_gradient(score_y);
-            }
+            let score_y = &score_y[block.clone()];
+            lanes::dispatch(
+                #[inline(always)]
+                || {
+                    for (score, score_y) in score.iter_mut().zip(score_y) {
+                        *score = whitening.unwhiten_gradient(score_y);
+                    }
+                },
+            );
             system.velocity(t, &x[block], score, v);
         });
         Ok(())
     }
 
     /// The rates of the smoothing lengths, `d log h / dt`, for particles that move at `v`; empty where the estimator gives
-    /// none.
+    /// none, or does not search by them.
     pub(crate) fn smoothing_rates(
         &mut self,
         discretisation: &Discretisation<D>,
@@ -243,6 +265,10 @@ impl<const D: usize> Evaluation<D> {
         v: &[[f64; D]],
         rates: &mut Vec<f64>,
     ) {
+        if discretisation.estimator.criterion().is_none() {
+            rates.clear();
+            return;
+        }
         let Self { cloud, whitened_velocity: u, .. } = self;
         cloud.velocity_in_metric(discretisation.combination.metric, &state.masses, v, u);
         let cloud = cloud.view(discretisation, state, state.time);
@@ -263,26 +289,33 @@ impl<const D: usize> Evaluation<D> {
         for matrix in diffusion.iter_mut() {
             *matrix = cloud.whitening.whitened(matrix);
         }
-        let spread = |i: usize| {
-            let diffusion = &diffusion[i.min(diffusion.len() - 1)];
-            let (radius, deformation) = (cloud.radii[i], &estimates.deformation[i]);
-            discretisation.estimator.spread(diffusion, radius, deformation)
-        };
-        (0..x.len()).map(|i| (i, spread(i))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+        let (radii, deformation) = (&cloud.radii, &estimates.deformation);
+        discretisation.estimator.fastest_spread(diffusion, radii, deformation)
     }
 
     /// The particle that moves furthest against its smoothing length, and `min_i h_i / |v_i|` in the metric.
     pub(crate) fn courant_limit(&self, smoothing_lengths: &[f64], v: &[[f64; D]]) -> (usize, f64) {
-        let limit = |i: usize| {
-            let speed =
-                self.cloud.whitening.whiten_vector(&v[i]).iter().map(|c| c * c).sum::<f64>().sqrt();
-            smoothing_lengths[i] / speed
-        };
-        (0..v.len())
-            .map(|i| (i, limit(i)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((0, f64::INFINITY))
+        first_smallest(
+            v.len(),
+            #[inline(always)]
+            |first, limits| {
+                let here = first..first + limits.len();
+                let (v, h) = (&v[here.clone()], &smoothing_lengths[here]);
+                for (p, limit) in limits.iter_mut().enumerate() {
+                    let u = self.cloud.whitening.whiten_vector(&v[p]);
+                    *limit = h[p] / u.iter().map(|c| c * c).sum::<f64>().sqrt();
+                }
+            },
+        )
     }
+}
+
+/// Whether a condition holds for all values; it looks at all, so that registers take several.
+fn all(values: &[f64], holds: impl Fn(f64) -> bool) -> bool {
+    lanes::dispatch(
+        #[inline(always)]
+        || values.iter().fold(true, |all, value| all & holds(*value)),
+    )
 }
 
 /// Refuses a particle that has left every scale, before the neighbour search meets it.
@@ -292,6 +325,10 @@ pub(crate) fn check_finite<const D: usize>(
     at: (u64, f64),
 ) -> Result<(), Error> {
     let (step, time) = at;
+    let is_length = |value: f64| value > 0.0 && value.is_finite();
+    if all(points.as_flattened(), f64::is_finite) && all(radii, is_length) {
+        return Ok(());
+    }
     for (particle, y) in points.iter().enumerate() {
         if let Some(&value) = y.iter().find(|value| !value.is_finite()) {
             return Err(Error::LeftStableRange {

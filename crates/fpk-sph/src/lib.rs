@@ -7,6 +7,7 @@ mod config;
 mod discretisation;
 mod error;
 mod evaluation;
+mod extremes;
 mod lattice;
 mod method;
 mod metric;

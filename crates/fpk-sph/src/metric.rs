@@ -1,5 +1,10 @@
 //! The metric of the cloud: in which coordinates distances between particles are measured.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
 use nalgebra::{SMatrix, SymmetricEigen};
 
 use crate::error::Error;
@@ -69,6 +74,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `y = L^-1 (x - mean)`.
+    #[inline(always)]
     pub(crate) fn whiten(&self, x: &[f64; D]) -> [f64; D] {
         let mut offset = *x;
         for (value, mean) in offset.iter_mut().zip(&self.mean) {
@@ -78,6 +84,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `L^-1 u`, for a velocity or a difference of positions.
+    #[inline(always)]
     pub(crate) fn whiten_vector(&self, u: &[f64; D]) -> [f64; D] {
         let mut y = *u;
         for i in 0..D {
@@ -101,6 +108,7 @@ impl<const D: usize> Whitening<D> {
     }
 
     /// `L^-T s`: a gradient with respect to `y` becomes one with respect to `x`.
+    #[inline(always)]
     pub(crate) fn unwhiten_gradient(&self, s: &[f64; D]) -> [f64; D] {
         let mut gradient = *s;
         for i in (0..D).rev() {
@@ -141,9 +149,9 @@ pub(crate) fn mean_and_covariance<const D: usize>(
     positions: &[[f64; D]],
     masses: &[f64],
 ) -> ([f64; D], [[f64; D]; D]) {
-    let total: f64 = masses.iter().sum();
-    let mut mean = [0.0; D];
+    let (mut total, mut mean) = (0.0, [0.0; D]);
     for (x, mu) in positions.iter().zip(masses) {
+        total += mu;
         for k in 0..D {
             mean[k] += mu * x[k];
         }

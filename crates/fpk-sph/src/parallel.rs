@@ -30,6 +30,59 @@ pub(crate) fn for_each_block<T: Send>(out: &mut [T], write: &(dyn Fn(usize, &mut
     }
 }
 
+/// Slices that are split at the same point, for threads that write disjoint parts.
+pub(crate) trait Split: Send + Sized {
+    /// Number of entries.
+    fn n(&self) -> usize;
+    /// The entries before `at`, and the others.
+    fn split(self, at: usize) -> (Self, Self);
+}
+
+impl<T: Send> Split for &mut [T] {
+    fn n(&self) -> usize {
+        self.len()
+    }
+
+    fn split(self, at: usize) -> (Self, Self) {
+        self.split_at_mut(at)
+    }
+}
+
+impl<A: Split, B: Split> Split for (A, B) {
+    fn n(&self) -> usize {
+        self.0.n()
+    }
+
+    fn split(self, at: usize) -> (Self, Self) {
+        let ((a, c), (b, d)) = (self.0.split(at), self.1.split(at));
+        ((a, b), (c, d))
+    }
+}
+
+/// `write(k, part)` for the parts of `size` entries each, the last of which may be shorter.
+pub(crate) fn for_each_part<S: Split>(out: S, size: usize, write: &(impl Fn(usize, S) + Sync)) {
+    from_part(0, out, size, write);
+}
+
+/// As [`for_each_part`], with parts counted from `first`.
+fn from_part<S: Split>(first: usize, out: S, size: usize, write: &(impl Fn(usize, S) + Sync)) {
+    let n_parts = out.n().div_ceil(size);
+    if n_parts <= 1 {
+        return write(first, out);
+    }
+    let half = n_parts / 2;
+    let (low, high) = out.split(half * size);
+    let (low, high) =
+        (|| from_part(first, low, size, write), || from_part(first + half, high, size, write));
+    #[cfg(feature = "rayon")]
+    rayon::join(low, high);
+    #[cfg(not(feature = "rayon"))]
+    {
+        low();
+        high();
+    }
+}
+
 /// `(score, density, volume)[i] = value(i)`.
 pub(crate) fn for_each_particle<const D: usize>(
     out: &mut Estimates<D>,

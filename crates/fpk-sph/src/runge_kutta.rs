@@ -60,13 +60,25 @@ impl<const D: usize> RungeKuttaStages<D> {
 }
 
 /// `x = x_0 + sum_s c_s k_s`.
-fn combine<const D: usize>(x: &mut [[f64; D]], x_0: &[[f64; D]], terms: &[(f64, &Vec<[f64; D]>)]) {
-    for (i, point) in x.iter_mut().enumerate() {
-        *point = x_0[i];
-        for (c, k) in terms {
-            for (value, rate) in point.iter_mut().zip(&k[i]) {
-                *value += c * rate;
+fn combine<const D: usize, const S: usize>(
+    x: &mut [[f64; D]],
+    x_0: &[[f64; D]],
+    terms: &[(f64, &Vec<[f64; D]>); S],
+) {
+    let (x, x_0) = (x.as_flattened_mut(), x_0.as_flattened());
+    let factors = terms.map(|(c, _)| c);
+    let rates = terms.map(|(_, k)| &k.as_flattened()[..x_0.len()]);
+    let x = &mut x[..x_0.len()];
+    lanes::dispatch(
+        #[inline(always)]
+        || {
+            for i in 0..x_0.len() {
+                let mut value = x_0[i];
+                for s in 0..S {
+                    value += factors[s] * rates[s][i];
+                }
+                x[i] = value;
             }
-        }
-    }
+        },
+    );
 }

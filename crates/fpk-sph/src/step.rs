@@ -3,6 +3,7 @@
 use crate::coefficients::Coefficients;
 use crate::error::Error;
 use crate::evaluation::{Stage, check_finite};
+use crate::extremes::{first_smallest, last_greatest};
 use crate::method::Scheme;
 use crate::metric::{condition_number, mean_and_covariance};
 use crate::remap::Remapped;
@@ -111,8 +112,11 @@ impl<const D: usize> Solver<D> {
     /// The report of a step of the given length, from its first stage.
     fn report(&self, length: &StepLength) -> StepReport {
         let Self { discretisation, state, evaluation, .. } = self;
-        let (_, covariance) = mean_and_covariance(&state.positions, &state.masses);
+        let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
+        let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);
         let h = &state.smoothing_lengths;
+        let lengths =
+            |first: usize, out: &mut [f64]| out.copy_from_slice(&h[first..first + out.len()]);
         StepReport {
             step: state.n_steps + 1,
             time: length.reached,
@@ -121,8 +125,8 @@ impl<const D: usize> Solver<D> {
             courant_limit: length.courant_limit,
             neighbours_min: 1 + evaluation.cloud.neighbours(discretisation).min_count(),
             neighbours_mean: evaluation.cloud.neighbours_mean(discretisation),
-            h_min: h.iter().copied().fold(f64::INFINITY, f64::min),
-            h_max: h.iter().copied().fold(0.0, f64::max),
+            h_min: first_smallest(h.len(), lengths).1,
+            h_max: last_greatest(h.len(), lengths).1,
             covariance_condition: condition_number(&covariance),
             unresolved: evaluation.estimates.unresolved,
             fits: evaluation.estimates.fits,

@@ -1,16 +1,21 @@
 //! The estimator that follows the flow: local polynomials over the lattice that the particles started from.
 
+use lanes::SimdLevel;
 use neighbour_search::Criterion;
 
 use super::cell_geometry::determinant;
+use super::cells::trace_on_lattice;
+use super::flow_map_passes::{
+    Deform, Deformed, Differentiate, Lattice, Pass, SMALLEST_CELL, Settle,
+};
+use super::lattice_sums::{LatticeSums, PART};
 use super::log_density_fit::lattice_distances;
 use super::monomials::{Monomials, unknowns};
-use super::small_matrices::{eigen, solve_transposed};
 use super::stencils::Stencils;
-use super::{Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator};
+use super::{Carried, Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
-use crate::parallel::fill;
+use crate::parallel::for_each_part;
 
 /// Density and score from the flow map `y(X)`, where `X` are places on the lattice of the start. With the deformation
 /// gradient `F = dy/dX`, in spacings, and masses that never change,
@@ -39,6 +44,18 @@ pub struct FlowMapFit<const D: usize> {
     resolved: f64,
     thinnest: f64,
     stencils: Stencils<D>,
+    sums: LatticeSums<D>,
+    level: Level,
+}
+
+/// The registers that the passes use.
+#[derive(Debug, Clone, Copy)]
+struct Level(SimdLevel);
+
+impl Default for Level {
+    fn default() -> Self {
+        Self(SimdLevel::best())
+    }
 }
 
 /// Means over resolved cells, for one that is not.
@@ -54,9 +71,6 @@ struct Taken<const D: usize> {
 /// have 3.7 with its reach alone.
 const WAVE_DAMPING: f64 = 10.4;
 
-/// A cell smaller than this part of the mean of those around it is not resolved.
-pub const SMALLEST_CELL: f64 = 0.135;
-
 impl<const D: usize> FlowMapFit<D> {
     /// An estimator of the given degree that resolves cells down to `thinnest` spacings.
     #[must_use]
@@ -64,34 +78,77 @@ impl<const D: usize> FlowMapFit<D> {
         Self { degree: degree.value(), thinnest, ..Self::default() }
     }
 
-    /// `F` of every particle.
-    fn deformations(&self, y: &[[f64; D]], deformation: &mut [[[f64; D]; D]]) {
-        fill(deformation, |i| {
-            let stencil = self.stencils.of(i);
-            let mut f = [[0.0; D]; D];
-            for (&j, weight) in stencil.members.iter().zip(&stencil.weights.gradient) {
-                let y_j = &y[j as usize];
-                for k in 0..D {
-                    for l in 0..D {
-                        f[k][l] += y_j[k] * weight[l];
-                    }
-                }
-            }
-            f
+    fn lattice(&self) -> Lattice<'_, D> {
+        Lattice { stencils: &self.stencils, sums: &self.sums }
+    }
+
+    /// Deformation, volume, density and departure of every particle.
+    fn deform(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) {
+        let (lattice, y, masses) = (self.lattice(), cloud.positions, cloud.masses);
+        let Estimates { deformation, volume, density, carried, .. } = out;
+        let Carried { departure, upright, fours, blocks, .. } = carried;
+        LatticeSums::blocks_of(y, blocks);
+        let blocks = &blocks[..];
+        let all = Deformed { deformation, volume, density, departure, upright, fours };
+        for_each_part(all, PART, &|part, out| {
+            self.level.0.run(Deform { lattice, part, y, blocks, masses, out });
         });
+    }
+
+    /// Scores, or which cells are resolved: the density of one that is not becomes NaN.
+    fn differentiate(&self, pass: Pass, y: &[[f64; D]], out: &mut Estimates<D>) {
+        let lattice = self.lattice();
+        let least = self.thinnest * self.spacing;
+        let Estimates { score, density, deformation, volume, carried, .. } = out;
+        let (deformation, volume, carried) = (&deformation[..], &volume[..], &*carried);
+        for_each_part((&mut score[..], &mut density[..]), PART, &|part, (score, density)| {
+            self.level.0.run(Differentiate {
+                lattice,
+                part,
+                pass,
+                least,
+                y,
+                deformation,
+                volume,
+                carried,
+                score,
+                density,
+            });
+        });
+        if pass != Pass::Check {
+            self.stencils.score_at_rim(y, score);
+        }
+    }
+
+    /// Looks again at the cells that have one that is turned over among their members: the mean is that of the others.
+    fn check_near_turned(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) {
+        let Estimates { density, volume, carried: Carried { near_turned, .. }, .. } = out;
+        near_turned.fill(false);
+        for i in (0..volume.len()).filter(|&i| is_turned(volume[i])) {
+            for &j in self.stencils.of(i).members {
+                near_turned[j as usize] = true;
+            }
+        }
+        for i in (0..volume.len()).filter(|&i| near_turned[i]) {
+            let is_resolved = self.is_resolved(volume, i);
+            density[i] = if is_resolved { cloud.masses[i] / volume[i] } else { f64::NAN };
+        }
     }
 
     /// Whether the cell of particle `i` is upright and no smaller than [`SMALLEST_CELL`] of those around it.
     fn is_resolved(&self, volume: &[f64], i: usize) -> bool {
         let stencil = self.stencils.of(i);
-        let (mut mean, mut total) = (0.0, 0.0);
-        for (&j, weight) in stencil.members.iter().zip(&stencil.weights.mean) {
-            let v = volume[j as usize];
-            if v > 0.0 {
-                mean += weight * v;
-                total += weight;
+        // Four sums side by side: none waits for the one before.
+        let (mut mean, mut total) = ([0.0; 4], [0.0; 4]);
+        for (members, weights) in stencil.members.chunks(4).zip(stencil.weights.mean.chunks(4)) {
+            for (k, (&j, &weight)) in members.iter().zip(weights).enumerate() {
+                let v = volume[j as usize];
+                let (weight, v) = if v > 0.0 { (weight, v) } else { (0.0, 0.0) };
+                mean[k] += weight * v;
+                total[k] += weight;
             }
         }
+        let [mean, total] = [mean, total].map(|sums| (sums[0] + sums[1]) + (sums[2] + sums[3]));
         volume[i] > 0.0 && volume[i] * total > SMALLEST_CELL * mean
     }
 
@@ -111,7 +168,7 @@ impl<const D: usize> FlowMapFit<D> {
                 continue;
             }
             total += weight;
-            taken.departure += weight * out.density[j];
+            taken.departure += weight * out.carried.departure[j];
             taken.volume += weight * out.volume[j];
             for k in 0..D {
                 for l in 0..D {
@@ -130,64 +187,33 @@ impl<const D: usize> FlowMapFit<D> {
         Ok(taken)
     }
 
-    /// `F^-T g`, damped across the cell where it is thinner than the thinnest.
-    fn push_forward(&self, f: &[[f64; D]; D], g: &[f64; D]) -> [f64; D] {
-        let least = self.thinnest * self.spacing;
-        // det F is at most the smallest singular value times the Frobenius norm to the power D - 1, over a constant.
-        let norm_squared: f64 = f.as_flattened().iter().map(|value| value * value).sum();
-        let bound =
-            determinant(f) / (norm_squared / (D.max(2) - 1) as f64).powf(0.5 * (D as f64 - 1.0));
-        if bound > least {
-            return solve_transposed(f, g);
+    /// Gives cells that are not resolved the means of those around them that are; returns whether there were any.
+    fn repair(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<bool, Error> {
+        if !out.density.iter().fold(false, |any, density| any | density.is_nan()) {
+            return Ok(false);
         }
-        // F F^T = sum_m s_m^2 v_m v_m^T and F^-T g = sum_m v_m (v_m . F g) / s_m^2.
-        let (mut square, mut fg) = ([[0.0; D]; D], [0.0; D]);
-        for k in 0..D {
-            for l in 0..D {
-                square[k][l] = (0..D).map(|m| f[k][m] * f[l][m]).sum();
-                fg[k] += f[k][l] * g[l];
+        let mut unresolved = Vec::new();
+        for i in 0..out.density.len() {
+            if out.density[i].is_nan() {
+                unresolved.push(self.mean_of_resolved(i, cloud, out)?);
+                out.unresolved.add(i, cloud.masses);
             }
         }
-        let (values, vectors) = eigen(square);
-        let mut out = [0.0; D];
-        for m in 0..D {
-            let along: f64 = (0..D).map(|k| vectors[k][m] * fg[k]).sum();
-            for k in 0..D {
-                out[k] += vectors[k][m] * along / values[m].max(least * least);
-            }
+        for Taken { i, departure, deformation, volume } in &unresolved {
+            (out.deformation[*i], out.volume[*i]) = (*deformation, *volume);
+            out.density[*i] = cloud.masses[*i] / volume;
+            out.carried.departure[*i] = *departure;
+            out.carried.fours[*i][..3].fill(*departure);
         }
-        out
-    }
-
-    /// Gradients of the departure with respect to `y`: by the local polynomial inside, from the inside outward at the rim.
-    fn gradients(&self, departure: &[f64], deformation: &[[[f64; D]; D]], out: &mut [[f64; D]]) {
-        fill(out, |i| {
-            if self.stencils.at_rim(i) {
-                [0.0; D]
-            } else {
-                self.push_forward(&deformation[i], &self.stencils.of(i).gradient_of(departure))
-            }
-        });
-        for i in self.stencils.rim() {
-            let stencil = self.stencils.of(i);
-            let (mut mean, mut total) = ([0.0; D], 0.0);
-            for (&j, weight) in stencil.members.iter().zip(&stencil.weights.mean) {
-                let j = j as usize;
-                if self.stencils.is_before(j, i) {
-                    total += weight;
-                    for k in 0..D {
-                        mean[k] += weight * out[j][k];
-                    }
-                }
-            }
-            out[i] = mean.map(|value| value / total);
-        }
+        Ok(true)
     }
 }
 
-/// `|y|^2 / 2`: minus the logarithm of the unit Gaussian, but for a constant.
-fn half_square<const D: usize>(y: &[f64; D]) -> f64 {
-    0.5 * y.iter().map(|c| c * c).sum::<f64>()
+/// Whether a cell of the given volume is turned over, or none at all.
+#[allow(clippy::inline_always, reason = "so that a loop is compiled for registers")]
+#[inline(always)]
+fn is_turned(volume: f64) -> bool {
+    volume.is_nan() || volume <= 0.0
 }
 
 impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
@@ -222,77 +248,47 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
         self.spacing = lattice.spacing;
         self.stencils =
             Stencils::new(lattice.places, lattice.neighbours, lattice.reach, self.degree)?;
+        self.sums = LatticeSums::new(&self.stencils, lattice.places.len());
         let steepest = self.stencils.steepest_wave(lattice.places);
         self.resolved = lattice.reach.powi(2).min(WAVE_DAMPING / steepest.powi(2));
         Ok(())
     }
 
     fn estimate(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<(), Error> {
-        let (y, masses) = (cloud.positions, cloud.masses);
-        self.deformations(y, &mut out.deformation);
-        fill(&mut out.volume, |i| determinant(&out.deformation[i]));
-        // The departure of what is not resolved is NaN until its neighbours have given theirs.
-        let volume = &out.volume;
-        fill(&mut out.density, |i| {
-            if self.is_resolved(volume, i) {
-                (masses[i] / volume[i]).ln() + half_square(&y[i])
-            } else {
-                f64::NAN
-            }
-        });
         out.fits = self.stencils.fits;
-        let mut unresolved = Vec::new();
-        for i in 0..y.len() {
-            if out.density[i].is_nan() {
-                unresolved.push(self.mean_of_resolved(i, cloud, out)?);
-                out.unresolved.add(i, masses);
-            }
+        out.carried.resize(cloud.n_particles());
+        self.deform(cloud, out);
+        // Looks at all, so that registers take several.
+        let any_turned = out.volume.iter().fold(false, |any, v| any | is_turned(*v));
+        if any_turned {
+            self.differentiate(Pass::Check, cloud.positions, out);
+            self.check_near_turned(cloud, out);
+        } else {
+            self.differentiate(Pass::CheckAndScore, cloud.positions, out);
         }
-        for Taken { i, departure, deformation, volume } in unresolved {
-            (out.density[i], out.deformation[i], out.volume[i]) = (departure, deformation, volume);
+        if self.repair(cloud, out)? {
+            self.differentiate(Pass::Score, cloud.positions, out);
         }
-        self.gradients(&out.density, &out.deformation, &mut out.score);
-        for (score, y) in out.score.iter_mut().zip(y) {
-            for k in 0..D {
-                score[k] -= y[k];
-            }
-        }
-        fill(&mut out.density, |i| masses[i] / out.volume[i]);
         Ok(())
     }
 
     /// `trace(F^-1 D F^-T)` over the square of a length on the lattice, with cells no thinner than the thinnest. A wave
     /// decays at the rate of that trace times the square of what the gradient makes of it, which must stay within the
     /// stability interval of the scheme: the length is the reach, or less where the gradient is steeper.
+    #[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+    #[inline(always)]
     fn spread(&self, diffusion: &[[f64; D]; D], _: f64, deformation: &[[f64; D]; D]) -> f64 {
         let trace: f64 = (0..D).map(|k| diffusion[k][k]).sum();
-        let transposed = std::array::from_fn(|k| std::array::from_fn(|l| deformation[l][k]));
-        // A = F^-1 D, then trace(A F^-T) = trace(F^-1 A^T).
-        let mut half = [[0.0; D]; D];
-        for l in 0..D {
-            let column = std::array::from_fn(|k| diffusion[k][l]);
-            let solved = solve_transposed(&transposed, &column);
-            for k in 0..D {
-                half[k][l] = solved[k];
-            }
-        }
-        let across: f64 = (0..D).map(|k| solve_transposed(&transposed, &half[k])[k]).sum();
+        let across = trace_on_lattice(deformation, diffusion);
         let most = trace / (self.thinnest * self.spacing).powi(2);
         across.min(most).max(0.0) / self.resolved
     }
 
-    fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], part: f64) {
+    fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], share: f64) {
         before.copy_from_slice(x);
-        let before = &*before;
-        fill(x, |i| {
-            let stencil = self.stencils.of(i);
-            let mut fitted = [0.0; D];
-            for (&j, weight) in stencil.members.iter().zip(&stencil.weights.value) {
-                for k in 0..D {
-                    fitted[k] += weight * before[j as usize][k];
-                }
-            }
-            std::array::from_fn(|k| before[i][k] + part * (fitted[k] - before[i][k]))
+        let (lattice, before) = (self.lattice(), &*before);
+        for_each_part(x, PART, &|part, x| {
+            self.level.0.run(Settle { lattice, part, before, share, x });
         });
     }
 
@@ -327,5 +323,85 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
             map.resolved = self.is_resolved(&volume, i);
         }
         Some(maps)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
+    use particle_store::Lattice as Places;
+
+    use super::super::Unresolved;
+    use super::super::flow_map_passes::half_square;
+    use super::*;
+
+    /// What the estimator makes of positions on a ball, at every level.
+    fn estimates<const D: usize>(
+        spacing: f64,
+        place: impl Fn([f64; D]) -> [f64; D],
+    ) -> Vec<Estimates<D>> {
+        let lattice = Places::<D>::ball_lattice(4.0, spacing).unwrap();
+        let places: Vec<[f64; D]> = lattice.indices.iter().map(|i| i.map(f64::from)).collect();
+        let mut neighbours = NeighbourList::new();
+        CellGrid::new().full_list(&places, Radii::Uniform(2.8), &mut neighbours).unwrap();
+        neighbours.sort_rows();
+        let positions: Vec<[f64; D]> = lattice.points.iter().map(|&p| place(p)).collect();
+        let masses: Vec<f64> = lattice.points.iter().map(|p| (-half_square(p)).exp()).collect();
+        let n = places.len();
+        let cloud = Cloud {
+            positions: &positions,
+            masses: &masses,
+            smoothing_lengths: &vec![1.0; n],
+            neighbours: &neighbours,
+            lattice: &[],
+            whitened: true,
+            step: 0,
+            time: 0.0,
+        };
+        let estimate = |level| {
+            let mut fit = FlowMapFit::<D>::new(Degree::Cubic, 0.2);
+            fit.level = Level(level);
+            let (places, neighbours) = (&places[..], &neighbours);
+            fit.start(&LatticePlaces { places, neighbours, reach: 2.8, spacing }).unwrap();
+            let mut out = Estimates::new(n);
+            fit.estimate(&cloud, &mut out).unwrap();
+            let (mut x, mut before) = (positions.clone(), positions.clone());
+            fit.settle(&mut x, &mut before, 0.3);
+            out.score.extend(x);
+            out
+        };
+        SimdLevel::available().map(estimate).collect()
+    }
+
+    fn levels_agree<const D: usize>(
+        spacing: f64,
+        place: impl Fn([f64; D]) -> [f64; D],
+    ) -> Unresolved {
+        let all = estimates(spacing, place);
+        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        for other in &all[1..] {
+            assert_eq!(bits(other.score.as_flattened()), bits(all[0].score.as_flattened()));
+            assert_eq!(bits(&other.density), bits(&all[0].density));
+            assert_eq!(bits(&other.volume), bits(&all[0].volume));
+            assert_eq!(other.deformation, all[0].deformation);
+            assert_eq!(other.unresolved, all[0].unresolved);
+        }
+        all[0].unresolved
+    }
+
+    #[test]
+    fn every_level_gives_the_same_bits_for_thin_and_for_folded_cells_too() {
+        let bent = |[x, y]: [f64; 2]| [x + 0.1 * y * y, y - 0.05 * x * y];
+        assert_eq!(levels_agree(0.37, bent).particles, 0);
+        // The width in x falls to 1e-4 over the upper half; x runs back around the origin.
+        let squeezed = |[x, y]: [f64; 2]| [x * 10.0_f64.powf(-y.max(0.0)), y + 0.1 * x * x];
+        levels_agree(0.4, squeezed);
+        let folded = |[x, y]: [f64; 2]| [x - 2.2 * x * (-0.5 * x * x).exp(), y];
+        assert!(levels_agree(0.4, folded).particles > 10);
+        let thin = |[x, y, z]: [f64; 3]| [x + 0.4 * y, 0.05 * y + 0.02 * z * z, z + 0.02 * x * x];
+        assert_eq!(levels_agree(0.7, thin).particles, 0);
+        let folded = |[x, y, z]: [f64; 3]| [x - 2.2 * x * (-0.5 * x * x).exp(), y + 0.1 * z, z];
+        assert!(levels_agree(0.7, folded).particles > 10);
+        levels_agree(1.0, |[x, y, z, w]: [f64; 4]| [x + 0.1 * y * y, y, 0.03 * z, w + 0.2 * x]);
     }
 }

@@ -7,15 +7,21 @@
 //! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
 mod cell_geometry;
+mod cells;
 mod flow_map_fit;
+mod flow_map_passes;
+mod folded;
+mod lattice_sums;
 mod log_density_fit;
 mod monomials;
 mod polynomial_fit;
+mod runs;
 mod small_matrices;
 mod stencils;
 mod summation_density;
 
-pub use flow_map_fit::{FlowMapFit, SMALLEST_CELL};
+pub use flow_map_fit::FlowMapFit;
+pub use flow_map_passes::SMALLEST_CELL;
 pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
@@ -28,6 +34,7 @@ pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 
 use crate::cloud::Cloud;
 use crate::error::Error;
+use crate::extremes::last_greatest;
 
 /// Output of an estimator: one entry per particle, in the coordinates of the metric. An estimator overwrites entries and
 /// keeps their number.
@@ -46,6 +53,33 @@ pub struct Estimates<const D: usize> {
     pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits; [`Fits::default`] before.
     pub fits: Fits,
+    /// What the flow-map fit holds between its passes; empty with other estimators.
+    pub(crate) carried: Carried,
+}
+
+/// Numbers of each particle that the flow-map fit differentiates or averages over the lattice.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Carried {
+    /// `y` in blocks of four components.
+    pub(crate) blocks: Vec<[f64; 4]>,
+    /// `d`, the departure of the logarithm of the density from the cloud's Gaussian.
+    pub(crate) departure: Vec<f64>,
+    /// `v`, the volume of an upright cell, zero for one that is turned over.
+    pub(crate) upright: Vec<f64>,
+    /// `[d, d, d, v]`.
+    pub(crate) fours: Vec<[f64; 4]>,
+    /// Whether a member's cell is turned over.
+    pub(crate) near_turned: Vec<bool>,
+}
+
+impl Carried {
+    /// Makes room for `n` particles.
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.departure.resize(n, 0.0);
+        self.upright.resize(n, 0.0);
+        self.fours.resize(n, [0.0; 4]);
+        self.near_turned.resize(n, false);
+    }
 }
 
 impl<const D: usize> Estimates<D> {
@@ -59,6 +93,7 @@ impl<const D: usize> Estimates<D> {
             deformation: vec![[[0.0; D]; D]; n],
             unresolved: Unresolved::default(),
             fits: Fits::default(),
+            carried: Carried::default(),
         }
     }
 
@@ -224,9 +259,37 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         (0..D).map(|k| diffusion[k][k]).sum::<f64>() / radius.powi(2)
     }
 
+    /// The particle that spreads fastest, the last of several, and its [`spread`](Self::spread). `diffusion` has an entry
+    /// for each particle, or one for all.
+    fn fastest_spread(
+        &self,
+        diffusion: &[[[f64; D]; D]],
+        radii: &[f64],
+        deformation: &[[[f64; D]; D]],
+    ) -> (usize, f64) {
+        last_greatest(
+            radii.len(),
+            #[inline(always)]
+            |first, spreads| {
+                let here = first..first + spreads.len();
+                let (radii, deformation) = (&radii[here.clone()], &deformation[here.clone()]);
+                if let [shared] = diffusion {
+                    for (p, spread) in spreads.iter_mut().enumerate() {
+                        *spread = self.spread(shared, radii[p], &deformation[p]);
+                    }
+                } else {
+                    for (p, diffusion) in diffusion[here].iter().enumerate() {
+                        spreads[p] = self.spread(diffusion, radii[p], &deformation[p]);
+                    }
+                }
+            },
+        )
+    }
+
     /// The rates at which smoothing lengths change within a step, `d log h_i / dt`, for particles that move at the given
     /// velocities, `n` vectors in the coordinates of the metric; one rate per particle. Provided: none, and smoothing
-    /// lengths are frozen over a step, which is an error of the first order in it where the estimate depends on them.
+    /// lengths are frozen over a step, which is an error of the first order in it where the estimate depends on them. Not
+    /// called where [`criterion`](Self::criterion) is none: there is no search for the lengths to limit.
     fn smoothing_rates(&self, cloud: &Cloud<'_, D>, velocities: &[[f64; D]], rates: &mut Vec<f64>) {
         let _ = (cloud, velocities);
         rates.clear();

@@ -1,5 +1,12 @@
 //! Small matrices on the stack: a linear system and a symmetric eigenproblem.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a dispatched function is not compiled for its registers"
+)]
+
+use lanes::{Lanes, Mask};
+
 /// `x` with `A^T x = b`, by elimination with partial pivoting; infinite or NaN where `A` is singular.
 pub(crate) fn solve_transposed<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D] {
     let mut m: [[f64; D]; D] = std::array::from_fn(|k| std::array::from_fn(|l| a[l][k]));
@@ -41,39 +48,57 @@ pub(crate) fn solve<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D]
 /// Most sweeps of the Jacobi method; six suffice for six dimensions.
 const MOST_SWEEPS: usize = 20;
 
-/// Eigenvalues and eigenvectors (columns) of a symmetric matrix, by the cyclic Jacobi method (Golub & Van Loan 2013,
-/// section 8.5).
-pub(crate) fn eigen<const D: usize>(mut a: [[f64; D]; D]) -> ([f64; D], [[f64; D]; D]) {
-    let mut v: [[f64; D]; D] =
-        std::array::from_fn(|k| std::array::from_fn(|l| if k == l { 1.0 } else { 0.0 }));
+/// Eigenvalues and eigenvectors (columns) of a symmetric matrix, or of one in each lane, by the cyclic Jacobi method (Golub
+/// & Van Loan 2013, section 8.5). A lane that has converged stays as it is, whatever the others need.
+#[inline(always)]
+pub(crate) fn eigen<N: Lanes<Number = f64>, const D: usize>(
+    mut a: [[N; D]; D],
+) -> ([N; D], [[N; D]; D]) {
+    let (zero, one) = (a[0][0].splat(0.0), a[0][0].splat(1.0));
+    let mut v = [[zero; D]; D];
+    for k in 0..D {
+        v[k][k] = one;
+    }
     for _ in 0..MOST_SWEEPS {
-        let (mut off, mut diagonal) = (0.0, 0.0);
+        let (mut off, mut diagonal) = (zero, zero);
         for p in 0..D {
-            diagonal += a[p][p] * a[p][p];
+            diagonal = diagonal + a[p][p] * a[p][p];
             for q in p + 1..D {
-                off += a[p][q] * a[p][q];
+                off = off + a[p][q] * a[p][q];
             }
         }
-        if off <= f64::EPSILON * f64::EPSILON * diagonal {
+        let turns = (zero.splat(f64::EPSILON * f64::EPSILON) * diagonal).less(off);
+        if !turns.any() {
             break;
         }
         for p in 0..D {
             for q in p + 1..D {
-                rotate(&mut a, &mut v, p, q);
+                rotate(&mut a, &mut v, (p, q), turns);
             }
         }
     }
-    (std::array::from_fn(|k| a[k][k]), v)
+    let mut values = [zero; D];
+    for k in 0..D {
+        values[k] = a[k][k];
+    }
+    (values, v)
 }
 
-/// The rotation that makes `a[p][q]` zero.
-fn rotate<const D: usize>(a: &mut [[f64; D]; D], v: &mut [[f64; D]; D], p: usize, q: usize) {
-    if a[p][q] == 0.0 {
-        return;
-    }
-    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let tangent = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let c = 1.0 / (tangent * tangent + 1.0).sqrt();
+/// The rotation that makes `a[p][q]` zero, in the lanes of a mask.
+#[inline(always)]
+fn rotate<N: Lanes<Number = f64>, const D: usize>(
+    a: &mut [[N; D]; D],
+    v: &mut [[N; D]; D],
+    (p, q): (usize, usize),
+    turns: N::Mask,
+) {
+    let (zero, one) = (a[p][q].splat(0.0), a[p][q].splat(1.0));
+    let theta = (a[q][q] - a[p][p]) / (a[p][q] + a[p][q]);
+    let sign = N::select(theta.less(zero), zero - one, one);
+    let tangent = sign / (theta.abs() + (theta * theta + one).sqrt());
+    // Zero where there is nothing to turn: the identity.
+    let tangent = N::select(turns.and(zero.less(a[p][q].abs())), tangent, zero);
+    let c = one / (tangent * tangent + one).sqrt();
     let s = tangent * c;
     for k in 0..D {
         (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);

@@ -1,6 +1,7 @@
 //! Stencils and constant weights of local polynomials over a lattice.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use neighbour_search::NeighbourList;
 use smoothing_kernels::{Kernel, Lucy, power};
@@ -20,16 +21,29 @@ pub(crate) struct Stencils<const D: usize> {
     pattern_of: Vec<u32>,
     patterns: Vec<Pattern<D>>,
     /// Points at the rim, in an order in which each has a member inside or before it.
-    rim: Vec<usize>,
-    /// Index of a point in `rim`; interior points come first.
+    rim: Vec<Rim>,
+    /// What the points at the rim take from members before them, with weights that sum to 1.
+    links: Vec<(u32, f64)>,
+    /// The layer of a point at the rim, from 1 on; 0 inside.
     rank: Vec<u32>,
     /// How well the lattice determines the polynomials.
     pub(crate) fits: Fits,
 }
 
+/// A point at the rim and its links.
+#[derive(Debug, Clone)]
+struct Rim {
+    i: usize,
+    links: Range<usize>,
+}
+
 /// The weights of one arrangement of neighbours; one entry per member.
 #[derive(Debug, Clone)]
 pub(crate) struct Pattern<const D: usize> {
+    /// Places of the members against the point, in spacings.
+    pub(crate) offsets: Vec<[i32; D]>,
+    /// Whether the first member is opposite to the last, the second to the last but one, and so on.
+    pub(crate) is_symmetric: bool,
     /// Positive weights that sum to 1: a local mean.
     pub(crate) mean: Vec<f64>,
     /// The polynomial's value at the point.
@@ -121,14 +135,31 @@ impl<const D: usize> Stencils<D> {
                 return Err(Error::NoLatticeCell { particle });
             }
             for &i in &next {
+                let links = self.link(i, |j| rank[j] < layer);
+                self.rim.push(Rim { i, links });
+            }
+            for &i in &next {
                 rank[i] = layer;
             }
             missing -= next.len();
-            self.rim.extend_from_slice(&next);
             layer += 1;
         }
         self.rank = rank;
         Ok(())
+    }
+
+    /// Links a point to those of its members that are known before it.
+    fn link(&mut self, i: usize, is_before: impl Fn(usize) -> bool) -> Range<usize> {
+        let (start, members) = (self.links.len(), self.start[i]..self.start[i + 1]);
+        let weights = &self.patterns[self.pattern_of[i] as usize].mean;
+        let all = self.members[members].iter().zip(weights);
+        self.links.extend(all.filter(|(j, _)| is_before(**j as usize)).map(|(&j, &w)| (j, w)));
+        let links = &mut self.links[start..];
+        let total: f64 = links.iter().map(|(_, weight)| weight).sum();
+        for (_, weight) in links {
+            *weight /= total;
+        }
+        start..self.links.len()
     }
 
     /// The largest magnitude that the gradient inside the lattice gives to a wave along an axis of amplitude 1, per
@@ -162,22 +193,42 @@ impl<const D: usize> Stencils<D> {
         }
     }
 
+    /// The pattern of a point, by its number.
+    pub(crate) fn pattern_of(&self, i: usize) -> u32 {
+        self.pattern_of[i]
+    }
+
+    /// A pattern by its number.
+    pub(crate) fn pattern(&self, number: u32) -> &Pattern<D> {
+        &self.patterns[number as usize]
+    }
+
+    /// Whether the members of point `i + 1` are those of point `i`, each one further on.
+    pub(crate) fn advances(&self, i: usize) -> bool {
+        let [members, next] = [i, i + 1].map(|i| self.of(i).members);
+        self.pattern_of[i] == self.pattern_of[i + 1]
+            && members.iter().zip(next).all(|(j, next)| j + 1 == *next)
+    }
+
     /// Whether a point lies at the rim.
     #[inline]
     pub(crate) fn at_rim(&self, i: usize) -> bool {
         self.rank[i] > 0
     }
 
-    /// The points at the rim from the inside outward, each with its layer: its members of lower layers are known before
-    /// it.
-    pub(crate) fn rim(&self) -> impl Iterator<Item = usize> {
-        self.rim.iter().copied()
-    }
-
-    /// Whether `j` is known before `i`, a point at the rim.
-    #[inline]
-    pub(crate) fn is_before(&self, j: usize, i: usize) -> bool {
-        self.rank[j] < self.rank[i]
+    /// The score at the rim: that of a Gaussian, `-y`, and the mean of what members further inside have beyond it. From the
+    /// inside outward.
+    pub(crate) fn score_at_rim(&self, y: &[[f64; D]], score: &mut [[f64; D]]) {
+        for Rim { i, links } in &self.rim {
+            let mut mean = [0.0; D];
+            for &(j, weight) in &self.links[links.clone()] {
+                let (score, y) = (&score[j as usize], &y[j as usize]);
+                for k in 0..D {
+                    mean[k] += weight * (score[k] + y[k]);
+                }
+            }
+            score[*i] = std::array::from_fn(|k| mean[k] - y[*i][k]);
+        }
     }
 }
 
@@ -209,14 +260,7 @@ impl<const D: usize> Pattern<D> {
         let n = tables.n_unknowns;
         let mut fit = LeastSquares::new(tables);
         fit.clear(tables);
-        let points: Vec<([f64; D], f64)> = offsets
-            .iter()
-            .map(|offset| {
-                let u = offset.map(|k| f64::from(k) / reach);
-                let q = u.iter().map(|c| c * c).sum::<f64>().sqrt();
-                (u, <Lucy as Kernel<D>>::shape(&Lucy, q * <Lucy as Kernel<D>>::support(&Lucy)))
-            })
-            .collect();
+        let points: Vec<_> = offsets.iter().map(|offset| weighted(offset, reach)).collect();
         for (u, w) in &points {
             let lane = |value: f64| {
                 let mut lanes = [0.0; LANES];
@@ -237,6 +281,8 @@ impl<const D: usize> Pattern<D> {
             points.iter().map(|(u, w)| w * fit.polynomial(&solved, u)).collect()
         };
         let mut pattern = Self {
+            offsets: offsets.to_vec(),
+            is_symmetric: false,
             mean: Vec::with_capacity(count),
             value: weights_of(0),
             gradient: vec![[0.0; D]; count],
@@ -261,8 +307,65 @@ impl<const D: usize> Pattern<D> {
                 m += 1;
             }
         }
+        pattern.make_symmetric();
         Ok(pattern)
     }
+
+    /// Gives the weights the symmetries of the offsets, which roundoff of the fit has broken: those of reflections along
+    /// an axis, and that of opposite members.
+    fn make_symmetric(&mut self) {
+        for axis in 0..D {
+            if let Some(mirror) = self.mirror(|k| k == axis) {
+                self.symmetrise(&mirror, |k| k == axis);
+            }
+        }
+        let last = self.offsets.len() - 1;
+        if let Some(mirror) = self.mirror(|_| true) {
+            self.symmetrise(&mirror, |_| true);
+            self.is_symmetric =
+                mirror.iter().enumerate().all(|(t, &opposite)| opposite == last - t);
+        }
+    }
+
+    /// For each member the one with the given components of its offset reversed; none where one of them is missing.
+    fn mirror(&self, is_reversed: impl Fn(usize) -> bool) -> Option<Vec<usize>> {
+        let reversed = |offset: &[i32; D]| -> [i32; D] {
+            std::array::from_fn(|k| if is_reversed(k) { -offset[k] } else { offset[k] })
+        };
+        let place = |offset| self.offsets.iter().position(|other| *other == reversed(offset));
+        self.offsets.iter().map(place).collect()
+    }
+
+    /// Replaces the weights of members and their mirror images by the mean of both.
+    fn symmetrise(&mut self, mirror: &[usize], is_reversed: impl Fn(usize) -> bool) {
+        let mean = |weights: &mut [f64], t: usize, image: usize| {
+            let both = 0.5 * (weights[t] + weights[image]);
+            (weights[t], weights[image]) = (both, both);
+        };
+        let sign = |k: usize| if is_reversed(k) { -1.0 } else { 1.0 };
+        for (t, &image) in mirror.iter().enumerate().filter(|(t, image)| t <= image) {
+            mean(&mut self.mean, t, image);
+            mean(&mut self.value, t, image);
+            for k in 0..D {
+                let both = 0.5 * (self.gradient[t][k] + sign(k) * self.gradient[image][k]);
+                self.gradient[t][k] = both;
+                self.gradient[image][k] = sign(k) * both;
+                for l in 0..D {
+                    let sign = sign(k) * sign(l);
+                    let both = 0.5 * (self.hessian[t][k][l] + sign * self.hessian[image][k][l]);
+                    self.hessian[t][k][l] = both;
+                    self.hessian[image][k][l] = sign * both;
+                }
+            }
+        }
+    }
+}
+
+/// A place in units of the reach, with Lucy's weight.
+fn weighted<const D: usize>(offset: &[i32; D], reach: f64) -> ([f64; D], f64) {
+    let u = offset.map(|k| f64::from(k) / reach);
+    let q = u.iter().map(|c| c * c).sum::<f64>().sqrt();
+    (u, <Lucy as Kernel<D>>::shape(&Lucy, q * <Lucy as Kernel<D>>::support(&Lucy)))
 }
 
 fn too_many(n: usize) -> Error {
@@ -309,9 +412,11 @@ mod tests {
         let inside = (0..lattice.points.len()).filter(|&i| stencils.of(i).members.len() == full);
         let patterns: Vec<u32> = inside.map(|i| stencils.pattern_of[i]).collect();
         assert!(patterns.len() > 100 && patterns.iter().all(|p| *p == patterns[0]));
-        for i in stencils.rim() {
-            let before = |&j: &u32| stencils.is_before(j as usize, i);
-            assert!(stencils.of(i).members.iter().any(before), "point {i}");
+        for Rim { i, links } in &stencils.rim {
+            assert!(!links.is_empty(), "point {i}");
+            let total: f64 = stencils.links[links.clone()].iter().map(|link| link.1).sum();
+            // Roundoff of a sum of at most 123 terms.
+            assert!((total - 1.0).abs() < 1e-14, "point {i}: {total}");
         }
     }
 }

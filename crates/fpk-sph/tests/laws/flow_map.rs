@@ -175,6 +175,46 @@ fn a_density_that_is_no_gaussian_is_interpolated_with_the_third_order() {
 }
 
 #[test]
+fn the_same_bits_come_from_any_number_of_threads_and_after_a_restart() {
+    let component = |mean, weight| GaussianComponent {
+        weight,
+        mean: [mean, 0.0],
+        covariance: [[0.04, 0.01], [0.01, 0.09]],
+    };
+    let law = GaussianMixture::mixture(&[component(0.0, 0.6), component(0.3, 0.4)]).unwrap();
+    // 961 particles: threads share them out.
+    let lattice = InitialLattice::Box { reach: 5.0, count: [31, 31] };
+    let new = || {
+        let config = Config { lattice, ..config(Method::FlowMapFit) };
+        Simulation::new(oscillator(), &law, &config).unwrap()
+    };
+    let with = |threads: usize, run: &(dyn Fn() -> Simulation<LinearOscillator, 2, 1> + Sync)| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let simulation = pool.install(run);
+        simulation.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<u64>>()
+    };
+    let whole = || {
+        let mut simulation = new();
+        simulation.advance_to(0.3).unwrap();
+        simulation.advance_to(0.6).unwrap();
+        simulation
+    };
+    let resumed = || {
+        let (mut first, mut second, mut bytes) = (new(), new(), Vec::new());
+        first.advance_to(0.3).unwrap();
+        first.snapshot(&mut bytes).unwrap();
+        second.restore(&bytes[..]).unwrap();
+        second.advance_to(0.6).unwrap();
+        second
+    };
+    let one = with(1, &whole);
+    for threads in [1, 2, 8] {
+        assert!(with(threads, &whole) == one, "{threads} threads");
+        assert!(with(threads, &resumed) == one, "{threads} threads, after a restart");
+    }
+}
+
+#[test]
 fn in_one_dimension_steps_within_the_limit_are_stable() {
     let parameters = OrnsteinUhlenbeckParameters { rates: [[1.0]], mean: [0.2], noise: [[0.5]] };
     let process = OrnsteinUhlenbeck::new(parameters).unwrap();

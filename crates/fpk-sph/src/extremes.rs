@@ -1,0 +1,85 @@
+//! The smallest and the greatest of a value over all particles, with their places.
+
+/// Values that are computed at a time, so that a loop over them is compiled for registers.
+const BLOCK: usize = 128;
+
+/// Integers in the order of [`f64::total_cmp`]: registers compare them without a branch.
+#[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+#[inline(always)]
+fn in_order(value: f64) -> i64 {
+    let bits = value.to_bits().cast_signed();
+    bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
+}
+
+/// The greatest of `n` values in the order of [`f64::total_cmp`], and the last place where it is; minus infinity at 0 of
+/// none. `compute(first, values)` writes the values from a place on; it is compiled for registers where it is inlined.
+pub(crate) fn last_greatest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (usize, f64) {
+    let (mut place, mut greatest, mut values) = (0, f64::NEG_INFINITY, [0.0; BLOCK]);
+    for first in (0..n).step_by(BLOCK) {
+        let values = &mut values[..BLOCK.min(n - first)];
+        let here = lanes::dispatch(
+            #[inline(always)]
+            || {
+                compute(first, values);
+                values.iter().fold(i64::MIN, |most, value| most.max(in_order(*value)))
+            },
+        );
+        if first == 0 || here >= in_order(greatest) {
+            let is_here = |value: &f64| in_order(*value) == here;
+            place = first + values.iter().rposition(is_here).unwrap_or(0);
+            greatest = values[place - first];
+        }
+    }
+    (place, greatest)
+}
+
+/// The smallest of `n` values in the order of [`f64::total_cmp`], and the first place where it is; infinity at 0 of none.
+/// `compute` as for [`last_greatest`].
+pub(crate) fn first_smallest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (usize, f64) {
+    let (mut place, mut smallest, mut values) = (0, f64::INFINITY, [0.0; BLOCK]);
+    for first in (0..n).step_by(BLOCK) {
+        let values = &mut values[..BLOCK.min(n - first)];
+        let here = lanes::dispatch(
+            #[inline(always)]
+            || {
+                compute(first, values);
+                values.iter().fold(i64::MAX, |least, value| least.min(in_order(*value)))
+            },
+        );
+        if first == 0 || here < in_order(smallest) {
+            let is_here = |value: &f64| in_order(*value) == here;
+            place = first + values.iter().position(is_here).unwrap_or(0);
+            smallest = values[place - first];
+        }
+    }
+    (place, smallest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both extremes of some values.
+    fn extremes(all: &[f64]) -> [(usize, f64); 2] {
+        let compute = |first: usize, values: &mut [f64]| {
+            values.copy_from_slice(&all[first..first + values.len()]);
+        };
+        [first_smallest(all.len(), compute), last_greatest(all.len(), compute)]
+    }
+
+    #[test]
+    fn the_order_is_that_of_total_cmp_and_ties_go_to_the_stated_end() {
+        // Ties within a block and between blocks.
+        let mut values = vec![0.0; 3 * BLOCK];
+        for place in [5, BLOCK + 9, BLOCK + 10] {
+            (values[place], values[place + 70]) = (-2.0, 3.0);
+        }
+        assert_eq!(extremes(&values), [(5, -2.0), (BLOCK + 80, 3.0)]);
+        let mut sorted = [f64::NAN, 1.0, -0.0, f64::INFINITY, 0.0, -f64::NAN, -1.0, 5e-324];
+        sorted.sort_by_key(|value| in_order(*value));
+        assert!(sorted.is_sorted_by(|a, b| a.total_cmp(b).is_le()), "{sorted:?}");
+        assert!(extremes(&[1.0, f64::NAN, 2.0])[1].1.is_nan());
+        assert!(extremes(&[f64::NAN, f64::NAN])[0].1.is_nan());
+        assert_eq!(extremes(&[]), [(0, f64::INFINITY), (0, f64::NEG_INFINITY)]);
+    }
+}

@@ -43,7 +43,7 @@ type Collect<'c, const D: usize> =
 /// One run of guided paths.
 pub(crate) struct Ensemble<'r, const D: usize, const M: usize> {
     pub(crate) guides: &'r [Guide<D, M>],
-    pub(crate) response: Option<&'r Response<'r, D>>,
+    pub(crate) passage: Option<(&'r Response<'r, D>, f64)>,
     pub(crate) seed: u64,
     pub(crate) realisations: Range<u64>,
     pub(crate) n_sums: usize,
@@ -141,7 +141,7 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
         let regressions = Regressions::new(linearisation, &*behind, law, time, &STRENGTHS)?;
         let dt = time / n_steps as f64;
         let runner = Box::new(move |run: &Ensemble<'_, D, M>, collect: Collect<'_, D>| {
-            let Ensemble { guides, response, seed, ref realisations, n_sums } = *run;
+            let Ensemble { guides, passage, seed, ref realisations, n_sums } = *run;
             let ensemble = GuidedEnsemble {
                 system,
                 integrator,
@@ -150,7 +150,7 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
                 dt,
                 n_steps,
                 guides,
-                response,
+                passage,
                 seed,
             };
             let merge = |mut earlier: Vec<Contributions>, later: Vec<Contributions>| {
@@ -188,7 +188,7 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
     ) -> Result<GuidedEstimate, TailError> {
         config.check(threshold)?;
         let backward: Vec<_> = (0..STRENGTHS.len())
-            .map(|strength| self.backward(strength, self.steps.n_steps))
+            .map(|strength| self.backward(strength, &self.weights, self.steps.n_steps))
             .collect();
         let guides = |strength: usize, share: f64| -> Vec<Guide<D, M>> {
             let backward = &backward[strength];
@@ -211,9 +211,15 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
         self.estimate(&guides(strength, 1.0 - config.unguided), &event, STRENGTHS[strength], config)
     }
 
-    pub(crate) fn backward(&self, strength: usize, n_steps: usize) -> Backward<D, M> {
+    /// The backward function of a weighted sum of the states after some of the steps.
+    pub(crate) fn backward(
+        &self,
+        strength: usize,
+        weights: &[f64; D],
+        n_steps: usize,
+    ) -> Backward<D, M> {
         let steps = Steps { n_steps, ..self.steps };
-        Backward::new(&*self.system, &self.regressions, strength, &self.weights, steps)
+        Backward::new(&*self.system, &self.regressions, strength, weights, steps)
     }
 
     /// The sides of the event with their shares of the guided paths, by the probability of the linearised system.
@@ -264,7 +270,7 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
         };
         let realisations = FIRST_PILOT..FIRST_PILOT + config.n_pilots;
         let (seed, n_sums) = (config.seed, STRENGTHS.len());
-        let run = Ensemble { guides: &all, response: event.response, seed, realisations, n_sums };
+        let run = Ensemble { guides: &all, passage: event.passage(), seed, realisations, n_sums };
         let sums = (self.runner)(&run, &collect)?;
         let best = (0..n_sums).min_by(|&a, &b| sums[a].mean().total_cmp(&sums[b].mean()));
         Ok(best.unwrap_or_default())
@@ -285,7 +291,7 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
             }
         };
         let (seed, realisations) = (config.seed, 0..config.n_paths);
-        let run = Ensemble { guides, response: event.response, seed, realisations, n_sums: 1 };
+        let run = Ensemble { guides, passage: event.passage(), seed, realisations, n_sums: 1 };
         let sums = (self.runner)(&run, &collect)?;
         let sum = sums.first().copied().unwrap_or_default();
         sum.estimate(event.threshold, strength)
@@ -295,11 +301,17 @@ impl<'a, const D: usize, const M: usize> GuidedPaths<'a, D, M> {
 /// An event of a path.
 pub(crate) struct Event<'e, const D: usize> {
     pub(crate) is_hit: &'e (dyn Fn(&GuidedPath<'_, D>) -> bool + Sync + 'e),
-    /// Response whose maximum the event needs.
+    /// Response whose passage of the threshold is the event, if it is one.
     pub(crate) response: Option<&'e Response<'e, D>>,
     /// Factor on the probability: 2 if one of two equal tails is sampled.
     pub(crate) sides: f64,
     pub(crate) threshold: f64,
+}
+
+impl<'e, const D: usize> Event<'e, D> {
+    fn passage(&self) -> Option<(&'e Response<'e, D>, f64)> {
+        self.response.map(|response| (response, self.threshold))
+    }
 }
 
 impl GuidedConfig {

@@ -6,6 +6,7 @@ mod discrete_gaussian;
 mod grid;
 mod grid_config;
 mod guided;
+mod guided_passage;
 mod linearisation;
 mod normal_tail;
 mod regression;

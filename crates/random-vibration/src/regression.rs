@@ -73,6 +73,11 @@ impl<const D: usize> Regressions<D> {
         }
     }
 
+    /// The running normal distribution at the start of the interval that contains a time.
+    pub(crate) fn law_at(&self, t: f64) -> &GaussianLaw<D> {
+        &self.laws[self.place(t).0]
+    }
+
     /// The interval that contains a time, and the part of it before the time.
     fn place(&self, t: f64) -> (usize, f64) {
         let place = t / self.spacing;

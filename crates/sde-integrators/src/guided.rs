@@ -7,45 +7,11 @@ use lanes::{Registers, SimdLevel, Work};
 use crate::blocks::reduce_blocks;
 use crate::error::Error;
 use crate::follow::{LaneStates, Lives, Watch, all_finite};
+use crate::guide::{Guide, LARGEST_SHIFT, hazard};
 use crate::integrator::{Integrator, Joints};
 use crate::lane_increments::{Deviations, LANES, LaneIncrements, LaneNoise};
 use crate::maximum::{Maximum, Response};
 use crate::noise::{Noise, Purpose};
-
-/// Largest shift of the normals of a step, in standard deviations.
-///
-/// Near the end of a guide a path that misses the event has no control left, and its shift would grow without bound.
-const LARGEST_SHIFT: f64 = 4.0;
-
-/// The guide of one step: its normals are shifted by `lambda(b) d` with `b = state . x + offset`.
-///
-/// $$ \lambda(b) = \varphi(b) / \Phi(b), \qquad |\lambda d| \le 4 . $$
-///
-/// Example: a linear response has the expected value `mu(x)` and the standard deviation `s`, given the state at the start
-/// of the step. With `b = (mu(x) - T)/s` and the derivatives of the response by the normals over `s` as direction `d`, the
-/// shift is the expectation of the normals given that the response exceeds `T`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guidance<const D: usize, const M: usize> {
-    /// Coefficients of the state (1 per unit of each state).
-    pub state: [f64; D],
-    /// Constant term of `b` (no unit).
-    pub offset: f64,
-    /// `d`, for the normals of the increments `w` (no unit).
-    pub brownian: [f64; M],
-    /// `d`, for the normals of the areas `H` (no unit); ignored if the method does not use them.
-    pub area: [f64; M],
-}
-
-/// A guide of paths: one component of a [`GuidedEnsemble`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Guide<const D: usize, const M: usize> {
-    /// Probability that a path has this guide (no unit).
-    pub share: f64,
-    /// Shift of the normals of the start (no unit).
-    pub start: [f64; D],
-    /// Guides of the first steps; the path is free afterwards.
-    pub steps: Vec<Guidance<D, M>>,
-}
 
 /// A path of a [`GuidedEnsemble`].
 #[derive(Debug)]
@@ -71,7 +37,8 @@ pub struct GuidedPath<'a, const D: usize> {
 ///
 /// with the shares `c`, the normals `n_k` of step `k` (and of the start), the shift `theta_jk` that guide `j` gives at
 /// the state before the step, and `q` the mixture. A weight is at most `1/c_0`. The weights are exact for any guide and
-/// any method, because they are those of the discrete normals; the guides determine the variance alone.
+/// any method, because they are those of the discrete normals; the guides determine the variance alone. Where a level is
+/// given, the guides of a path end after the step in which it passes the level.
 ///
 /// Choice of the guide and normals of the start are drawn from [`Purpose::InitialDistribution`], the others as in
 /// [`simulate`](crate::simulate). Paths advance in groups of [`LANES`]; a step allocates nothing.
@@ -96,8 +63,8 @@ pub struct GuidedEnsemble<'a, S: ?Sized, I, const D: usize, const M: usize> {
     pub n_steps: usize,
     /// The guides.
     pub guides: &'a [Guide<D, M>],
-    /// Response whose maximum over the path is computed, if any.
-    pub response: Option<&'a Response<'a, D>>,
+    /// Response whose maximum over the path is computed, if any, and the level at which the guides of a path end.
+    pub passage: Option<(&'a Response<'a, D>, f64)>,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -129,8 +96,8 @@ where
             let mut collected = new();
             let (from, to) = (realisations.start + ids.start, realisations.start + ids.end);
             let push = |path: &GuidedPath<'_, D>| push(&mut collected, path);
-            match self.response {
-                Some(response) => {
+            match self.passage {
+                Some((response, _)) => {
                     let watch = Maximum::new(response, self.seed, 1);
                     self.block(from..to, unguided, watch, push)?;
                 }
@@ -147,7 +114,7 @@ where
         if !(self.dt.is_finite() && self.dt > 0.0) {
             return Err(Error::NotPositive { quantity: "dt", value: self.dt });
         }
-        if let Some(response) = self.response {
+        if let Some((response, _)) = self.passage {
             response.check(self.dt)?;
         }
         let mut unguided = 1.0;
@@ -215,7 +182,7 @@ where
 
 /// An observer that knows the largest response of each lane.
 trait Largest<const D: usize>: Watch<D> {
-    /// The largest responses since the start of the group.
+    /// Largest responses since the start of the group.
     fn largest(&self) -> [f64; LANES];
 }
 
@@ -250,6 +217,8 @@ struct Group<'a, 'b, S: ?Sized, I, const D: usize, const M: usize> {
     lambdas: Vec<[f64; LANES]>,
     /// Per guide and lane: `ln r`.
     log_ratios: Vec<[f64; LANES]>,
+    /// Per lane: 1 while the guides act, 0 after the passage of the level.
+    acting: [f64; LANES],
 }
 
 impl<'a, 'b, S, I, const D: usize, const M: usize> Group<'a, 'b, S, I, D, M>
@@ -259,7 +228,8 @@ where
 {
     fn new(ensemble: &'a GuidedEnsemble<'b, S, I, D, M>) -> Self {
         let zeros = vec![[0.0; LANES]; ensemble.guides.len()];
-        Self { ensemble, chosen: zeros.clone(), lambdas: zeros.clone(), log_ratios: zeros }
+        let (chosen, lambdas, log_ratios) = (zeros.clone(), zeros.clone(), zeros);
+        Self { ensemble, chosen, lambdas, log_ratios, acting: [1.0; LANES] }
     }
 
     /// Simulates the paths; returns their last states and largest responses.
@@ -281,6 +251,8 @@ where
             lives.bury(&mut x, 0, 0.0);
         }
         watch.start(first, &x);
+        self.acting = [1.0; LANES];
+        self.end_guides(&watch.largest());
         let streams = std::array::from_fn(|lane| first.wrapping_add(lane as u64));
         let level = SimdLevel::best();
         let noise = LaneNoise::<M>::new(level, seed, streams, [1.0; LANES]);
@@ -332,7 +304,7 @@ impl<S, I, W, const D: usize, const M: usize> Work<f64>
 where
     S: Sync + ?Sized,
     I: Integrator<S, D, M>,
-    W: Watch<D>,
+    W: Largest<D>,
 {
     type Output = ();
 
@@ -369,6 +341,7 @@ where
             }
             if W::EVERY_STEP {
                 watch.step((t, dt), &before, x);
+                group.end_guides(&watch.largest());
             }
         }
     }
@@ -378,6 +351,18 @@ impl<S, I, const D: usize, const M: usize> Group<'_, '_, S, I, D, M>
 where
     S: ?Sized,
 {
+    /// Ends the guides of the lanes whose largest response exceeds the level.
+    ///
+    /// The event is then known, so that the likelihood ratios may stop too: what follows would only scatter them.
+    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
+    #[inline(always)]
+    fn end_guides(&mut self, largest: &[f64; LANES]) {
+        let level = self.ensemble.passage.map_or(f64::INFINITY, |(_, level)| level);
+        for lane in 0..LANES {
+            self.acting[lane] = if largest[lane] > level { 0.0 } else { self.acting[lane] };
+        }
+    }
+
     /// Shifts the normals of a step, adds to the likelihood ratios, and scales the normals to increments.
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]
@@ -388,7 +373,7 @@ where
         normals: &mut LaneIncrements<M>,
     ) {
         let GuidedEnsemble { dt, guides, .. } = *self.ensemble;
-        let mut shifts = LaneIncrements::<M>::ZERO;
+        let (acting, mut shifts) = (self.acting, LaneIncrements::<M>::ZERO);
         for ((guide, lambdas), chosen) in guides.iter().zip(&mut self.lambdas).zip(&self.chosen) {
             let Some(step) = guide.steps.get(k) else { continue };
             let limit = LARGEST_SHIFT / step.square::<USES_AREA>().sqrt();
@@ -401,7 +386,7 @@ where
             let mut own = [0.0; LANES];
             for lane in 0..LANES {
                 let lambda = hazard(b[lane]);
-                lambdas[lane] = if lambda < limit { lambda } else { limit };
+                lambdas[lane] = acting[lane] * if lambda < limit { lambda } else { limit };
                 own[lane] = chosen[lane] * lambdas[lane];
             }
             for m in 0..M {
@@ -445,72 +430,5 @@ where
                 normals.space_time_area[m][lane] *= area_deviation;
             }
         }
-    }
-}
-
-impl<const D: usize, const M: usize> Guide<D, M> {
-    /// A number that is not finite, if there is one.
-    fn not_finite(&self) -> Option<f64> {
-        let of_step = |step: &Guidance<D, M>| {
-            let all = step.state.iter().chain(&step.brownian).chain(&step.area);
-            all.copied().chain([step.offset]).find(|value| !value.is_finite())
-        };
-        let mut first = [self.share].into_iter().chain(self.start);
-        first.find(|value| !value.is_finite()).or_else(|| self.steps.iter().find_map(of_step))
-    }
-}
-
-impl<const D: usize, const M: usize> Guidance<D, M> {
-    /// `|d|^2`.
-    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
-    #[inline(always)]
-    fn square<const USES_AREA: bool>(&self) -> f64 {
-        let mut square = 0.0;
-        for m in 0..M {
-            square += self.brownian[m] * self.brownian[m];
-            if USES_AREA {
-                square += self.area[m] * self.area[m];
-            }
-        }
-        square
-    }
-}
-
-/// `phi(b)/Phi(b)` within a relative 1 %.
-///
-/// A guide needs no more: the weights use the same number. For `a = |b|` the ratio of Mills is
-/// `R(a) = pi/(2 a + sqrt((pi - 2)^2 a^2 + 2 pi))` (Boyd 1959, Inequalities for Mills' ratio), which is exact at zero and for large `a`.
-#[allow(clippy::inline_always, reason = "used in a dispatched function")]
-#[inline(always)]
-fn hazard(b: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    const STEEPNESS: f64 = (PI - 2.0) * (PI - 2.0);
-    const PEAK: f64 = 0.398_942_280_401_432_7;
-    let a = b.abs();
-    let over_mills = (2.0 * a + (STEEPNESS * a * a + TAU).sqrt()) / PI;
-    let density = PEAK * lanes::exp(-0.5 * a * a);
-    let likely = density / (1.0 - density / over_mills);
-    if b > 0.0 { likely } else { over_mills }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `1/R(-b)` with the ratio of Mills `R(x)`, the integral of `exp(-x t - t^2/2)` over `t > 0`, by the midpoint rule.
-    #[test]
-    fn the_hazard_is_that_of_the_normal_distribution_within_one_per_cent() {
-        let step = 1e-3;
-        for k in -60..=60 {
-            let b = 0.1 * f64::from(k);
-            let term = |i: i32| {
-                let t = (f64::from(i) + 0.5) * step;
-                (b * t - 0.5 * t * t).exp()
-            };
-            let exact = 1.0 / ((0..20_000).map(term).sum::<f64>() * step);
-            let off = hazard(b) / exact - 1.0;
-            assert!(off.abs() < 0.01, "{b}: {} {exact}", hazard(b));
-        }
-        assert!((hazard(-1e3) / 1e3 - 1.0).abs() < 1e-5 && hazard(1e3).abs() < f64::MIN_POSITIVE);
     }
 }

@@ -4,7 +4,9 @@ use random_vibration::{
     GuidedConfig, GuidedPaths, Linearisation, LinearisationError, Quadrature, TailError, Tails,
     upper_tail,
 };
-use sde_integrators::{GaussianComponent, GaussianMixture, Shark};
+use sde_integrators::{
+    Between, EnsembleConfig, GaussianComponent, GaussianMixture, Response, Shark, Side, maxima,
+};
 
 use crate::systems::Oscillator;
 
@@ -125,4 +127,33 @@ fn invalid_input_is_refused() {
         let refused = paths.exceedance(threshold, Tails::Both, &config).unwrap_err();
         assert!(matches!(refused, TailError::Sampling(_)), "{refused}");
     }
+}
+
+/// Free and guided paths with the same rule between steps, the first by `maxima`.
+#[test]
+fn first_passage_is_that_of_free_paths_where_they_reach_it_and_is_found_where_they_do_not() {
+    let system = Oscillator { cubic: 1.0, ..SYSTEM };
+    let law = GaussianMixture::gaussian([0.0; 2], COVARIANCE).unwrap();
+    let guided = GuidedPaths::new(&system, &Shark, &law, (4.0, 100), &RULE).unwrap();
+    for side in [Side::Above, Side::Magnitude] {
+        let between = Between::CubicHermite { velocity: 1 };
+        let response = Response { component: 0, side, between };
+        let free = EnsembleConfig { seed: 9, n_paths: 200_000, dt: 0.04, times: vec![4.0] };
+        let free = maxima(&system, &Shark, &law, &free, &response).unwrap();
+        for threshold in [0.7, 0.9] {
+            let expected = free[0].exceedance(threshold).unwrap();
+            let found = guided.first_passage(&response, threshold, &CONFIG).unwrap();
+            let (error, of_free) =
+                (found.estimate.standard_error().unwrap(), expected.standard_error().unwrap());
+            assert!(error < 0.05 * found.estimate.value, "{threshold}: {found:?}");
+            let off = (found.estimate.value - expected.value).abs();
+            assert!(off < 4.0 * error.hypot(of_free), "{threshold}: {expected} {found:?}");
+        }
+        let rare = guided.first_passage(&response, 1.6, &CONFIG).unwrap();
+        assert!(rare.estimate.value < 1e-7 && rare.n_hits > 1_500, "{rare:?}");
+        assert!(rare.estimate.standard_error().unwrap() < 0.1 * rare.estimate.value, "{rare:?}");
+    }
+    let response = Response { component: 2, side: Side::Above, between: Between::Endpoints };
+    let refused = guided.first_passage(&response, 1.0, &CONFIG).unwrap_err();
+    assert!(matches!(refused, TailError::Sampling(_)), "{refused}");
 }

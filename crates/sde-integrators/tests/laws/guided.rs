@@ -32,7 +32,7 @@ fn guide(share: f64, sign: f64) -> Guide<2, 1> {
 
 fn ensemble<'a>(
     guides: &'a [Guide<2, 1>],
-    response: Option<&'a Response<'a, 2>>,
+    passage: Option<(&'a Response<'a, 2>, f64)>,
 ) -> GuidedEnsemble<'a, StateSpace<Linear>, StrangOscillator, 2, 1> {
     let [of_q, of_v] = DEVIATIONS;
     GuidedEnsemble {
@@ -43,7 +43,7 @@ fn ensemble<'a>(
         dt: DT,
         n_steps: N_STEPS,
         guides,
-        response,
+        passage,
         seed: 42,
     }
 }
@@ -51,7 +51,7 @@ fn ensemble<'a>(
 /// Ends, largest responses and weights.
 fn paths(
     guides: &[Guide<2, 1>],
-    response: Option<&Response<'_, 2>>,
+    passage: Option<(&Response<'_, 2>, f64)>,
     realisations: std::ops::Range<u64>,
 ) -> Result<Vec<[f64; 3]>, Error> {
     let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_, 2>| {
@@ -61,7 +61,7 @@ fn paths(
         earlier.extend(later);
         earlier
     };
-    ensemble(guides, response).run(realisations, Vec::new, push, join)
+    ensemble(guides, passage).run(realisations, Vec::new, push, join)
 }
 
 #[test]
@@ -86,6 +86,24 @@ fn weights_undo_any_guide() {
     }
 }
 
+/// `P(max |q| > 1.5)` of guided paths, whose guides end at the passage, and of free ones.
+#[test]
+fn weights_that_stop_at_the_passage_are_unbiased() {
+    let level = 1.5;
+    let passage = Some((&RESPONSE, level));
+    let of = |guides: &[Guide<2, 1>], n| {
+        let mut mean = Accumulator::default();
+        for [_, largest, log_weight] in paths(guides, passage, 0..n).unwrap() {
+            mean.push(if largest > level { log_weight.exp() } else { 0.0 });
+        }
+        let estimate = mean.estimate().unwrap();
+        (estimate.value, estimate.standard_error().unwrap())
+    };
+    let (free, guided) = (of(&[], 100_000), of(&[guide(0.5, 1.0), guide(0.5, -1.0)], 20_000));
+    assert!(free.1 < 0.02 * free.0 && guided.1 < 0.06 * guided.0, "{free:?} {guided:?}");
+    assert!((free.0 - guided.0).abs() < 4.0 * free.1.hypot(guided.1), "{free:?} {guided:?}");
+}
+
 #[test]
 fn without_a_guide_the_paths_are_those_of_an_ensemble() {
     let law = GaussianMixture::independent([0.0; 2], DEVIATIONS).unwrap();
@@ -100,7 +118,7 @@ fn without_a_guide_the_paths_are_those_of_an_ensemble() {
     }
     assert_eq!(mean.estimate().unwrap(), expected.estimates[0][0]);
     let expected = maxima(&OSCILLATOR, &StrangOscillator, &law, &config, &RESPONSE).unwrap();
-    let watched = paths(&[], Some(&RESPONSE), 0..100).unwrap();
+    let watched = paths(&[], Some((&RESPONSE, 1.0)), 0..100).unwrap();
     for level in [0.5, 1.0] {
         let n_above = watched.iter().filter(|[_, largest, _]| *largest > level).count();
         let above = n_above as f64 / 100.0;
@@ -115,13 +133,13 @@ fn guided_paths_have_the_same_bits_for_any_number_of_threads_and_in_any_part() {
     let n = 2 * 4096 + 37;
     let on = |n_threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-        pool.install(|| paths(&guides, Some(&RESPONSE), 0..n).unwrap())
+        pool.install(|| paths(&guides, Some((&RESPONSE, 1.0)), 0..n).unwrap())
     };
     let alone = on(1);
     assert_eq!(alone.len() as u64, n);
     assert_eq!(alone, on(2));
     assert_eq!(alone, on(8));
-    assert_eq!(alone[4000..4100], paths(&guides, Some(&RESPONSE), 4000..4100).unwrap());
+    assert_eq!(alone[4000..4100], paths(&guides, Some((&RESPONSE, 1.0)), 4000..4100).unwrap());
 }
 
 #[test]

@@ -31,7 +31,26 @@ impl<const D: usize> Regressions<D> {
     ///
     /// Strength `kappa` takes the expectations under `kappa` times the deviations of the running distribution: paths that
     /// reach a rare event are further out than most.
+    ///
+    /// A step at which the covariance fails is halved, five times at most.
     pub(crate) fn new<const M: usize>(
+        rule: &Linearisation<D>,
+        system: &dyn Sde<D, M, Noise = Additive>,
+        start: &GaussianMixture<D>,
+        time: f64,
+        strengths: &[f64],
+    ) -> Result<Self, LinearisationError> {
+        let mut rule = *rule;
+        for _ in 0..5 {
+            match Self::of_step(&rule, system, start, time, strengths) {
+                Err(LinearisationError::NotACovariance { .. }) => rule.step *= 0.5,
+                other => return other,
+            }
+        }
+        Self::of_step(&rule, system, start, time, strengths)
+    }
+
+    fn of_step<const M: usize>(
         rule: &Linearisation<D>,
         system: &dyn Sde<D, M, Noise = Additive>,
         start: &GaussianMixture<D>,

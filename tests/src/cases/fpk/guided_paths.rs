@@ -1,11 +1,13 @@
 //! Guided paths: unbiased at 1e-3 to 1e-9, intervals that hold, first passage, refusals, threads.
 
 use figures::{ErrorKind, Measured, Reference};
-use fpk_sph::systems::{StrangBoucWen, ViscousDamper};
+use fpk_sph::systems::ViscousDamper;
 use random_vibration::{
     Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails, upper_tail,
 };
-use sde_integrators::{Between, Response, Side, StrangOscillator};
+use scenes::fpk::integrator_scene::IntegratorScene;
+use scenes::fpk::paths::{Paths, PathsError};
+use sde_integrators::{Between, GaussianMixture, Response, Side};
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;
@@ -35,6 +37,15 @@ const fn response<const D: usize>() -> Response<'static, D> {
     Response { component: 0, side: Side::Magnitude, between }
 }
 
+/// Guided paths of an oscillator; what they simulate is compiled with `scenes`.
+fn of_oscillator<'a, S: Paths<2, 1>>(
+    system: &'a S,
+    law: &GaussianMixture<2>,
+    span: (f64, usize),
+) -> Result<GuidedPaths<'a, 2, 1>, PathsError> {
+    system.guided(IntegratorScene::StrangOscillator, law, span, &OF_OSCILLATOR)
+}
+
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = linear(context)?;
     context.progress("damper");
@@ -45,8 +56,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(hysteresis(context)?);
     context.progress("refusals");
     claims.extend(refusals(context, &problem, system)?);
-    let paths =
-        GuidedPaths::new(system, &StrangOscillator, &problem.law, (6.0, 60), &OF_OSCILLATOR)?;
+    let paths = of_oscillator(system, &problem.law, (6.0, 60))?;
     let whole = || -> Result<Vec<u64>, CaseError> {
         let at_time = paths.exceedance(1.0, Tails::Both, &CONFIG)?;
         let passage = paths.first_passage(&response(), 1.0, &CONFIG)?;
@@ -89,9 +99,7 @@ fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let Oscillator::Linear(system) = &problem.system else { return Err("another system".into()) };
     let law = linear_moments(system, &problem.law, &[6.0], 2e-3)?[0];
     let deviation = law.covariance[0][0].sqrt();
-    let of = |n_steps| {
-        GuidedPaths::new(system, &StrangOscillator, &problem.law, (6.0, n_steps), &OF_OSCILLATOR)
-    };
+    let of = |n_steps| of_oscillator(system, &problem.law, (6.0, n_steps));
     let paths = of(600)?;
     let mut claims = Vec::new();
     for (z, name) in [(3.3, "1e-3"), (4.9, "1e-6"), (6.1, "1e-9")] {
@@ -133,8 +141,7 @@ fn damper(
     system: &ViscousDamper,
 ) -> Result<Vec<Claim>, CaseError> {
     let t = 6.0;
-    let paths =
-        GuidedPaths::new(system, &StrangOscillator, &problem.law, (t, 300), &OF_OSCILLATOR)?;
+    let paths = of_oscillator(system, &problem.law, (t, 300))?;
     let mut claims = Vec::new();
     for threshold in [0.75, 1.25, 1.5] {
         let found = paths.exceedance(threshold, Tails::Both, &CONFIG)?;
@@ -177,7 +184,7 @@ fn passage(
 fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (system, law, reference) = bouc_wen()?;
     let t = 3.6;
-    let paths = GuidedPaths::new(&system, &StrangBoucWen, &law, (t, 180), &OF_HYSTERESIS)?;
+    let paths = system.guided(IntegratorScene::StrangBoucWen, &law, (t, 180), &OF_HYSTERESIS)?;
     let mut claims = Vec::new();
     for threshold in [1.5, 2.0, 2.5] {
         let found = paths.exceedance(threshold, Tails::Both, &CONFIG)?;
@@ -201,8 +208,7 @@ fn refusals(
     problem: &Problem,
     system: &ViscousDamper,
 ) -> Result<Vec<Claim>, CaseError> {
-    let span = (6.0, 150);
-    let paths = GuidedPaths::new(system, &StrangOscillator, &problem.law, span, &OF_OSCILLATOR)?;
+    let paths = of_oscillator(system, &problem.law, (6.0, 150))?;
     let mut claims = Vec::new();
     for (name, threshold, n_paths, reason) in [
         ("few-paths", 1.5, 40, "40 paths have an effective sample size of some 20, 50 are needed"),

@@ -158,7 +158,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
 
 #[test]
 fn probabilities_whose_weights_cannot_be_trusted_are_unknown_with_the_reason() {
-    // At t = 0.04 the threshold is 8 deviations away, and no weight is above the smallest number at 40.
+    // 0.4 is 2.7 deviations away; at 6, which is 40, no weight is above the smallest number.
     let text = by(GUIDED, "[0.4, 6]")
         .replace("\"until\": 6, \"every\": 6", "\"until\": 0.04, \"every\": 0.04");
     let result = result("guided-refused", &text);
@@ -166,5 +166,5 @@ fn probabilities_whose_weights_cannot_be_trusted_are_unknown_with_the_reason() {
     let unknown = result["unknown"].as_array().unwrap();
     assert_eq!(unknown[1]["what"], "exceedance/6 at t = 0.04");
     let reason = unknown[1]["reason"].as_str().unwrap();
-    assert!(reason.contains("effective sample size of 0 (at least 50)"), "{reason}");
+    assert!(reason.contains("effective sample size of 0.000 (at least 50)"), "{reason}");
 }

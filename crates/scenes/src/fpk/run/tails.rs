@@ -154,7 +154,8 @@ impl TailsOf<'_> {
         let weights = std::array::from_fn(|k| asked.demand.weights[k]);
         let (mut values, mut unknown) = (vec![Vec::new(); asked.thresholds.len()], Vec::new());
         if !scene.moments.is_empty() {
-            let reason = format!("{} estimates exceedance probabilities alone", how.name());
+            let reason =
+                format!("the method ({}) estimates exceedance probabilities alone", how.name());
             unknown.push(Unknown { what: "all moments".to_owned(), reason });
         }
         run.progress.stage(how.name());

@@ -49,6 +49,7 @@ pub const ALL: &[Case] = &[
     fpk::schemes::CASE,
     fpk::monte_carlo::CASE,
     fpk::rivals::CASE,
+    fpk::guided_paths::CASE,
     fpk::spatial_order::CASE,
     fpk::steps::CASE,
     fpk::invariance::CASE,

@@ -111,8 +111,7 @@ impl<const D: usize> Linearisation<D> {
         law: &GaussianMixture<D>,
         times: &[f64],
     ) -> Result<Vec<GaussianLaw<D>>, LinearisationError> {
-        self.check()?;
-        let closure = Closure { system, order: self.order, legendre: half_line_rule() };
+        let closure = self.closure(system, HALF_NODES)?;
         let mut now = GaussianLaw { t: 0.0, mean: law.mean(), covariance: law.covariance() };
         let mut laws = Vec::with_capacity(times.len());
         for &end in times {
@@ -131,6 +130,16 @@ impl<const D: usize> Linearisation<D> {
             laws.push(now);
         }
         Ok(laws)
+    }
+
+    /// The rates of change of the moments, after a check of the rule, with this many nodes on either side of a kink.
+    pub(crate) fn closure<'a, const M: usize>(
+        &self,
+        system: &'a dyn Sde<D, M, Noise = Additive>,
+        half_nodes: usize,
+    ) -> Result<Closure<'a, D, M>, LinearisationError> {
+        self.check()?;
+        Ok(Closure { system, order: self.order, legendre: half_line_rule(half_nodes) })
     }
 
     fn check(&self) -> Result<(), LinearisationError> {
@@ -153,21 +162,26 @@ impl<const D: usize> Linearisation<D> {
 }
 
 /// Rates of change of the moments.
-struct Closure<'a, const D: usize, const M: usize> {
+pub(crate) struct Closure<'a, const D: usize, const M: usize> {
     system: &'a dyn Sde<D, M, Noise = Additive>,
     order: [(usize, Quadrature); D],
-    legendre: [(f64, f64); HALF_NODES],
+    legendre: Vec<(f64, f64)>,
 }
 
 /// `E f` and `E[f (x - m)^T]`.
 #[derive(Debug, Clone, Copy)]
-struct Expectations<const D: usize> {
-    drift: [f64; D],
-    products: [[f64; D]; D],
+pub(crate) struct Expectations<const D: usize> {
+    pub(crate) drift: [f64; D],
+    pub(crate) products: [[f64; D]; D],
 }
 
 impl<const D: usize, const M: usize> Closure<'_, D, M> {
-    fn stepped(&self, now: &GaussianLaw<D>, dt: f64) -> Result<GaussianLaw<D>, LinearisationError> {
+    /// The moments after a step of Runge-Kutta 4.
+    pub(crate) fn stepped(
+        &self,
+        now: &GaussianLaw<D>,
+        dt: f64,
+    ) -> Result<GaussianLaw<D>, LinearisationError> {
         let k_1 = self.rate(now)?;
         let k_2 = self.rate(&now.moved(0.5 * dt, &k_1))?;
         let k_3 = self.rate(&now.moved(0.5 * dt, &k_2))?;
@@ -182,9 +196,7 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
 
     /// Rates of change of mean and covariance.
     fn rate(&self, law: &GaussianLaw<D>) -> Result<GaussianLaw<D>, LinearisationError> {
-        let factor = self.factor(law)?;
-        let mut sums = Expectations { drift: [0.0; D], products: [[0.0; D]; D] };
-        self.visit(0, law, &factor, ([0.0; D], law.mean), 1.0, &mut sums);
+        let sums = self.expectations(law)?;
         let diffusion = self.system.diffusion(law.t, &law.mean);
         let covariance = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
@@ -192,6 +204,17 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
             })
         });
         Ok(GaussianLaw { t: law.t, mean: sums.drift, covariance })
+    }
+
+    /// `E f` and `E[f (x - m)^T]` under a normal distribution.
+    pub(crate) fn expectations(
+        &self,
+        law: &GaussianLaw<D>,
+    ) -> Result<Expectations<D>, LinearisationError> {
+        let factor = self.factor(law)?;
+        let mut sums = Expectations { drift: [0.0; D], products: [[0.0; D]; D] };
+        self.visit(0, law, &factor, ([0.0; D], law.mean), 1.0, &mut sums);
+        Ok(sums)
     }
 
     /// The Cholesky factor of the covariance with its states in the order of the quadrature.
@@ -246,7 +269,7 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
                 let zero = ((kink - mean) / deviation).clamp(-FAR, FAR);
                 for side in [-1.0, 1.0] {
                     let length = FAR - side * zero;
-                    for (place, part) in self.legendre {
+                    for &(place, part) in &self.legendre {
                         let node = zero + side * length * place;
                         let density = (-0.5 * node * node).exp() / std::f64::consts::TAU.sqrt();
                         take(node, part * length * density);
@@ -310,16 +333,16 @@ const FAR: f64 = 7.5;
 const HALF_NODES: usize = 16;
 
 /// Nodes and weights over `[0, 1]`: the Gauss-Legendre rule with `y = u^2`, which is accurate for a root at zero.
-fn half_line_rule() -> [(f64, f64); HALF_NODES] {
-    let mut rule = [(0.0, 0.0); HALF_NODES];
-    let n = HALF_NODES as f64;
+fn half_line_rule(n_nodes: usize) -> Vec<(f64, f64)> {
+    let mut rule = vec![(0.0, 0.0); n_nodes];
+    let n = n_nodes as f64;
     for (i, entry) in rule.iter_mut().enumerate() {
         // Newton's method on Legendre's polynomial, from Abramowitz and Stegun 1964, eq 22.16.6.
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
         let mut slope = 1.0;
         for _ in 0..8 {
             let (mut now, mut before) = (1.0, 0.0);
-            for k in 0..HALF_NODES {
+            for k in 0..n_nodes {
                 let k = k as f64;
                 (now, before) = (((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0), now);
             }

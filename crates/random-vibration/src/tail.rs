@@ -8,6 +8,7 @@ use sde_integrators::{
 };
 
 use crate::cholesky::cholesky;
+use crate::linearisation::LinearisationError;
 
 /// The state at the end of a path, as a function of its start and of the driving normals.
 type PathEnd<'a, const D: usize> = dyn Fn([f64; D], &[f64]) -> Result<[f64; D], Error> + Sync + 'a;
@@ -27,15 +28,17 @@ pub struct TailPaths<'a, const D: usize> {
     followed: AtomicU64,
 }
 
-/// The tails that importance sampling covers.
+/// The tails that importance sampling and guided paths cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tails {
     /// The upper tail, doubled: for distributions symmetric about zero.
     Doubled,
     /// Both tails, each at its own design point.
     ///
-    /// They share their noise, so the sum of their standard errors is a bound.
+    /// Importance sampling takes the same noise for both, so the sum of their standard errors is a bound.
     Both,
+    /// The upper tail alone, `P(y > T)`.
+    Upper,
 }
 
 /// Error of a tail probability.
@@ -55,6 +58,31 @@ pub enum TailError {
         state: usize,
         /// The pivot.
         value: f64,
+    },
+    /// The linearisation that guides the paths failed.
+    #[error(transparent)]
+    Linearisation(#[from] LinearisationError),
+    /// The weights of guided paths are too uneven for a standard error.
+    #[error(
+        "{hits} of {n_paths} guided paths reached {threshold}, with an effective sample size of {effective:.3} \
+         (at least {fewest}) and a largest weight of {share:.3} of the sum (at most {most}): take more paths, \
+         or subset simulation"
+    )]
+    Untrusted {
+        /// The threshold.
+        threshold: f64,
+        /// Number of paths.
+        n_paths: u64,
+        /// Number of paths that reached the event.
+        hits: u64,
+        /// Effective sample size, zero without a weight.
+        effective: f64,
+        /// Its minimum.
+        fewest: f64,
+        /// Share of the largest weight in the sum, zero without a weight.
+        share: f64,
+        /// Its maximum.
+        most: f64,
     },
     /// A path or a sampling method failed.
     #[error(transparent)]
@@ -134,6 +162,9 @@ impl<'a, const D: usize> TailPaths<'a, D> {
             Ok(importance_sampling(&response, threshold, &point, &Noise::new(seed), n_samples)?)
         };
         let upper = above(1.0)?;
+        if tails == Tails::Upper {
+            return Ok(upper);
+        }
         let lower = if tails == Tails::Both { above(-1.0)? } else { upper };
         let uncertainty = match (upper.uncertainty, lower.uncertainty) {
             (Uncertainty::StandardError(a), Uncertainty::StandardError(b)) => {

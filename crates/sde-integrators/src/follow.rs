@@ -49,7 +49,7 @@ pub(crate) struct Lives {
 }
 
 impl Lives {
-    fn new(ids: &Range<u64>) -> Self {
+    pub(crate) fn new(ids: &Range<u64>) -> Self {
         let n_active = usize::try_from(ids.end - ids.start).unwrap_or(LANES).min(LANES);
         Self { first: ids.start, n_active, failures: [const { None }; LANES] }
     }
@@ -72,7 +72,7 @@ impl Lives {
     /// Marks paths with a non-finite state as failed, and sets them to zero so that each is found once.
     #[cold]
     #[inline(never)]
-    fn bury<const D: usize>(&mut self, x: &mut LaneStates<D>, steps: u64, t: f64) {
+    pub(crate) fn bury<const D: usize>(&mut self, x: &mut LaneStates<D>, steps: u64, t: f64) {
         for lane in 0..LANES {
             let Some(component) = (0..D).find(|&i| !x[i][lane].is_finite()) else { continue };
             let value = x[component][lane];
@@ -102,7 +102,7 @@ impl Lives {
 #[allow(clippy::inline_always, reason = "used in a dispatched function")]
 #[allow(clippy::eq_op, reason = "what is not finite less itself is not zero")]
 #[inline(always)]
-fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
+pub(crate) fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
     let mut bits = 0_u64;
     for row in x {
         for lane in 0..LANES {

@@ -79,6 +79,11 @@ pub(crate) struct Deviations {
     area: [f64; LANES],
 }
 
+impl Deviations {
+    /// Those of standard normals.
+    pub(crate) const UNITS: Self = Self { brownian: [1.0; LANES], area: [1.0; LANES] };
+}
+
 impl<const M: usize> LaneNoise<M> {
     pub(crate) fn new(
         level: SimdLevel,

@@ -134,7 +134,7 @@ where
 }
 
 impl<const D: usize> Response<'_, D> {
-    fn check(&self, dt: f64) -> Result<(), Error> {
+    pub(crate) fn check(&self, dt: f64) -> Result<(), Error> {
         let component = |component: usize| {
             if component < D { Ok(()) } else { Err(Error::NoSuchComponent { component, limit: D }) }
         };
@@ -154,16 +154,16 @@ impl<const D: usize> Response<'_, D> {
 }
 
 /// Stores the maximum response of each lane.
-struct Maximum<'a, const D: usize> {
+pub(crate) struct Maximum<'a, const D: usize> {
     response: &'a Response<'a, D>,
     noise: Noise,
     bridges: Vec<Stream>,
-    running: [f64; LANES],
+    pub(crate) running: [f64; LANES],
     samples: Vec<Vec<f64>>,
 }
 
 impl<'a, const D: usize> Maximum<'a, D> {
-    fn new(response: &'a Response<'a, D>, seed: u64, n_times: usize) -> Self {
+    pub(crate) fn new(response: &'a Response<'a, D>, seed: u64, n_times: usize) -> Self {
         let noise = Noise::new(seed);
         let samples = vec![Vec::new(); n_times];
         Self { response, noise, bridges: Vec::new(), running: [0.0; LANES], samples }

@@ -7,6 +7,7 @@ pub(crate) mod failures;
 pub(crate) mod filtered;
 pub(crate) mod first_passage;
 pub(crate) mod gaussian_mixture;
+pub(crate) mod guided_paths;
 pub(crate) mod invariance;
 pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 mod grid;
+mod guided;
 mod linearisation;
 mod systems;
 mod tails;

@@ -22,6 +22,7 @@ use crate::scene::Objection;
 #[schemars(example = Self::fit())]
 #[schemars(example = Self::grid())]
 #[schemars(example = Self::linearised())]
+#[schemars(example = Self::guided())]
 #[schemars(example = Self::importance())]
 #[schemars(example = Self::subset())]
 pub enum MethodScene {
@@ -69,6 +70,17 @@ pub enum MethodScene {
     StatisticalLinearisation {
         /// Longest step (s).
         step: f64,
+    },
+    /// Exceedance probabilities by paths guided to the event, for each time and threshold.
+    GuidedPaths {
+        /// Number of paths for each time and threshold; a quarter as many pilot paths precede them (no unit).
+        samples: u64,
+        /// Longest step (s).
+        step: f64,
+        /// Integrator of a path.
+        integrator: IntegratorScene,
+        /// Seed of all random numbers (no unit).
+        seed: u64,
     },
     /// Exceedance probabilities by importance sampling about a design point for each time, threshold and sign.
     ImportanceSampling {
@@ -135,6 +147,11 @@ impl MethodScene {
 
     fn linearised() -> Self {
         Self::StatisticalLinearisation { step: 0.05 }
+    }
+
+    fn guided() -> Self {
+        let integrator = IntegratorScene::StrangOscillator;
+        Self::GuidedPaths { samples: 2_000, step: 0.04, integrator, seed: 1 }
     }
 
     fn importance() -> Self {
@@ -236,13 +253,13 @@ impl MethodScene {
             Self::StatisticalLinearisation { step } => {
                 let path = "method.statistical_linearisation";
                 must(&format!("{path}.step"), *step, *step > 0.0, "greater than 0")?;
-                if system.has_additive_noise() {
-                    return Ok(());
-                }
-                let message =
-                    "linearisation needs additive noise; that of this system depends on the state";
-                Err(Objection::new(path, message)
-                    .with_help("use `monte_carlo` or a density method"))
+                check_additive(path, system)
+            }
+            Self::GuidedPaths { samples, step, integrator, .. } => {
+                let path = "method.guided_paths";
+                must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
+                check_additive(path, system)?;
+                check_path(path, *step, *integrator, (system, initial, times))
             }
             Self::ImportanceSampling { samples, step, integrator, .. } => {
                 let path = "method.importance_sampling";
@@ -283,6 +300,15 @@ impl MethodScene {
             "use `log_density_fit` or `flow_map_fit` for the density, `statistical_linearisation` for moments",
         ))
     }
+}
+
+/// Rejects noise that depends on the state.
+fn check_additive(path: &str, system: &System) -> Result<(), Objection> {
+    if system.has_additive_noise() {
+        return Ok(());
+    }
+    let message = "linearisation needs additive noise; that of this system depends on the state";
+    Err(Objection::new(path, message).with_help("use `monte_carlo` or a density method"))
 }
 
 /// Rejects an integrator of another system.

@@ -5,7 +5,7 @@ use fpk_sph::systems::{
     LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
     ViscousDamper,
 };
-use random_vibration::{TailError, TailPaths};
+use random_vibration::{GuidedPaths, Linearisation, TailError, TailPaths};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
     Observable, Sampling, Sde, SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator,
@@ -43,6 +43,20 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         law: &GaussianMixture<D>,
         span: (f64, usize),
     ) -> Result<TailPaths<'a, D>, PathsError>;
+
+    /// Paths to a time in a given number of steps, guided by a linearisation.
+    ///
+    /// The integrator is one of [`INTEGRATORS`](Self::INTEGRATORS).
+    ///
+    /// # Errors
+    /// [`PathsError`].
+    fn guided<'a>(
+        &'a self,
+        integrator: IntegratorScene,
+        law: &GaussianMixture<D>,
+        span: (f64, usize),
+        rule: &Linearisation<D>,
+    ) -> Result<GuidedPaths<'a, D, M>, PathsError>;
 
     /// The system, if its noise is additive.
     fn additive(&self) -> Option<&dyn Sde<D, M, Noise = Additive>>;
@@ -91,6 +105,9 @@ pub enum PathsError {
         /// Number requested.
         expected: usize,
     },
+    /// The noise depends on the state.
+    #[error("guided paths need additive noise")]
+    NotAdditive,
     /// The integrator does not apply to the system.
     #[error("the integrator {} does not apply to this system", .0.name())]
     NotOffered(IntegratorScene),
@@ -130,6 +147,21 @@ macro_rules! compiled_paths {
                 }
             }
 
+            fn guided<'a>(
+                &'a self,
+                integrator: IntegratorScene,
+                law: &GaussianMixture<$d>,
+                span: (f64, usize),
+                rule: &Linearisation<$d>,
+            ) -> Result<GuidedPaths<'a, $d, $m>, PathsError> {
+                match integrator {
+                    $(IntegratorScene::$integrator => {
+                        Ok(GuidedPaths::new(self, &$integrator, law, span, rule)?)
+                    })+
+                    other => Err(PathsError::NotOffered(other)),
+                }
+            }
+
             fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
                 Some(self)
             }
@@ -145,6 +177,17 @@ macro_rules! additive {
     (General, $system:expr) => {
         None
     };
+}
+
+/// Guided paths of a system of the named class of noise.
+macro_rules! guided {
+    (Additive, $system:expr, $integrator:expr, $($rest:expr),+) => {
+        Ok(GuidedPaths::new($system, $integrator, $($rest),+)?)
+    };
+    (General, $($all:expr),+) => {{
+        let _ = ($($all),+);
+        Err(PathsError::NotAdditive)
+    }};
 }
 
 /// One line for each system integrated behind a reference: compiled once for a dimension, slower by the calls.
@@ -178,6 +221,22 @@ macro_rules! erased_paths {
                     IntegratorScene::$integrator => {
                         let system: &dyn Sde<$d, $m, Noise = $noise> = self;
                         Ok(TailPaths::new::<_, _, $m>(system, &$integrator, law, span)?)
+                    }
+                    other => Err(PathsError::NotOffered(other)),
+                }
+            }
+
+            fn guided<'a>(
+                &'a self,
+                integrator: IntegratorScene,
+                law: &GaussianMixture<$d>,
+                span: (f64, usize),
+                rule: &Linearisation<$d>,
+            ) -> Result<GuidedPaths<'a, $d, $m>, PathsError> {
+                match integrator {
+                    IntegratorScene::$integrator => {
+                        let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                        guided!($noise, system, &$integrator, law, span, rule)
                     }
                     other => Err(PathsError::NotOffered(other)),
                 }

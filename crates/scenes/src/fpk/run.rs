@@ -42,7 +42,7 @@ use outcome::Outcome;
 use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
-use tails::{Estimator, TailsOf};
+use tails::{Driven, Estimator, TailsOf};
 use two_resolutions::TwoResolutions;
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -101,15 +101,20 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
             run.progress.stage("statistical linearisation");
             system.visit(Linearised { scene, system, step })
         }
+        MethodScene::GuidedPaths { samples, step, integrator, seed } => {
+            alone(Some(seed))?;
+            let how = Estimator::Guided { samples };
+            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
+        }
         MethodScene::ImportanceSampling { samples, step, integrator, seed } => {
             alone(Some(seed))?;
-            let how = Estimator::Importance { samples };
+            let how = Estimator::Driven(Driven::Importance { samples });
             system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
         }
         MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed } => {
             alone(Some(seed))?;
             let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
-            let how = Estimator::Subset { config };
+            let how = Estimator::Driven(Driven::Subset { config });
             system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
         }
         _ => {

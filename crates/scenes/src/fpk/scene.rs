@@ -223,6 +223,7 @@ impl Scene for FpkScene {
     fn seed(&mut self) -> Option<&mut u64> {
         match &mut self.method {
             MethodScene::MonteCarlo { seed, .. }
+            | MethodScene::GuidedPaths { seed, .. }
             | MethodScene::ImportanceSampling { seed, .. }
             | MethodScene::SubsetSimulation { seed, .. } => Some(seed),
             _ => None,
@@ -247,7 +248,9 @@ impl FpkScene {
                     format!("the grid knows exceedances of the state {} alone", states[0]);
                 Err(Objection::new("demand", message).with_help("leave out `demand`"))
             }
-            MethodScene::ImportanceSampling { .. } | MethodScene::SubsetSimulation { .. }
+            MethodScene::GuidedPaths { .. }
+            | MethodScene::ImportanceSampling { .. }
+            | MethodScene::SubsetSimulation { .. }
                 if self.thresholds.is_empty() =>
             {
                 let message = "the method estimates exceedance probabilities alone, and there is no threshold";

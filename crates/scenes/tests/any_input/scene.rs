@@ -34,9 +34,10 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     texts
 });
 
-const METHODS: [&str; 4] = [
+const METHODS: [&str; 5] = [
     r#""conservative_grid": { "cells": 64, "reach": 8, "steps_per_period": 40 }"#,
     r#""statistical_linearisation": { "step": 0.05 }"#,
+    r#""guided_paths": { "samples": 100, "step": 0.1, "integrator": "strang_oscillator", "seed": 1 }"#,
     r#""importance_sampling": { "samples": 99, "step": 0.1, "integrator": "euler_maruyama", "seed": 1 }"#,
     r#""subset_simulation": { "samples": 100, "correlation": 0.8, "runs": 2, "step": 0.1,
         "integrator": "strang_oscillator", "seed": 1 }"#,

@@ -13,6 +13,8 @@ const OWN: &str = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
 const LINEARISED: &str = "\"statistical_linearisation\": { \"step\": 0.05 }";
 const IMPORTANCE: &str = "\"importance_sampling\": { \"samples\": 2000, \"step\": 0.04, \
                           \"integrator\": \"strang_oscillator\", \"seed\": 5 }";
+const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \
+                      \"integrator\": \"strang_oscillator\", \"seed\": 7 }";
 const SUBSET: &str = "\"subset_simulation\": { \"samples\": 300, \"correlation\": 0.8, \"runs\": 8, \
                       \"step\": 0.04, \"integrator\": \"strang_oscillator\", \"seed\": 6 }";
 
@@ -116,9 +118,11 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
 fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
     let (expected, known) = reference("P_abs_q_gt_1.25");
     // Bias: 150 Strang steps take 2 %; a run of subset simulation the square of its coefficient of variation besides, 0.16.
-    for (name, method, most, bias) in
-        [("importance", IMPORTANCE, 0.1, 0.02), ("subset", SUBSET, 0.6, 0.18)]
-    {
+    for (name, method, most, bias) in [
+        ("guided", GUIDED, 0.03, 0.02),
+        ("importance", IMPORTANCE, 0.1, 0.02),
+        ("subset", SUBSET, 0.6, 0.18),
+    ] {
         let result = result(name, &by(method, "[1.25]"));
         let (value, error, kind) = last(&result, "exceedance/1.25").unwrap();
         let error = error.unwrap();
@@ -150,4 +154,17 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
     let error = run_in(&folder, &by(IMPORTANCE, "[1]"), Start::GoOn).unwrap_err().to_string();
     assert!(error.contains("is of another scene"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn probabilities_whose_weights_cannot_be_trusted_are_unknown_with_the_reason() {
+    // 0.4 is 2.7 deviations away; at 6, which is 40, no weight is above the smallest number.
+    let text = by(GUIDED, "[0.4, 6]")
+        .replace("\"until\": 6, \"every\": 6", "\"until\": 0.04, \"every\": 0.04");
+    let result = result("guided-refused", &text);
+    assert!(last(&result, "exceedance/0.4").is_some());
+    let unknown = result["unknown"].as_array().unwrap();
+    assert_eq!(unknown[1]["what"], "exceedance/6 at t = 0.04");
+    let reason = unknown[1]["reason"].as_str().unwrap();
+    assert!(reason.contains("effective sample size of 0.000 (at least 50)"), "{reason}");
 }

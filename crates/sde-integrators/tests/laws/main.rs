@@ -5,6 +5,7 @@ mod ensemble;
 mod estimate;
 #[cfg(feature = "dense")]
 mod factors;
+mod guided;
 mod initial_distribution;
 mod methods;
 mod moments;

@@ -27,7 +27,7 @@ use crate::problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk-choice",
-    title: "particles, grid, linearisation, Monte Carlo, importance sampling, subset simulation: error against CPU time",
+    title: "particles, grid, linearisation, Monte Carlo, guided paths, importance sampling, subset simulation: error against CPU time",
     draw,
 };
 
@@ -105,7 +105,7 @@ fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_on_grid(context, &setting)?);
     scene.records.extend(solve_linearised(&setting, &OF_OSCILLATOR)?);
-    scene.records.extend(sample(context, &setting)?);
+    scene.records.extend(sample(context, &setting, &OF_OSCILLATOR)?);
     Ok(scene)
 }
 
@@ -132,7 +132,7 @@ fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_on_grid(context, &setting)?);
     scene.records.extend(solve_linearised(&setting, &OF_OSCILLATOR)?);
-    scene.records.extend(sample(context, &setting)?);
+    scene.records.extend(sample(context, &setting, &OF_OSCILLATOR)?);
     Ok(scene)
 }
 
@@ -169,7 +169,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
     });
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_HYSTERESIS)?);
-    scene.records.extend(sample(context, &setting)?);
+    scene.records.extend(sample(context, &setting, &OF_HYSTERESIS)?);
     Ok(scene)
 }
 
@@ -210,6 +210,6 @@ fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
     let ladders = usual(&[1.2, 1.0, 0.9].map(|c| coarsened(KANAI_TAJIMI_LATTICE, c)));
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_SHAKEN)?);
-    scene.records.extend(sample(context, &setting)?);
+    scene.records.extend(sample(context, &setting, &OF_SHAKEN)?);
     Ok(scene)
 }

@@ -251,6 +251,8 @@ fn sampled(
 
 /// Smallest number of cells of a grid along an axis, and its steps per period for each cell.
 const FIRST_GRID: (usize, f64) = (28, 0.6);
+/// Smallest number of guided paths.
+const FIRST_GUIDED: u64 = 300;
 /// Smallest number of samples of importance sampling.
 const FIRST_OF_IMPORTANCE: u64 = 300;
 /// Smallest number of samples of a level of subset simulation.
@@ -264,11 +266,13 @@ fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Meth
     let integrator = system.integrators().last().copied().unwrap_or(IntegratorScene::Shark);
     let step = two_digits(system.reference_period() / STEPS_PER_PERIOD[0]);
     let (samples, seed) = (FIRST_OF_IMPORTANCE, SEED);
+    let guided = MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, integrator, seed };
     let importance = MethodScene::ImportanceSampling { samples, step, integrator, seed };
     let (samples, correlation, runs) = (FIRST_OF_LEVEL, 0.8, 8);
     let all = [
         MethodScene::ConservativeGrid { cells, reach: 8.0, steps_per_period },
         MethodScene::StatisticalLinearisation { step },
+        guided,
         importance,
         MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed },
     ];
@@ -289,6 +293,7 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
         MethodScene::ConservativeGrid { .. } => {
             ("conservative grid", Growth::Lattice { dimensions: 3 }, FIRST_GRID.0 as f64)
         }
+        MethodScene::GuidedPaths { .. } => ("guided paths", Growth::Samples, FIRST_GUIDED as f64),
         MethodScene::ImportanceSampling { .. } => {
             ("importance sampling", Growth::Samples, FIRST_OF_IMPORTANCE as f64)
         }
@@ -307,7 +312,8 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
                 (*cells, *steps_per_period) = (n, steps.max(FEWEST_STEPS_PER_PERIOD));
                 (n <= MOST_CELLS).then(|| (n as f64, format!("{n} x {n}")))?
             }
-            MethodScene::ImportanceSampling { samples, .. } => {
+            MethodScene::GuidedPaths { samples, .. }
+            | MethodScene::ImportanceSampling { samples, .. } => {
                 *samples = whole(two_digits(size));
                 (*samples as f64, format!("{samples} paths"))
             }
@@ -456,6 +462,7 @@ mod tests {
         let all = [
             "conservative grid",
             "statistical linearisation",
+            "guided paths",
             "importance sampling",
             "subset simulation",
         ];
@@ -464,11 +471,11 @@ mod tests {
             all.map(|name| names.iter().any(|other| other == name))
         };
         let damper = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
-        assert_eq!(answering(damper), [true; 4]);
+        assert_eq!(answering(damper), [true; 5]);
         let thresholds = "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]";
-        assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false]);
+        assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false, false]);
         let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
-        assert_eq!(answering(hysteresis), [false, true, true, true]);
+        assert_eq!(answering(hysteresis), [false, true, true, true, true]);
         // Its own method comes first, with its own parameters.
         let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
         let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");

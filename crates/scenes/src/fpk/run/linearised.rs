@@ -83,7 +83,7 @@ impl Linearised<'_> {
 }
 
 /// All states: first those with kinks, then those in which the drift is a polynomial.
-fn order<const D: usize>(kinks: &[(usize, Quadrature)]) -> [(usize, Quadrature); D] {
+pub(super) fn order<const D: usize>(kinks: &[(usize, Quadrature)]) -> [(usize, Quadrature); D] {
     let is_smooth = |k: &usize| kinks.iter().all(|(state, _)| state != k);
     let smooth = (0..D).filter(is_smooth).map(|k| (k, Quadrature::Hermite));
     let mut all = kinks.iter().copied().chain(smooth);

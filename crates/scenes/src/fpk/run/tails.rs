@@ -1,9 +1,14 @@
-//! Exceedance probabilities of a density scene by importance sampling or subset simulation, each estimated separately.
+//! Exceedance probabilities of a density scene by guided paths, importance sampling or subset simulation, each estimated separately.
 
-use random_vibration::{Estimate, SubsetConfig, TailError, TailPaths, Tails};
+use std::cell::Cell;
+
+use random_vibration::{
+    Estimate, GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError, TailPaths, Tails,
+};
 use sde_integrators::{Error, GaussianMixture};
 
 use super::asked::{asked, law};
+use super::linearised::order;
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
@@ -30,6 +35,15 @@ pub(super) struct TailsOf<'a> {
 /// Estimator of one probability.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Estimator {
+    /// Guided paths to both tails.
+    Guided { samples: u64 },
+    /// A method that takes a path as a function of its normals.
+    Driven(Driven),
+}
+
+/// Method that takes a path as a function of its normals.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Driven {
     /// Importance sampling of both tails.
     Importance { samples: u64 },
     /// Subset simulation.
@@ -39,34 +53,97 @@ pub(super) enum Estimator {
 impl Estimator {
     const fn name(self) -> &'static str {
         match self {
-            Self::Importance { .. } => "importance sampling",
-            Self::Subset { .. } => "subset simulation",
-        }
-    }
-
-    fn estimate<const D: usize>(
-        self,
-        paths: &TailPaths<'_, D>,
-        threshold: f64,
-        seed: u64,
-    ) -> Result<Estimate, TailError> {
-        match self {
-            Self::Importance { samples } => paths.importance(threshold, Tails::Both, samples, seed),
-            Self::Subset { config } => paths.subset(threshold, &config, seed),
+            Self::Guided { .. } => "guided paths",
+            Self::Driven(Driven::Importance { .. }) => "importance sampling",
+            Self::Driven(Driven::Subset { .. }) => "subset simulation",
         }
     }
 }
 
+/// Share of the paths without a guide.
+const UNGUIDED: f64 = 0.05;
+/// Steps of the linearisation that guides the paths, per period.
+const STEPS_OF_GUIDE: f64 = 20.0;
+
+/// Estimates probabilities at one time.
+trait AtTime {
+    /// `P(|y| > T)` for a threshold.
+    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError>;
+
+    /// Number of paths evaluated so far.
+    fn n_followed(&self) -> u64;
+}
+
+/// Paths of a [`Driven`] method.
+struct DrivenPaths<'s, const D: usize> {
+    paths: TailPaths<'s, D>,
+    how: Driven,
+    seed: u64,
+}
+
+impl<const D: usize> AtTime for DrivenPaths<'_, D> {
+    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError> {
+        match self.how {
+            Driven::Subset { config } => self.paths.subset(threshold, &config, self.seed),
+            Driven::Importance { samples } => {
+                self.paths.importance(threshold, Tails::Both, samples, self.seed)
+            }
+        }
+    }
+
+    fn n_followed(&self) -> u64 {
+        self.paths.n_followed()
+    }
+}
+
+/// Guided paths.
+struct Guided<'s, const D: usize, const M: usize> {
+    paths: GuidedPaths<'s, D, M>,
+    config: GuidedConfig,
+    n_followed: Cell<u64>,
+}
+
+impl<const D: usize, const M: usize> AtTime for Guided<'_, D, M> {
+    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError> {
+        let n_paths = self.config.n_paths.saturating_add(self.config.n_pilots);
+        self.n_followed.set(self.n_followed.get().saturating_add(n_paths));
+        Ok(self.paths.exceedance(threshold, Tails::Both, &self.config)?.estimate)
+    }
+
+    fn n_followed(&self) -> u64 {
+        self.n_followed.get()
+    }
+}
+
 /// Creates the paths to a time in a number of steps; all other code is compiled once for each number of states.
-type PathsTo<'s, const D: usize> =
-    &'s dyn Fn(&GaussianMixture<D>, (f64, usize)) -> Result<TailPaths<'s, D>, PathsError>;
+type PathsTo<'s, const D: usize> = &'s dyn Fn(
+    &GaussianMixture<D>,
+    (f64, usize),
+    [f64; D],
+) -> Result<Box<dyn AtTime + 's>, PathsError>;
 
 impl Visitor for TailsOf<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let integrator = self.integrator;
-        self.tails::<D>(&|law, span| system.tails(integrator, law, span))
+        let Self { integrator, seed, how, .. } = self;
+        let samples = match how {
+            Estimator::Guided { samples } => samples,
+            Estimator::Driven(how) => {
+                return self.tails::<D>(&|law, span, weights| {
+                    let paths = system.tails(integrator, law, span)?.with_demand(weights);
+                    Ok(Box::new(DrivenPaths { paths, how, seed }))
+                });
+            }
+        };
+        let order = order(self.system.kinks());
+        let rule = Linearisation { order, step: self.system.reference_period() / STEPS_OF_GUIDE };
+        let (n_pilots, unguided) = ((samples / 4).max(200), UNGUIDED);
+        let config = GuidedConfig { n_paths: samples, n_pilots, unguided, seed };
+        self.tails::<D>(&|law, span, weights| {
+            let paths = system.guided(integrator, law, span, &rule)?.with_demand(weights);
+            Ok(Box::new(Guided { paths, config, n_followed: Cell::new(0) }))
+        })
     }
 }
 
@@ -77,20 +154,24 @@ impl TailsOf<'_> {
         let weights = std::array::from_fn(|k| asked.demand.weights[k]);
         let (mut values, mut unknown) = (vec![Vec::new(); asked.thresholds.len()], Vec::new());
         if !scene.moments.is_empty() {
-            let reason = format!("{} estimates exceedance probabilities alone", how.name());
+            let reason =
+                format!("the method ({}) estimates exceedance probabilities alone", how.name());
             unknown.push(Unknown { what: "all moments".to_owned(), reason });
         }
         run.progress.stage(how.name());
         let (clock, mut path_steps) = (CpuClock::start(), 0);
         for (row, &t) in asked.times.iter().enumerate() {
             let n_steps = steps(t, step);
-            let paths = paths_to(&law, (t, n_steps))?.with_demand(weights);
+            let paths = paths_to(&law, (t, n_steps), weights)?;
             for (values, &threshold) in values.iter_mut().zip(&asked.thresholds) {
-                match how.estimate(&paths, threshold, seed) {
+                match paths.exceedance(threshold) {
                     Ok(estimate) => values.push((t, estimate)),
-                    Err(TailError::Sampling(
-                        error @ (Error::NoDesignPoint { .. } | Error::TooManyLevels { .. }),
-                    )) => unknown.push(Unknown {
+                    Err(
+                        error @ (TailError::Untrusted { .. }
+                        | TailError::Sampling(
+                            Error::NoDesignPoint { .. } | Error::TooManyLevels { .. },
+                        )),
+                    ) => unknown.push(Unknown {
                         what: format!("exceedance/{threshold} at t = {t}"),
                         reason: error.to_string(),
                     }),

@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use figures::Reference;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
-use random_vibration::{GridConfig, GridDensity, Linearisation, TailPaths, Tails};
+use random_vibration::{
+    GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
+};
 use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{self, Sampling};
@@ -261,13 +263,14 @@ where
     Ok(setting.deterministic(words, ((cost, spread), (cost, spread)), &moments, &tails))
 }
 
-/// Samples by Monte Carlo, importance sampling and subset simulation.
+/// Samples by Monte Carlo, guided paths, importance sampling and subset simulation.
 pub(super) fn sample<S, I, const D: usize>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, D>,
+    rule: &Linearisation<D>,
 ) -> Result<Vec<Record>, CaseError>
 where
-    S: Paths<D, 1>,
+    S: Paths<D, 1> + Sde<D, 1, Noise = Additive>,
     I: Integrator<S, D, 1>,
 {
     let mut records = Vec::new();
@@ -279,6 +282,11 @@ where
     let tail = TailPaths::new::<_, _, 1>(setting.system, setting.integrator, setting.law, path)?;
     for target in &setting.targets {
         context.progress(&format!("{}: {}, one at a time", setting.name, target.name));
+        for samples in rungs(context, &[500_u64, 2_000, 20_000, 100_000]) {
+            let label = group_thousands_u64(samples);
+            let run = || guided(setting, rule, target.threshold, samples);
+            records.push(one(target, ("guided paths", &label), None, run)?);
+        }
         for samples in rungs(context, &[500_u64, 3_000, 20_000]) {
             let label = group_thousands_u64(samples);
             let run = || Ok(tail.importance(target.threshold, Tails::Doubled, samples, samples)?);
@@ -294,6 +302,28 @@ where
         }
     }
     Ok(records)
+}
+
+/// Steps of the linearisation that guides paths, per period.
+const STEPS_OF_GUIDE: f64 = 20.0;
+
+/// One probability by guided paths, with all that it needs: linearisation and pilot paths.
+fn guided<S, I, const D: usize>(
+    setting: &Setting<'_, S, I, D>,
+    rule: &Linearisation<D>,
+    threshold: f64,
+    samples: u64,
+) -> Result<Estimate, CaseError>
+where
+    S: Sde<D, 1, Noise = Additive>,
+    I: Integrator<S, D, 1>,
+{
+    let (system, span) = (setting.system, (setting.time, setting.n_steps as usize));
+    let rule = Linearisation { step: setting.period / STEPS_OF_GUIDE, ..*rule };
+    let paths = GuidedPaths::new(system, setting.integrator, setting.law, span, &rule)?;
+    let n_pilots = (samples / 4).clamp(200, 1_000);
+    let config = GuidedConfig { n_paths: samples, n_pilots, unguided: 0.05, seed: samples };
+    Ok(paths.exceedance(threshold, Tails::Doubled, &config)?.estimate)
 }
 
 /// Independent runs of subset simulation; their scatter is the error.

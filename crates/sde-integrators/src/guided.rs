@@ -32,7 +32,7 @@ pub struct GuidedPath<'a, const D: usize> {
 ///
 /// The guide of a path is drawn by its share; the rest, `1 - sum`, is without a guide. For a function `F` of the path
 ///
-/// $$ E[F] = E_q[F w], \qquad w = \Big( c_0 + \sum_j c_j r_j \Big)^{-1}, \qquad
+/// $$ E\[F\] = E_q\[F w\], \qquad w = \Big( c_0 + \sum_j c_j r_j \Big)^{-1}, \qquad
 ///    \ln r_j = \sum_k \Big( \theta_{jk} \cdot n_k - \tfrac12 |\theta_{jk}|^2 \Big), $$
 ///
 /// with the shares `c`, the normals `n_k` of step `k` (and of the start), the shift `theta_jk` that guide `j` gives at

@@ -32,9 +32,11 @@ fn velocities<S: Sde<D, M>, const D: usize, const M: usize>(
     v: &mut [[f64; D]],
     columns: &mut [[[f64; CHUNK]; D]; 3],
 ) {
-    for p in 0..v.len() {
+    // Places beyond the last repeat it: a system is asked where particles are, and nowhere else.
+    for p in 0..CHUNK {
+        let from = p.min(v.len() - 1);
         for k in 0..D {
-            (columns[0][k][p], columns[1][k][p]) = (x[p][k], score[p][k]);
+            (columns[0][k][p], columns[1][k][p]) = (x[from][k], score[from][k]);
         }
     }
     let [x, score, out] = columns;
@@ -108,6 +110,37 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Coefficients<D> for OfSystem<
         for x in x {
             let g = self.0.noise(t, x);
             columns.extend((0..M).map(|m| -> [f64; D] { std::array::from_fn(|k| g[k][m]) }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sde_integrators::Additive;
+
+    use super::*;
+
+    /// Has no drift at zero or below.
+    struct Positive;
+
+    impl Sde<1, 1> for Positive {
+        type Noise = Additive;
+        fn drift(&self, _: f64, x: &[f64; 1]) -> [f64; 1] {
+            assert!(x[0] > 0.0, "asked at {}", x[0]);
+            [-x[0]]
+        }
+        fn noise(&self, _: f64, _: &[f64; 1]) -> [[f64; 1]; 1] {
+            [[1.0]]
+        }
+    }
+
+    #[test]
+    fn a_system_is_asked_where_particles_are_and_nowhere_else() {
+        for n in [1, CHUNK - 1, CHUNK, CHUNK + 3] {
+            let x: Vec<[f64; 1]> = (0..n).map(|i| [1.0 + i as f64]).collect();
+            let mut v = vec![[0.0]; n];
+            OfSystem(&Positive).velocity(0.0, &x, &vec![[0.0]; n], &mut v);
+            assert!(v.iter().zip(&x).all(|(v, x)| v[0] + x[0] == 0.0), "{n} particles");
         }
     }
 }

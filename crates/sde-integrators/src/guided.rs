@@ -81,8 +81,8 @@ where
     ///
     /// # Errors
     /// [`Error::NotPositive`] for the step length; [`Error::NotFinite`] for a number of a guide; [`Error::OutOfRange`] for
-    /// shares that are not positive or exceed 1 together; those of [`maxima`](crate::maxima) for the response; [`Error::TooFew`] for no realisations; a failed
-    /// path, [`Error::Step`] or [`Error::NonFiniteState`], always the lowest.
+    /// shares that are not positive or exceed 1 together; those of [`maxima`](crate::maxima) for the response;
+    /// [`Error::TooFew`] for no realisations; a failed path, [`Error::Step`] or [`Error::NonFiniteState`], always the lowest.
     pub fn run<A: Send>(
         &self,
         realisations: Range<u64>,

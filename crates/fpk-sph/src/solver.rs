@@ -124,6 +124,14 @@ impl<const D: usize> Solver<D> {
         Work { steps: self.state.n_steps, ..self.evaluation.work }
     }
 
+    /// The probability that no particle carries, at most.
+    pub(crate) fn mass_outside(&self) -> f64 {
+        let total: f64 = self.state.masses.iter().sum();
+        let remapping = self.discretisation.combination.remapping.as_ref();
+        let outermost_mass = remapping.map_or(0.0, |remapping| remapping.outermost_mass);
+        (1.0 - total).abs() + self.state.n_remaps as f64 * outermost_mass
+    }
+
     /// Steps to the given time.
     pub(crate) fn advance_to(
         &mut self,

@@ -10,6 +10,7 @@ mod flow_map;
 mod limits;
 mod method;
 mod observables;
+mod reach;
 mod remapping;
 mod smoothing;
 mod tolerance;

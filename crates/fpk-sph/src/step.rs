@@ -34,10 +34,23 @@ impl<const D: usize> Solver<D> {
         system: &dyn Coefficients<D>,
         end: f64,
     ) -> Result<StepReport, Error> {
+        self.observed_step(system, end, |solver, length, remapped| StepReport {
+            remapped,
+            ..solver.report(length)
+        })
+    }
+
+    /// One step, not beyond `end`, and what `observe` makes of its first stage, its length and the remeshing before it.
+    pub(crate) fn observed_step<R>(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        end: f64,
+        observe: impl FnOnce(&Self, &StepLength, Option<Remapped>) -> R,
+    ) -> Result<R, Error> {
         self.check_end(end)?;
         let remapped = self.first_stage(system)?;
         let length = self.step_length(system, end)?;
-        let report = StepReport { remapped, ..self.report(&length) };
+        let observed = observe(self, &length, remapped);
         let (dt, t_1) = (length.dt, length.reached);
 
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
@@ -72,7 +85,7 @@ impl<const D: usize> Solver<D> {
         smoothing.finish(state, &evaluation.estimates.volume, dt);
         state.n_steps += 1;
         state.time = t_1;
-        Ok(report)
+        Ok(observed)
     }
 
     /// Refuses an end that does not lie ahead, and a step beyond the limit of the work.
@@ -99,8 +112,12 @@ impl<const D: usize> Solver<D> {
         }
         self.check_resolved()?;
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
-        smoothing.start(state, &evaluation.estimates.volume);
-        evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
+        if discretisation.estimator.criterion().is_none() {
+            smoothing.start_on_lattice(state, &evaluation.estimates.volume);
+        } else {
+            smoothing.start(state, &evaluation.estimates.volume);
+            evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
+        }
         Ok(remapped)
     }
 
@@ -123,7 +140,7 @@ impl<const D: usize> Solver<D> {
 
     /// The report of a step of the given length, from its first stage.
     fn report(&self, length: &StepLength) -> StepReport {
-        let Self { discretisation, state, evaluation, .. } = self;
+        let Self { discretisation, state, evaluation, stages, .. } = self;
         let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
         let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);
         let h = &state.smoothing_lengths;
@@ -134,7 +151,7 @@ impl<const D: usize> Solver<D> {
             time: length.reached,
             dt: length.dt,
             diffusion_limit: length.diffusion_limit,
-            courant_limit: length.courant_limit,
+            courant_limit: evaluation.courant_limit(h, &stages.k[0]).1,
             neighbours_min: 1 + evaluation.cloud.neighbours(discretisation).min_count(),
             neighbours_mean: evaluation.cloud.neighbours_mean(discretisation),
             h_min: first_smallest(h.len(), lengths).1,

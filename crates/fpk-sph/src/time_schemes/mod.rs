@@ -43,9 +43,7 @@ impl<const D: usize> Stages<D> {
             Scheme::RungeKutta4 => classical::runge_kutta_4(x, k, begin, velocity),
             Scheme::LawsonRungeKutta4 => lawson::runge_kutta_4(x, k, begin, velocity),
             Scheme::LawsonAdamsBashforth2 => lawson::adams_bashforth_2(x, k, begin, velocity),
-            Scheme::RungeKuttaChebyshev => {
-                stabilised::runge_kutta_chebyshev(x, k, begin, velocity)
-            }
+            Scheme::RungeKuttaChebyshev => stabilised::runge_kutta_chebyshev(x, k, begin, velocity),
         }
     }
 }

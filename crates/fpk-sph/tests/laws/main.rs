@@ -12,4 +12,5 @@ mod method;
 mod observables;
 mod remapping;
 mod smoothing;
+mod time_schemes;
 mod tolerance;

@@ -136,7 +136,8 @@ mod tests {
                 let z = -end * f64::from(part) / 1000.0;
                 assert!(growth(&method, z).abs() <= 1.0 + 1e-12, "{stages} {z}");
             }
-            assert!(growth(&method, -1.02 * end).abs() > 1.0, "{stages}");
+            // With an odd number of stages the polynomial is 0.4 at the end, and passes -1 further on.
+            assert!(growth(&method, -1.3 * end).abs() > 1.0, "{stages}");
         }
     }
 

@@ -50,8 +50,8 @@ pub enum Scheme {
     LawsonRungeKutta4,
     /// The method of Adams and Bashforth of order 2 in Lawson's form, with `r = dt_n / dt_(n-1)` and `R` for what remains:
     ///
-    /// $$ X_{n+1} = E \left(X_n + \Delta t_n (1 + \tfrac r2) R_n\right)
-    ///    - \Delta t_n \tfrac r2\, e^{A (\Delta t_n + \Delta t_{n-1})} R_{n-1} . $$
+    /// $$ X_{n+1} = E \left(X_n + \Delta t_n (1 + \tfrac r2) R_n\right) -
+    ///    \Delta t_n \tfrac r2\, e^{A (\Delta t_n + \Delta t_{n-1})} R_{n-1} . $$
     ///
     /// One evaluation a step. The first step, the first after a remeshing, and one more than twice as long as the one before
     /// it are Heun's in Lawson's form. Refused for a system that declares no linear part.

@@ -167,12 +167,7 @@ pub fn linear_part_of<S, const N: usize, const D: usize, const M: usize>(
 where
     S: SecondOrder<N, M> + ?Sized,
 {
-    const {
-        assert!(
-            D == 2 * N,
-            "the state holds a displacement and a velocity for each degree of freedom"
-        )
-    };
+    const { assert!(D == 2 * N, "the state is not one of displacements and velocities") };
     let (omega, c) = (system.natural_frequency(), system.linear_damping());
     let mut part = [[0.0; D]; D];
     for k in 0..N {

@@ -55,8 +55,8 @@ pub(super) fn runge_kutta_4<const D: usize>(
 
 /// The method of Adams and Bashforth of order 2 in Lawson's form, with the ratio `w` of this step to the last one:
 ///
-/// $$ x_1 = E \left(x_0 + \Delta t (1 + \tfrac w2) r_0\right)
-///    - \Delta t \tfrac w2 \exp(A (\Delta t + \Delta t_{-1})) r_{-1} . $$
+/// $$ x_1 = E \left(x_0 + \Delta t (1 + \tfrac w2) r_0\right) -
+///    \Delta t \tfrac w2 \exp(A (\Delta t + \Delta t_{-1})) r_{-1} . $$
 ///
 /// `k_1` holds `v(t, x_0)` before and `r_0` after it. Where there is no last step, or one much shorter, Heun's method in
 /// Lawson's form takes its place.

@@ -8,8 +8,8 @@ use crate::matrix::{exponential, identity, scaled};
 
 /// As many stages as the step needs for its diffusion (Sommeijer, Shampine & Verwer 1998, eq 2.2), for `z = exp(-A t) x`:
 ///
-/// $$ Y_j = (1 - \mu_j - \nu_j) x_0 + \mu_j Y_{j-1} + \nu_j Y_{j-2}
-///    + \tilde\mu_j \Delta t\, \rho_{j-1} + \tilde\gamma_j \Delta t\, \rho_0, \qquad
+/// $$ Y_j = (1 - \mu_j - \nu_j) x_0 + \mu_j Y_{j-1} + \nu_j Y_{j-2} +
+///    \tilde\mu_j \Delta t\, \rho_{j-1} + \tilde\gamma_j \Delta t\, \rho_0, \qquad
 ///    \rho_j = e^{-A c_j \Delta t}\, r(t + c_j \Delta t, e^{A c_j \Delta t} Y_j) . $$
 ///
 /// `k_1` holds `v(t, x_0)`.

@@ -13,4 +13,5 @@ mod observables;
 mod reach;
 mod remapping;
 mod smoothing;
+mod time_schemes;
 mod tolerance;

@@ -308,6 +308,10 @@ impl<N: NoiseClass, const D: usize, const M: usize> Sde<D, M> for Erased<'_, N, 
     fn diffusion_divergence(&self, t: f64, x: &[f64; D]) -> [f64; D] {
         self.0.diffusion_divergence(t, x)
     }
+
+    fn linear_part(&self) -> Option<[[f64; D]; D]> {
+        self.0.linear_part()
+    }
 }
 
 impl<N: NoiseClass, const D: usize, const M: usize> std::fmt::Debug for Erased<'_, N, D, M> {

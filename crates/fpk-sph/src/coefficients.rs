@@ -4,6 +4,8 @@
 
 use sde_integrators::{NoiseClass, Sde};
 
+use crate::matrix::Matrix;
+
 /// The coefficients of the Fokker-Planck equation over a cloud of particles.
 pub(crate) trait Coefficients<const D: usize>: Sync {
     /// `v_i = f - div D - D s_i` (Canor & Denoël 2013, eq 12) with the scores `s = grad log psi`, at time `t`; all slices
@@ -15,6 +17,9 @@ pub(crate) trait Coefficients<const D: usize>: Sync {
 
     /// The columns of `g` at every particle, particle by particle.
     fn noise(&self, t: f64, x: &[[f64; D]], columns: &mut Vec<[f64; D]>);
+
+    /// The linear part of the drift, where the system declares one.
+    fn linear_part(&self) -> Option<Matrix<D>>;
 }
 
 /// Particles whose components are brought together, so that the loop over them is compiled for registers.
@@ -111,6 +116,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Coefficients<D> for OfSystem<
             let g = self.0.noise(t, x);
             columns.extend((0..M).map(|m| -> [f64; D] { std::array::from_fn(|k| g[k][m]) }));
         }
+    }
+
+    fn linear_part(&self) -> Option<Matrix<D>> {
+        self.0.linear_part()
     }
 }
 

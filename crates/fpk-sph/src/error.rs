@@ -1,5 +1,7 @@
 //! What can go wrong, with the value and its limit.
 
+use crate::scheme::Scheme;
+
 /// Errors of constructing, running and observing a simulation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -231,6 +233,15 @@ pub enum Error {
         particle: usize,
         /// The largest stable step.
         limit: f64,
+    },
+    /// A scheme needs the linear part of the drift, and the system declares none.
+    #[error(
+        "the scheme {scheme:?} needs the linear part of the drift, and the system declares none: \
+         implement `Sde::linear_part`, or use RungeKutta4 or RungeKuttaChebyshev"
+    )]
+    NoLinearPart {
+        /// The scheme.
+        scheme: Scheme,
     },
     /// A position, velocity or density is no longer finite, or a density is no longer positive.
     #[error("step {step}, t = {time}: {quantity} of particle {particle} is {value}")]

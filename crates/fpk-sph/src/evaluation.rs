@@ -7,6 +7,7 @@ use crate::coefficients::Coefficients;
 use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::extremes::first_smallest;
+use crate::matrix::Matrix;
 use crate::metric::{Metric, Whitening, mean_and_covariance};
 use crate::parallel::{BLOCK, fill, for_each_block};
 use crate::report::Work;
@@ -257,7 +258,7 @@ impl<const D: usize> Evaluation<D> {
     }
 
     /// The rates of the smoothing lengths, `d log h / dt`, for particles that move at `v`; empty where the estimator gives
-    /// none, or does not search by them.
+    /// none.
     pub(crate) fn smoothing_rates(
         &mut self,
         discretisation: &Discretisation<D>,
@@ -265,27 +266,46 @@ impl<const D: usize> Evaluation<D> {
         v: &[[f64; D]],
         rates: &mut Vec<f64>,
     ) {
-        if discretisation.estimator.criterion().is_none() {
-            rates.clear();
-            return;
-        }
         let Self { cloud, whitened_velocity: u, .. } = self;
         cloud.velocity_in_metric(discretisation.combination.metric, &state.masses, v, u);
         let cloud = cloud.view(discretisation, state, state.time);
         discretisation.estimator.smoothing_rates(&cloud, u, rates);
     }
 
-    /// The particle that spreads fastest against what the estimator resolves, and its rate there: `D_y / R^2`, with `D_y`
-    /// the trace of the diffusion matrix in the metric and `R` the support radius, unless the estimator knows better.
+    /// The particle that spreads fastest against what the estimator resolves, and its rate there, at the worse of two times:
+    /// `D_y / R^2`, with `D_y` the trace of the diffusion matrix in the metric and `R` the support radius, unless the
+    /// estimator knows better.
     pub(crate) fn fastest_spread(
         &mut self,
         system: &dyn Coefficients<D>,
         discretisation: &Discretisation<D>,
-        t: f64,
+        [now, then]: [f64; 2],
         x: &[[f64; D]],
     ) -> (usize, f64) {
+        system.diffusion(now, x, &mut self.diffusion);
+        let shared = if let [matrix] = self.diffusion[..] { Some(matrix) } else { None };
+        if let Some(first) = shared {
+            system.diffusion(then, x, &mut self.diffusion);
+            let last = self.diffusion[0];
+            if are_proportional(&first, &last) {
+                // Noise under a window: the greater intensity spreads all particles faster.
+                self.diffusion[0] = if trace(&last) > trace(&first) { last } else { first };
+                return self.fastest_spread_of(discretisation);
+            }
+            self.diffusion[0] = first;
+        }
+        let first = self.fastest_spread_of(discretisation);
+        if now.to_bits() == then.to_bits() {
+            return first;
+        }
+        system.diffusion(then, x, &mut self.diffusion);
+        let last = self.fastest_spread_of(discretisation);
+        if last.1 > first.1 { last } else { first }
+    }
+
+    /// The same with the diffusion matrices that are held.
+    fn fastest_spread_of(&mut self, discretisation: &Discretisation<D>) -> (usize, f64) {
         let Self { cloud, estimates, diffusion, .. } = self;
-        system.diffusion(t, x, diffusion);
         for matrix in diffusion.iter_mut() {
             *matrix = cloud.whitening.whitened(matrix);
         }
@@ -308,6 +328,18 @@ impl<const D: usize> Evaluation<D> {
             },
         )
     }
+}
+
+fn trace<const D: usize>(matrix: &Matrix<D>) -> f64 {
+    (0..D).map(|k| matrix[k][k]).sum()
+}
+
+/// Whether two diffusion matrices are the same within roundoff but for a factor.
+fn are_proportional<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> bool {
+    let (of_a, of_b) = (trace(a), trace(b));
+    let within = 1e-14 * of_a * of_b;
+    let mut entries = a.as_flattened().iter().zip(b.as_flattened());
+    entries.all(|(a, b)| (a * of_b - b * of_a).abs() <= within)
 }
 
 /// Whether a condition holds for all values; it looks at all, so that registers take several.

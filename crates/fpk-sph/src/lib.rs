@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod chebyshev;
 mod cloud;
 mod coefficients;
 mod compiled;
@@ -9,14 +10,16 @@ mod error;
 mod evaluation;
 mod extremes;
 mod lattice;
+mod matrix;
 mod method;
 mod metric;
 pub mod observables;
 mod parallel;
+mod reach;
 mod refine;
 mod remap;
 mod report;
-mod runge_kutta;
+mod scheme;
 pub mod score;
 mod simulation;
 mod smoothing;
@@ -27,15 +30,18 @@ mod state;
 mod step;
 mod step_length;
 pub mod systems;
+mod time_schemes;
 
 pub use cloud::{AxisNeighbours, Cloud};
 pub use config::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS};
 pub use error::Error;
-pub use method::{Combination, Estimator, InitialSmoothing, Method, Scheme, StepRule};
+pub use method::{Combination, Estimator, InitialSmoothing, Method, StepRule};
 pub use metric::Metric;
+pub use reach::{MOST_OUTSIDE, ball_reach, box_reach};
 pub use refine::{Refined, RefinedValue, Refinement, RefinementEnd, RefinementRun, refine};
 pub use remap::{BEYOND_THE_CLOUD, Remapped, Remapping};
 pub use report::{StepReport, Work};
+pub use scheme::Scheme;
 pub use score::ScoreEstimator;
 pub use simulation::Simulation;
 pub use start::{DEFAULT_REACH, InitialLattice};

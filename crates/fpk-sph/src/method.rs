@@ -5,6 +5,7 @@ use smoothing_kernels::Lucy;
 use crate::error::{Error, positive};
 use crate::metric::Metric;
 use crate::remap::Remapping;
+use crate::scheme::Scheme;
 use crate::score::{
     Degree, FlowMapFit, LogDensityFit, ScoreEstimator, SummationDensity, VolumeEstimate,
 };
@@ -41,7 +42,7 @@ pub struct Combination {
     pub support_over_spacing: f64,
     /// How the smoothing lengths start.
     pub initial_smoothing: InitialSmoothing,
-    /// The Runge-Kutta scheme.
+    /// The scheme in time.
     pub scheme: Scheme,
     /// The rule that sets the step.
     pub step: StepRule,
@@ -83,39 +84,6 @@ pub enum InitialSmoothing {
     Iterated,
 }
 
-/// Explicit schemes for `dX/dt = v(t, X)`. Metric and neighbours are those of each stage; so are smoothing lengths, to second
-/// order, where the estimator gives their rates. Where it gives none, as in the paper's method, they are frozen over a step.
-///
-/// | scheme | stages | order | interval of stability, imaginary axis | negative real axis |
-/// |---|---|---|---|---|
-/// | [`Self::ForwardEuler`] | 1 | 1 | none | 2 |
-/// | [`Self::LeapFrog`] | 1 | 2 | 1 | none |
-/// | [`Self::Heun`] | 2 | 2 | none | 2 |
-/// | [`Self::RungeKutta4`] | 4 | 4 | 2.828 | 2.785 |
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scheme {
-    /// One stage, order 1 (Canor & Denoël 2013, eq 16). Makes an undamped oscillator grow by `exp(omega^2 dt t)` in energy.
-    ForwardEuler,
-    /// Two steps, one stage, order 2: the explicit midpoint rule over two steps, with the ratio `r = dt_n / dt_(n-1)` of the
-    /// present step to the last one,
-    ///
-    /// $$ X_{n+1} = X_n + r^2 (X_{n-1} - X_n) + (1 + r) \Delta t_n v(t_n, X_n), $$
-    ///
-    /// which is `X_(n+1) = X_(n-1) + 2 dt v_n` for equal steps. The first step is Heun's. Kicks and drifts in turn, the
-    /// other scheme of that name, need an equation of second order; the motion of these particles is of the first. Canor &
-    /// Denoël 2013 name a leap-frog scheme beside eq 16 and give no equation.
-    ///
-    /// It keeps the energy of an undamped oscillator for `omega dt < 1`. But it has a second solution that changes sign at
-    /// every step and grows like `exp(lambda t)` where the true one decays like `exp(-lambda t)`: there is no step at which
-    /// damping and diffusion are stable. The disorder of the particles decays by diffusion, so that their places on odd and
-    /// even steps drift apart.
-    LeapFrog,
-    /// Two stages, order 2 (Heun).
-    Heun,
-    /// Four stages, order 4 (classical).
-    RungeKutta4,
-}
-
 /// What sets the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepRule {
@@ -150,30 +118,6 @@ impl StepRule {
             Self::Fixed { dt } => dt,
             Self::DiffusionLimited { longest } => longest,
             Self::PeriodFraction { steps_per_period } => reference_period / steps_per_period,
-        }
-    }
-}
-
-impl Scheme {
-    /// Largest `D_y dt / R^2` that is allowed, with `D_y` the trace of the diffusion matrix in the metric and `R` the
-    /// support radius. Runge-Kutta 4, measured on the damper with 6,561 particles: with deformed-lattice volumes runs hold
-    /// at 0.3 and fail at the rim at 0.4, with kernel sums they hold at 0.4; 0.25 leaves room. The others by their interval
-    /// of stability on the negative real axis, 2 against 2.785; leap-frog, which has none, by that of Euler.
-    #[must_use]
-    pub fn diffusion_limit(self) -> f64 {
-        match self {
-            Self::RungeKutta4 => 0.25,
-            Self::ForwardEuler | Self::LeapFrog | Self::Heun => 0.25 * 2.0 / 2.785,
-        }
-    }
-
-    /// Evaluations of the velocity per step.
-    #[must_use]
-    pub fn stages(self) -> usize {
-        match self {
-            Self::ForwardEuler | Self::LeapFrog => 1,
-            Self::Heun => 2,
-            Self::RungeKutta4 => 4,
         }
     }
 }

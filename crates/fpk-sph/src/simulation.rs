@@ -30,8 +30,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     ///
     /// # Errors
     /// Any parameter outside its range, by name; [`Error::TooFewParticles`]; [`Error::SupportTooSmall`] where the
-    /// estimator is known to fail at the resolution asked for.
+    /// estimator is known to fail at the resolution asked for; [`Error::NoLinearPart`] where the scheme needs one and the
+    /// system declares none.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
+        config.method.combination_in(D).scheme.check(system.linear_part())?;
         Ok(Self { system, solver: (passes().start)(law, config, None)? })
     }
 
@@ -45,6 +47,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
+        config.method.combination_in(D).scheme.check(system.linear_part())?;
         Ok(Self { system, solver: (passes().start)(law, config, Some(estimator))? })
     }
 
@@ -153,7 +156,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     }
 
     /// Takes state and lattice from a snapshot of a simulation with the same configuration; the run goes on bit for bit.
-    /// With leap-frog the snapshot holds the positions of one step ago; a snapshot without them starts it anew.
+    /// With a scheme of two steps the snapshot holds the positions (leap-frog) or rates (Adams-Bashforth) of one step ago; a
+    /// snapshot without them starts the scheme anew.
     ///
     /// # Errors
     /// [`Error::ForeignSnapshot`], [`Error::SnapshotWithoutTime`], [`Error::SnapshotNumber`], [`Error::Store`]; the state is

@@ -34,6 +34,17 @@ fn growth(x: f64) -> f64 {
     (MOST_CHANGE * (x / MOST_CHANGE).tanh()).exp()
 }
 
+/// `V^(1/D)`, compiled for registers.
+#[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+#[inline(always)]
+fn root<const D: usize>(volume: f64) -> f64 {
+    match D {
+        1 => volume,
+        2 => volume.sqrt(),
+        _ => lanes::power(volume, 1.0 / D as f64),
+    }
+}
+
 impl Smoothing {
     pub(crate) fn new(n: usize) -> Self {
         let (at_first, rates) = (vec![0.0; n], Vec::with_capacity(n));
@@ -47,6 +58,24 @@ impl Smoothing {
         for (i, h) in self.at_first.iter_mut().enumerate() {
             *h = state.smoothing_by_volume(i, volume[i]);
         }
+    }
+
+    /// Starts a step of an estimator that works on the lattice: its lengths are reported and limit a Courant step, and no
+    /// neighbour is searched by them.
+    pub(crate) fn start_on_lattice<const D: usize>(&mut self, state: &State<D>, volume: &[f64]) {
+        self.elapsed = 0.0;
+        self.rates.clear();
+        let n = self.at_first.len();
+        let (ratios, volume) = (&state.smoothing_ratios[..n], &volume[..n]);
+        lanes::dispatch(
+            #[inline(always)]
+            || {
+                for (i, h) in self.at_first.iter_mut().enumerate() {
+                    *h = ratios[i] * root::<D>(volume[i]);
+                }
+            },
+        );
+        self.lengths.copy_from_slice(&state.smoothing_lengths);
     }
 
     /// Sets the lengths to those of a stage, `elapsed` after the start of the step.

@@ -21,8 +21,9 @@ impl<const D: usize> Solver<D> {
         store.add("smoothing_ratio", state.smoothing_ratios.clone())?;
         store.set_attribute("time", Attribute::Real(state.time));
         store.set_attribute("n_steps", Attribute::Count(state.n_steps));
-        if let Some(Previous { positions, dt }) = &state.previous {
-            store.add("previous_position", positions.clone())?;
+        let memory = self.discretisation.combination.scheme.remembers();
+        if let (Some(name), Some(Previous { values, dt })) = (memory, &state.previous) {
+            store.add(name, values.clone())?;
             store.set_attribute("previous_dt", Attribute::Real(*dt));
         }
         store.set_attribute("n_remaps", Attribute::Count(state.n_remaps));
@@ -34,7 +35,8 @@ impl<const D: usize> Solver<D> {
     /// Takes state and lattice from a snapshot; after an error all is as it was.
     pub(crate) fn restore(&mut self, reader: &mut dyn Read) -> Result<(), Error> {
         let store = ParticleStore::<D>::restore(reader)?;
-        let state = read_state(&store, self.n_start)?;
+        let memory = self.discretisation.combination.scheme.remembers();
+        let state = read_state(&store, self.n_start, memory)?;
         let places = store.get(store.handle::<[f64; D]>("place")?)?;
         state.check_restored(places)?;
         let lattice = &self.discretisation.lattice;
@@ -48,8 +50,13 @@ impl<const D: usize> Solver<D> {
     }
 }
 
-/// The state in a store, for a simulation that started with `n_start` particles.
-fn read_state<const D: usize>(store: &ParticleStore<D>, n_start: usize) -> Result<State<D>, Error> {
+/// The state in a store, for a simulation that started with `n_start` particles and whose scheme remembers what has the name
+/// `memory`.
+fn read_state<const D: usize>(
+    store: &ParticleStore<D>,
+    n_start: usize,
+    memory: Option<&str>,
+) -> Result<State<D>, Error> {
     let count = |name: &str| match store.attribute(name) {
         Some(Attribute::Count(count)) => Ok(count),
         _ => Err(Error::SnapshotWithoutTime),
@@ -67,9 +74,11 @@ fn read_state<const D: usize>(store: &ParticleStore<D>, n_start: usize) -> Resul
         let found = usize::try_from(found).unwrap_or(usize::MAX);
         return Err(Error::ForeignSnapshot { found, expected: n_start });
     }
-    let previous = match store.attribute("previous_dt") {
-        Some(Attribute::Real(dt)) => {
-            Some(Previous { positions: points(store, "previous_position")?, dt })
+    // What another scheme remembers is of no use to this one.
+    let column = memory.and_then(|name| store.handle::<[f64; D]>(name).ok());
+    let previous = match (column, store.attribute("previous_dt")) {
+        (Some(column), Some(Attribute::Real(dt))) => {
+            Some(Previous { values: store.get(column)?.to_vec(), dt })
         }
         _ => None,
     };

@@ -10,11 +10,11 @@ use crate::evaluation::Evaluation;
 use crate::lattice::ParticleLattice;
 use crate::method::InitialSmoothing;
 use crate::report::Work;
-use crate::runge_kutta::RungeKuttaStages;
 use crate::score::ScoreEstimator;
 use crate::smoothing::Smoothing;
 use crate::start::{Start, initial_spacing};
 use crate::state::State;
+use crate::time_schemes::Stages;
 
 /// The method on one cloud of particles. Compiled once for each dimension, whatever the system.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub(crate) struct Solver<const D: usize> {
     pub(crate) n_start: usize,
     pub(crate) state: State<D>,
     pub(crate) evaluation: Evaluation<D>,
-    pub(crate) stages: RungeKuttaStages<D>,
+    pub(crate) stages: Stages<D>,
     /// Volumes at the first stage of a step, and what follows from them.
     pub(crate) smoothing: Smoothing,
 }
@@ -69,7 +69,7 @@ impl<const D: usize> Solver<D> {
                 previous: None,
             },
             evaluation: Evaluation::new(n),
-            stages: RungeKuttaStages::new(n),
+            stages: Stages::new(n),
             smoothing: Smoothing::new(n),
         };
         solver.discretisation.lay(ParticleLattice::new(start.indices, spacing))?;
@@ -111,7 +111,7 @@ impl<const D: usize> Solver<D> {
             let work = self.evaluation.work;
             self.evaluation = Evaluation::new(n);
             self.evaluation.work = work;
-            (self.stages, self.smoothing) = (RungeKuttaStages::new(n), Smoothing::new(n));
+            (self.stages, self.smoothing) = (Stages::new(n), Smoothing::new(n));
         }
     }
 
@@ -124,6 +124,14 @@ impl<const D: usize> Solver<D> {
         Work { steps: self.state.n_steps, ..self.evaluation.work }
     }
 
+    /// The probability that no particle carries, at most.
+    pub(crate) fn mass_outside(&self) -> f64 {
+        let total: f64 = self.state.masses.iter().sum();
+        let remapping = self.discretisation.combination.remapping.as_ref();
+        let outermost_mass = remapping.map_or(0.0, |remapping| remapping.outermost_mass);
+        (1.0 - total).abs() + self.state.n_remaps as f64 * outermost_mass
+    }
+
     /// Steps to the given time.
     pub(crate) fn advance_to(
         &mut self,
@@ -132,7 +140,7 @@ impl<const D: usize> Solver<D> {
     ) -> Result<(), Error> {
         self.check_not_past(time)?;
         while self.state.time < time {
-            let _report = self.step_towards(system, time)?;
+            self.observed_step(system, time, |_, _, _| ())?;
         }
         Ok(())
     }

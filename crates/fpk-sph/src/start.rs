@@ -5,6 +5,7 @@ use sde_integrators::GaussianMixture;
 
 use crate::error::{Error, finite, positive};
 use crate::metric::{Metric, Whitening};
+use crate::reach::{ball_reach, box_reach};
 
 /// The lattice on which the particles start, centred on the mean of the initial distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +42,23 @@ impl<const D: usize> InitialLattice<D> {
     #[must_use]
     pub fn box_of(count: usize) -> Self {
         Self::Box { reach: DEFAULT_REACH, count: [count; D] }
+    }
+
+    /// A box that goes far enough for probabilities down to the given one: of a normal distribution it leaves at most
+    /// [`MOST_OUTSIDE`](crate::MOST_OUTSIDE) of it outside.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for the probability.
+    pub fn box_down_to(smallest_probability: f64, count: [usize; D]) -> Result<Self, Error> {
+        Ok(Self::Box { reach: box_reach(D, smallest_probability)?, count })
+    }
+
+    /// A ball that goes far enough for probabilities down to the given one, as [`Self::box_down_to`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for the probability.
+    pub fn ball_down_to(smallest_probability: f64, spacing: f64) -> Result<Self, Error> {
+        Ok(Self::Ball { reach: ball_reach(D, smallest_probability)?, spacing })
     }
 }
 

@@ -21,10 +21,11 @@ pub(crate) struct State<const D: usize> {
     pub(crate) previous: Option<Previous<D>>,
 }
 
-/// The state one step ago.
+/// Memory of a scheme of two steps.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Previous<const D: usize> {
-    pub(crate) positions: Vec<[f64; D]>,
+    /// Positions (leap-frog), or rates without the linear part (Adams-Bashforth), one step ago.
+    pub(crate) values: Vec<[f64; D]>,
     /// The step from there to the present state.
     pub(crate) dt: f64,
 }
@@ -32,6 +33,16 @@ pub(crate) struct Previous<const D: usize> {
 /// All coordinates, each with the number of its point.
 fn coordinates<const D: usize>(points: &[[f64; D]]) -> impl Iterator<Item = (usize, f64)> {
     points.iter().enumerate().flat_map(|(i, point)| point.iter().map(move |&value| (i, value)))
+}
+
+fn remember<const D: usize>(memory: &mut Option<Previous<D>>, values: &[[f64; D]], dt: f64) {
+    match memory {
+        Some(previous) => {
+            previous.values.copy_from_slice(values);
+            previous.dt = dt;
+        }
+        None => *memory = Some(Previous { values: values.to_vec(), dt }),
+    }
 }
 
 impl<const D: usize> State<D> {
@@ -45,8 +56,9 @@ impl<const D: usize> State<D> {
         for (i, &mass) in self.masses.iter().enumerate() {
             fits("mass", i, mass, mass.is_finite(), "finite")?;
         }
-        let before = self.previous.as_ref().map_or(&[][..], |previous| &previous.positions);
-        for (quantity, points) in [("position", &self.positions[..]), ("previous_position", before)]
+        let before = self.previous.as_ref().map_or(&[][..], |previous| &previous.values);
+        for (quantity, points) in
+            [("position", &self.positions[..]), ("position or rate one step ago", before)]
         {
             for (i, value) in coordinates(points) {
                 fits(quantity, i, value, value.is_finite(), "finite")?;
@@ -61,15 +73,14 @@ impl<const D: usize> State<D> {
         fits("previous_dt", 0, dt, dt > 0.0 && dt.is_finite(), "above 0 and finite")
     }
 
+    /// Keeps rates for the step after one of length `dt`.
+    pub(crate) fn remember_rates(&mut self, rates: &[[f64; D]], dt: f64) {
+        remember(&mut self.previous, rates, dt);
+    }
+
     /// Keeps the present positions for the step after one of length `dt`.
-    pub(crate) fn remember(&mut self, dt: f64) {
-        match &mut self.previous {
-            Some(previous) => {
-                previous.positions.copy_from_slice(&self.positions);
-                previous.dt = dt;
-            }
-            None => self.previous = Some(Previous { positions: self.positions.clone(), dt }),
-        }
+    pub(crate) fn remember_positions(&mut self, dt: f64) {
+        remember(&mut self.previous, &self.positions, dt);
     }
 
     /// Smoothing lengths in whitened coordinates from the deformed lattice.

@@ -4,13 +4,14 @@ use crate::coefficients::Coefficients;
 use crate::error::Error;
 use crate::evaluation::{Stage, check_finite};
 use crate::extremes::{first_smallest, last_greatest};
-use crate::method::Scheme;
 use crate::metric::{condition_number, mean_and_covariance};
 use crate::remap::Remapped;
 use crate::report::StepReport;
+use crate::scheme::Scheme;
 use crate::score::Unresolved;
 use crate::solver::Solver;
 use crate::step_length::StepLength;
+use crate::time_schemes::Begin;
 
 /// Reference periods in which an estimator's [`settle`](crate::ScoreEstimator::settle) takes out all but `1/e` of what it
 /// does not see. Measured on the damper: E[v^2] at t = 6 is 0.8 % high without, 0.02 % at 0.6, and the same within 0.1 %
@@ -33,34 +34,58 @@ impl<const D: usize> Solver<D> {
         system: &dyn Coefficients<D>,
         end: f64,
     ) -> Result<StepReport, Error> {
+        self.observed_step(system, end, |solver, length, remapped| StepReport {
+            remapped,
+            ..solver.report(length)
+        })
+    }
+
+    /// One step, not beyond `end`, and what `observe` makes of its first stage, its length and the remeshing before it.
+    pub(crate) fn observed_step<R>(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        end: f64,
+        observe: impl FnOnce(&Self, &StepLength, Option<Remapped>) -> R,
+    ) -> Result<R, Error> {
         self.check_end(end)?;
         let remapped = self.first_stage(system)?;
         let length = self.step_length(system, end)?;
-        let report = StepReport { remapped, ..self.report(&length) };
+        let observed = observe(self, &length, remapped);
         let (dt, t_1) = (length.dt, length.reached);
 
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
         let scheme = discretisation.combination.scheme;
-        let (t_0, x_0) = (state.time, &state.positions);
-        stages.advance(scheme, (t_0, x_0, state.previous.as_ref()), dt, |t, x, v| {
+        let t_0 = state.time;
+        let begin = Begin {
+            t: t_0,
+            x: &state.positions,
+            previous: state.previous.as_ref(),
+            linear: system.linear_part().unwrap_or([[0.0; D]; D]),
+            dt,
+            share_of_limit: dt / length.diffusion_limit,
+        };
+        stages.advance(scheme, &begin, |t, x, v| {
             smoothing.follow(t - t_0);
             let stage = Stage { t, x, smoothing_lengths: &smoothing.lengths };
             evaluation.velocity(system, discretisation, state, stage, v)
         })?;
         check_finite(&stages.x, &[], (state.n_steps, t_0 + dt))?;
-        if scheme == Scheme::LeapFrog {
-            state.remember(dt);
-        }
         // What the estimator does not see would stay for ever: it is taken out at its own rate.
         let part = 1.0 - (-dt / (SETTLING_PERIODS * self.reference_period)).exp();
-        discretisation.estimator.settle(&mut stages.x, &mut stages.k[0], part);
+        let [first, .., scratch] = &mut stages.k;
+        discretisation.estimator.settle(&mut stages.x, scratch, part);
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;
 
+        match scheme {
+            Scheme::LeapFrog => state.remember_positions(dt),
+            Scheme::LawsonAdamsBashforth2 => state.remember_rates(first, dt),
+            _ => {}
+        }
         state.positions.copy_from_slice(&stages.x);
         smoothing.finish(state, &evaluation.estimates.volume, dt);
         state.n_steps += 1;
         state.time = t_1;
-        Ok(report)
+        Ok(observed)
     }
 
     /// Refuses an end that does not lie ahead, and a step beyond the limit of the work.
@@ -87,8 +112,12 @@ impl<const D: usize> Solver<D> {
         }
         self.check_resolved()?;
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
-        smoothing.start(state, &evaluation.estimates.volume);
-        evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
+        if discretisation.estimator.criterion().is_none() {
+            smoothing.start_on_lattice(state, &evaluation.estimates.volume);
+        } else {
+            smoothing.start(state, &evaluation.estimates.volume);
+            evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
+        }
         Ok(remapped)
     }
 
@@ -111,7 +140,7 @@ impl<const D: usize> Solver<D> {
 
     /// The report of a step of the given length, from its first stage.
     fn report(&self, length: &StepLength) -> StepReport {
-        let Self { discretisation, state, evaluation, .. } = self;
+        let Self { discretisation, state, evaluation, stages, .. } = self;
         let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
         let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);
         let h = &state.smoothing_lengths;
@@ -122,7 +151,7 @@ impl<const D: usize> Solver<D> {
             time: length.reached,
             dt: length.dt,
             diffusion_limit: length.diffusion_limit,
-            courant_limit: length.courant_limit,
+            courant_limit: evaluation.courant_limit(h, &stages.k[0]).1,
             neighbours_min: 1 + evaluation.cloud.neighbours(discretisation).min_count(),
             neighbours_mean: evaluation.cloud.neighbours_mean(discretisation),
             h_min: first_smallest(h.len(), lengths).1,

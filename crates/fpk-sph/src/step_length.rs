@@ -12,7 +12,6 @@ pub(crate) struct StepLength {
     /// Time after the step.
     pub(crate) reached: f64,
     pub(crate) diffusion_limit: f64,
-    pub(crate) courant_limit: f64,
 }
 
 impl<const D: usize> Solver<D> {
@@ -24,11 +23,13 @@ impl<const D: usize> Solver<D> {
     ) -> Result<StepLength, Error> {
         let (step, time, rule) =
             (self.state.n_steps, self.state.time, self.discretisation.combination.step);
-        let (fastest, courant_limit) =
-            self.evaluation.courant_limit(&self.state.smoothing_lengths, &self.stages.k[0]);
         let (spreading, diffusion_limit) = self.diffusion_limit(system);
         let (asked, particle) = match rule {
-            StepRule::Courant { number } => (number * courant_limit, fastest),
+            StepRule::Courant { number } => {
+                let h = &self.state.smoothing_lengths;
+                let (fastest, limit) = self.evaluation.courant_limit(h, &self.stages.k[0]);
+                (number * limit, fastest)
+            }
             StepRule::Fixed { dt } if dt > diffusion_limit => {
                 let (particle, limit) = (spreading, diffusion_limit);
                 return Err(Error::StepExceedsDiffusionLimit { step, time, dt, particle, limit });
@@ -47,24 +48,20 @@ impl<const D: usize> Solver<D> {
             StepRule::Courant { .. } if asked < end - time => (asked, time + asked),
             _ => land(time, asked, end),
         };
-        Ok(StepLength { dt, reached, diffusion_limit, courant_limit })
+        Ok(StepLength { dt, reached, diffusion_limit })
     }
 
     /// The particle that spreads fastest and the largest step by the diffusion limit, which holds at the begin of the step
     /// and at the end of the longest one: the window may rise within it.
     fn diffusion_limit(&mut self, system: &dyn Coefficients<D>) -> (usize, f64) {
-        let now = self.diffusion_limit_at(system, self.state.time);
-        if let StepRule::Courant { .. } = self.discretisation.combination.step {
-            return now;
-        }
-        let then = self.diffusion_limit_at(system, self.state.time + self.longest_step);
-        if then.1 < now.1 { then } else { now }
-    }
-
-    fn diffusion_limit_at(&mut self, system: &dyn Coefficients<D>, t: f64) -> (usize, f64) {
-        let Self { discretisation, evaluation, state, .. } = self;
+        let Self { discretisation, evaluation, state, longest_step, .. } = self;
+        let now = state.time;
+        let then = match discretisation.combination.step {
+            StepRule::Courant { .. } => now,
+            _ => now + *longest_step,
+        };
         let (particle, spread) =
-            evaluation.fastest_spread(system, discretisation, t, &state.positions);
+            evaluation.fastest_spread(system, discretisation, [now, then], &state.positions);
         (particle, discretisation.combination.scheme.diffusion_limit() / spread)
     }
 }

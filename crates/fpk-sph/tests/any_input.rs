@@ -13,7 +13,7 @@ use fpk_sph::systems::{
     BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
     Window,
 };
-use fpk_sph::{Config, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Combination, Config, Error, InitialLattice, Method, Scheme, Simulation};
 use particle_store::{Attribute, ParticleStore};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -66,10 +66,15 @@ fn small_or_refused<const D: usize>(lattice: &InitialLattice<D>) -> bool {
 }
 
 fn config<const D: usize>() -> impl Strategy<Value = Config<D>> {
+    let with =
+        |scheme| Method::Custom(Combination { scheme, ..Method::FlowMapFit.combination_in(D) });
     let method = prop::sample::select(vec![
         Method::CanorDenoel2013,
         Method::LogDensityFit,
         Method::FlowMapFit,
+        with(Scheme::LawsonRungeKutta4),
+        with(Scheme::LawsonAdamsBashforth2),
+        with(Scheme::RungeKuttaChebyshev),
     ]);
     let parts = (method, lattice(), number(), any::<u64>());
     parts

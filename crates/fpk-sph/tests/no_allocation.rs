@@ -12,7 +12,7 @@ use fpk_sph::systems::{
     Window,
 };
 use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation,
+    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Scheme, Simulation,
 };
 use sde_integrators::{GaussianMixture, Sde};
 
@@ -82,7 +82,15 @@ fn a_step_allocates_nothing_after_the_first_ones() {
     let sums = Method::Custom(Combination { estimator, ..Method::LogDensityFit.combination() });
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
-        for method in [Method::LogDensityFit, Method::FlowMapFit] {
+        let with =
+            |scheme| Method::Custom(Combination { scheme, ..Method::FlowMapFit.combination() });
+        for method in [
+            Method::LogDensityFit,
+            Method::FlowMapFit,
+            with(Scheme::LawsonRungeKutta4),
+            with(Scheme::LawsonAdamsBashforth2),
+            with(Scheme::RungeKuttaChebyshev),
+        ] {
             assert_eq!(allocated_by_steps(&mut damper(method)), 0, "{method:?}");
         }
         for method in [sums, Method::FlowMapFit] {

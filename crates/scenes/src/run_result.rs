@@ -50,7 +50,7 @@ pub struct Unknown {
 }
 
 /// Source of an error estimate.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorOrigin {
     /// Runs at a coarser resolution, with the order of the method.

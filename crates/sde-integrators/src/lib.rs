@@ -92,7 +92,9 @@ pub use sriw1::Sriw1;
 pub use state_space::StateSpace;
 pub use strang_oscillator::{LinearFlows, StrangOscillator};
 pub use stratonovich::{ItoForm, StratonovichSde};
-pub use system::{Additive, General, NoiseClass, Sde, SecondOrder, check_diffusion_divergence};
+pub use system::{
+    Additive, General, NoiseClass, Sde, SecondOrder, check_diffusion_divergence, linear_part_of,
+};
 pub use tally::{Observable, Sampling};
 pub use tamed_euler::TamedEuler;
 pub use theta::StochasticTheta;

@@ -1,6 +1,6 @@
 //! Second-order systems in first-order form.
 
-use crate::system::{Additive, Sde, SecondOrder};
+use crate::system::{Additive, Sde, SecondOrder, linear_part_of};
 
 /// A [`SecondOrder`] system with 1, 2 or 3 degrees of freedom as an [`Sde`] of the state `(q_1.., v_1..)`,
 ///
@@ -72,6 +72,11 @@ macro_rules! first_order_form {
                 let mut noise = [[0.0; M]; $d];
                 noise[$n..].copy_from_slice(&self.0.noise_intensity(t));
                 noise
+            }
+
+            #[inline]
+            fn linear_part(&self) -> Option<[[f64; $d]; $d]> {
+                Some(linear_part_of(&self.0))
             }
         }
     )+ };

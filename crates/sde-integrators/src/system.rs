@@ -66,6 +66,15 @@ pub trait Sde<const D: usize, const M: usize>: Sync {
     fn diffusion_divergence(&self, t: f64, x: &[f64; D]) -> [f64; D] {
         if Self::Noise::STATE_DEPENDENT { difference_divergence(self, t, x) } else { [0.0; D] }
     }
+
+    /// A constant matrix `A` (per unit of time) such that `f(t, x) = A x + r(t, x)` with a milder `r`: no fast oscillation,
+    /// no stiff decay.
+    ///
+    /// Exponential integrators, such as the Lawson schemes of `fpk-sph`, take the flow `exp(A t)` exactly. `drift` contains
+    /// the part. The default declares none.
+    fn linear_part(&self) -> Option<[[f64; D]; D]> {
+        None
+    }
 }
 
 /// Central differences of the diffusion matrix.
@@ -147,4 +156,24 @@ pub trait SecondOrder<const N: usize, const M: usize>: Sync {
         }
         acceleration
     }
+}
+
+/// The linear part of a second-order system as a matrix over `(q_1.., v_1..)`, with `D = 2 N`: rows `(0, 1)` and
+/// `(-omega_k^2, -c_k)`. For [`Sde::linear_part`].
+#[must_use]
+pub fn linear_part_of<S, const N: usize, const D: usize, const M: usize>(
+    system: &S,
+) -> [[f64; D]; D]
+where
+    S: SecondOrder<N, M> + ?Sized,
+{
+    const { assert!(D == 2 * N, "the state is not one of displacements and velocities") };
+    let (omega, c) = (system.natural_frequency(), system.linear_damping());
+    let mut part = [[0.0; D]; D];
+    for k in 0..N {
+        part[k][N + k] = 1.0;
+        part[N + k][k] = -omega[k] * omega[k];
+        part[N + k][N + k] = -c[k];
+    }
+    part
 }

@@ -40,6 +40,7 @@ pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 /// Sweeps of the command `stability`.
 pub const STABILITY: &[ChartKind] = &[
     stability::fpk::MAP,
+    stability::fpk_schemes::MAP,
     stability::sde::MAP,
     stability::smpm::MAP,
     stability::peridyn::z::MAP,

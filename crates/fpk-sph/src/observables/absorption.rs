@@ -13,6 +13,8 @@ pub(super) struct Absorption<const D: usize> {
     n_steps: u64,
     /// Number of remeshings at construction.
     n_remaps: u64,
+    /// Probability that no particle carries.
+    pub(super) mass_outside: f64,
     /// The step before the last record; 0 at the first.
     dt: f64,
     /// Demands at the last record and at the one before.
@@ -22,6 +24,8 @@ pub(super) struct Absorption<const D: usize> {
     /// `w_i`, per threshold.
     pub(super) survival: Vec<Vec<f64>>,
     pub(super) absorbed: Vec<f64>,
+    /// The part of what is absorbed that came from particles whose cells were turned over.
+    pub(super) unresolved: Vec<f64>,
     pub(super) scratch: Scratch<D>,
 }
 
@@ -66,11 +70,13 @@ impl<const D: usize> Absorption<D> {
             time: solver.state.time,
             n_steps: solver.state.n_steps,
             n_remaps: solver.state.n_remaps,
+            mass_outside: solver.mass_outside(),
             dt: 0.0,
             value: vec![0.0; n],
             before: vec![0.0; n],
             survival: vec![vec![1.0; n]; thresholds.len()],
             absorbed: vec![0.0; thresholds.len()],
+            unresolved: vec![0.0; thresholds.len()],
             scratch,
             exchange,
         })
@@ -80,7 +86,7 @@ impl<const D: usize> Absorption<D> {
     pub(super) fn begin(&mut self, masses: &[f64]) {
         self.take_over();
         self.before.copy_from_slice(&self.value);
-        self.absorb(masses, |record, i| record.value[i]);
+        self.absorb(masses, |record, i| (record.value[i], record.exchange.turned_over[i]));
     }
 
     /// Whether the solver's step is recorded already.
@@ -110,7 +116,8 @@ impl<const D: usize> Absorption<D> {
         let (h_0, h_1) = (self.dt, dt);
         self.absorb(masses, |record, i| {
             let [y_0, y_1, y_2] = [record.before[i], record.value[i], record.scratch.value[i]];
-            y_2.max(peak([y_0, y_1, y_2], h_0, h_1))
+            let demand = y_2.max(peak([y_0, y_1, y_2], h_0, h_1));
+            (demand, record.scratch.exchange.turned_over[i])
         });
         self.take_over();
         self.exchange(masses, 0.5 * dt);
@@ -124,13 +131,15 @@ impl<const D: usize> Absorption<D> {
         std::mem::swap(&mut self.exchange, &mut self.scratch.exchange);
     }
 
-    /// Absorbs the particles whose given demand is beyond a threshold.
-    fn absorb(&mut self, masses: &[f64], demand: impl Fn(&Self, usize) -> f64) {
+    /// Absorbs the particles whose demand is beyond a threshold, given with whether the cell is turned over.
+    fn absorb(&mut self, masses: &[f64], seen: impl Fn(&Self, usize) -> (f64, bool)) {
         for i in 0..masses.len() {
-            let demand = demand(self, i);
+            let (demand, is_turned_over) = seen(self, i);
             for (k, &threshold) in self.thresholds.iter().enumerate() {
                 if demand > threshold {
-                    self.absorbed[k] += masses[i] * self.survival[k][i];
+                    let mass = masses[i] * self.survival[k][i];
+                    self.absorbed[k] += mass;
+                    self.unresolved[k] += if is_turned_over { mass } else { 0.0 };
                     self.survival[k][i] = 0.0;
                 }
             }
@@ -166,7 +175,7 @@ impl<const D: usize> Absorption<D> {
 
     /// One part of the exchange: forth over all pairs and back, each exactly (Strang 1968). Bounded for any time.
     fn exchange_part(&mut self, masses: &[f64]) {
-        let LatticeExchange { pairs, moves, .. } = &self.exchange;
+        let LatticeExchange { pairs, moves, turned_over, .. } = &self.exchange;
         let Scratch { pair_parts, move_rates, .. } = &self.scratch;
         for (k, &threshold) in self.thresholds.iter().enumerate() {
             let (w, value) = (&mut self.survival[k], &self.value);
@@ -187,6 +196,7 @@ impl<const D: usize> Absorption<D> {
                     let inside = (threshold - value[i]) / (to.demand - value[i]);
                     let taken = -w[i] * (-rate / inside).exp_m1();
                     self.absorbed[k] += masses[i] * taken;
+                    self.unresolved[k] += if turned_over[i] { masses[i] * taken } else { 0.0 };
                     w[i] -= taken;
                 }
             }

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{Cell, Part, subdivisions, variation};
+use super::support::Support;
 use crate::error::{Error, finite};
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
@@ -19,6 +20,7 @@ use crate::solver::Solver;
 pub struct CellIntegral<const D: usize> {
     whitening: Whitening<D>,
     cells: Vec<Cell<D>>,
+    mass_outside: f64,
 }
 
 /// A probability of exceedance, with what it rests on.
@@ -34,11 +36,15 @@ pub struct Exceedance {
     pub unresolved: f64,
     /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
     pub distrusted: f64,
+    /// What the lattice left outside ([`mass_outside`](crate::Simulation::mass_outside)); no part of the probability.
+    pub outside: f64,
 }
 
 impl Exceedance {
-    const NONE: Self =
-        Self { probability: 0.0, beyond_the_cloud: 0.0, unresolved: 0.0, distrusted: 0.0 };
+    /// What the probability rests on: a number without it says too much.
+    pub fn support(&self) -> Support {
+        Support::of(self.probability, self.unresolved, self.beyond_the_cloud, self.outside)
+    }
 
     /// Adds what lies above the threshold of a cell with all its parts.
     fn add<const D: usize>(&mut self, cell: &Cell<D>, parts: &[Part<D>], threshold: f64) {
@@ -133,7 +139,7 @@ impl<const D: usize> CellIntegral<D> {
                 trusted: true,
             };
             let cells = maps.into_iter().enumerate().map(cell).collect();
-            return Ok(Self::finish(cloud.whitening, cells, beyond, None));
+            return Ok(Self::finish(solver, cloud.whitening, cells, (beyond, None)));
         }
         let (cloud, fits) = solver.local_fits()?;
         let cells = fits
@@ -148,16 +154,16 @@ impl<const D: usize> CellIntegral<D> {
                 )
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self::finish(cloud.whitening, cells, beyond, Some(masses)))
+        Ok(Self::finish(solver, cloud.whitening, cells, (beyond, Some(masses))))
     }
 
     /// Holds every cell against its particle's mass, where it rests on a fit of the density, and lets those that are
     /// trusted go on beyond the cloud. A flow map needs no trust: its cell holds the mass that it held at the start.
     fn finish(
+        solver: &Solver<D>,
         whitening: Whitening<D>,
         mut cells: Vec<Cell<D>>,
-        beyond: Vec<Vec<[i32; D]>>,
-        masses: Option<&[f64]>,
+        (beyond, masses): (Vec<Vec<[i32; D]>>, Option<&[f64]>),
     ) -> Self {
         for (i, (cell, beyond)) in cells.iter_mut().zip(beyond).enumerate() {
             let Some(particle_mass) = masses.map(|masses| masses[i]) else {
@@ -183,7 +189,7 @@ impl<const D: usize> CellIntegral<D> {
             }
             cell.mass = cell.integral();
         }
-        Self { whitening, cells }
+        Self { whitening, cells, mass_outside: solver.mass_outside() }
     }
 
     /// The integral of the density: 1 but for what the lattice never held and for the error of the fits.
@@ -206,7 +212,7 @@ impl<const D: usize> CellIntegral<D> {
         demand: impl Fn(&[f64; D]) -> f64,
         threshold: f64,
     ) -> Result<Exceedance, Error> {
-        let mut exceedance = [Exceedance::NONE];
+        let mut exceedance = [self.none()];
         self.add_exceedances(&demand, &[threshold], &mut exceedance)?;
         Ok(exceedance[0])
     }
@@ -221,9 +227,19 @@ impl<const D: usize> CellIntegral<D> {
         demand: impl Fn(&[f64; D]) -> f64,
         thresholds: &[f64],
     ) -> Result<Vec<Exceedance>, Error> {
-        let mut exceedances = vec![Exceedance::NONE; thresholds.len()];
+        let mut exceedances = vec![self.none(); thresholds.len()];
         self.add_exceedances(&demand, thresholds, &mut exceedances)?;
         Ok(exceedances)
+    }
+
+    const fn none(&self) -> Exceedance {
+        Exceedance {
+            probability: 0.0,
+            beyond_the_cloud: 0.0,
+            unresolved: 0.0,
+            distrusted: 0.0,
+            outside: self.mass_outside,
+        }
     }
 
     fn add_exceedances(

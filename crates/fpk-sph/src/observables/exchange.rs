@@ -2,7 +2,7 @@
 
 use crate::cloud::AxisNeighbours;
 use crate::error::Error;
-use crate::score::{lattice_jacobian, solve_transposed};
+use crate::score::{determinant, lattice_jacobian, solve_transposed};
 
 /// What particles exchange of a scalar `w` that noise spreads between them,
 ///
@@ -22,6 +22,8 @@ pub(crate) struct LatticeExchange<const D: usize> {
     grid: PlaceGrid<D>,
     pub(crate) pairs: Vec<Pair>,
     pub(crate) moves: Vec<Move>,
+    /// Whether the cell of a particle is turned over; empty before the first look.
+    pub(crate) turned_over: Vec<bool>,
 }
 
 /// Two particles that exchange; a pair may occur more than once.
@@ -64,7 +66,12 @@ const WORTH_A_LONGER_MOVE: f64 = 0.7;
 impl<const D: usize> LatticeExchange<D> {
     /// An exchange over particles at the given places on their lattice, in spacings.
     pub(crate) fn new(places: &[[f64; D]]) -> Self {
-        Self { grid: PlaceGrid::new(places), pairs: Vec::new(), moves: Vec::new() }
+        Self {
+            grid: PlaceGrid::new(places),
+            pairs: Vec::new(),
+            moves: Vec::new(),
+            turned_over: Vec::new(),
+        }
     }
 
     /// The pairs that exchange where the particles are now, and their moves, with the columns of the noise, particle by
@@ -80,10 +87,12 @@ impl<const D: usize> LatticeExchange<D> {
     ) -> Result<(), Error> {
         self.pairs.clear();
         self.moves.clear();
+        self.turned_over.clear();
         let n_columns = noise.len() / scene.positions.len().max(1);
         for i in 0..scene.positions.len() {
             let edges = lattice_jacobian(scene.positions, scene.lattice, i)
                 .ok_or(Error::NoLatticeCell { particle: i })?;
+            self.turned_over.push(determinant(&edges) <= 0.0);
             for column in &noise[i * n_columns..(i + 1) * n_columns] {
                 let Some(along) = Along::of_column(&edges, column, i, scene)? else { continue };
                 for sign in [1, -1] {

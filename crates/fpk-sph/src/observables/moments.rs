@@ -30,6 +30,14 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         self.masses().iter().sum()
     }
 
+    /// The probability that no particle carries, at most: what lay beyond the lattice at the start, `|1 - sum mu_i|`, and the
+    /// method's limit for the outermost layer, once for each remeshing.
+    ///
+    /// A probability of exceedance by counting masses is low by up to this much.
+    pub fn mass_outside(&self) -> f64 {
+        self.solver.mass_outside()
+    }
+
     /// Density at the particles, in the units of the state, by the method's own estimator.
     ///
     /// # Errors
@@ -70,7 +78,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     }
 
     /// `P(y > T)` by interpolating the logarithm of the particles' complementary distribution linearly in `y`, a
-    /// particle's own mass counted half at its place. Zero beyond the last particle.
+    /// particle's own mass counted half at its place. Zero beyond the last particle: then no
+    /// more is known than that it is below [`Self::mass_outside`].
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the threshold or a demand.

@@ -4,6 +4,7 @@ use sde_integrators::Sde;
 
 use super::absorption::Absorption;
 use super::exchange::Scene;
+use super::support::Support;
 use crate::coefficients::{Coefficients, OfSystem};
 use crate::error::{Error, finite};
 use crate::simulation::Simulation;
@@ -32,7 +33,8 @@ use crate::solver::Solver;
 ///   two is found by the parabola through three records: without it `P` of the damper is 2.6 % lower at 40 steps a period.
 ///
 /// Errors: that of the density, that of a threshold between layers of particles, and numerical diffusion across the noise.
-/// All fall with the spacing; compare two resolutions. Mass that lay beyond the lattice at the start is not in it.
+/// All fall with the spacing; compare two resolutions. Mass that lay beyond the lattice at the start is not in it:
+/// [`Self::support`] says where that is as large as the probability.
 /// Works with every method, since every method starts on a lattice, but not across a fresh one: what has survived is not
 /// carried over. The source is this project.
 ///
@@ -166,6 +168,15 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
     /// `P(max y > T_k)` over the time watched, in the order of the thresholds.
     pub fn probabilities(&self) -> &[f64] {
         &self.absorption.absorbed
+    }
+
+    /// What the probability of the threshold `k` rests on. `None` where there is no such threshold.
+    ///
+    /// A probability of 0 is [`Support::Below`] what the lattice left outside at the start. Not resolved is what came from
+    /// particles whose cells were turned over when they passed.
+    pub fn support(&self, k: usize) -> Option<Support> {
+        let Absorption { absorbed, unresolved, mass_outside, .. } = &self.absorption;
+        Some(Support::of(*absorbed.get(k)?, unresolved[k], 0.0, *mass_outside))
     }
 
     /// `w_i` of every particle for the threshold `k`: the part of its mass that has stayed below. `None` where there is no

@@ -85,7 +85,7 @@ impl<const D: usize> Solver<D> {
             n_remaps: self.state.n_remaps + 1,
             time: self.state.time,
             n_steps: self.state.n_steps,
-            // Leap-frog starts anew.
+            // A scheme of two steps starts anew.
             previous: None,
         };
         let lattice_before = self.discretisation.lay(lattice)?;

@@ -112,6 +112,20 @@ impl Sde<3, 1> for BoucWen {
         let BoucWenParameters { noise_intensity, window, .. } = &self.parameters;
         [[0.0], [window.noise_amplitude(t, *noise_intensity)], [0.0]]
     }
+
+    /// That of the loop at `z = 0`: the structure with the stiffness before yielding.
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 3]; 3]> {
+        let BoucWenParameters {
+            natural_frequency: w, damping_ratio, hardening, initial_slope, ..
+        } = self.parameters;
+        let stiffness = w * w;
+        Some([
+            [0.0, 1.0, 0.0],
+            [-stiffness * hardening, -2.0 * damping_ratio * w, -stiffness * (1.0 - hardening)],
+            [0.0, initial_slope, 0.0],
+        ])
+    }
 }
 
 /// The oscillator at a constant `z`: a linear one under a constant force.

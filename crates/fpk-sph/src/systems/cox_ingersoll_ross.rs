@@ -133,6 +133,11 @@ impl Sde<1, 1> for CoxIngersollRoss {
         let volatility = self.parameters.volatility;
         [if x > 0.0 { 0.5 * volatility * volatility } else { 0.0 }]
     }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 1]; 1]> {
+        Some([[-self.parameters.rate]])
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The oscillator with a cubic spring.
 
-use sde_integrators::{Additive, Sde, SecondOrder};
+use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
 use super::stationary::StationaryOscillator;
 use super::{LinearOscillator, LinearOscillatorParameters};
@@ -84,6 +84,11 @@ impl Sde<2, 1> for Duffing {
     #[inline]
     fn noise(&self, t: f64, x: &[f64; 2]) -> [[f64; 1]; 2] {
         self.structure.noise(t, x)
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        Some(linear_part_of(self))
     }
 }
 

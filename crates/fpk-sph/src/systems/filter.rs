@@ -1,7 +1,8 @@
 //! Filters that make ground motion of white noise.
 
-use super::linear_law::{Matrix, Transition};
+use super::linear_law::Transition;
 use crate::error::{Error, finite, positive};
+use crate::matrix::Matrix;
 
 /// A linear filter with `F` states, driven by white noise with `E[W(t) W(t + tau)] = delta(tau)`:
 ///

@@ -153,12 +153,27 @@ where
         let amplitude = self.noise_window.amplitude(t);
         std::array::from_fn(|k| [if k < DS { 0.0 } else { amplitude * self.filter.noise[k - DS] }])
     }
+
+    /// Those of structure and filter; none where the structure has none. The ground acts through the window of the structure,
+    /// which is no constant: that stays in the rest.
+    fn linear_part(&self) -> Option<[[f64; D]; D]> {
+        let structure = self.structure.linear_part()?;
+        let mut part = [[0.0; D]; D];
+        for (k, row) in structure.iter().enumerate() {
+            part[k][..DS].copy_from_slice(row);
+        }
+        for (k, row) in self.filter.matrix.iter().enumerate() {
+            part[DS + k][DS..].copy_from_slice(row);
+        }
+        Some(part)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::linear_law::{Matrix, Transition};
+    use super::super::linear_law::Transition;
     use super::*;
+    use crate::matrix::Matrix;
     use crate::systems::{KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters};
 
     const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {

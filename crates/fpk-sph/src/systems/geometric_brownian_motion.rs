@@ -62,6 +62,11 @@ impl Sde<1, 1> for GeometricBrownianMotion {
     fn diffusion_divergence(&self, _: f64, &[x]: &[f64; 1]) -> [f64; 1] {
         [self.volatility * self.volatility * x]
     }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 1]; 1]> {
+        Some([[self.growth]])
+    }
 }
 
 #[cfg(test)]

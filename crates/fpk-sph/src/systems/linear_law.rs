@@ -1,9 +1,7 @@
 //! The exact law of a linear system with constant coefficients.
 
 use crate::error::Error;
-
-/// A small square matrix, row by row.
-pub(super) type Matrix<const D: usize> = [[f64; D]; D];
+use crate::matrix::{Matrix, add, norm, product, scaled, transposed};
 
 /// What a time does to the law of `dX = F X dt + G dB`: `X(t) = E X(0) + N(0, Q)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,27 +84,6 @@ impl<const D: usize> Transition<D> {
             covariance: self.of_covariance(&self.covariance),
         }
     }
-}
-
-/// The largest sum over a row of absolute values.
-fn norm<const D: usize>(a: &Matrix<D>) -> f64 {
-    a.iter().map(|row| row.iter().map(|value| value.abs()).sum()).fold(0.0, f64::max)
-}
-
-fn product<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..D).map(|k| a[i][k] * b[k][j]).sum()))
-}
-
-fn transposed<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
-}
-
-fn add<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
-}
-
-fn scaled<const D: usize>(a: &Matrix<D>, by: f64) -> Matrix<D> {
-    a.map(|row| row.map(|value| by * value))
 }
 
 /// `A P A^T`, symmetric to the last bit for a `P` that is.

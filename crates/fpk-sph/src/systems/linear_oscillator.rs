@@ -1,6 +1,6 @@
 //! The linear oscillator under modulated white noise: the system whose answer is exact.
 
-use sde_integrators::{Additive, Sde, SecondOrder};
+use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
 use super::Window;
 use crate::error::{Error, not_negative, positive};
@@ -72,6 +72,11 @@ impl Sde<2, 1> for LinearOscillator {
     #[inline]
     fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
         [[0.0], [self.noise_amplitude(t)]]
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        Some(linear_part_of(self))
     }
 }
 

@@ -2,8 +2,9 @@
 
 use sde_integrators::{Additive, Sde};
 
-use super::linear_law::{Matrix, Transition};
+use super::linear_law::Transition;
 use crate::error::{Error, finite, not_negative};
+use crate::matrix::Matrix;
 
 /// Parameters of an [`OrnsteinUhlenbeck`] process.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,6 +108,11 @@ impl<const D: usize> Sde<D, D> for OrnsteinUhlenbeck<D> {
     #[inline]
     fn noise(&self, _: f64, _: &[f64; D]) -> [[f64; D]; D] {
         self.parameters.noise
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; D]; D]> {
+        Some(self.coefficients().0)
     }
 }
 

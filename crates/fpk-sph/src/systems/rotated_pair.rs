@@ -73,6 +73,15 @@ where
         ];
         self.rotate(&divergence)
     }
+
+    /// `R diag(a, b) R^T`; none where one of the two has none.
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        let ([[a]], [[b]]) = (self.first.linear_part()?, self.second.linear_part()?);
+        let beside = (a - b) * self.cos * self.sin;
+        let (cos, sin) = (self.cos * self.cos, self.sin * self.sin);
+        Some([[a * cos + b * sin, beside], [beside, a * sin + b * cos]])
+    }
 }
 
 #[cfg(test)]

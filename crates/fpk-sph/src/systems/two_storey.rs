@@ -107,6 +107,19 @@ impl Sde<4, 1> for TwoStorey {
         let amplitude = window.noise_amplitude(t, *noise_intensity);
         [[0.0], [0.0], [amplitude], [amplitude]]
     }
+
+    /// That of the frame without its dampers.
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 4]; 4]> {
+        let TwoStoreyParameters { mass: [m_1, m_2], stiffness: k, damping: c, .. } =
+            self.parameters;
+        Some([
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+            [-(k[0] + k[1]) / m_1, k[1] / m_1, -(c[0] + c[1]) / m_1, c[1] / m_1],
+            [k[1] / m_2, -k[1] / m_2, c[1] / m_2, -c[1] / m_2],
+        ])
+    }
 }
 
 #[cfg(test)]

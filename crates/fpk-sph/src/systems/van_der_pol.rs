@@ -1,6 +1,6 @@
 //! The self-excited oscillator of van der Pol and Rayleigh.
 
-use sde_integrators::{Additive, Sde, SecondOrder};
+use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
 use super::Window;
 use super::stationary::StationaryOscillator;
@@ -96,6 +96,11 @@ impl Sde<2, 1> for VanDerPolRayleigh {
     fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
         let [intensity] = SecondOrder::noise_intensity(self, t);
         [[0.0], intensity]
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        Some(linear_part_of(self))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The oscillator with a nonlinear viscous damper.
 
 use lanes::{exp, power};
-use sde_integrators::{Additive, Sde, SecondOrder};
+use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
 use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};
@@ -65,6 +65,11 @@ impl Sde<2, 1> for ViscousDamper {
     #[inline]
     fn noise(&self, t: f64, x: &[f64; 2]) -> [[f64; 1]; 2] {
         self.structure.noise(t, x)
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        Some(linear_part_of(self))
     }
 }
 

@@ -10,6 +10,8 @@ mod flow_map;
 mod limits;
 mod method;
 mod observables;
+mod reach;
 mod remapping;
 mod smoothing;
+mod time_schemes;
 mod tolerance;

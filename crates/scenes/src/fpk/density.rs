@@ -1,6 +1,6 @@
 //! A run of the density solver, observed at given times.
 
-use fpk_sph::observables::CellIntegral;
+use fpk_sph::observables::{CellIntegral, Support};
 use fpk_sph::{Config, Error, Simulation, Work};
 use sde_integrators::{GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ impl Demand {
 }
 
 /// Three estimates of an exceedance probability.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Exceedances {
     /// Sum of the masses beyond the threshold (eq 25).
     pub indicator: f64,
@@ -61,39 +61,8 @@ pub struct Exceedances {
     pub log_interpolated: f64,
     /// Integral over deformed cells; `None` if not requested.
     pub cell_integrated: Option<f64>,
-    /// Fraction from unresolved cells, and fraction beyond the outermost cells.
-    pub unresolved: Option<f64>,
-    /// See [`Self::unresolved`].
-    pub beyond_the_cloud: Option<f64>,
-}
-
-/// Fraction of a probability from unresolved cells above which a result carries a note.
-///
-/// Observed for Bouc-Wen: below it the error of log10 P is within 0.02; at 0.02 it is 0.13, and from 0.1 on it is 0.6
-/// and more.
-const NOTED_UNRESOLVED: f64 = 0.01;
-
-/// The same for the fraction beyond the cloud.
-///
-/// Observed for the damper: log10 P errs by less than 0.01 at 0.12, and by 0.16 at 0.18 and 0.76.
-const NOTED_BEYOND: f64 = 0.1;
-
-impl Exceedances {
-    /// A note on an unreliable integral over the cells.
-    #[must_use]
-    pub fn note(&self) -> Option<String> {
-        let probability = self.cell_integrated?;
-        let part = |of: Option<f64>| of.unwrap_or(0.0) / probability;
-        let (unresolved, beyond) = (part(self.unresolved), part(self.beyond_the_cloud));
-        let mut words = Vec::new();
-        if unresolved > NOTED_UNRESOLVED {
-            words.push(format!("{:.0} % rest on cells that are not resolved", 100.0 * unresolved));
-        }
-        if beyond > NOTED_BEYOND {
-            words.push(format!("{:.0} % lie beyond the outermost particles", 100.0 * beyond));
-        }
-        (!words.is_empty()).then(|| words.join("; "))
-    }
+    /// What that integral rests on, in words, where it is less than particles.
+    pub note: Option<String>,
 }
 
 /// Results at one time.
@@ -107,6 +76,8 @@ pub struct Row {
     pub exceedances: Vec<Exceedances>,
     /// `sum mu_i`.
     pub total_mass: f64,
+    /// Probability that no particle carries, at most.
+    pub mass_outside: f64,
     /// Entropy (nats).
     pub entropy: f64,
     /// Integral of the density over the cells, if requested.
@@ -279,6 +250,7 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
         moments: asked.powers.iter().map(|&powers| simulation.raw_moment(powers)).collect(),
         exceedances,
         total_mass: simulation.total_mass(),
+        mass_outside: simulation.mass_outside(),
         entropy: simulation.entropy()?,
         cell_mass: cells.as_ref().map(CellIntegral::total_mass),
         distrusted_cells: cells.as_ref().map(CellIntegral::n_distrusted),
@@ -300,11 +272,15 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
             indicator: simulation.exceedance_indicator(magnitude, threshold)?,
             log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
             cell_integrated: over_cells.map(|over| over.probability),
-            unresolved: over_cells.map(|over| over.unresolved),
-            beyond_the_cloud: over_cells.map(|over| over.beyond_the_cloud),
+            note: over_cells.and_then(|over| note(over.support())),
         })
     };
     asked.thresholds.iter().enumerate().map(at).collect()
+}
+
+/// What a probability rests on, where it is less than particles.
+fn note(support: Support) -> Option<String> {
+    (support != Support::Resolved).then(|| support.to_string())
 }
 
 /// A system behind a reference.
@@ -331,6 +307,10 @@ impl<N: NoiseClass, const D: usize, const M: usize> Sde<D, M> for Erased<'_, N, 
 
     fn diffusion_divergence(&self, t: f64, x: &[f64; D]) -> [f64; D] {
         self.0.diffusion_divergence(t, x)
+    }
+
+    fn linear_part(&self) -> Option<[[f64; D]; D]> {
+        self.0.linear_part()
     }
 }
 

@@ -1,7 +1,9 @@
 //! The lattice of a scene: initial particles and remeshing.
 
 use fpk_sph::score::Degree;
-use fpk_sph::{Combination, Estimator, InitialLattice, Method, Remapping, StepRule};
+use fpk_sph::{
+    Combination, Estimator, InitialLattice, Method, Remapping, StepRule, ball_reach, box_reach,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +21,15 @@ pub struct LatticeScene {
     /// A ball: spacing in standard deviations of the initial distribution (no unit). Give either this or `count`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f64>,
-    /// Half-width or radius in standard deviations of the initial distribution (no unit).
-    pub reach: f64,
+    /// Half-width or radius in standard deviations of the initial distribution (no unit). Give either this or
+    /// `smallest_probability`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<f64>,
+    /// Smallest probability of interest (no unit): the lattice goes so far that it leaves at most a tenth of it outside, if
+    /// the initial distribution is normal. Give either this or `reach`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = SMALLEST_PROBABILITY))]
+    pub smallest_probability: Option<f64>,
     /// Remeshing where the flow has made the cloud uneven; none without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fresh_lattices: Option<FreshLatticesScene>,
@@ -38,6 +47,9 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degree: Option<DegreeScene>,
 }
+
+/// Smallest probability of interest where a scene names neither it nor a reach.
+const SMALLEST_PROBABILITY: f64 = 1e-6;
 
 /// Degree of a local polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -114,16 +126,23 @@ impl LatticeScene {
 
     /// The lattice with `scale` times as many particles along a length; `None` in another dimension.
     pub(super) fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
-        let reach = self.reach;
+        let reach = self.reach_in(D)?;
         Some(match &self.count {
             Some(count) => InitialLattice::Box { reach, count: scaled_counts(count, scale)? },
             None => InitialLattice::Ball { reach, spacing: self.spacing? / scale },
         })
     }
 
+    /// The reach of the lattice; `None` for a smallest probability that has none, which the check of the scene rejects.
+    pub(super) fn reach_in(&self, dimension: usize) -> Option<f64> {
+        self.reach.or_else(|| {
+            let of = if self.count.is_some() { box_reach } else { ball_reach };
+            of(dimension, self.smallest_probability.unwrap_or(SMALLEST_PROBABILITY)).ok()
+        })
+    }
+
     pub(super) fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
-        let limit = "greater than 0 standard deviations";
-        must(&format!("{path}.reach"), self.reach, self.reach > 0.0, limit)?;
+        self.check_extent(path)?;
         if let Some(steps) = self.steps_per_period {
             must(&format!("{path}.steps_per_period"), steps, steps > 0.0, "greater than 0")?;
         }
@@ -141,12 +160,34 @@ impl LatticeScene {
         }
         match (&self.count, self.spacing) {
             (Some(count), None) => check_counts(path, count, states),
-            (None, Some(spacing)) => check_ball(path, self.reach, spacing, states.len()),
+            (None, Some(spacing)) => {
+                let reach = self.reach_in(states.len()).unwrap_or(f64::INFINITY);
+                check_ball(path, reach, spacing, states.len())
+            }
             _ => Err(Objection::new(
                 path,
                 "either `count` for a box or `spacing` for a ball must be given",
             )),
         }
+    }
+}
+
+impl LatticeScene {
+    /// Rejects a reach or a smallest probability out of its range, and both.
+    fn check_extent(&self, path: &str) -> Result<(), Objection> {
+        if let Some(reach) = self.reach {
+            let limit = "greater than 0 standard deviations";
+            must(&format!("{path}.reach"), reach, reach > 0.0, limit)?;
+        }
+        let Some(smallest) = self.smallest_probability else { return Ok(()) };
+        let path = format!("{path}.smallest_probability");
+        let is_in_range = (1e-30..=0.1).contains(&smallest);
+        must(&path, smallest, is_in_range, "from 1e-30 to 0.1")?;
+        if self.reach.is_none() {
+            return Ok(());
+        }
+        Err(Objection::new(path, "`reach` is given too, and both say how far the lattice goes")
+            .with_help("leave out one of them"))
     }
 }
 

@@ -169,7 +169,8 @@ impl MethodScene {
         Self::FlowMapFit(LatticeScene {
             count: None,
             spacing: Some(0.3),
-            reach: 6.0,
+            reach: None,
+            smallest_probability: Some(1e-6),
             fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
             steps_per_period: Some(80.0),
             scheme: Some(SchemeScene::Heun),

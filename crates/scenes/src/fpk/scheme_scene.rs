@@ -22,6 +22,14 @@ pub enum SchemeScene {
     /// Four stages, order 4.
     #[serde(rename = "runge_kutta_4")]
     RungeKutta4,
+    /// Four stages, order 4; the linear part of the drift is solved exactly.
+    #[serde(rename = "lawson_runge_kutta_4")]
+    LawsonRungeKutta4,
+    /// Two steps, one stage, order 2; the linear part of the drift is solved exactly.
+    #[serde(rename = "lawson_adams_bashforth_2")]
+    LawsonAdamsBashforth2,
+    /// As many stages as the diffusion needs, 2 to 20, order 2; for fine lattices.
+    RungeKuttaChebyshev,
 }
 
 impl SchemeScene {
@@ -33,10 +41,14 @@ impl SchemeScene {
             Self::LeapFrog => Scheme::LeapFrog,
             Self::Heun => Scheme::Heun,
             Self::RungeKutta4 => Scheme::RungeKutta4,
+            Self::LawsonRungeKutta4 => Scheme::LawsonRungeKutta4,
+            Self::LawsonAdamsBashforth2 => Scheme::LawsonAdamsBashforth2,
+            Self::RungeKuttaChebyshev => Scheme::RungeKuttaChebyshev,
         }
     }
 
-    /// Rejects leap-frog where noise or damping make its parasitic solution grow; `path` is that of the key.
+    /// Rejects a scheme in Lawson's form for a system without a declared linear part, and leap-frog where noise or damping
+    /// make its parasitic solution grow; `path` is that of the key.
     pub(super) fn check(
         self,
         path: &str,
@@ -44,6 +56,12 @@ impl SchemeScene {
         initial: &LawScene,
         times: &[f64],
     ) -> Result<(), Objection> {
+        if self.scheme().needs_linear_part() && !system.visit(HasLinearPart) {
+            let message = "the scheme solves the linear part of the drift exactly, and this system declares none";
+            return Err(Objection::new(path, message).with_help(
+                "available: forward_euler, heun, runge_kutta_4, runge_kutta_chebyshev",
+            ));
+        }
         if self != Self::LeapFrog {
             return Ok(());
         }
@@ -54,8 +72,20 @@ impl SchemeScene {
         };
         let message = format!("leap_frog does not serve this system, which has {found}");
         Err(Objection::new(path, message).with_help(
-            "with noise or damping leap_frog is stable at no step; available: forward_euler, heun, runge_kutta_4",
+            "with noise or damping leap_frog is stable at no step; available: forward_euler, heun, runge_kutta_4, lawson_runge_kutta_4, \
+             lawson_adams_bashforth_2, runge_kutta_chebyshev",
         ))
+    }
+}
+
+/// Whether a system declares the linear part of its drift.
+struct HasLinearPart;
+
+impl Visitor for HasLinearPart {
+    type Output = bool;
+
+    fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> bool {
+        system.linear_part().is_some()
     }
 }
 

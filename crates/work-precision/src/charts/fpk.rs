@@ -297,7 +297,7 @@ fn density(
             timed(LONG, || problem.density(&config, &asked).map_err(CaseError::from))?;
         let outcome = match (outcome.at(TIME), &outcome.stopped) {
             (Some(row), _) => {
-                let exceedance = row.exceedances[0];
+                let exceedance = &row.exceedances[0];
                 let probability = exceedance.cell_integrated.unwrap_or(exceedance.indicator);
                 Ok(Values {
                     second_moment: (row.moments[0], None),

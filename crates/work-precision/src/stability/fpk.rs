@@ -33,13 +33,13 @@ pub(crate) const MAP: ChartKind = ChartKind {
 };
 
 /// Work limit in steps: a hundred times that of an accurate run.
-const MOST_STEPS: u64 = 10_000;
+pub(super) const MOST_STEPS: u64 = 10_000;
 /// Tolerance of E[q^2].
-const TOLERANCE: f64 = 0.01;
+pub(super) const TOLERANCE: f64 = 0.01;
 /// Time of the other sweeps: noise at its plateau.
-const TIME: f64 = 4.0;
+pub(super) const TIME: f64 = 4.0;
 /// Particles along an axis of the reference run, which also gives the diffusion limit.
-const FINE: usize = 81;
+pub(super) const FINE: usize = 81;
 /// Particles along an axis of the swept runs.
 const COARSE: usize = 41;
 
@@ -62,7 +62,7 @@ const METHODS: [(&str, &str, Method); 2] = [
     ("flow-map-fit", "flow-map fit", Method::FlowMapFit),
 ];
 
-fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
+pub(super) fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)
 }
 
@@ -79,7 +79,7 @@ fn of_coarse(limit_of_fine: f64) -> f64 {
 
 /// An odd number of particles along an axis.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens of particles")]
-fn odd(count: f64) -> usize {
+pub(super) fn odd(count: f64) -> usize {
     2 * (0.5 * count).round() as usize + 1
 }
 
@@ -103,20 +103,20 @@ fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
 }
 
 /// Result of a run to a time.
-struct Run {
+pub(super) struct Run {
     /// `E[q^2]` at the end.
     second_moment: f64,
     /// Smallest diffusion limit reported by its steps.
-    least_limit: f64,
+    pub(super) least_limit: f64,
 }
 
-struct Damper {
+pub(super) struct Damper {
     problem: Problem,
-    system: ViscousDamper,
+    pub(super) system: ViscousDamper,
 }
 
 impl Damper {
-    fn new() -> Result<Self, CaseError> {
+    pub(super) fn new() -> Result<Self, CaseError> {
         let problem = Problem::viscous_damper()?;
         let Oscillator::Damper(system) = &problem.system else {
             return Err("the scene of the damper is not one".into());
@@ -154,7 +154,7 @@ impl Damper {
     }
 
     /// The run with [`FINE`] particles per side, in steps of at most 0.01.
-    fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
+    pub(super) fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
         let step = StepRule::DiffusionLimited { longest: 0.01 };
         let combination = Combination { step, ..method.combination() };
         let lattice = InitialLattice::box_of(FINE);
@@ -162,7 +162,7 @@ impl Damper {
     }
 
     /// Relative error of `E[q^2]` against the reference.
-    fn error(
+    pub(super) fn error(
         &self,
         combination: Combination,
         lattice: InitialLattice<2>,

@@ -76,6 +76,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             if worst.value().to_bits() == error.to_bits() {
                 noise = 0.5 * truth.standard_error().unwrap_or(f64::NAN) / truth.value;
             }
+            let trust = moments.trust();
+            eprintln!(
+                "DBG {id} {} {error:.4} {:?} {:?}",
+                study.plan().gauges[gauge].name,
+                trust,
+                propagated.switches[response]
+            );
             errors.push(error.abs());
         }
         let method = format!("jets, against {n_samples} sampled runs with control variate");

@@ -97,13 +97,16 @@ fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
         shorten(count, lost);
         shorten(half_width, lost);
     }
+    let states =
+        scene.system.build().map_or(0, |system| system.states().len()).saturating_sub(lost);
     if let Some(lattice) = lattice(&mut scene.method) {
         if let Some(count) = &mut lattice.count {
             shorten(count, lost);
         }
-        if let Some(spacing) = &mut lattice.spacing {
+        let reach = lattice.reach_in(states);
+        if let (Some(spacing), Some(reach)) = (&mut lattice.spacing, reach) {
             // A lattice that suffices for many states has too few neighbours in fewer dimensions.
-            *spacing = spacing.min(2.0 * lattice.reach / INTERVALS);
+            *spacing = spacing.min(2.0 * reach / INTERVALS);
         }
     }
     if let Some(DemandScene::Combination { weights, .. }) = &mut scene.demand {

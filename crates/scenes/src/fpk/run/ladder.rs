@@ -96,7 +96,8 @@ fn default_lattice(states: usize) -> LatticeScene {
     let mut lattice = LatticeScene {
         count: None,
         spacing: None,
-        reach: REACH,
+        reach: Some(REACH),
+        smallest_probability: None,
         fresh_lattices: None,
         steps_per_period: None,
         scheme: None,
@@ -129,7 +130,7 @@ fn by_lattice(
 ) -> Method {
     let scene = scene.clone();
     let rung = move |intervals: f64| {
-        let (lattice, size, label) = with_intervals(&lattice, intervals);
+        let (lattice, size, label) = with_intervals((&lattice, states), intervals);
         of_method(&scene, size, label, fit(lattice))
     };
     Method {
@@ -142,7 +143,10 @@ fn by_lattice(
 }
 
 /// The lattice with a number of intervals along a length, as the geometric mean over its axes; returns size and label.
-fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64, String) {
+fn with_intervals(
+    (lattice, states): (&LatticeScene, usize),
+    intervals: f64,
+) -> (LatticeScene, f64, String) {
     let mut lattice = lattice.clone();
     if let Some(counts) = &mut lattice.count {
         let product: f64 = counts.iter().map(|&n| n as f64 - 1.0).product();
@@ -155,10 +159,12 @@ fn with_intervals(lattice: &LatticeScene, intervals: f64) -> (LatticeScene, f64,
         let label = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
         (lattice, size, label)
     } else {
+        // The check of the scene has seen that it has a reach.
+        let reach = lattice.reach_in(states).unwrap_or(REACH);
         // Two digits, as a user would write it.
-        let spacing = two_digits(2.0 * lattice.reach / intervals);
+        let spacing = two_digits(2.0 * reach / intervals);
         lattice.spacing = Some(spacing);
-        let size = 2.0 * lattice.reach / spacing;
+        let size = 2.0 * reach / spacing;
         (lattice, size, format!("spacing {spacing}"))
     }
 }
@@ -398,10 +404,10 @@ mod tests {
             assert_eq!(two_digits(exact).to_string(), written);
         }
         let lattice = LatticeScene { count: Some(vec![41, 21]), ..default_lattice(2) };
-        let (lattice, size, label) = with_intervals(&lattice, 14.0);
+        let (lattice, size, label) = with_intervals((&lattice, 2), 14.0);
         assert_eq!((lattice.count.unwrap(), label.as_str()), (vec![21, 11], "21 x 11"));
         assert!((size - 200f64.sqrt()).abs() < 1e-12);
-        let (lattice, size, label) = with_intervals(&default_lattice(3), 10.0);
+        let (lattice, size, label) = with_intervals((&default_lattice(3), 3), 10.0);
         assert_eq!((lattice.spacing, label.as_str()), (Some(1.2), "spacing 1.2"));
         assert!((size - 10.0).abs() < 1e-12);
     }

@@ -45,6 +45,15 @@ impl Observed {
         fine.iter().enumerate().map(observed).collect()
     }
 
+    /// Adds a probability that no particle carries to a known error.
+    pub(super) fn may_lack(&mut self, outside: f64) {
+        let Some(error) = &mut self.error else { return };
+        if outside > *error {
+            self.error_kind = ErrorOrigin::Bound;
+        }
+        *error += outside;
+    }
+
     /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
     pub(super) fn without_zero_error(mut self, note: &str) -> Self {
         if self.value == 0.0 {
@@ -63,5 +72,23 @@ impl Observed {
     /// The value, unless its error is as large.
     pub(super) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_of_nothing_is_known_to_what_the_lattice_left_outside() {
+        let mut zero = Observed::by_two(1.0, 0.0, Some(0.0));
+        zero.may_lack(1e-7);
+        assert_eq!((zero.error, zero.error_kind), (Some(1e-7), ErrorOrigin::Bound));
+        let mut large = Observed::by_two(1.0, 0.5, Some(0.01));
+        large.may_lack(1e-7);
+        assert_eq!((large.error, large.error_kind), (Some(0.0100001), ErrorOrigin::TwoResolutions));
+        let mut unknown = Observed::by_two(1.0, 0.5, None);
+        unknown.may_lack(1e-7);
+        assert_eq!(unknown.error, None);
     }
 }

@@ -64,10 +64,14 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
     for (name, pick) in ESTIMATORS {
         for (k, threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
-            if name == CELL {
-                for observed in &mut values {
-                    let row = both.fine.at(observed.t);
-                    observed.note = row.and_then(|row| row.exceedances[k].note());
+            for observed in &mut values {
+                let Some(row) = both.fine.at(observed.t) else { continue };
+                if name == CELL {
+                    observed.note = row.exceedances[k].note.clone();
+                }
+                // Counts of masses end with the cloud; the fits of the cells go on beyond it.
+                if name != CELL || observed.value <= row.mass_outside {
+                    observed.may_lack(row.mass_outside);
                 }
             }
             let quantity = format!("P(|{demand}| > {threshold})");

@@ -111,7 +111,15 @@ fn with_scheme(name: &str) -> String {
 #[test]
 fn a_scheme_that_is_none_is_refused_with_those_that_are() {
     let (message, line, _, help) = mistake(LATTICE, &with_scheme("heunn"));
-    for name in ["forward_euler", "leap_frog", "heun", "runge_kutta_4"] {
+    for name in [
+        "forward_euler",
+        "leap_frog",
+        "heun",
+        "runge_kutta_4",
+        "lawson_runge_kutta_4",
+        "lawson_adams_bashforth_2",
+        "runge_kutta_chebyshev",
+    ] {
         assert!(message.contains(&format!("`{name}`")), "{message}");
     }
     assert_eq!((line, help.as_deref()), (19, Some("did you mean `heun`?")));
@@ -160,7 +168,14 @@ fn each_method_takes_its_own_scheme_unless_another_is_asked_for() {
     assert_eq!(scheme(&paper(", \"scheme\": \"runge_kutta_4\"")), Scheme::RungeKutta4);
     let fit = |lattice: &str| format!("\"flow_map_fit\": {{ {lattice} }}");
     assert_eq!(scheme(&fit(LATTICE)), Scheme::RungeKutta4);
-    assert_eq!(scheme(&fit(&with_scheme("forward_euler"))), Scheme::ForwardEuler);
+    for (name, expected) in [
+        ("forward_euler", Scheme::ForwardEuler),
+        ("lawson_runge_kutta_4", Scheme::LawsonRungeKutta4),
+        ("lawson_adams_bashforth_2", Scheme::LawsonAdamsBashforth2),
+        ("runge_kutta_chebyshev", Scheme::RungeKuttaChebyshev),
+    ] {
+        assert_eq!(scheme(&fit(&with_scheme(name))), expected);
+    }
 }
 
 #[test]

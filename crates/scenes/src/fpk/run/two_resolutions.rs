@@ -134,6 +134,7 @@ mod tests {
             moments: vec![moment],
             exceedances: Vec::new(),
             total_mass: 1.0,
+            mass_outside: 0.0,
             entropy: 0.0,
             cell_mass: None,
             distrusted_cells: None,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use figures::Reference;
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme};
 use random_vibration::{
     GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
 };
@@ -17,11 +17,22 @@ use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};
 
-/// Methods of the density solver for every scene: a new one is one line.
-const METHODS: &[(&str, Method)] = &[
-    ("particles, log-density fit", Method::LogDensityFit),
-    ("particles, flow-map fit", Method::FlowMapFit),
+/// Methods of the density solver for every scene, with their scheme if it is not that of the method: a new one is one line.
+const METHODS: &[(&str, Method, Option<Scheme>)] = &[
+    ("particles, log-density fit", Method::LogDensityFit, None),
+    ("particles, flow-map fit", Method::FlowMapFit, None),
+    (
+        "particles, flow-map fit, one evaluation",
+        Method::FlowMapFit,
+        Some(Scheme::LawsonAdamsBashforth2),
+    ),
 ];
+
+/// A method with another scheme, if one is given.
+fn with_scheme<const D: usize>(method: Method, scheme: Option<Scheme>) -> Method {
+    scheme
+        .map_or(method, |scheme| Method::Custom(Combination { scheme, ..method.combination_in(D) }))
+}
 
 /// A method of the density solver on successively finer lattices.
 pub(super) struct Ladder<const D: usize> {
@@ -32,7 +43,10 @@ pub(super) struct Ladder<const D: usize> {
 
 /// All [`METHODS`] on the same lattices.
 pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladder<D>> {
-    let ladder = |&(name, method)| Ladder { name, method, lattices: lattices.to_vec() };
+    let ladder = |&(name, method, scheme)| {
+        let method = with_scheme::<D>(method, scheme);
+        Ladder { name, method, lattices: lattices.to_vec() }
+    };
     METHODS.iter().map(ladder).collect()
 }
 

@@ -1,0 +1,65 @@
+//! Explicit schemes that treat the velocity as a whole.
+
+use super::begin::Begin;
+use super::sums::combine;
+use crate::error::Error;
+
+/// Forward Euler: `x_1 = x_0 + dt k_1`.
+pub(super) fn forward_euler<const D: usize>(
+    x: &mut [[f64; D]],
+    k: &[Vec<[f64; D]>; 4],
+    begin: &Begin<'_, D>,
+) {
+    combine(x, begin.x, &[(begin.dt, &k[0])]);
+}
+
+/// Two-step midpoint rule over `previous`, the positions one step ago; Heun's method where there are none.
+pub(super) fn leap_frog<const D: usize>(
+    x: &mut [[f64; D]],
+    k: &mut [Vec<[f64; D]>; 4],
+    begin: &Begin<'_, D>,
+    velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let Some(previous) = begin.previous else { return heun(x, k, begin, velocity) };
+    let ratio = begin.dt / previous.dt;
+    combine(x, begin.x, &[((1.0 + ratio) * begin.dt, &k[0])]);
+    for ((x, x_0), before) in x.iter_mut().zip(begin.x).zip(&previous.values) {
+        for k in 0..D {
+            x[k] += ratio * ratio * (before[k] - x_0[k]);
+        }
+    }
+    Ok(())
+}
+
+/// Heun's method of order 2.
+pub(super) fn heun<const D: usize>(
+    x: &mut [[f64; D]],
+    [k_1, k_2, ..]: &mut [Vec<[f64; D]>; 4],
+    begin: &Begin<'_, D>,
+    mut velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let &Begin { t, x: x_0, dt, .. } = begin;
+    combine(x, x_0, &[(dt, k_1)]);
+    velocity(t + dt, x, k_2)?;
+    combine(x, x_0, &[(dt / 2.0, k_1), (dt / 2.0, k_2)]);
+    Ok(())
+}
+
+/// The classical method of order 4.
+pub(super) fn runge_kutta_4<const D: usize>(
+    x: &mut [[f64; D]],
+    [k_1, k_2, k_3, k_4]: &mut [Vec<[f64; D]>; 4],
+    begin: &Begin<'_, D>,
+    mut velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let &Begin { t, x: x_0, dt, .. } = begin;
+    combine(x, x_0, &[(dt / 2.0, k_1)]);
+    velocity(t + dt / 2.0, x, k_2)?;
+    combine(x, x_0, &[(dt / 2.0, k_2)]);
+    velocity(t + dt / 2.0, x, k_3)?;
+    combine(x, x_0, &[(dt, k_3)]);
+    velocity(t + dt, x, k_4)?;
+    let (sixth, third) = (dt / 6.0, dt / 3.0);
+    combine(x, x_0, &[(sixth, k_1), (third, k_2), (third, k_3), (sixth, k_4)]);
+    Ok(())
+}

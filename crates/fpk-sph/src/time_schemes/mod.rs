@@ -1,0 +1,49 @@
+//! Explicit schemes for `dX/dt = v(t, X)`.
+
+mod begin;
+mod classical;
+mod lawson;
+mod stabilised;
+mod sums;
+
+pub(crate) use begin::Begin;
+
+use crate::error::Error;
+use crate::scheme::Scheme;
+
+/// The stages of a step.
+#[derive(Debug)]
+pub(crate) struct Stages<const D: usize> {
+    /// Positions of a stage; after the last one those at the end of the step.
+    pub(crate) x: Vec<[f64; D]>,
+    /// Velocities of the stages, of which the first is `v(t, x_0)` before a step; in Lawson's form what remains of them.
+    pub(crate) k: [Vec<[f64; D]>; 4],
+}
+
+impl<const D: usize> Stages<D> {
+    pub(crate) fn new(n: usize) -> Self {
+        Self { x: vec![[0.0; D]; n], k: std::array::from_fn(|_| vec![[0.0; D]; n]) }
+    }
+
+    /// `x(t + dt)` from `x_0 = x(t)` and `k_1 = v(t, x_0)`, by the scheme.
+    pub(crate) fn advance(
+        &mut self,
+        scheme: Scheme,
+        begin: &Begin<'_, D>,
+        velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let Self { x, k } = self;
+        match scheme {
+            Scheme::ForwardEuler => {
+                classical::forward_euler(x, k, begin);
+                Ok(())
+            }
+            Scheme::LeapFrog => classical::leap_frog(x, k, begin, velocity),
+            Scheme::Heun => classical::heun(x, k, begin, velocity),
+            Scheme::RungeKutta4 => classical::runge_kutta_4(x, k, begin, velocity),
+            Scheme::LawsonRungeKutta4 => lawson::runge_kutta_4(x, k, begin, velocity),
+            Scheme::LawsonAdamsBashforth2 => lawson::adams_bashforth_2(x, k, begin, velocity),
+            Scheme::RungeKuttaChebyshev => stabilised::runge_kutta_chebyshev(x, k, begin, velocity),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! How far a lattice goes, and what is known of a probability that it does not hold.
+
+use fpk_sph::observables::{FirstPassage, Support};
+use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
+use fpk_sph::{
+    Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_OUTSIDE, Method, Simulation,
+};
+use sde_integrators::GaussianMixture;
+
+fn oscillator() -> LinearOscillator {
+    LinearOscillator::new(LinearOscillatorParameters {
+        natural_frequency: std::f64::consts::TAU,
+        damping_ratio: 0.05,
+        noise_intensity: 1.0,
+        window: Window::Stationary,
+    })
+    .unwrap()
+}
+
+const DEVIATIONS: [f64; 2] = [0.05, 0.3];
+
+fn simulation(lattice: InitialLattice<2>) -> Simulation<LinearOscillator, 2, 1> {
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice,
+        reference_period: 1.0,
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let law = GaussianMixture::independent([0.0; 2], DEVIATIONS).unwrap();
+    Simulation::new(oscillator(), &law, &config).unwrap()
+}
+
+#[test]
+fn a_lattice_for_a_probability_leaves_at_most_a_tenth_of_it_outside() {
+    for smallest in [1e-3, 1e-6, 1e-9] {
+        let lattices = [
+            InitialLattice::box_down_to(smallest, [61; 2]).unwrap(),
+            InitialLattice::ball_down_to(smallest, 0.2).unwrap(),
+        ];
+        for lattice in lattices {
+            let outside = simulation(lattice).mass_outside();
+            // Cells at the rim reach half a spacing beyond it.
+            let most = MOST_OUTSIDE * smallest;
+            assert!((0.2 * most..=most).contains(&outside), "{lattice:?}: {outside:e}");
+        }
+    }
+    for smallest in [0.0, 2.0, f64::NAN] {
+        let error = InitialLattice::<2>::ball_down_to(smallest, 0.2).unwrap_err();
+        assert!(matches!(error, Error::OutOfRange { name: "smallest probability", .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_probability_that_no_particle_carries_is_a_bound() {
+    let mut simulation = simulation(InitialLattice::Ball { reach: 4.0, spacing: 0.25 });
+    let outside = simulation.mass_outside();
+    assert!((1e-5..4e-4).contains(&outside), "{outside:e}");
+    let mut passage = FirstPassage::new(&simulation, |x| x[0].abs(), &[0.1, 0.24, 9.0]).unwrap();
+    let of = |passage: &FirstPassage<_, 2>, k| passage.support(k);
+    assert_eq!(of(&passage, 0), Some(Support::Resolved));
+    assert_eq!(of(&passage, 2), Some(Support::Below { bound: outside }));
+    assert_eq!(of(&passage, 3), None);
+    passage.advance_to(&mut simulation, 0.5).unwrap();
+    assert_eq!(of(&passage, 2), Some(Support::Below { bound: outside }));
+
+    let cells = simulation.cell_integral().unwrap();
+    let far = cells.exceedance(|x| x[0].abs(), 9.0).unwrap();
+    assert_eq!(far.support(), Support::Below { bound: outside });
+    let near = cells.exceedance(|x| x[0].abs(), 0.2).unwrap();
+    assert_eq!(near.support(), Support::Resolved);
+    assert!(near.support().to_string().contains("particles"));
+}
+
+#[test]
+fn a_tail_beyond_the_outermost_particles_says_so() {
+    let simulation = simulation(InitialLattice::Ball { reach: 3.0, spacing: 0.25 });
+    let cells = simulation.cell_integral().unwrap();
+    let supports: Vec<Support> = [1.0, 2.0, 2.7, 3.2]
+        .into_iter()
+        .map(|deviations| {
+            let threshold = deviations * DEVIATIONS[0];
+            cells.exceedance(|x| x[0].abs(), threshold).unwrap().support()
+        })
+        .collect();
+    // 1.1 % lie outside: of P = 0.32 next to nothing, of 0.046 a quarter, of 0.0069 all.
+    assert_eq!(supports[0], Support::Resolved);
+    assert!(matches!(supports[1], Support::Truncated { share } if (0.1..0.3).contains(&share)));
+    for support in &supports[2..] {
+        assert!(matches!(support, Support::Below { bound } if *bound > 0.009), "{support:?}");
+    }
+}

@@ -1,0 +1,74 @@
+//! Stability limits of the schemes of `fpk-sph` on the damper of Canor & Denoël 2013, section 4.1: particles and step.
+//!
+//! The predicted step is the diffusion limit of Runge-Kutta 4 (`stability fpk`) times the ratio of the intervals of stability on
+//! the negative real axis, `b` against 2.785. It falls with the square of the spacing. The trace of the diffusion on the lattice
+//! comes from a run with 81 x 81 particles.
+
+use figures::{Drawing, Scale};
+use fpk_sph::{Combination, InitialLattice, Method, Scheme, StepRule};
+
+use super::axes::{logarithmic, words};
+use super::fpk::{Damper, FINE, MOST_STEPS, TIME, TOLERANCE, drawn, odd};
+use super::{Panel, Work};
+use crate::context::{CaseError, Context, Profile};
+use crate::draw::ChartKind;
+
+pub(crate) const MAP: ChartKind = ChartKind {
+    name: "fpk-schemes",
+    title: "schemes in time of fpk-sph on the damper: particles, step",
+    draw,
+};
+
+/// Schemes of the flow-map fit, with their file names and titles.
+const SCHEMES: [(&str, &str, Scheme); 4] = [
+    ("runge-kutta-4", "Runge-Kutta 4", Scheme::RungeKutta4),
+    ("lawson-runge-kutta-4", "Lawson-Runge-Kutta 4", Scheme::LawsonRungeKutta4),
+    ("lawson-adams-bashforth-2", "Lawson-Adams-Bashforth 2", Scheme::LawsonAdamsBashforth2),
+    ("runge-kutta-chebyshev", "Runge-Kutta-Chebyshev", Scheme::RungeKuttaChebyshev),
+];
+
+/// Caption of every map.
+const CAPTION: &str = "Boundary: the diffusion limit 0.25 (b / 2.785) l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings, with the \
+     interval of stability b on the negative real axis: 2.785, 2.785, 1, and 0.65 s² for s = 20 stages.";
+
+fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let n = if context.profile == Profile::Quick { 4 } else { 9 };
+    let damper = Damper::new()?;
+    let fine = damper.fine_run(damper.system.clone(), Method::FlowMapFit)?.least_limit;
+    SCHEMES.iter().map(|&(id, name, scheme)| map(&damper, n, fine, (id, name, scheme))).collect()
+}
+
+/// One scheme; `fine` is the limit of Runge-Kutta 4 with [`FINE`] particles per side.
+fn map(
+    damper: &Damper,
+    n: u32,
+    fine: f64,
+    (id, name, scheme): (&str, &str, Scheme),
+) -> Result<Drawing, CaseError> {
+    let run = |count: f64, dt: f64, work: &mut Work| {
+        let step = StepRule::Fixed { dt };
+        let combination = Combination { scheme, step, ..Method::FlowMapFit.combination() };
+        damper.error(combination, InitialLattice::box_of(odd(count)), TIME, work)
+    };
+    let ratio = scheme.real_interval() / Scheme::RungeKutta4.real_interval();
+    let limit = |count: f64| {
+        let spacings = (FINE - 1) as f64 / (odd(count) - 1) as f64;
+        Some(fine * ratio * spacings.powi(2))
+    };
+    drawn(&Panel {
+        name: format!("fpk-scheme-{id}"),
+        words: words(
+            format!("{name}: particles and step"),
+            "E[q²] of the damper at t = 4, flow-map fit at a fixed step",
+            ["particles along an axis", "step (s)"],
+            CAPTION,
+        ),
+        scale: Scale::Log,
+        across: logarithmic(n, 15.0, 81.0),
+        upwards: logarithmic(n, 0.01, 0.3),
+        boundary: Some(("diffusion limit", &limit)),
+        tolerance: TOLERANCE,
+        work_limit: MOST_STEPS,
+        run: &run,
+    })
+}

@@ -11,5 +11,6 @@ mod limits;
 mod method;
 mod observables;
 mod remapping;
+mod shear_building;
 mod smoothing;
 mod tolerance;

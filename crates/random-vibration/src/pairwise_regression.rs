@@ -15,7 +15,7 @@ const FAR_KINK: f64 = 3.0;
 const NARROW: f64 = 1e-6;
 /// The same without a mean: any number whose square does not vanish.
 const POINT: f64 = 1e-100;
-/// Part of a variance that roundoff cannot tell from none: a state of which the other leaves no more unexplained follows it.
+/// Part of a variance within roundoff: a state of which the other leaves no more unexplained follows it.
 const UNEXPLAINED: f64 = 1e-10;
 /// Part of the largest variance by which another may be negative.
 const HARDLY: f64 = 1e-6;

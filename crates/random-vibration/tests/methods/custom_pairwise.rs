@@ -1,7 +1,8 @@
 //! Guided paths of systems whose number of states is known at run time.
 
 use random_vibration::{
-    GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, TailError, Tails, upper_tail,
+    GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig, TailError, Tails,
+    subset_passage, upper_tail,
 };
 use sde_integrators::{Between, LaneSde, PairTerm, PairwiseSde, Response, Side};
 
@@ -126,6 +127,27 @@ fn the_passage_of_any_of_several_responses_is_at_least_that_of_each() {
     };
     let (any, each) = (of(&both), [of(&both[..1]), of(&both[1..])]);
     assert!(any > each[0] && any >= each[1] && any <= each[0] + each[1], "{any} {each:?}");
+}
+
+#[test]
+fn subset_simulation_finds_the_passages_of_free_paths_and_refuses_a_bridge() {
+    let system = Hysteretic { share: 0.5, yield_drift: 0.3 };
+    let paths = GuidedPaths::from_rest(&system, SPAN, &RULE).unwrap();
+    let responses = &[RESPONSE][..];
+    let question = PassageQuestion { responses, thresholds: &[0.8], n_steps: &[150] };
+    let free = paths.free_passages(&question, (50_000, 8)).unwrap()[0][0];
+    let config = SubsetConfig { n_samples: 400, correlation: 0.8, n_runs: 16 };
+    let found = subset_passage(&system, responses, 0.8, SPAN, (&config, 4)).unwrap();
+    let error = found.standard_error().unwrap();
+    assert!(error < 0.2 * found.value, "{found}");
+    let off = (found.value - free.value).abs();
+    assert!(off < 4.0 * error.hypot(free.standard_error().unwrap()), "{free} {found}");
+    let between = Between::BrownianBridge { intensity: &|_, _| 1.0 };
+    let bridged = [Response { between, ..RESPONSE }];
+    let refused = subset_passage(&system, &bridged, 0.8, SPAN, (&config, 4)).unwrap_err();
+    assert!(matches!(refused, TailError::Sampling(_)), "{refused}");
+    let refused = subset_passage(&system, &[], 0.8, SPAN, (&config, 4)).unwrap_err();
+    assert!(refused.to_string().contains("responses"), "{refused}");
 }
 
 #[test]

@@ -328,12 +328,12 @@ impl<const D: usize> GaussianLaw<D> {
 }
 
 /// Limit of the integration of a normal density: 5e-14 of its mass lies beyond.
-const FAR: f64 = 7.5;
+pub(crate) const FAR: f64 = 7.5;
 /// Nodes on either side of zero.
 const HALF_NODES: usize = 16;
 
 /// Nodes and weights over `[0, 1]`: the Gauss-Legendre rule with `y = u^2`, which is accurate for a root at zero.
-fn half_line_rule(n_nodes: usize) -> Vec<(f64, f64)> {
+pub(crate) fn half_line_rule(n_nodes: usize) -> Vec<(f64, f64)> {
     let mut rule = vec![(0.0, 0.0); n_nodes];
     let n = n_nodes as f64;
     for (i, entry) in rule.iter_mut().enumerate() {

@@ -1,100 +1,76 @@
-//! Linear regressions of the drift along the running normal distribution, under several strengths.
+//! Linear regressions of a drift along the running normal distribution, under several strengths.
 
-use sde_integrators::{Additive, GaussianMixture, Sde};
+/// Mean and covariance at a time, of any number of states.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RunningLaw {
+    pub(crate) mean: Vec<f64>,
+    /// Row by row.
+    pub(crate) covariance: Vec<f64>,
+}
 
-use crate::cholesky::cholesky;
-use crate::linearisation::{Closure, GaussianLaw, Linearisation, LinearisationError};
+impl RunningLaw {
+    pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.covariance[i * self.mean.len() + j]
+    }
 
-/// Nodes on either side of a kink: fewer than for moments, because a guide needs two digits alone.
-const HALF_NODES: usize = 10;
+    pub(crate) fn largest_variance(&self) -> f64 {
+        let n = self.mean.len();
+        (0..n).map(|i| self.covariance(i, i)).fold(0.0, f64::max)
+    }
+}
 
 /// `f(x) ~ slope x + constant` at a time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Regression<const D: usize> {
-    pub(crate) slope: [[f64; D]; D],
-    pub(crate) constant: [f64; D],
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Regression {
+    /// The entries of the [`Pattern`].
+    pub(crate) slope: Vec<f64>,
+    pub(crate) constant: Vec<f64>,
 }
+
+/// Row and column of the entries of a slope, row by row.
+pub(crate) type Pattern = Vec<(usize, usize)>;
 
 /// Regressions at equally spaced times from 0 on.
 #[derive(Debug, Clone)]
-pub(crate) struct Regressions<const D: usize> {
+pub(crate) struct Regressions {
+    pub(crate) pattern: Pattern,
     /// Distance of the times.
-    spacing: f64,
+    pub(crate) spacing: f64,
     /// The running normal distribution of the linearisation at each time.
-    pub(crate) laws: Vec<GaussianLaw<D>>,
+    pub(crate) laws: Vec<RunningLaw>,
     /// Per strength, per time.
-    of_strength: Vec<Vec<Regression<D>>>,
+    pub(crate) of_strength: Vec<Vec<Regression>>,
 }
 
-impl<const D: usize> Regressions<D> {
-    /// Regressions up to a time.
-    ///
-    /// Strength `kappa` takes the expectations under `kappa` times the deviations of the running distribution: paths that
-    /// reach a rare event are further out than most.
-    ///
-    /// A step at which the covariance fails is halved, five times at most.
-    pub(crate) fn new<const M: usize>(
-        rule: &Linearisation<D>,
-        system: &dyn Sde<D, M, Noise = Additive>,
-        start: &GaussianMixture<D>,
-        time: f64,
-        strengths: &[f64],
-    ) -> Result<Self, LinearisationError> {
-        let mut rule = *rule;
-        for _ in 0..5 {
-            match Self::of_step(&rule, system, start, time, strengths) {
-                Err(LinearisationError::NotACovariance { .. }) => rule.step *= 0.5,
-                other => return other,
-            }
-        }
-        Self::of_step(&rule, system, start, time, strengths)
-    }
-
-    fn of_step<const M: usize>(
-        rule: &Linearisation<D>,
-        system: &dyn Sde<D, M, Noise = Additive>,
-        start: &GaussianMixture<D>,
-        time: f64,
-        strengths: &[f64],
-    ) -> Result<Self, LinearisationError> {
-        let closure = rule.closure(system, HALF_NODES)?;
-        let intervals = (time / rule.step).ceil().max(1.0);
-        let spacing = time / intervals;
-        let mut now = GaussianLaw { t: 0.0, mean: start.mean(), covariance: start.covariance() };
-        let mut laws = Vec::new();
-        let mut of_strength = vec![Vec::new(); strengths.len()];
-        let mut done = 0.0;
-        loop {
-            now.t = done * spacing;
-            laws.push(now);
-            for (strength, regressions) in strengths.iter().zip(&mut of_strength) {
-                regressions.push(regression(&closure, &now, *strength)?);
-            }
-            if done >= intervals {
-                return Ok(Self { spacing, laws, of_strength });
-            }
-            now = closure.stepped(&now, spacing)?;
-            done += 1.0;
-        }
-    }
-
-    /// The regression of a strength at a time, linearly interpolated.
-    pub(crate) fn at(&self, strength: usize, t: f64) -> Regression<D> {
+impl Regressions {
+    /// The regression of a strength at a time, linearly interpolated, written into `result`.
+    pub(crate) fn interpolate(&self, strength: usize, t: f64, result: &mut Regression) {
         let regressions = &self.of_strength[strength];
         let (before, part) = self.place(t);
         let (a, b) = (&regressions[before], &regressions[before + 1]);
-        let between = |a: f64, b: f64| a + part * (b - a);
-        Regression {
-            slope: std::array::from_fn(|i| {
-                std::array::from_fn(|j| between(a.slope[i][j], b.slope[i][j]))
-            }),
-            constant: std::array::from_fn(|i| between(a.constant[i], b.constant[i])),
-        }
+        let between = |a: &[f64], b: &[f64], values: &mut Vec<f64>| {
+            values.clear();
+            values.extend(a.iter().zip(b).map(|(a, b)| a + part * (b - a)));
+        };
+        between(&a.slope, &b.slope, &mut result.slope);
+        between(&a.constant, &b.constant, &mut result.constant);
     }
 
     /// The running normal distribution at the start of the interval that contains a time.
-    pub(crate) fn law_at(&self, t: f64) -> &GaussianLaw<D> {
+    pub(crate) fn law_at(&self, t: f64) -> &RunningLaw {
         &self.laws[self.place(t).0]
+    }
+
+    /// Variance of the rate of a state at a time, under the regression of strength 1 and the running distribution.
+    pub(crate) fn rate_variance(&self, component: usize, t: f64) -> f64 {
+        let mut regression = Regression::default();
+        self.interpolate(0, t, &mut regression);
+        let law = self.law_at(t);
+        let row = || {
+            let entries = self.pattern.iter().zip(&regression.slope);
+            entries.filter(|((i, _), _)| *i == component).map(|((_, j), value)| (*j, *value))
+        };
+        row().map(|(i, a)| row().map(|(j, b)| a * law.covariance(i, j) * b).sum::<f64>()).sum()
     }
 
     /// The interval that contains a time, and the part of it before the time.
@@ -108,38 +84,4 @@ impl<const D: usize> Regressions<D> {
         let before = (place as usize).min(self.laws.len() - 2);
         (before, place - before as f64)
     }
-}
-
-fn regression<const D: usize, const M: usize>(
-    closure: &Closure<'_, D, M>,
-    law: &GaussianLaw<D>,
-    strength: f64,
-) -> Result<Regression<D>, LinearisationError> {
-    let square = strength * strength;
-    let covariance = law.covariance.map(|row| row.map(|entry| square * entry));
-    let wide = GaussianLaw { covariance, ..*law };
-    let expectations = closure.expectations(&wide)?;
-    let factor = cholesky(&covariance).map_err(|(state, value)| {
-        LinearisationError::NotACovariance { time: law.t, state, value }
-    })?;
-    let slope = expectations.products.map(|row| solve(&factor, row));
-    let constant = std::array::from_fn(|i| {
-        let linear: f64 = slope[i].iter().zip(&law.mean).map(|(a, m)| a * m).sum();
-        expectations.drift[i] - linear
-    });
-    Ok(Regression { slope, constant })
-}
-
-/// The `y` with `L L^T y = x`.
-fn solve<const D: usize>(factor: &[[f64; D]; D], x: [f64; D]) -> [f64; D] {
-    let mut y = x;
-    for i in 0..D {
-        let known: f64 = (0..i).map(|j| factor[i][j] * y[j]).sum();
-        y[i] = (y[i] - known) / factor[i][i];
-    }
-    for i in (0..D).rev() {
-        let known: f64 = (i + 1..D).map(|j| factor[j][i] * y[j]).sum();
-        y[i] = (y[i] - known) / factor[i][i];
-    }
-    y
 }

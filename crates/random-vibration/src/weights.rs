@@ -53,6 +53,10 @@ impl Contributions {
         self.hits += later.hits;
     }
 
+    pub(crate) const fn hits(&self) -> u64 {
+        self.hits
+    }
+
     pub(crate) const fn mean(&self) -> f64 {
         self.values.mean()
     }

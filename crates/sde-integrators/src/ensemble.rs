@@ -7,7 +7,7 @@ use lanes::SimdLevel;
 use crate::blocks::reduce_blocks;
 use crate::error::Error;
 use crate::estimate::Estimate;
-use crate::follow::{Follow, LaneStates, Lives, Watch};
+use crate::follow::{Follow, Lives, Watch};
 use crate::integrator::Integrator;
 use crate::lane_increments::LANES;
 use crate::law::InitialDistribution;
@@ -196,7 +196,7 @@ impl<const D: usize> Observer<'_, D> {
         &self,
         observable: usize,
         t: f64,
-        x: &LaneStates<D>,
+        x: &[[f64; LANES]],
         lane: usize,
         lives: &mut Lives,
     ) -> Option<Seen> {
@@ -217,14 +217,14 @@ impl<const D: usize> Observer<'_, D> {
     }
 }
 
-impl<const D: usize> Watch<D> for Observer<'_, D> {
+impl<const D: usize> Watch for Observer<'_, D> {
     const EVERY_STEP: bool = false;
 
-    fn start(&mut self, _: u64, _: &LaneStates<D>) {}
+    fn start(&mut self, _: u64, _: &[[f64; LANES]]) {}
 
-    fn step(&mut self, _: (f64, f64), _: &LaneStates<D>, _: &LaneStates<D>) {}
+    fn step(&mut self, _: (f64, f64), _: &[[f64; LANES]], _: &[[f64; LANES]]) {}
 
-    fn output(&mut self, leg: usize, t: f64, x: &LaneStates<D>, lives: &mut Lives) {
+    fn output(&mut self, leg: usize, t: f64, x: &[[f64; LANES]], lives: &mut Lives) {
         let n = self.observables.len();
         let stride = if self.sampling == Sampling::Antithetic { 2 } else { 1 };
         for observable in 0..n {

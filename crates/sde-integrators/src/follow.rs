@@ -27,18 +27,18 @@ pub(crate) struct Follow<'a, S: ?Sized, I, L: ?Sized> {
 }
 
 /// Observer of the paths during a simulation.
-pub(crate) trait Watch<const D: usize> {
+pub(crate) trait Watch {
     /// Whether [`step`](Self::step) is called.
     const EVERY_STEP: bool;
 
     /// Called at the start of a group, with its first realisation and its states.
-    fn start(&mut self, first: u64, x: &LaneStates<D>);
+    fn start(&mut self, first: u64, x: &[[f64; LANES]]);
 
     /// Called after a step from `before` at `t` to `after` at `t + dt`; `time` contains both times.
-    fn step(&mut self, time: (f64, f64), before: &LaneStates<D>, after: &LaneStates<D>);
+    fn step(&mut self, time: (f64, f64), before: &[[f64; LANES]], after: &[[f64; LANES]]);
 
     /// Called at an output time.
-    fn output(&mut self, leg: usize, t: f64, x: &LaneStates<D>, lives: &mut Lives);
+    fn output(&mut self, leg: usize, t: f64, x: &[[f64; LANES]], lives: &mut Lives);
 }
 
 /// Lanes in use, and failed paths with their first errors.
@@ -72,9 +72,9 @@ impl Lives {
     /// Marks paths with a non-finite state as failed, and sets them to zero so that each is found once.
     #[cold]
     #[inline(never)]
-    pub(crate) fn bury<const D: usize>(&mut self, x: &mut LaneStates<D>, steps: u64, t: f64) {
+    pub(crate) fn bury(&mut self, x: &mut [[f64; LANES]], steps: u64, t: f64) {
         for lane in 0..LANES {
-            let Some(component) = (0..D).find(|&i| !x[i][lane].is_finite()) else { continue };
+            let Some(component) = x.iter().position(|row| !row[lane].is_finite()) else { continue };
             let value = x[component][lane];
             self.fail(lane, |realisation| Error::NonFiniteState {
                 realisation,
@@ -102,7 +102,7 @@ impl Lives {
 #[allow(clippy::inline_always, reason = "used in a dispatched function")]
 #[allow(clippy::eq_op, reason = "what is not finite less itself is not zero")]
 #[inline(always)]
-pub(crate) fn all_finite<const D: usize>(x: &LaneStates<D>) -> bool {
+pub(crate) fn all_finite(x: &[[f64; LANES]]) -> bool {
     let mut bits = 0_u64;
     for row in x {
         for lane in 0..LANES {
@@ -127,7 +127,7 @@ where
     where
         I: Integrator<S, D, M>,
         L: InitialDistribution<D>,
-        W: Watch<D>,
+        W: Watch,
     {
         let mut lives = Lives::new(ids);
         let lane_ids: [u64; LANES] =
@@ -189,7 +189,7 @@ where
     S: Sync + ?Sized,
     I: Integrator<S, D, M>,
     L: ?Sized,
-    W: Watch<D>,
+    W: Watch,
 {
     type Output = ();
 

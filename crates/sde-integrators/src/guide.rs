@@ -1,53 +1,111 @@
 //! Guides of paths: the feedback that shifts the normals of a step.
 
+use crate::error::Error;
+
 /// Largest shift of the normals of a step, in standard deviations.
 ///
 /// Near the end of a guide a path that misses the event has no control left, and its shift would grow without bound.
 pub(crate) const LARGEST_SHIFT: f64 = 4.0;
 
-/// The guide of one step: its normals are shifted by `lambda(b) d` with `b = state . x + offset`.
+/// A guide of paths: one component of a [`GuidedEnsemble`](crate::GuidedEnsemble).
 ///
-/// $$ \lambda(b) = \varphi(b) / \Phi(b), \qquad |\lambda d| \le 4 . $$
+/// The normals of step `k` are shifted by `lambda(b) d_k` with `b = state . x + offset`:
+///
+/// $$ \lambda(b) = \varphi(b) / \Phi(b), \qquad |\lambda d_k| \le 4 . $$
 ///
 /// Example: a linear response has the expected value `mu(x)` and the standard deviation `s`, given the state at the start
 /// of the step. With `b = (mu(x) - T)/s` and the derivatives of the response by the normals over `s` as direction `d`, the
 /// shift is the expectation of the normals given that the response exceeds `T`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guidance<const D: usize, const M: usize> {
-    /// Coefficients of the state (1 per unit of each state).
-    pub state: [f64; D],
-    /// Constant term of `b` (no unit).
-    pub offset: f64,
-    /// `d`, for the normals of the increments `w` (no unit).
-    pub brownian: [f64; M],
-    /// `d`, for the normals of the areas `H` (no unit); ignored if the method does not use them.
-    pub area: [f64; M],
-}
-
-/// A guide of paths: one component of a [`GuidedEnsemble`](crate::GuidedEnsemble).
+///
+/// `lambda` is computed every `hold` steps and used until it is computed anew: a guide for many states costs as much as the
+/// paths themselves, and its weights are exact for any `hold`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Guide<const D: usize, const M: usize> {
+pub struct Guide {
     /// Probability that a path has this guide (no unit).
     pub share: f64,
-    /// Shift of the normals of the start (no unit).
-    pub start: [f64; D],
-    /// Guides of the first steps; the path is free afterwards.
-    pub steps: Vec<Guidance<D, M>>,
+    /// Shift of the normals of the start, one for each state (no unit).
+    pub start: Vec<f64>,
+    /// Number of steps for which `lambda` is used, at least 1.
+    pub hold: usize,
+    /// Level after whose passage the guide ends, by its index; 0 where no level is given.
+    pub level: usize,
+    /// Coefficients of the states (1 per unit of each) and then the constant term of `b`, for each `hold` steps.
+    pub feedback: Vec<f64>,
+    /// `d` of each step: for the normals of the increments `w`, then for those of the areas `H`, which are ignored if the
+    /// method does not use them. The path is free after the last one.
+    pub directions: Vec<f64>,
 }
 
-impl<const D: usize, const M: usize> Guide<D, M> {
-    /// A number that is not finite, if there is one.
-    pub(crate) fn not_finite(&self) -> Option<f64> {
-        let of_step = |step: &Guidance<D, M>| {
-            let all = step.state.iter().chain(&step.brownian).chain(&step.area);
-            all.copied().chain([step.offset]).find(|value| !value.is_finite())
-        };
-        let mut first = [self.share].into_iter().chain(self.start);
-        first.find(|value| !value.is_finite()).or_else(|| self.steps.iter().find_map(of_step))
+impl Guide {
+    /// Rejects lengths that do not match and numbers that are not finite; `index` is that of the guide.
+    pub(crate) fn check(
+        &self,
+        index: usize,
+        (n_states, n_motions, n_levels): (usize, usize, usize),
+    ) -> Result<(), Error> {
+        let n_steps = self.directions.len() / (2 * n_motions).max(1);
+        let lengths = [
+            ("shifts of the start in a guide", self.start.len(), n_states),
+            ("directions of a guide", self.directions.len(), 2 * n_motions * n_steps),
+            (
+                "coefficients of the feedback of a guide",
+                self.feedback.len(),
+                (n_states + 1) * n_steps.div_ceil(self.hold.max(1)),
+            ),
+        ];
+        for (quantity, value, expected) in lengths {
+            if value != expected {
+                return Err(Error::WrongLength { quantity, value, expected });
+            }
+        }
+        if self.hold == 0 {
+            let quantity = "steps for which a guide is held";
+            return Err(Error::TooFew { quantity, value: 0, limit: 1 });
+        }
+        if self.level >= n_levels.max(1) {
+            let (value, to) = (self.level as f64, n_levels.max(1) as f64 - 1.0);
+            return Err(Error::OutOfRange { quantity: "level of a guide", value, from: 0.0, to });
+        }
+        let all = self.start.iter().chain(&self.feedback).chain(&self.directions);
+        match all.copied().chain([self.share]).find(|value| !value.is_finite()) {
+            Some(value) => Err(Error::NotFinite { quantity: "number of guide", index, value }),
+            None => Ok(()),
+        }
+    }
+
+    /// Coefficients of the states and the constant term of `b` at a step, if `lambda` is computed anew there.
+    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
+    #[inline(always)]
+    pub(crate) fn feedback_at(&self, k: usize, n_states: usize) -> Option<(&[f64], f64)> {
+        if !k.is_multiple_of(self.hold) {
+            return None;
+        }
+        let first = k / self.hold * (n_states + 1);
+        let (state, offset) = self.feedback[first..=first + n_states].split_at(n_states);
+        Some((state, offset[0]))
+    }
+
+    /// `d` of a step, unless the guide has ended.
+    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
+    #[inline(always)]
+    pub(crate) fn direction<const M: usize>(&self, k: usize) -> Option<Direction<M>> {
+        let numbers = self.directions.get(2 * M * k..2 * M * (k + 1))?;
+        let (brownian, area) = numbers.split_at(M);
+        Some(Direction {
+            brownian: std::array::from_fn(|m| brownian[m]),
+            area: std::array::from_fn(|m| area[m]),
+        })
     }
 }
 
-impl<const D: usize, const M: usize> Guidance<D, M> {
+/// `d` of one step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Direction<const M: usize> {
+    pub(crate) brownian: [f64; M],
+    pub(crate) area: [f64; M],
+}
+
+impl<const M: usize> Direction<M> {
     /// `|d|^2`.
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]

@@ -11,7 +11,7 @@ use lanes::SimdLevel;
 
 use crate::blocks::reduce_blocks;
 use crate::error::Error;
-use crate::follow::{Follow, LaneStates, Lives, Watch};
+use crate::follow::{Follow, Lives, Watch};
 use crate::integrator::Integrator;
 use crate::lane_increments::LANES;
 use crate::law::InitialDistribution;
@@ -22,13 +22,13 @@ use crate::tally::Sampling;
 
 /// Response whose maximum is computed.
 #[derive(Debug, Clone, Copy)]
-pub struct Response<'a, const D: usize> {
-    /// Component of the state, below `D`.
+pub struct Response<'a> {
+    /// Component of the state.
     pub component: usize,
     /// Side on which values are large.
     pub side: Side,
     /// Model of the response between the ends of a step.
-    pub between: Between<'a, D>,
+    pub between: Between<'a>,
 }
 
 /// Side on which values of a response are large.
@@ -42,7 +42,7 @@ pub enum Side {
 
 /// Model of a response between the ends of a step. Its bias is the error of the maximum's distribution.
 #[derive(Clone, Copy)]
-pub enum Between<'a, const D: usize> {
+pub enum Between<'a> {
     /// Ends only. The maximum is always too small, by `0.58 s sqrt(h)` for a component with its own diffusion.
     Endpoints,
     /// A Brownian bridge, for a component with its own diffusion `s dB`. Its maximum is drawn from its distribution,
@@ -54,8 +54,8 @@ pub enum Between<'a, const D: usize> {
     /// separately: each has its distribution, and both in one step count as independent. **Wrong for the position of
     /// an oscillator**, which has no diffusion of its own.
     BrownianBridge {
-        /// `s` at the start of the step: the norm of the row of `g` that belongs to the component.
-        intensity: &'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync),
+        /// `s` by time and state at the start of the step: the norm of the row of `g` that belongs to the component.
+        intensity: &'a (dyn Fn(f64, &[f64]) -> f64 + Sync),
     },
     /// The cubic through position and velocity at both ends, for the position of a second-order system.
     CubicHermite {
@@ -72,7 +72,7 @@ pub enum Between<'a, const D: usize> {
     },
 }
 
-impl<const D: usize> fmt::Debug for Between<'_, D> {
+impl fmt::Debug for Between<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Endpoints => f.write_str("Endpoints"),
@@ -99,7 +99,7 @@ pub fn maxima<S, I, L, const D: usize, const M: usize>(
     integrator: &I,
     law: &L,
     config: &EnsembleConfig,
-    response: &Response<'_, D>,
+    response: &Response<'_>,
 ) -> Result<Vec<Samples>, Error>
 where
     S: Sync + ?Sized,
@@ -107,7 +107,7 @@ where
     L: InitialDistribution<D> + ?Sized,
 {
     let legs = schedule(config)?;
-    response.check(legs.iter().fold(0.0, |largest, leg| leg.dt.max(largest)))?;
+    response.check(D, legs.iter().fold(0.0, |largest, leg| leg.dt.max(largest)))?;
     let (sampling, level, seed) = (Sampling::Independent, SimdLevel::best(), config.seed);
     let follow = Follow { system, integrator, law, seed, legs: &legs, sampling, level };
     let block = |ids: std::ops::Range<u64>| {
@@ -133,10 +133,11 @@ where
     samples.into_iter().map(Samples::new).collect()
 }
 
-impl<const D: usize> Response<'_, D> {
-    pub(crate) fn check(&self, dt: f64) -> Result<(), Error> {
+impl Response<'_> {
+    pub(crate) fn check(&self, n_states: usize, dt: f64) -> Result<(), Error> {
         let component = |component: usize| {
-            if component < D { Ok(()) } else { Err(Error::NoSuchComponent { component, limit: D }) }
+            let error = Error::NoSuchComponent { component, limit: n_states };
+            if component < n_states { Ok(()) } else { Err(error) }
         };
         component(self.component)?;
         match self.between {
@@ -153,20 +154,59 @@ impl<const D: usize> Response<'_, D> {
     }
 }
 
+impl Response<'_> {
+    /// The largest response over a step of one path, which both ends determine.
+    ///
+    /// `None` for [`Between::BrownianBridge`], whose maximum is drawn.
+    #[must_use]
+    pub fn largest_in_step(&self, dt: f64, before: &[[f64; 1]], after: &[[f64; 1]]) -> Option<f64> {
+        let value = |x: &[[f64; 1]], component: usize| x.get(component).map_or(f64::NAN, |x| x[0]);
+        let ends = [before, after].map(|x| value(x, self.component));
+        let above = |sign: f64| {
+            let [start, end] = ends.map(|q| sign * q);
+            match self.between {
+                Between::Endpoints => Some(larger(start, end)),
+                Between::BrownianBridge { .. } => None,
+                Between::CubicHermite { velocity } => {
+                    let slopes = [before, after].map(|x| sign * value(x, velocity) * dt);
+                    Some(hermite_maximum([start, end], slopes))
+                }
+                Between::RotationArc { natural_frequency } => {
+                    let (sin, cos) = (natural_frequency * dt).sin_cos();
+                    Some(arc_maximum(start, end, sin, cos))
+                }
+            }
+        };
+        match self.side {
+            Side::Above => above(1.0),
+            Side::Magnitude => Some(larger(above(1.0)?, above(-1.0)?)),
+        }
+    }
+}
+
 /// Stores the maximum response of each lane.
-pub(crate) struct Maximum<'a, const D: usize> {
-    response: &'a Response<'a, D>,
+pub(crate) struct Maximum<'a> {
+    response: &'a Response<'a>,
     noise: Noise,
     bridges: Vec<Stream>,
+    /// State of one lane, for the intensity of a bridge.
+    state: Vec<f64>,
+    /// Word at which the numbers of the bridges begin.
+    first_word: u128,
     pub(crate) running: [f64; LANES],
     samples: Vec<Vec<f64>>,
 }
 
-impl<'a, const D: usize> Maximum<'a, D> {
-    pub(crate) fn new(response: &'a Response<'a, D>, seed: u64, n_times: usize) -> Self {
+impl<'a> Maximum<'a> {
+    pub(crate) fn new(response: &'a Response<'a>, seed: u64, n_times: usize) -> Self {
         let noise = Noise::new(seed);
-        let samples = vec![Vec::new(); n_times];
-        Self { response, noise, bridges: Vec::new(), running: [0.0; LANES], samples }
+        let (bridges, state, samples) = (Vec::new(), Vec::new(), vec![Vec::new(); n_times]);
+        Self { response, noise, bridges, state, first_word: 0, running: [0.0; LANES], samples }
+    }
+
+    /// The same with the bridges of another of several responses, which are independent.
+    pub(crate) fn with_bridges_of(self, index: usize) -> Self {
+        Self { first_word: (index as u128) << 40, ..self }
     }
 
     /// `above(lane, sign)` is the maximum of `sign x` over the step.
@@ -183,10 +223,10 @@ impl<'a, const D: usize> Maximum<'a, D> {
     }
 }
 
-impl<const D: usize> Watch<D> for Maximum<'_, D> {
+impl Watch for Maximum<'_> {
     const EVERY_STEP: bool = true;
 
-    fn start(&mut self, first: u64, x: &LaneStates<D>) {
+    fn start(&mut self, first: u64, x: &[[f64; LANES]]) {
         self.running = [f64::NEG_INFINITY; LANES];
         let row = &x[self.response.component];
         self.raise(|lane, sign| sign * row[lane]);
@@ -194,13 +234,17 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
         if matches!(self.response.between, Between::BrownianBridge { .. }) {
             let noise = self.noise;
             let lanes = 0..LANES as u64;
-            self.bridges
-                .extend(lanes.map(|lane| noise.stream(Purpose::Bridge, first.wrapping_add(lane))));
+            let first_word = self.first_word;
+            self.bridges.extend(lanes.map(|lane| {
+                let mut stream = noise.stream(Purpose::Bridge, first.wrapping_add(lane));
+                stream.seek(first_word);
+                stream
+            }));
         }
     }
 
     #[inline(always)]
-    fn step(&mut self, (t, dt): (f64, f64), before: &LaneStates<D>, after: &LaneStates<D>) {
+    fn step(&mut self, (t, dt): (f64, f64), before: &[[f64; LANES]], after: &[[f64; LANES]]) {
         let component = self.response.component;
         let (start, end) = (&before[component], &after[component]);
         match self.response.between {
@@ -208,7 +252,9 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
             Between::BrownianBridge { intensity } => {
                 let (mut spreads, mut others) = ([0.0; LANES], [0.0; LANES]);
                 for lane in 0..LANES {
-                    let s = intensity(t, &std::array::from_fn(|i| before[i][lane]));
+                    self.state.clear();
+                    self.state.extend(before.iter().map(|row| row[lane]));
+                    let s = intensity(t, &self.state);
                     // 1 - U is in (0, 1], so its logarithm is finite. Two numbers are drawn for either side.
                     let mut draw =
                         || -2.0 * s * s * dt * (1.0 - self.bridges[lane].next_uniform()).ln();
@@ -237,7 +283,7 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
         }
     }
 
-    fn output(&mut self, leg: usize, _: f64, _: &LaneStates<D>, lives: &mut Lives) {
+    fn output(&mut self, leg: usize, _: f64, _: &[[f64; LANES]], lives: &mut Lives) {
         let n_active = lives.n_active;
         self.samples[leg].extend_from_slice(&self.running[..n_active]);
     }
@@ -245,7 +291,7 @@ impl<const D: usize> Watch<D> for Maximum<'_, D> {
 
 /// The larger of two values; NaN if either is NaN, so an unknown maximum is rejected with the samples.
 #[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 

@@ -134,6 +134,72 @@ impl Filter<4> {
     }
 }
 
+/// A filter of any number of states, none by default: then white noise is the ground acceleration itself.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct GroundMotion {
+    /// Row by row.
+    matrix: Vec<Vec<f64>>,
+    pub(super) noise: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    pub(super) period: f64,
+}
+
+impl Default for GroundMotion {
+    fn default() -> Self {
+        let (matrix, noise, output) = (Vec::new(), Vec::new(), Vec::new());
+        Self { matrix, noise, output, period: f64::INFINITY }
+    }
+}
+
+impl GroundMotion {
+    pub(super) fn of<const F: usize>(filter: &Filter<F>) -> Self {
+        let &Filter { matrix, noise, output, period, .. } = filter;
+        let matrix = matrix.iter().map(|row| row.to_vec()).collect();
+        Self { matrix, noise: noise.to_vec(), output: output.to_vec(), period }
+    }
+
+    pub(super) fn n_states(&self) -> usize {
+        self.noise.len()
+    }
+
+    /// The entries of its matrix: row, column, value.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let row = |(i, row): (usize, &Vec<f64>)| -> Vec<(usize, usize, f64)> {
+            row.iter().enumerate().map(|(j, value)| (i, j, *value)).collect()
+        };
+        self.matrix.iter().enumerate().flat_map(row)
+    }
+
+    /// Writes the rates of its states for `L` paths.
+    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
+    #[inline(always)]
+    pub(super) fn drift<const L: usize>(&self, y: &[[f64; L]], drift: &mut [[f64; L]]) {
+        for (rates, row) in drift.iter_mut().zip(&self.matrix) {
+            *rates = dot(row, y);
+        }
+    }
+
+    /// Its output for `L` paths, zero without a filter.
+    #[allow(clippy::inline_always, reason = "used in a dispatched function")]
+    #[inline(always)]
+    pub(super) fn output<const L: usize>(&self, y: &[[f64; L]]) -> [f64; L] {
+        dot(&self.output, y)
+    }
+}
+
+/// The weighted sum of the states of `L` paths.
+#[allow(clippy::inline_always, reason = "used in a dispatched function")]
+#[inline(always)]
+fn dot<const L: usize>(row: &[f64], y: &[[f64; L]]) -> [f64; L] {
+    let mut sum = [0.0; L];
+    for (coefficient, y) in row.iter().zip(y) {
+        for lane in 0..L {
+            sum[lane] += coefficient * y[lane];
+        }
+    }
+    sum
+}
+
 impl KanaiTajimiParameters {
     /// `omega_g^2` and `2 zeta_g omega_g`.
     fn coefficients(&self) -> Result<(f64, f64), Error> {

@@ -8,6 +8,7 @@
 //! | [`Duffing`] | `(q, q')` | additive, modulated | the stationary law | Caughey 1963 |
 //! | [`VanDerPolRayleigh`] | `(q, q')` | additive, modulated | the stationary law | Caughey & Payne 1967 |
 //! | [`TwoStorey`] | `(q_1, q_2, q_1', q_2')` | additive, modulated | without dampers the law at all times | Chopra 2012 |
+//! | [`ShearBuilding`] | drifts, their rates, hysteretic variables of any number of storeys, then those of a filter | additive, modulated | without hysteresis the law at all times | Chopra 2012, Wen 1976 |
 //! | [`Filtered`] | those of a structure, then those of a [`Filter`] | additive, modulated | for a linear structure the law at all times | Kanai 1957, Tajimi 1960, Clough & Penzien 1975 |
 //! | [`OrnsteinUhlenbeck`] | `x` in `D` dimensions | additive | the law at all times | Uhlenbeck & Ornstein 1930 |
 //! | [`Bistable`] | `x` | additive | the stationary law | Risken 1996 |
@@ -17,7 +18,9 @@
 //!
 //! For paths, [`StrangOscillator`](sde_integrators::StrangOscillator) takes the oscillators that are
 //! [`SecondOrder`](sde_integrators::SecondOrder): linear, damper, Duffing, van der Pol-Rayleigh; [`StrangBoucWen`] the
-//! hysteretic one; [`Shark`](sde_integrators::Shark) every one whose noise is additive; forward Euler all.
+//! hysteretic one; [`Shark`](sde_integrators::Shark) every one whose noise is additive; forward Euler all. Paths of
+//! [`ShearBuilding`], whose number of states is known at run time, take [`WongZakai`](sde_integrators::WongZakai) steps; it is no
+//! system of the density solver.
 
 mod bistable;
 mod bouc_wen;
@@ -26,10 +29,13 @@ mod duffing;
 mod filter;
 mod filtered;
 mod geometric_brownian_motion;
+mod hysteresis;
 mod linear_law;
 mod linear_oscillator;
 mod ornstein_uhlenbeck;
 mod rotated_pair;
+mod shear_building;
+mod shear_chain;
 mod stationary;
 mod two_storey;
 mod van_der_pol;
@@ -43,9 +49,11 @@ pub use duffing::{Duffing, DuffingParameters};
 pub use filter::{CloughPenzienParameters, Filter, KanaiTajimiParameters};
 pub use filtered::Filtered;
 pub use geometric_brownian_motion::GeometricBrownianMotion;
+pub use hysteresis::Hysteresis;
 pub use linear_oscillator::{LinearOscillator, LinearOscillatorParameters};
 pub use ornstein_uhlenbeck::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 pub use rotated_pair::RotatedPair;
+pub use shear_building::{Ground, ShearBuilding, ShearBuildingParameters, Storey};
 pub use stationary::StationaryOscillator;
 pub use two_storey::{TwoStorey, TwoStoreyParameters};
 pub use van_der_pol::{VanDerPolRayleigh, VanDerPolRayleighParameters};

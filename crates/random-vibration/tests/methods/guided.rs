@@ -18,7 +18,7 @@ const RULE: Linearisation<2> =
 const CONFIG: GuidedConfig =
     GuidedConfig { n_paths: 2_000, n_pilots: 400, unguided: 0.05, seed: 1 };
 
-fn paths(system: &Oscillator, mean: [f64; 2]) -> GuidedPaths<'_, 2, 1> {
+fn paths(system: &Oscillator, mean: [f64; 2]) -> GuidedPaths<'_> {
     let law = GaussianMixture::gaussian(mean, COVARIANCE).unwrap();
     GuidedPaths::new(system, &Shark, &law, (TIME, 50), &RULE).unwrap()
 }
@@ -45,7 +45,7 @@ fn a_linear_demand_is_found_at_any_probability_by_as_many_paths() {
         ([-0.1, 0.3], [1.0, 0.4], Tails::Upper),
     ] {
         let (centre, deviation) = exact(mean, weights);
-        let paths = paths(&SYSTEM, mean).with_demand(weights);
+        let paths = paths(&SYSTEM, mean).with_demand(&weights).unwrap();
         for z in [1.0, 3.0, 6.0, 9.0] {
             let threshold = z * deviation;
             let upper = upper_tail((threshold - centre) / deviation);
@@ -106,7 +106,7 @@ fn invalid_input_is_refused() {
     let half = GaussianComponent { weight: 0.5, mean: [0.0; 2], covariance: COVARIANCE };
     let mixture = GaussianMixture::mixture(&[half; 2]).unwrap();
     let of = |law, span, rule: &Linearisation<2>| {
-        GuidedPaths::<2, 1>::new(&SYSTEM, &Shark, law, span, rule).map(drop).unwrap_err()
+        GuidedPaths::new(&SYSTEM, &Shark, law, span, rule).map(drop).unwrap_err()
     };
     assert!(matches!(of(&mixture, (TIME, 50), &RULE), TailError::Mixture { value: 2 }));
     for span in [(TIME, 0), (TIME, 1 << 30), (0.0, 5), (f64::NAN, 5), (-1.0, 5)] {

@@ -2,8 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
+mod custom_pairwise;
 mod grid;
 mod guided;
 mod linearisation;
+
 mod systems;
 mod tails;

@@ -56,7 +56,7 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         law: &GaussianMixture<D>,
         span: (f64, usize),
         rule: &Linearisation<D>,
-    ) -> Result<GuidedPaths<'a, D, M>, PathsError>;
+    ) -> Result<GuidedPaths<'a>, PathsError>;
 
     /// The system, if its noise is additive.
     fn additive(&self) -> Option<&dyn Sde<D, M, Noise = Additive>>;
@@ -153,7 +153,7 @@ macro_rules! compiled_paths {
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
                 rule: &Linearisation<$d>,
-            ) -> Result<GuidedPaths<'a, $d, $m>, PathsError> {
+            ) -> Result<GuidedPaths<'a>, PathsError> {
                 match integrator {
                     $(IntegratorScene::$integrator => {
                         Ok(GuidedPaths::new(self, &$integrator, law, span, rule)?)
@@ -232,7 +232,7 @@ macro_rules! erased_paths {
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
                 rule: &Linearisation<$d>,
-            ) -> Result<GuidedPaths<'a, $d, $m>, PathsError> {
+            ) -> Result<GuidedPaths<'a>, PathsError> {
                 match integrator {
                     IntegratorScene::$integrator => {
                         let system: &dyn Sde<$d, $m, Noise = $noise> = self;

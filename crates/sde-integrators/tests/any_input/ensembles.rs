@@ -111,7 +111,7 @@ pub(crate) fn has_maxima(
 ) -> Result<(), TestCaseError> {
     let Ok(law) = GaussianMixture::mixture(&law) else { return Ok(()) };
     let side = if is_above { Side::Above } else { Side::Magnitude };
-    let intensity = |_: f64, x: &[f64; 2]| value * (1.0 + x[0]);
+    let intensity = |_: f64, x: &[f64]| value * (1.0 + x[0]);
     let ways = [
         Between::Endpoints,
         Between::BrownianBridge { intensity: &intensity },

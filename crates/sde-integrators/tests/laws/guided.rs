@@ -1,8 +1,9 @@
 //! Guided paths: unbiased for any guide, those of an ensemble without one, bitwise identical for any number of threads.
 
 use sde_integrators::{
-    Accumulator, Between, EnsembleConfig, Error, GaussianMixture, Guidance, Guide, GuidedEnsemble,
-    GuidedPath, Observable, Response, Side, StateSpace, StrangOscillator, maxima, simulate,
+    Accumulator, Between, EnsembleConfig, Error, GaussianMixture, Guide, GuidedEnsemble,
+    GuidedPath, Observable, Passages, Response, Side, SmallPaths, StateSpace, StrangOscillator,
+    maxima, simulate,
 };
 
 use crate::methods::Linear;
@@ -13,61 +14,80 @@ const DEVIATIONS: [f64; 2] = [0.580_947_501_931_1, 1.161_895_003_862_2];
 const N_STEPS: usize = 10;
 const DT: f64 = 0.2;
 
-const RESPONSE: Response<'_, 2> = Response {
+const RESPONSE: Response<'_> = Response {
     component: 0,
     side: Side::Magnitude,
     between: Between::CubicHermite { velocity: 1 },
 };
 
 /// A guide from no theory, so that nothing but its weights can make the result right.
-fn guide(share: f64, sign: f64) -> Guide<2, 1> {
-    let step = |k: usize| Guidance {
-        state: [sign * 0.8, sign * 0.5],
-        offset: -1.0 - 0.1 * k as f64,
-        brownian: [sign * 0.4],
-        area: [0.1],
-    };
-    Guide { share, start: [sign * 0.7, -0.2], steps: (0..N_STEPS - 2).map(step).collect() }
+fn guide(share: f64, sign: f64) -> Guide {
+    let feedback = (0..N_STEPS - 2).flat_map(|k| [sign * 0.8, sign * 0.5, -1.0 - 0.1 * k as f64]);
+    Guide {
+        share,
+        start: vec![sign * 0.7, -0.2],
+        hold: 1,
+        level: 0,
+        feedback: feedback.collect(),
+        directions: [sign * 0.4, 0.1].repeat(N_STEPS - 2),
+    }
 }
 
+/// The same with its feedback computed every third step.
+fn held(share: f64, sign: f64) -> Guide {
+    let guide = guide(share, sign);
+    let feedback = guide.feedback.chunks(3).step_by(3).flatten().copied().collect();
+    Guide { hold: 3, feedback, ..guide }
+}
+
+/// Passages of one level.
+fn through(level: &f64) -> Passages<'_> {
+    const RESPONSES: &[Response<'_>] = &[RESPONSE];
+    Passages { responses: RESPONSES, levels: std::slice::from_ref(level) }
+}
+
+type Paths = SmallPaths<'static, StateSpace<Linear>, StrangOscillator, 2>;
+
 fn ensemble<'a>(
-    guides: &'a [Guide<2, 1>],
-    passage: Option<(&'a Response<'a, 2>, f64)>,
-) -> GuidedEnsemble<'a, StateSpace<Linear>, StrangOscillator, 2, 1> {
-    let [of_q, of_v] = DEVIATIONS;
+    guides: &'a [Guide],
+    passages: Option<Passages<'a>>,
+) -> GuidedEnsemble<'a, Paths, 1> {
     GuidedEnsemble {
-        system: &OSCILLATOR,
-        integrator: &StrangOscillator,
-        mean: [0.0; 2],
-        factor: [[of_q, 0.0], [0.0, of_v]],
+        paths: &SmallPaths { system: &OSCILLATOR, integrator: &StrangOscillator },
+        mean: &[0.0; 2],
+        factor: &[DEVIATIONS[0], 0.0, 0.0, DEVIATIONS[1]],
         dt: DT,
         n_steps: N_STEPS,
         guides,
-        passage,
+        passages,
         seed: 42,
     }
 }
 
 /// Ends, largest responses and weights.
 fn paths(
-    guides: &[Guide<2, 1>],
-    passage: Option<(&Response<'_, 2>, f64)>,
+    guides: &[Guide],
+    passages: Option<Passages<'_>>,
     realisations: std::ops::Range<u64>,
 ) -> Result<Vec<[f64; 3]>, Error> {
-    let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_, 2>| {
+    let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_>| {
         all.push([path.end[0], path.largest, path.log_weight]);
     };
     let join = |mut earlier: Vec<_>, later: Vec<_>| {
         earlier.extend(later);
         earlier
     };
-    ensemble(guides, passage).run(realisations, Vec::new, push, join)
+    ensemble(guides, passages).run(realisations, Vec::new, push, join)
 }
 
 #[test]
 fn weights_undo_any_guide() {
     let n = 40_000;
-    for guides in [vec![guide(0.8, 1.0)], vec![guide(0.4, 1.0), guide(0.6, -1.0)]] {
+    for guides in [
+        vec![guide(0.8, 1.0)],
+        vec![guide(0.4, 1.0), guide(0.6, -1.0)],
+        vec![held(0.4, 1.0), held(0.6, -1.0)],
+    ] {
         let mut means = [Accumulator::default(); 3];
         for [q, _, log_weight] in paths(&guides, None, 0..n).unwrap() {
             let w = log_weight.exp();
@@ -90,10 +110,9 @@ fn weights_undo_any_guide() {
 #[test]
 fn weights_that_stop_at_the_passage_are_unbiased() {
     let level = 1.5;
-    let passage = Some((&RESPONSE, level));
-    let of = |guides: &[Guide<2, 1>], n| {
+    let of = |guides: &[Guide], n| {
         let mut mean = Accumulator::default();
-        for [_, largest, log_weight] in paths(guides, passage, 0..n).unwrap() {
+        for [_, largest, log_weight] in paths(guides, Some(through(&level)), 0..n).unwrap() {
             mean.push(if largest > level { log_weight.exp() } else { 0.0 });
         }
         let estimate = mean.estimate().unwrap();
@@ -102,6 +121,41 @@ fn weights_that_stop_at_the_passage_are_unbiased() {
     let (free, guided) = (of(&[], 100_000), of(&[guide(0.5, 1.0), guide(0.5, -1.0)], 20_000));
     assert!(free.1 < 0.02 * free.0 && guided.1 < 0.06 * guided.0, "{free:?} {guided:?}");
     assert!((free.0 - guided.0).abs() < 4.0 * free.1.hypot(guided.1), "{free:?} {guided:?}");
+}
+
+/// `P(first passage within some steps)` of three levels from one set of paths, guided to two of them, against free paths.
+#[test]
+fn one_set_of_paths_gives_the_passages_of_all_levels_and_times() {
+    const LEVELS: [f64; 3] = [0.9, 1.3, 1.7];
+    const STEPS: [u64; 2] = [4, N_STEPS as u64];
+    let passages = Some(Passages { responses: &[RESPONSE], levels: &LEVELS });
+    let of = |guides: &[Guide], n: u64| {
+        let push = |sums: &mut Vec<Accumulator>, path: &GuidedPath<'_>| {
+            let events = STEPS.iter().flat_map(|steps| (0..3).map(move |level| (level, *steps)));
+            for (sum, (level, steps)) in sums.iter_mut().zip(events) {
+                let passage = path.passages[level].filter(|passage| passage.steps <= steps);
+                sum.push(passage.map_or(0.0, |passage| passage.log_weight.exp()));
+            }
+        };
+        let join = |mut earlier: Vec<Accumulator>, later: Vec<Accumulator>| {
+            for (sum, more) in earlier.iter_mut().zip(&later) {
+                sum.merge(more);
+            }
+            earlier
+        };
+        let new = || vec![Accumulator::default(); 6];
+        ensemble(guides, passages).run(0..n, new, push, join).unwrap()
+    };
+    let guides: Vec<Guide> = [(1.0, 0), (-1.0, 0), (1.0, 2), (-1.0, 2)]
+        .into_iter()
+        .map(|(sign, level)| Guide { level, ..guide(0.24, sign) })
+        .collect();
+    for (free, guided) in of(&[], 100_000).iter().zip(of(&guides, 40_000)) {
+        let (free, guided) = (free.estimate().unwrap(), guided.estimate().unwrap());
+        let error = free.standard_error().unwrap().hypot(guided.standard_error().unwrap());
+        assert!(error < 0.1 * free.value, "{free} {guided}");
+        assert!((free.value - guided.value).abs() < 4.0 * error, "{free} {guided}");
+    }
 }
 
 #[test]
@@ -118,7 +172,7 @@ fn without_a_guide_the_paths_are_those_of_an_ensemble() {
     }
     assert_eq!(mean.estimate().unwrap(), expected.estimates[0][0]);
     let expected = maxima(&OSCILLATOR, &StrangOscillator, &law, &config, &RESPONSE).unwrap();
-    let watched = paths(&[], Some((&RESPONSE, 1.0)), 0..100).unwrap();
+    let watched = paths(&[], Some(through(&1.0)), 0..100).unwrap();
     for level in [0.5, 1.0] {
         let n_above = watched.iter().filter(|[_, largest, _]| *largest > level).count();
         let above = n_above as f64 / 100.0;
@@ -133,18 +187,18 @@ fn guided_paths_have_the_same_bits_for_any_number_of_threads_and_in_any_part() {
     let n = 2 * 4096 + 37;
     let on = |n_threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-        pool.install(|| paths(&guides, Some((&RESPONSE, 1.0)), 0..n).unwrap())
+        pool.install(|| paths(&guides, Some(through(&1.0)), 0..n).unwrap())
     };
     let alone = on(1);
     assert_eq!(alone.len() as u64, n);
     assert_eq!(alone, on(2));
     assert_eq!(alone, on(8));
-    assert_eq!(alone[4000..4100], paths(&guides, Some((&RESPONSE, 1.0)), 4000..4100).unwrap());
+    assert_eq!(alone[4000..4100], paths(&guides, Some(through(&1.0)), 4000..4100).unwrap());
 }
 
 #[test]
 fn invalid_shares_guides_and_ranges_are_refused() {
-    let refused = |guides: &[Guide<2, 1>]| paths(guides, None, 0..10).unwrap_err();
+    let refused = |guides: &[Guide]| paths(guides, None, 0..10).unwrap_err();
     for share in [0.0, -0.1, 1.1] {
         let error = refused(&[guide(share, 1.0)]);
         assert!(
@@ -154,8 +208,23 @@ fn invalid_shares_guides_and_ranges_are_refused() {
     let error = refused(&[guide(0.6, 1.0), guide(0.6, 1.0)]);
     assert!(matches!(error, Error::OutOfRange { to, .. } if (to - 0.4).abs() < 1e-15), "{error}");
     let mut broken = guide(0.5, 1.0);
-    broken.steps[3].offset = f64::NAN;
+    broken.feedback[11] = f64::NAN;
     assert!(matches!(refused(&[guide(0.1, 1.0), broken]), Error::NotFinite { index: 1, .. }));
+    let short = Guide { start: vec![0.1], ..guide(0.5, 1.0) };
+    assert!(matches!(refused(&[short]), Error::WrongLength { value: 1, expected: 2, .. }));
+    let short = Guide { hold: 2, ..guide(0.5, 1.0) };
+    assert!(matches!(refused(&[short]), Error::WrongLength { value: 24, expected: 12, .. }));
+    let endless = Guide { level: 1, ..guide(0.5, 1.0) };
+    assert!(matches!(refused(&[endless]), Error::OutOfRange { quantity: "level of a guide", .. }));
+    let responses = &[RESPONSE];
+    let none = Passages { responses: &[], levels: &[1.0] };
+    let (falling, empty) = ([1.0, 0.5], []);
+    for passages in [none, Passages { responses, levels: &empty }] {
+        let refused = paths(&[], Some(passages), 0..10).unwrap_err();
+        assert!(matches!(refused, Error::TooFew { value: 0, limit: 1, .. }), "{refused}");
+    }
+    let refused = paths(&[], Some(Passages { responses, levels: &falling }), 0..10).unwrap_err();
+    assert!(matches!(refused, Error::OutOfRange { value: 0.5, from: 1.0, .. }), "{refused}");
     let none = paths(&[], None, 5..5).unwrap_err();
     assert!(matches!(none, Error::TooFew { quantity: "paths", .. }), "{none}");
 }

@@ -1,12 +1,14 @@
 //! What must hold of every draw, law, method and ensemble.
 
 mod adaptive;
+mod custom_lane_sde;
 mod ensemble;
 mod estimate;
 #[cfg(feature = "dense")]
 mod factors;
 mod guided;
 mod initial_distribution;
+
 mod methods;
 mod moments;
 mod noise;

@@ -32,7 +32,7 @@ const CONFIG: GuidedConfig =
     GuidedConfig { n_paths: 20_000, n_pilots: 1_000, unguided: 0.05, seed: 11 };
 const METHOD: &str = "20,000 guided paths, 1,000 pilot paths";
 /// The displacement, with a cubic between the ends of a step.
-const fn response<const D: usize>() -> Response<'static, D> {
+const fn response() -> Response<'static> {
     let between = Between::CubicHermite { velocity: 1 };
     Response { component: 0, side: Side::Magnitude, between }
 }
@@ -42,7 +42,7 @@ fn of_oscillator<'a, S: Paths<2, 1>>(
     system: &'a S,
     law: &GaussianMixture<2>,
     span: (f64, usize),
-) -> Result<GuidedPaths<'a, 2, 1>, PathsError> {
+) -> Result<GuidedPaths<'a>, PathsError> {
     system.guided(IntegratorScene::StrangOscillator, law, span, &OF_OSCILLATOR)
 }
 

@@ -127,12 +127,7 @@ fn misses(
 
 const OSCILLATOR: Oscillator = Oscillator { omega: 2.0, xi: 0.05, intensity: 1.0 };
 
-fn passage(
-    between: Between<'_, 2>,
-    dt: f64,
-    seed: u64,
-    n_paths: u64,
-) -> Result<Estimate, CaseError> {
+fn passage(between: Between<'_>, dt: f64, seed: u64, n_paths: u64) -> Result<Estimate, CaseError> {
     let deviation = OSCILLATOR.stationary_variance().sqrt();
     let law = GaussianMixture::independent([0.0; 2], [deviation, deviation * OSCILLATOR.omega])?;
     let config = EnsembleConfig { seed, n_paths, dt, times: vec![9.6] };
@@ -175,7 +170,7 @@ fn oscillator(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     }
     let ends = passage(Between::Endpoints, COARSE, 6, 100_000)?;
     claims.push(misses(context, "oscillator/endpoints-miss", &ends, &fine)?);
-    let intensity = |_: f64, _: &[f64; 2]| OSCILLATOR.intensity;
+    let intensity = |_: f64, _: &[f64]| OSCILLATOR.intensity;
     let bridge = passage(Between::BrownianBridge { intensity: &intensity }, COARSE, 6, 100_000)?;
     claims.push(misses(context, "oscillator/bridge-fails", &bridge, &fine)?);
     Ok(claims)

@@ -97,13 +97,13 @@ impl<const D: usize> AtTime for DrivenPaths<'_, D> {
 }
 
 /// Guided paths.
-struct Guided<'s, const D: usize, const M: usize> {
-    paths: GuidedPaths<'s, D, M>,
+struct Guided<'s> {
+    paths: GuidedPaths<'s>,
     config: GuidedConfig,
     n_followed: Cell<u64>,
 }
 
-impl<const D: usize, const M: usize> AtTime for Guided<'_, D, M> {
+impl AtTime for Guided<'_> {
     fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError> {
         let n_paths = self.config.n_paths.saturating_add(self.config.n_pilots);
         self.n_followed.set(self.n_followed.get().saturating_add(n_paths));
@@ -141,7 +141,8 @@ impl Visitor for TailsOf<'_> {
         let (n_pilots, unguided) = ((samples / 4).max(200), UNGUIDED);
         let config = GuidedConfig { n_paths: samples, n_pilots, unguided, seed };
         self.tails::<D>(&|law, span, weights| {
-            let paths = system.guided(integrator, law, span, &rule)?.with_demand(weights);
+            let paths = system.guided(integrator, law, span, &rule)?;
+            let paths = paths.with_demand(&weights).map_err(PathsError::from)?;
             Ok(Box::new(Guided { paths, config, n_followed: Cell::new(0) }))
         })
     }

@@ -445,7 +445,8 @@ fn set_vectors<R: Registers<f64>, const D: usize>(
     }
 }
 
-/// Writes a number of every particle, adjacent ones together, as [`set_numbers`] does.
+/// Writes a number of every particle, adjacent ones together. All four lanes of a group are written, as [`set_numbers`] does; an empty
+/// group has the numbers of the first one.
 #[inline(always)]
 fn set_lanes<R: Registers<f64>>(
     registers: R,
@@ -453,15 +454,13 @@ fn set_lanes<R: Registers<f64>>(
     vector: R::Vector,
     column: &mut [f64],
 ) {
+    if are_last(registers, groups) {
+        set_numbers(registers, groups, vector, (column, 1, 0));
+        return;
+    }
     for b in 0..R::N / LANES {
-        let (group, lanes) = (groups[b], registers.four(vector, b));
-        if group.lane > 0 {
-            // At the end of a chunk.
-            let range = group.lane..group.lane + group.len;
-            column[group.first..][range.clone()].copy_from_slice(&lanes[range]);
-        } else if group.len > 0 {
-            column[group.first..group.first + LANES].copy_from_slice(&lanes);
-        }
+        let first = groups[b].first;
+        column[first..first + LANES].copy_from_slice(&registers.four(vector, b));
     }
 }
 

@@ -58,6 +58,12 @@ impl<T: Copy> Layout<T> {
         particle / BLOCK * self.stride + particle % BLOCK
     }
 
+    /// Behind the block of a particle.
+    #[inline(always)]
+    fn end(&self, particle: usize) -> usize {
+        (particle / BLOCK + 1) * self.stride
+    }
+
     /// The state of one particle.
     #[inline(always)]
     fn load<M: Material<f64, State = T>>(
@@ -67,11 +73,13 @@ impl<T: Copy> Layout<T> {
         particle: usize,
     ) -> T {
         let (mut state, mut place) = (self.blank, self.place(particle));
+        let states = &states[..self.end(particle)];
         material.visit_numbers(
             &mut state,
             #[inline(always)]
             |number| {
-                *number = states[place];
+                // All are there; without a panic, a number that nobody reads is not loaded.
+                *number = states.get(place).copied().unwrap_or(f64::NAN);
                 place += BLOCK;
             },
         );

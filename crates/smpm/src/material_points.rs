@@ -110,6 +110,7 @@ pub(crate) fn keep_lowest(first: &mut Option<(u32, Fault)>, found: (u32, Fault))
 }
 
 /// What a step makes of a particle, or of several in lanes: its new condition.
+#[derive(Clone, Copy)]
 pub(crate) struct Next<S> {
     pub(crate) stress: Symmetric<S>,
     pub(crate) viscosity: S,
@@ -119,15 +120,25 @@ pub(crate) struct Next<S> {
     pub(crate) rate: S,
 }
 
-/// One particle over a step, or several in lanes, by `V/V_0` and wave speed before.
+impl<S: Real> Next<S> {
+    /// Some condition, to be overwritten.
+    #[inline(always)]
+    pub(crate) fn blank(number: S) -> Self {
+        let stress = Symmetric([number; 6]);
+        Self { stress, viscosity: number, volume: number, wave_speed: number, rate: number }
+    }
+}
+
+/// One particle over a step, or several in lanes, by `V/V_0` and wave speed before. What it makes of them goes to `after`: in a result
+/// it would share memory with a fault, and the compiler would take registers apart for that.
 #[inline(always)]
 pub(crate) fn next<M: Material<S>, S: Real>(
     (material, density): (&M, S),
     Strain { dt, time, cell, viscosity, .. }: Strain,
     l: &[[S; 3]; 3],
     (volume_before, wave_speed): (S, S),
-    state: &mut M::State,
-) -> Result<Next<S>, Fault> {
+    (state, after): (&mut M::State, &mut Next<S>),
+) -> Result<(), Fault> {
     let zero = volume_before.splat(0.0);
     let volume = volume_before * volume_change(l, dt);
     let holds = zero.less(volume).and(volume.is_finite());
@@ -152,7 +163,8 @@ pub(crate) fn next<M: Material<S>, S: Real>(
     let wave_speed = material.wave_speed(volume, state);
     let holds = wave_speed.at_least(zero).and(wave_speed.is_finite());
     Fault::unless(holds, wave_speed, "wave speed", "0 or above and finite")?;
-    Ok(Next { stress, viscosity: q, volume, wave_speed, rate })
+    *after = Next { stress, viscosity: q, volume, wave_speed, rate };
+    Ok(())
 }
 
 impl<S: Number> From<Next<S>> for Condition<S> {
@@ -201,8 +213,9 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
                     let l = velocity_gradients.get(i);
                     let l = if plane { in_plane(&l) } else { l };
                     let before = (conditions.volume[i], conditions.wave_speed[i]);
-                    match next(of, strain, &l, before, state) {
-                        Ok(next) => conditions.set(i, next.into()),
+                    let mut after = Next::blank(before.0);
+                    match next(of, strain, &l, before, (state, &mut after)) {
+                        Ok(()) => conditions.set(i, after.into()),
                         Err(fault) => keep_lowest(&mut first, (numbers[i], fault)),
                     }
                 }

@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use lanes::{Registers, SimdLevel, Work};
+use lanes::{Registers, SimdLevel, Work, dispatch};
 use perturbation_moments::InLanes;
 
 use crate::binning::permute_by;
@@ -177,16 +177,21 @@ impl<M: MaterialFamily<f64>> MaterialUpdate<f64> for Portion<'_, M> {
     }
 
     fn add_energies(&self, range: Range<usize>, reference_volumes: &[f64], sum: &mut f64) {
-        let mut energies = Sums::none();
-        energies.add(
-            reference_volumes.len(),
+        *sum += dispatch(
             #[inline(always)]
-            |i| {
-                let state = self.layout.load(self.material, self.states, range.start + i);
-                self.material.energy(&state) * reference_volumes[i]
+            || {
+                let mut energies = Sums::none();
+                energies.add(
+                    reference_volumes.len(),
+                    #[inline(always)]
+                    |i| {
+                        let state = self.layout.load(self.material, self.states, range.start + i);
+                        self.material.energy(&state) * reference_volumes[i]
+                    },
+                );
+                energies.total()
             },
         );
-        *sum += energies.total();
     }
 }
 
@@ -253,9 +258,11 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
                 place += BLOCK;
             },
         );
-        let Ok(next) = next((material, *density), self.strain, &l, before, &mut state) else {
+        let mut after = Next::blank(before.0);
+        let of = (material, *density);
+        if next(of, self.strain, &l, before, (&mut state, &mut after)).is_err() {
             return false;
-        };
+        }
         place = first;
         material.visit_numbers(
             &mut state,
@@ -265,7 +272,7 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
                 place += BLOCK;
             },
         );
-        self.keep(registers, at, &next);
+        self.keep(registers, at, &after);
         true
     }
 
@@ -325,9 +332,10 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
             let l = if self.plane { in_plane(&l) } else { l };
             let mut state = self.layout.load(self.material, self.states, i);
             let before = (self.conditions.volume[i], self.conditions.wave_speed[i]);
-            match next((self.material, self.density), self.strain, &l, before, &mut state) {
-                Ok(next) => {
-                    self.conditions.set(i, next.into());
+            let (of, mut after) = ((self.material, self.density), Next::blank(before.0));
+            match next(of, self.strain, &l, before, (&mut state, &mut after)) {
+                Ok(()) => {
+                    self.conditions.set(i, after.into());
                     self.layout.store(self.material, self.states, (i, state));
                 }
                 Err(fault) => keep_lowest(first, (self.numbers[i], fault)),

@@ -219,7 +219,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// The stress of a particle, without the bulk viscosity.
     #[must_use]
     pub fn stress(&self, particle: usize) -> Symmetric<S> {
-        self.points.conditions()[self.place(particle)].stress
+        self.points.conditions().get(self.place(particle)).stress
     }
 
     /// The pressure of a particle, `-tr(sigma)/3`, without the bulk viscosity.
@@ -231,7 +231,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// `V/V_0` of a particle.
     #[must_use]
     pub fn volume_ratio(&self, particle: usize) -> S {
-        self.points.conditions()[self.place(particle)].volume
+        self.points.conditions().volume[self.place(particle)]
     }
 
     /// The density of a particle (mass per volume).

@@ -182,10 +182,18 @@ impl<S: Number, const D: usize> Grid<S, D> {
             dispatch(
                 #[inline(always)]
                 || {
+                    let acts = |plane: &Plane| {
+                        plane.range_beyond(&corner_of(&tiles[slot].at), tile_edge(D)).1 >= 0
+                    };
+                    let is_constrained = !tiles[slot].plain && sums.planes.iter().any(acts);
+                    let until = match friction {
+                        None if !is_constrained => Until::EndOfStep,
+                        _ => Until::Start,
+                    };
                     for field in 0..n_fields {
                         let range = field * tile_len(D)..(field + 1) * tile_len(D);
                         let (owned, masses) = (&mut owned[range.clone()], &mut masses[range]);
-                        sums.solve(&tiles[slot], (owned, masses), field, solve);
+                        sums.solve(&tiles[slot], (owned, masses), field, (solve, until));
                     }
                     if let Some(coefficient) = friction {
                         sums.let_meet(
@@ -195,13 +203,10 @@ impl<S: Number, const D: usize> Grid<S, D> {
                             Friction { coefficient, pic: solve.pic },
                         );
                     }
-                    let acts = |plane: &Plane| {
-                        plane.range_beyond(&corner_of(&tiles[slot].at), tile_edge(D)).1 >= 0
-                    };
-                    if tiles[slot].plain || !sums.planes.iter().any(acts) {
-                        add_changes(owned);
-                    } else {
+                    if is_constrained {
                         constrain(&tiles[slot], owned, sums.planes, (solve.dt, cell));
+                    } else if friction.is_some() {
+                        add_changes(owned);
                     }
                 },
             );
@@ -238,14 +243,22 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
         tile: &Tile<D>,
         (owned, masses): (&mut [Node<S, D>], &mut [S]),
         field: usize,
-        solve: Solve,
+        (solve, until): (Solve, Until),
     ) {
         self.collect(tile, owned, solve.with_mass.then_some(&mut *masses), field);
         if !tile.plain {
             self.add_images(tile, owned, solve.with_mass.then_some(&mut *masses), field);
         }
-        find_velocities(owned, masses, solve);
+        find_velocities(owned, masses, (solve, until));
     }
+}
+
+/// When the velocities of nodes are those of the step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Until {
+    /// At its start: contact and planes are still to come.
+    Start,
+    EndOfStep,
 }
 
 /// Momenta and forces become velocities and their changes: `v_i = (m v)_i / m_i`, `dt f_i / m_i`.
@@ -253,7 +266,7 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
 fn find_velocities<S: Number, const D: usize>(
     nodes: &mut [Node<S, D>],
     masses: &mut [S],
-    solve: Solve,
+    (solve, until): (Solve, Until),
 ) {
     for (node, mass) in nodes.iter_mut().zip(masses) {
         if mass.value() <= solve.smallest_mass {
@@ -263,13 +276,15 @@ fn find_velocities<S: Number, const D: usize>(
         let inverse = mass.recip();
         let by_step = inverse * solve.dt;
         for k in 0..D {
-            node.velocity_mut()[k] = node.momentum()[k] * inverse;
-            node.velocity_change_mut()[k] = node.force()[k] * by_step;
+            let (velocity, change) = (node.momentum()[k] * inverse, node.force()[k] * by_step);
+            let at_end = until == Until::EndOfStep;
+            node.velocity_mut()[k] = if at_end { velocity + change } else { velocity };
+            node.velocity_change_mut()[k] = change;
         }
     }
 }
 
-/// Velocities at the end of the step where no plane acts.
+/// Velocities at the end of the step after contact, where no plane acts.
 #[inline(always)]
 fn add_changes<S: Number, const D: usize>(nodes: &mut [Node<S, D>]) {
     for node in nodes {

@@ -20,6 +20,7 @@ use crate::particles::Chunk;
 use crate::pass::Pass;
 use crate::shape::{Shape, nodes_along};
 use crate::tile_size::block_edge;
+use crate::velocity_gradients::VelocityGradients;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
@@ -45,7 +46,7 @@ struct ChunkInLanes<'a, 'c, const D: usize, const NODES: usize> {
     transfer: &'a GridToParticle<D>,
     grid: &'a Grid<f64, D>,
     chunk: &'a mut Chunk<'c, f64, D>,
-    gradients: &'a mut [[[f64; 3]; 3]],
+    gradients: &'a mut VelocityGradients<f64>,
 }
 
 /// Updates all particles of a chunk, at least [`LANES`] of them, as the pass requires; writes their velocity gradients.
@@ -53,7 +54,7 @@ pub(crate) fn grid_to_groups<const D: usize>(
     level: SimdLevel,
     transfer: &GridToParticle<D>,
     grid: &Grid<f64, D>,
-    (chunk, gradients): (&mut Chunk<'_, f64, D>, &mut [[[f64; 3]; 3]]),
+    (chunk, gradients): (&mut Chunk<'_, f64, D>, &mut VelocityGradients<f64>),
 ) {
     match transfer.shape.n_nodes() {
         2 => level.run(ChunkInLanes::<D, 2> { transfer, grid, chunk, gradients }),
@@ -89,11 +90,11 @@ impl<const D: usize, const NODES: usize> ChunkInLanes<'_, '_, D, NODES> {
     #[inline(always)]
     fn groups<R: Registers<f64>>(&mut self, registers: R, transfer: &GridToParticle<D>) {
         let Self { grid, chunk, gradients, .. } = self;
-        let mut begin = 0;
+        let (mut begin, end) = (0, chunk.len());
         loop {
             let (mut pair, mut n_groups) = ([Group::none(); PAIR], 0);
-            while n_groups < PAIR && begin < gradients.len() {
-                let group = Group::at(chunk.node, begin, gradients.len());
+            while n_groups < PAIR && begin < end {
+                let group = Group::at(chunk.node, begin, end);
                 begin += group.len;
                 pair[n_groups] = group;
                 n_groups += 1;
@@ -283,7 +284,7 @@ impl<const D: usize> GridToParticle<D> {
         chunk: &mut Chunk<'_, f64, D>,
         (groups, x): (&[Group], &[R::Vector; D]),
         sums: &GroupSums<R::Vector, D>,
-        velocity_gradients: &mut [[[f64; 3]; 3]],
+        velocity_gradients: &mut VelocityGradients<f64>,
     ) {
         let dt = registers.splat(self.dt);
         if self.pass.updates_stress() {
@@ -328,7 +329,7 @@ impl<const D: usize> GridToParticle<D> {
         chunk: &mut Chunk<'_, f64, D>,
         (groups, x): (&[Group], &[R::Vector; D]),
         sums: &GroupSums<R::Vector, D>,
-        velocity_gradients: &mut [[[f64; 3]; 3]],
+        velocity_gradients: &mut VelocityGradients<f64>,
     ) {
         let per_cell = registers.splat(self.lattice.per_cell);
         let mut l = sums.gradient;
@@ -338,11 +339,13 @@ impl<const D: usize> GridToParticle<D> {
             }
         }
         for k in 0..D {
-            set_rows(registers, groups, &l[k], k, velocity_gradients);
+            for m in 0..D {
+                set_lanes(registers, groups, l[k][m], velocity_gradients.entries_mut(k, m));
+            }
         }
         if self.axisymmetric {
-            let column = velocity_gradients.as_flattened_mut().as_flattened_mut();
-            set_numbers(registers, groups, sums.velocity[0] / x[0], (column, 9, 8));
+            let hoop = sums.velocity[0] / x[0];
+            set_lanes(registers, groups, hoop, velocity_gradients.entries_mut(2, 2));
         }
         if self.shape == Shape::Gimp {
             let lengths = components(registers, chunk.half_length, groups);
@@ -442,32 +445,22 @@ fn set_vectors<R: Registers<f64>, const D: usize>(
     }
 }
 
-/// Writes row `k` of matrices, as [`set_numbers`] does.
+/// Writes a number of every particle, adjacent ones together. All four lanes of a group are written, as [`set_numbers`] does; an empty
+/// group has the numbers of the first one.
 #[inline(always)]
-fn set_rows<R: Registers<f64>, const D: usize>(
+fn set_lanes<R: Registers<f64>>(
     registers: R,
     groups: &[Group],
-    row: &[R::Vector; D],
-    k: usize,
-    matrices: &mut [[[f64; 3]; 3]],
+    vector: R::Vector,
+    column: &mut [f64],
 ) {
-    if D != 2 || are_last(registers, groups) {
-        for m in 0..D {
-            let column = matrices.as_flattened_mut().as_flattened_mut();
-            set_numbers(registers, groups, row[m], (column, 9, 3 * k + m));
-        }
+    if are_last(registers, groups) {
+        set_numbers(registers, groups, vector, (column, 1, 0));
         return;
     }
-    let halves = registers.zip_fours(row[0], row[D - 1]);
     for b in 0..R::N / LANES {
-        if groups[b].len > 0 {
-            let matrices = &mut matrices[groups[b].first..groups[b].first + LANES];
-            for half in 0..2 {
-                let [a, b, c, d] = registers.four(halves[half], b);
-                (matrices[2 * half][k][0], matrices[2 * half][k][1]) = (a, b);
-                (matrices[2 * half + 1][k][0], matrices[2 * half + 1][k][1]) = (c, d);
-            }
-        }
+        let first = groups[b].first;
+        column[first..first + LANES].copy_from_slice(&registers.four(vector, b));
     }
 }
 

@@ -20,6 +20,7 @@ use crate::shape::nodes_spanned;
 use crate::taylor_weights::{
     Derivatives, MOST_TERMS, Shift, TaylorWeights, load, registers_of_directions, store,
 };
+use crate::velocity_gradients::VelocityGradients;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
@@ -29,7 +30,7 @@ pub(crate) struct GridToJet<'a, 'b, S, const D: usize, const NODES: usize> {
     pub(crate) transfer: GridToParticle<D>,
     pub(crate) grid: &'a Grid<S, D>,
     pub(crate) chunk: &'a mut Chunk<'b, S, D>,
-    pub(crate) gradients: &'a mut [[[S; 3]; 3]],
+    pub(crate) gradients: &'a mut VelocityGradients<S>,
 }
 
 /// Sums `sum_i u_i N_i^(t)` of a component of a vector at the nodes, by derivative `t`.
@@ -186,7 +187,7 @@ impl<S: Number, const D: usize, const NODES: usize> Work<f64> for GridToJet<'_, 
         let GridToParticle { pass, affine, inverse_inertia, lattice, .. } = self.transfer;
         let with_matrix = pass.updates_velocity() && affine && inverse_inertia.is_none();
         let with_slopes = pass.updates_stress() || with_matrix;
-        for p in 0..self.gradients.len() {
+        for p in 0..self.chunk.len() {
             let (position, base) = (self.chunk.position[p], &self.chunk.base[p]);
             weights.find(&lattice, &position, base);
             let nodes = &self.grid.from(self.chunk.node[p])[..nodes_spanned::<NODES, D>()];
@@ -197,7 +198,9 @@ impl<S: Number, const D: usize, const NODES: usize> Work<f64> for GridToJet<'_, 
                 self.sum::<R, false>(registers, of, &position, &mut sums);
             }
             let transfer = self.transfer;
-            transfer.apply::<S, NODES>(self.chunk, p, &sums, &mut self.gradients[p]);
+            let mut gradient = [[S::constant(0.0); 3]; 3];
+            transfer.apply::<S, NODES>(self.chunk, p, &sums, &mut gradient);
+            self.gradients.set(p, &gradient);
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::particle_motion::{GridToParticle, Sums, nothing};
 use crate::particles::Chunk;
 use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
+use crate::velocity_gradients::VelocityGradients;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
@@ -32,7 +33,7 @@ impl<const D: usize> GridToParticle<D> {
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
-        gradients: &mut [[[S; 3]; 3]],
+        gradients: &mut VelocityGradients<S>,
     ) {
         match self.shape.n_nodes() {
             2 => self.in_registers::<S, 2>(grid, chunk, gradients),
@@ -49,7 +50,7 @@ impl<const D: usize> GridToParticle<D> {
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
-        gradients: &mut [[[S; 3]; 3]],
+        gradients: &mut VelocityGradients<S>,
     ) {
         if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
             GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
@@ -73,13 +74,13 @@ impl<const D: usize> GridToParticle<D> {
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
-        gradients: &mut [[[S; 3]; 3]],
+        gradients: &mut VelocityGradients<S>,
     ) {
         let mut axes = [Axis::<S, N>::empty(); D];
         let mut sums = [Sums::none(); N];
         let mut begin = 0;
-        while begin < gradients.len() {
-            let these = begin..gradients.len().min(begin + N);
+        while begin < chunk.len() {
+            let these = begin..chunk.len().min(begin + N);
             let half_length = chunk.half_length.get(these.clone()).unwrap_or_default();
             let (position, base) = (&chunk.position[these.clone()], &chunk.base[these.clone()]);
             self.lattice.find_axes::<S, NODES, N>(
@@ -95,7 +96,9 @@ impl<const D: usize> GridToParticle<D> {
                 self.sum::<S, NODES, N>((&axes, p), nodes, &mut sums[p]);
             }
             for (p, sums) in these.clone().zip(sums) {
-                self.apply::<S, NODES>(chunk, p, sums, &mut gradients[p]);
+                let mut gradient = [[S::constant(0.0); 3]; 3];
+                self.apply::<S, NODES>(chunk, p, sums, &mut gradient);
+                gradients.set(p, &gradient);
             }
             begin = these.end;
         }

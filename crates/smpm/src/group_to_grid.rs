@@ -12,11 +12,11 @@
 use lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::body::Body;
+use crate::conditions::Columns;
 use crate::group::{
     Group, LANES, PAIR, components, group_outer, lanes_of, numbers, of_groups, parts,
 };
 use crate::group_axis::GroupAxis;
-use crate::material_points::Condition;
 use crate::node::Node;
 use crate::particle_terms::{ENTRY, Given, ParticleToGrid};
 use crate::shape::nodes_along;
@@ -98,7 +98,7 @@ impl<const D: usize, const NODES: usize> TileInLanes<'_, D, NODES> {
     fn groups<R: Registers<f64>>(&mut self, registers: R, transfer: &ParticleToGrid<D>) {
         let (body, zero) = (self.body, registers.splat(0.0));
         let (particles, binning) = (&body.particles, &body.binning);
-        let of = Columns { body, conditions: body.points.conditions() };
+        let of = Source { body, conditions: body.points.conditions() };
         let mut axes = [[GroupAxis::none(zero); D]; PAIR];
         let mut terms = [GroupTerms::none(zero); PAIR];
         let (mut runs, mut run) = (binning.runs_of(self.slot), 0..0);
@@ -233,9 +233,9 @@ type PairTerms<'a, V, const D: usize> =
 
 /// Columns of a body.
 #[derive(Debug, Clone, Copy)]
-struct Columns<'a, const D: usize> {
+struct Source<'a, const D: usize> {
     body: &'a Body<f64, D>,
-    conditions: &'a [Condition<f64>],
+    conditions: Columns<'a, f64>,
 }
 
 /// Sums over groups at a row of nodes, four numbers of a node in a block of lanes: momentum, force, and where there is room, mass.
@@ -265,7 +265,7 @@ impl<const D: usize> ParticleToGrid<D> {
     fn group_terms<R: Registers<f64>>(
         &self,
         registers: R,
-        of: &Columns<'_, D>,
+        of: &Source<'_, D>,
         x: &[R::Vector; D],
         groups: &[Group],
     ) -> GroupTerms<R::Vector, D> {
@@ -308,17 +308,24 @@ impl<const D: usize> ParticleToGrid<D> {
     fn find_forces<R: Registers<f64>>(
         &self,
         registers: R,
-        of: &Columns<'_, D>,
+        of: &Source<'_, D>,
         (x, groups): (&[R::Vector; D], &[Group]),
         terms: &mut GroupTerms<R::Vector, D>,
     ) {
         let inside = lanes_of(registers, groups);
-        let (stress, volume) = conditions(registers, of.conditions, groups);
-        let volume = volume * numbers(registers, &of.body.particles.reference_volume, groups);
+        let Columns { stress, viscosity, volume, .. } = &of.conditions;
+        let viscosity = numbers(registers, viscosity, groups);
+        let volume = numbers(registers, volume, groups)
+            * numbers(registers, &of.body.particles.reference_volume, groups);
         let factor = volume * registers.splat(-self.lattice.per_cell);
         for l in 0..D {
-            for k in 0..D {
-                terms.force[l][k] = only(inside, stress[ENTRY[k][l]] * factor);
+            for k in 0..=l {
+                let mut entry = numbers(registers, stress[ENTRY[k][l]], groups);
+                if k == l {
+                    entry = entry - viscosity;
+                }
+                let force = only(inside, entry * factor);
+                (terms.force[l][k], terms.force[k][l]) = (force, force);
             }
         }
         if self.body_force {
@@ -327,7 +334,8 @@ impl<const D: usize> ParticleToGrid<D> {
             }
         }
         if self.axisymmetric {
-            let hoop = only(inside, volume * stress[2] / x[0]);
+            let around = numbers(registers, stress[2], groups) - viscosity;
+            let hoop = only(inside, volume * around / x[0]);
             terms.body_force[0] = terms.body_force[0] - hoop;
         }
     }
@@ -441,37 +449,6 @@ impl<const D: usize> ParticleToGrid<D> {
         }
         row
     }
-}
-
-/// Stress with the bulk viscosity, and `V/V_0`, of groups of particles.
-#[inline(always)]
-fn conditions<R: Registers<f64>>(
-    registers: R,
-    conditions: &[Condition<f64>],
-    groups: &[Group],
-) -> ([R::Vector; 6], R::Vector) {
-    let zero = registers.splat(0.0);
-    let (mut normal, mut further, mut scalars) = ([zero; 4], [zero; 4], [zero; 4]);
-    for lane in 0..LANES {
-        let mut of = [&conditions[groups[0].first + lane]; PAIR];
-        for b in 1..R::N / LANES {
-            of[b] = &conditions[groups[b].first + lane];
-        }
-        let [one, two] = of;
-        let ([xx, yy, zz, xy, yz, xz], other) = (one.stress.0, two.stress.0);
-        let four = [other[0], other[1], other[2], other[3]];
-        normal[lane] = registers.load_fours(&[&[xx, yy, zz, xy], &four]);
-        further[lane] =
-            registers.load_fours(&[&[yz, xz, 0.0, 0.0], &[other[4], other[5], 0.0, 0.0]]);
-        scalars[lane] = registers.load_fours(&[
-            &[one.viscosity, one.volume, one.wave_speed, one.rate],
-            &[two.viscosity, two.volume, two.wave_speed, two.rate],
-        ]);
-    }
-    let [xx, yy, zz, xy] = registers.transpose_fours(normal);
-    let [yz, xz, _, _] = registers.transpose_fours(further);
-    let [viscosity, volume, _, _] = registers.transpose_fours(scalars);
-    ([xx - viscosity, yy - viscosity, zz - viscosity, xy, yz, xz], volume)
 }
 
 /// Entry `(k, l)` of a column of matrices, in lanes.

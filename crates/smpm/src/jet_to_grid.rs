@@ -174,14 +174,14 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
             }
         }
         if self.with_force() {
-            let condition = &of.conditions[p];
-            let viscosity = Part::load(registers, &condition.viscosity, at);
-            let factor = Part::load(registers, &condition.volume, at)
+            let viscosity = Part::load(registers, &of.conditions.viscosity[p], at);
+            let factor = Part::load(registers, &of.conditions.volume[p], at)
                 .scaled(of.reference_volume[p])
                 .scaled(-self.transfer.lattice.per_cell);
             for l in 0..D {
                 for c in 0..D {
-                    let mut stress = Part::load(registers, &condition.stress.0[ENTRY[c][l]], at);
+                    let mut stress =
+                        Part::load(registers, &of.conditions.stress[ENTRY[c][l]][p], at);
                     if c == l {
                         stress = stress.minus(&viscosity);
                     }
@@ -378,7 +378,7 @@ impl<S: Number, const D: usize, const NODES: usize> Work<f64> for JetToGrid<'_, 
         let (body, lattice) = (self.body, self.transfer.lattice);
         let conditions = body.points.conditions();
         for run in body.binning.runs_of(self.slot) {
-            let of = Run::of(body, conditions, run);
+            let of = Run::of(body, &conditions, run);
             for p in 0..of.position.len() {
                 weights.find(&lattice, &of.position[p], &of.base[p]);
                 let node = of.node[p] - self.first;

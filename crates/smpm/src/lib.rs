@@ -7,6 +7,7 @@ mod boundary;
 #[cfg(not(test))]
 mod compiled_points;
 mod compiled_step;
+mod conditions;
 mod config;
 mod contact;
 mod error;
@@ -45,6 +46,7 @@ mod tile_size;
 mod tiles;
 mod transfers;
 pub mod uncertainty;
+mod velocity_gradients;
 
 pub use body::Body;
 pub use boundary::{Boundary, BoundaryKind, Side};

@@ -11,26 +11,13 @@ use lanes::{Mask, dispatch};
 use perturbation_moments::{Real, when};
 
 use crate::binning::permute;
+use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};
 use crate::config::BulkViscosity;
 use crate::error::Fault;
 use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
 use crate::number::Number;
 use crate::tensor::{Symmetric, in_plane, volume_change};
-
-/// What the material made of a particle.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Condition<S> {
-    /// Cauchy stress without the bulk viscosity.
-    pub(crate) stress: Symmetric<S>,
-    /// The bulk viscosity, a pressure.
-    pub(crate) viscosity: S,
-    /// `V/V_0`.
-    pub(crate) volume: S,
-    /// Speed of a longitudinal wave.
-    pub(crate) wave_speed: S,
-    /// `tr L` of the last step.
-    pub(crate) rate: f64,
-}
+use crate::velocity_gradients::VelocityGradients;
 
 /// What a step does to the material of every particle.
 #[derive(Debug, Clone, Copy)]
@@ -53,13 +40,13 @@ pub(crate) trait MaterialUpdate<S>: Send {
         &mut self,
         range: Range<usize>,
         strain: Strain,
-        velocity_gradients: &[[[S; 3]; 3]],
+        velocity_gradients: &VelocityGradients<S>,
         numbers: &[u32],
     ) -> Option<(u32, Fault)>;
 
-    fn conditions(&self) -> &[Condition<S>];
+    fn conditions(&self) -> Columns<'_, S>;
 
-    /// Adds the internal energies of a range of particles to a sum, one by one.
+    /// Adds the internal energies of a range of particles to a sum.
     fn add_energies(&self, range: Range<usize>, reference_volumes: &[f64], sum: &mut f64);
 }
 
@@ -71,7 +58,7 @@ pub(crate) type Halves<'a, S> =
 pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
     /// All of them, for a pass.
     fn pass(&mut self, work: &mut dyn FnMut(&mut dyn MaterialUpdate<S>));
-    fn conditions(&self) -> &[Condition<S>];
+    fn conditions(&self) -> Columns<'_, S>;
     fn observe(&self, place: usize) -> Observed<S>;
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>>;
     fn permute(&mut self, order: &[u32], done: &mut Vec<bool>);
@@ -88,7 +75,7 @@ pub(crate) struct Points<M: Material<S>, S: Number> {
     /// Whether the motion is known to stay in the plane of the first two axes.
     plane: bool,
     states: Vec<M::State>,
-    conditions: Vec<Condition<S>>,
+    conditions: Conditions<S>,
 }
 
 impl<M: Material<S>, S: Number> Points<M, S> {
@@ -96,7 +83,8 @@ impl<M: Material<S>, S: Number> Points<M, S> {
     #[inline(never)]
     pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
         let states: Vec<_> = places.iter().map(|&place| material.start(place)).collect();
-        let conditions = states.iter().map(|state| Condition::at_start(&material, state)).collect();
+        let at_start = |state| Condition::at_start(&material, state);
+        let conditions = Conditions::of(states.iter().map(at_start));
         Self { density: material.density(), material, plane, states, conditions }
     }
 }
@@ -122,6 +110,7 @@ pub(crate) fn keep_lowest(first: &mut Option<(u32, Fault)>, found: (u32, Fault))
 }
 
 /// What a step makes of a particle, or of several in lanes: its new condition.
+#[derive(Clone, Copy)]
 pub(crate) struct Next<S> {
     pub(crate) stress: Symmetric<S>,
     pub(crate) viscosity: S,
@@ -131,15 +120,25 @@ pub(crate) struct Next<S> {
     pub(crate) rate: S,
 }
 
-/// One particle over a step, or several in lanes, by `V/V_0` and wave speed before.
+impl<S: Real> Next<S> {
+    /// Some condition, to be overwritten.
+    #[inline(always)]
+    pub(crate) fn blank(number: S) -> Self {
+        let stress = Symmetric([number; 6]);
+        Self { stress, viscosity: number, volume: number, wave_speed: number, rate: number }
+    }
+}
+
+/// One particle over a step, or several in lanes, by `V/V_0` and wave speed before. What it makes of them goes to `after`: in a result
+/// it would share memory with a fault, and the compiler would take registers apart for that.
 #[inline(always)]
 pub(crate) fn next<M: Material<S>, S: Real>(
     (material, density): (&M, S),
     Strain { dt, time, cell, viscosity, .. }: Strain,
     l: &[[S; 3]; 3],
     (volume_before, wave_speed): (S, S),
-    state: &mut M::State,
-) -> Result<Next<S>, Fault> {
+    (state, after): (&mut M::State, &mut Next<S>),
+) -> Result<(), Fault> {
     let zero = volume_before.splat(0.0);
     let volume = volume_before * volume_change(l, dt);
     let holds = zero.less(volume).and(volume.is_finite());
@@ -164,7 +163,8 @@ pub(crate) fn next<M: Material<S>, S: Real>(
     let wave_speed = material.wave_speed(volume, state);
     let holds = wave_speed.at_least(zero).and(wave_speed.is_finite());
     Fault::unless(holds, wave_speed, "wave speed", "0 or above and finite")?;
-    Ok(Next { stress, viscosity: q, volume, wave_speed, rate })
+    *after = Next { stress, viscosity: q, volume, wave_speed, rate };
+    Ok(())
 }
 
 impl<S: Number> From<Next<S>> for Condition<S> {
@@ -181,14 +181,14 @@ struct Portion<'a, M: Material<S>, S: Number> {
     density: S,
     plane: bool,
     states: &'a mut [M::State],
-    conditions: &'a mut [Condition<S>],
+    conditions: ColumnsMut<'a, S>,
 }
 
 impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
     fn split(&mut self, middle: usize, work: &mut Halves<'_, S>) {
         let Self { material, density, plane, .. } = *self;
         let (states, further_states) = self.states.split_at_mut(middle);
-        let (conditions, further) = self.conditions.split_at_mut(middle);
+        let (conditions, further) = self.conditions.halves(middle);
         let mut low = Portion { material, density, plane, states, conditions };
         let (states, conditions) = (further_states, further);
         let mut high = Portion { material, density, plane, states, conditions };
@@ -199,20 +199,23 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
         &mut self,
         range: Range<usize>,
         strain: Strain,
-        velocity_gradients: &[[[S; 3]; 3]],
+        velocity_gradients: &VelocityGradients<S>,
         numbers: &[u32],
     ) -> Option<(u32, Fault)> {
         let (of, plane) = ((self.material, self.density), self.plane);
-        let (states, conditions) = (&mut self.states[range.clone()], &mut self.conditions[range]);
+        let (states, mut conditions) =
+            (&mut self.states[range.clone()], self.conditions.part(range));
         dispatch(
             #[inline(always)]
             || {
                 let mut first = None;
-                for (i, l) in velocity_gradients.iter().enumerate() {
-                    let (state, condition) = (&mut states[i], &mut conditions[i]);
-                    let l = if plane { in_plane(l) } else { *l };
-                    match next(of, strain, &l, (condition.volume, condition.wave_speed), state) {
-                        Ok(next) => *condition = next.into(),
+                for (i, state) in states.iter_mut().enumerate() {
+                    let l = velocity_gradients.get(i);
+                    let l = if plane { in_plane(&l) } else { l };
+                    let before = (conditions.volume[i], conditions.wave_speed[i]);
+                    let mut after = Next::blank(before.0);
+                    match next(of, strain, &l, before, (state, &mut after)) {
+                        Ok(()) => conditions.set(i, after.into()),
                         Err(fault) => keep_lowest(&mut first, (numbers[i], fault)),
                     }
                 }
@@ -221,8 +224,8 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
         )
     }
 
-    fn conditions(&self) -> &[Condition<S>] {
-        self.conditions
+    fn conditions(&self) -> Columns<'_, S> {
+        self.conditions.columns()
     }
 
     fn add_energies(&self, range: Range<usize>, reference_volumes: &[f64], sum: &mut f64) {
@@ -238,12 +241,12 @@ where
 {
     fn pass(&mut self, work: &mut dyn FnMut(&mut dyn MaterialUpdate<S>)) {
         let Self { material, density, plane, states, conditions } = self;
-        let (density, plane) = (*density, *plane);
+        let (density, plane, conditions) = (*density, *plane, conditions.columns_mut());
         work(&mut Portion { material, density, plane, states, conditions });
     }
 
-    fn conditions(&self) -> &[Condition<S>] {
-        &self.conditions
+    fn conditions(&self) -> Columns<'_, S> {
+        self.conditions.columns()
     }
 
     fn observe(&self, place: usize) -> Observed<S> {
@@ -252,7 +255,7 @@ where
 
     fn permute(&mut self, order: &[u32], done: &mut Vec<bool>) {
         permute(&mut self.states, order, done);
-        permute(&mut self.conditions, order, done);
+        self.conditions.permute(order, done);
     }
 
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<S>> {
@@ -260,13 +263,16 @@ where
     }
 
     fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
-        let (mut condition, mut state) = (self.conditions[place], self.states[place]);
+        let (mut condition, mut state) = (self.conditions.columns().get(place), self.states[place]);
         condition.visit_numbers(visit);
         self.material.visit_numbers(&mut state, |number: &mut S| visit(number))
     }
 
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
-        self.conditions[place].visit_numbers(visit);
+        let mut conditions = self.conditions.columns_mut();
+        let mut condition = conditions.get(place);
+        condition.visit_numbers(visit);
+        conditions.set(place, condition);
         self.material.visit_numbers(&mut self.states[place], visit)
     }
 }
@@ -277,15 +283,5 @@ impl<M: Material<S>, S: Number> std::fmt::Debug for Points<M, S> {
         let mut fields = formatter.debug_struct("Points");
         fields.field("material", material).field("density", density);
         fields.field("states", states).field("conditions", conditions).finish()
-    }
-}
-
-impl<S: Number> Condition<S> {
-    pub(crate) fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
-        let Self { stress, viscosity, volume, wave_speed, rate } = self;
-        let mut number = S::constant(*rate);
-        let others = [viscosity, volume, wave_speed, &mut number];
-        stress.0.iter_mut().chain(others).for_each(visit);
-        *rate = number.value();
     }
 }

@@ -8,9 +8,10 @@
 use lanes::dispatch;
 
 use crate::body::Body;
+use crate::conditions::Columns;
 use crate::config::Config;
 use crate::grid::Grid;
-use crate::material_points::{Condition, MaterialUpdate, Strain};
+use crate::material_points::{MaterialUpdate, Strain};
 use crate::number::Number;
 use crate::parallel::join;
 use crate::particle_motion::GridToParticle;
@@ -18,6 +19,7 @@ use crate::particles::{BATCH, Chunk};
 use crate::pass::Pass;
 use crate::summary::{Summary, look};
 use crate::transfers::grid_to_particle;
+use crate::velocity_gradients::VelocityGradients;
 
 /// Particles of a thread's share at least, a multiple of a batch.
 const SHARE: usize = 1024;
@@ -85,21 +87,21 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
         points: &mut dyn MaterialUpdate<S>,
     ) -> Summary<D> {
         let mut summary = Summary::none();
-        let mut velocity_gradients = [[[S::constant(0.0); 3]; 3]; BATCH];
+        let mut velocity_gradients = VelocityGradients::zero();
         for begin in (0..share.len()).step_by(BATCH) {
             let batch = begin..share.len().min(begin + BATCH);
             let mut chunk = share.part(batch.clone());
-            let velocity_gradients = &mut velocity_gradients[..batch.len()];
-            grid_to_particle(&self.transfer, self.grid, &mut chunk, velocity_gradients);
+            grid_to_particle(&self.transfer, self.grid, &mut chunk, &mut velocity_gradients);
             if self.pass.updates_stress() {
                 let (range, numbers) = (batch.clone(), chunk.number);
-                let fault = points.update(range, self.strain, velocity_gradients, numbers);
+                let fault = points.update(range, self.strain, &velocity_gradients, numbers);
                 if let Some((number, fault)) = fault {
                     summary.fail(number, fault);
                 }
             }
             if self.pass.moves() {
-                self.move_batch(&mut chunk, &points.conditions()[batch.clone()], &mut summary);
+                let conditions = points.conditions().part(batch.clone());
+                self.move_batch(&mut chunk, &conditions, &mut summary);
                 points.add_energies(batch, chunk.reference_volume, &mut summary.internal);
             }
         }
@@ -111,7 +113,7 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
     fn move_batch(
         &self,
         chunk: &mut Chunk<'_, S, D>,
-        conditions: &[Condition<S>],
+        conditions: &Columns<'_, S>,
         summary: &mut Summary<D>,
     ) {
         let is_everywhere = dispatch(

@@ -8,9 +8,9 @@
 use std::ops::Range;
 
 use crate::body::Body;
+use crate::conditions::Columns;
 use crate::config::{Config, Geometry, Transfer};
 use crate::lattice::Lattice;
-use crate::material_points::Condition;
 use crate::node::Node;
 use crate::number::Number;
 use crate::shape::Shape;
@@ -54,7 +54,7 @@ pub(crate) struct Run<'a, S, const D: usize> {
     pub(crate) half_length: &'a [[S; D]],
     pub(crate) mass: &'a [S],
     pub(crate) reference_volume: &'a [f64],
-    pub(crate) conditions: &'a [Condition<S>],
+    pub(crate) conditions: Columns<'a, S>,
     /// The lowest node that it sees.
     pub(crate) base: &'a [[i32; D]],
     /// Where in the blocks of the grid this node is.
@@ -96,11 +96,7 @@ impl<S: Number, const D: usize> Terms<S, D> {
 
 impl<'a, S: Number, const D: usize> Run<'a, S, D> {
     #[inline(always)]
-    pub(crate) fn of(
-        body: &'a Body<S, D>,
-        conditions: &'a [Condition<S>],
-        run: Range<usize>,
-    ) -> Self {
+    pub(crate) fn of(body: &'a Body<S, D>, conditions: &Columns<'a, S>, run: Range<usize>) -> Self {
         let (particles, binning) = (&body.particles, &body.binning);
         Self {
             position: &particles.position[run.clone()],
@@ -109,7 +105,7 @@ impl<'a, S: Number, const D: usize> Run<'a, S, D> {
             half_length: particles.half_length.get(run.clone()).unwrap_or_default(),
             mass: &particles.mass[run.clone()],
             reference_volume: &particles.reference_volume[run.clone()],
-            conditions: &conditions[run.clone()],
+            conditions: conditions.part(run.clone()),
             base: &binning.bases[run.clone()],
             node: &binning.nodes[run],
         }
@@ -185,11 +181,14 @@ impl<const D: usize> ParticleToGrid<D> {
     /// `-V_p sigma_p e_l` over the cell, by the axis `l` of the gradient.
     #[inline(always)]
     fn stress_force<S: Number>(&self, of: &Run<'_, S, D>, p: usize) -> [[S; D]; D] {
-        let condition = &of.conditions[p];
-        let factor = condition.volume * of.reference_volume[p] * -self.lattice.per_cell;
-        let mut stress = condition.stress.0;
+        let Columns { volume, viscosity, stress: columns, .. } = &of.conditions;
+        let factor = volume[p] * of.reference_volume[p] * -self.lattice.per_cell;
+        let mut stress = [factor; 6];
+        for k in 0..6 {
+            stress[k] = columns[k][p];
+        }
         for k in 0..3 {
-            stress[k] = stress[k] - condition.viscosity;
+            stress[k] = stress[k] - viscosity[p];
         }
         let mut force = [[factor; D]; D];
         for l in 0..D {
@@ -208,9 +207,9 @@ impl<const D: usize> ParticleToGrid<D> {
             force[k] = of.mass[p] * self.gravity[k];
         }
         if self.axisymmetric {
-            let condition = &of.conditions[p];
-            let volume = condition.volume * of.reference_volume[p];
-            let hoop = condition.stress.0[2] - condition.viscosity;
+            let Columns { volume, viscosity, stress, .. } = &of.conditions;
+            let volume = volume[p] * of.reference_volume[p];
+            let hoop = stress[2][p] - viscosity[p];
             force[0] = force[0] - volume * hoop / of.position[p][0];
         }
         force

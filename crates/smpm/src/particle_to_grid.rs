@@ -110,7 +110,7 @@ impl<const D: usize> ParticleToGrid<D> {
             let mut begin = run.start;
             while begin < run.end {
                 let end = run.end.min(begin + N);
-                let of = Run::of(body, conditions, begin..end);
+                let of = Run::of(body, &conditions, begin..end);
                 let terms = &mut terms[..end - begin];
                 let Run { position, half_length, base, .. } = of;
                 self.lattice.find_axes::<S, NODES, N>(

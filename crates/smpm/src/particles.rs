@@ -16,7 +16,7 @@ use crate::pass::Pass;
 use crate::shape::Shape;
 
 /// Particles that go through a pass together: what nodes and material make of them stays in the nearest cache.
-pub(crate) const BATCH: usize = 32;
+pub(crate) const BATCH: usize = 64;
 
 /// What every particle carries besides the state of its material, in the order of memory. A column that no step of the
 /// configuration needs is empty.

@@ -10,16 +10,19 @@
 
 use std::ops::Range;
 
-use lanes::{Registers, SimdLevel, Work};
+use lanes::{Registers, SimdLevel, Work, dispatch};
 use perturbation_moments::InLanes;
 
-use crate::binning::{permute, permute_by};
+use crate::binning::permute_by;
+use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};
 use crate::error::Fault;
 use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
 use crate::material_points::{
-    Condition, Halves, MaterialPoints, MaterialUpdate, Next, Strain, keep_lowest, next,
+    Halves, MaterialPoints, MaterialUpdate, Next, Strain, keep_lowest, next,
 };
+use crate::summary::Sums;
 use crate::tensor::in_plane;
+use crate::velocity_gradients::VelocityGradients;
 
 #[cfg(test)]
 mod tests;
@@ -36,7 +39,7 @@ pub(crate) struct PointsInLanes<M: MaterialFamily<f64>> {
     level: SimdLevel,
     states: Vec<f64>,
     layout: Layout<M::State>,
-    conditions: Vec<Condition<f64>>,
+    conditions: Conditions<f64>,
 }
 
 /// How the states of particles are in memory: block by block, number by number, particle by particle.
@@ -55,6 +58,12 @@ impl<T: Copy> Layout<T> {
         particle / BLOCK * self.stride + particle % BLOCK
     }
 
+    /// Behind the block of a particle.
+    #[inline(always)]
+    fn end(&self, particle: usize) -> usize {
+        (particle / BLOCK + 1) * self.stride
+    }
+
     /// The state of one particle.
     #[inline(always)]
     fn load<M: Material<f64, State = T>>(
@@ -64,11 +73,13 @@ impl<T: Copy> Layout<T> {
         particle: usize,
     ) -> T {
         let (mut state, mut place) = (self.blank, self.place(particle));
+        let states = &states[..self.end(particle)];
         material.visit_numbers(
             &mut state,
             #[inline(always)]
             |number| {
-                *number = states[place];
+                // All are there; without a panic, a number that nobody reads is not loaded.
+                *number = states.get(place).copied().unwrap_or(f64::NAN);
                 place += BLOCK;
             },
         );
@@ -103,12 +114,11 @@ impl<M: MaterialFamily<f64>> PointsInLanes<M> {
         material.visit_numbers(&mut blank, |_| n_numbers += 1);
         let layout = Layout { stride: n_numbers * BLOCK, blank };
         let mut states = vec![0.0; places.len().div_ceil(BLOCK) * layout.stride];
-        let mut conditions = Vec::with_capacity(places.len());
-        for (particle, &place) in places.iter().enumerate() {
+        let conditions = Conditions::of(places.iter().enumerate().map(|(particle, &place)| {
             let state = material.start(place);
-            conditions.push(Condition::at_start(&material, &state));
             layout.store(&material, &mut states, (particle, state));
-        }
+            Condition::at_start(&material, &state)
+        }));
         let (density, level) = (material.density(), SimdLevel::best());
         Self { material, density, plane, level, states, layout, conditions }
     }
@@ -126,14 +136,14 @@ struct Portion<'a, M: MaterialFamily<f64>> {
     level: SimdLevel,
     states: &'a mut [f64],
     layout: Layout<M::State>,
-    conditions: &'a mut [Condition<f64>],
+    conditions: ColumnsMut<'a, f64>,
 }
 
 impl<M: MaterialFamily<f64>> MaterialUpdate<f64> for Portion<'_, M> {
     fn split(&mut self, middle: usize, work: &mut Halves<'_, f64>) {
         let Self { material, density, plane, level, layout, .. } = *self;
         let (states, further_states) = self.states.split_at_mut(middle / BLOCK * layout.stride);
-        let (conditions, further) = self.conditions.split_at_mut(middle);
+        let (conditions, further) = self.conditions.halves(middle);
         let mut low = Portion { material, density, plane, level, states, layout, conditions };
         let (states, conditions) = (further_states, further);
         let mut high = Portion { material, density, plane, level, states, layout, conditions };
@@ -144,7 +154,7 @@ impl<M: MaterialFamily<f64>> MaterialUpdate<f64> for Portion<'_, M> {
         &mut self,
         range: Range<usize>,
         strain: Strain,
-        velocity_gradients: &[[[f64; 3]; 3]],
+        velocity_gradients: &VelocityGradients<f64>,
         numbers: &[u32],
     ) -> Option<(u32, Fault)> {
         let blocks = range.start / BLOCK..range.end.div_ceil(BLOCK);
@@ -155,22 +165,33 @@ impl<M: MaterialFamily<f64>> MaterialUpdate<f64> for Portion<'_, M> {
             plane: self.plane,
             states: &mut self.states[blocks.start * stride..blocks.end * stride],
             layout: self.layout,
-            conditions: &mut self.conditions[range],
+            conditions: self.conditions.part(range),
             strain,
             velocity_gradients,
             numbers,
         })
     }
 
-    fn conditions(&self) -> &[Condition<f64>] {
-        self.conditions
+    fn conditions(&self) -> Columns<'_, f64> {
+        self.conditions.columns()
     }
 
     fn add_energies(&self, range: Range<usize>, reference_volumes: &[f64], sum: &mut f64) {
-        for (particle, volume) in range.zip(reference_volumes) {
-            let state = self.layout.load(self.material, self.states, particle);
-            *sum += self.material.energy(&state) * volume;
-        }
+        *sum += dispatch(
+            #[inline(always)]
+            || {
+                let mut energies = Sums::none();
+                energies.add(
+                    reference_volumes.len(),
+                    #[inline(always)]
+                    |i| {
+                        let state = self.layout.load(self.material, self.states, range.start + i);
+                        self.material.energy(&state) * reference_volumes[i]
+                    },
+                );
+                energies.total()
+            },
+        );
     }
 }
 
@@ -181,9 +202,9 @@ struct Batch<'a, M: MaterialFamily<f64>> {
     plane: bool,
     states: &'a mut [f64],
     layout: Layout<M::State>,
-    conditions: &'a mut [Condition<f64>],
+    conditions: ColumnsMut<'a, f64>,
     strain: Strain,
-    velocity_gradients: &'a [[[f64; 3]; 3]],
+    velocity_gradients: &'a VelocityGradients<f64>,
     numbers: &'a [u32],
 }
 
@@ -202,7 +223,7 @@ impl<M: MaterialFamily<f64>> Work<f64> for Batch<'_, M> {
             |number| InLanes(registers.splat(number)),
         );
         let material = (material, InLanes(registers.splat(self.density)));
-        let (n, mut at, mut first) = (self.velocity_gradients.len(), 0, None);
+        let (n, mut at, mut first) = (self.numbers.len(), 0, None);
         while at + R::N <= n {
             if !self.register(registers, &material, at) {
                 self.one_by_one(at..at + R::N, &mut first);
@@ -237,9 +258,11 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
                 place += BLOCK;
             },
         );
-        let Ok(next) = next((material, *density), self.strain, &l, before, &mut state) else {
+        let mut after = Next::blank(before.0);
+        let of = (material, *density);
+        if next(of, self.strain, &l, before, (&mut state, &mut after)).is_err() {
             return false;
-        };
+        }
         place = first;
         material.visit_numbers(
             &mut state,
@@ -249,7 +272,7 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
                 place += BLOCK;
             },
         );
-        self.keep(registers, at, &next);
+        self.keep(registers, at, &after);
         true
     }
 
@@ -260,16 +283,12 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
         registers: R,
         at: usize,
     ) -> [[InLanes<Vector<R>>; 3]; 3] {
-        let l = &self.velocity_gradients[at..at + R::N];
         let mut gathered = [[InLanes(registers.splat(0.0)); 3]; 3];
         for i in 0..3 {
             for k in 0..3 {
                 if !self.plane || (i == 2) == (k == 2) {
-                    let mut lanes = [0.0; BLOCK];
-                    for lane in 0..R::N {
-                        lanes[lane] = l[lane][i][k];
-                    }
-                    gathered[i][k] = InLanes(registers.load_at(&lanes, 0));
+                    let entries = self.velocity_gradients.entries(i, k);
+                    gathered[i][k] = InLanes(registers.load_at(entries, at));
                 }
             }
         }
@@ -283,14 +302,8 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
         registers: R,
         at: usize,
     ) -> (InLanes<Vector<R>>, InLanes<Vector<R>>) {
-        let conditions = &self.conditions[at..at + R::N];
-        let mut lanes = [[0.0; BLOCK]; 2];
-        for lane in 0..R::N {
-            lanes[0][lane] = conditions[lane].volume;
-            lanes[1][lane] = conditions[lane].wave_speed;
-        }
-        let [volume, wave_speed] = &lanes;
-        (InLanes(registers.load_at(volume, 0)), InLanes(registers.load_at(wave_speed, 0)))
+        let ColumnsMut { volume, wave_speed, .. } = &self.conditions;
+        (InLanes(registers.load_at(volume, at)), InLanes(registers.load_at(wave_speed, at)))
     }
 
     /// Keeps the conditions after the step.
@@ -301,39 +314,28 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
         at: usize,
         next: &Next<InLanes<Vector<R>>>,
     ) {
-        let conditions = &mut self.conditions[at..at + R::N];
-        let mut lanes = [[0.0; BLOCK]; 10];
+        let ColumnsMut { stress, viscosity, volume, wave_speed, rate } = &mut self.conditions;
         for k in 0..6 {
-            registers.store_at(next.stress.0[k].0, &mut lanes[k], 0);
+            registers.store_at(next.stress.0[k].0, stress[k], at);
         }
-        registers.store_at(next.viscosity.0, &mut lanes[6], 0);
-        registers.store_at(next.volume.0, &mut lanes[7], 0);
-        registers.store_at(next.wave_speed.0, &mut lanes[8], 0);
-        registers.store_at(next.rate.0, &mut lanes[9], 0);
-        for lane in 0..R::N {
-            let condition = &mut conditions[lane];
-            for k in 0..6 {
-                condition.stress.0[k] = lanes[k][lane];
-            }
-            condition.viscosity = lanes[6][lane];
-            condition.volume = lanes[7][lane];
-            condition.wave_speed = lanes[8][lane];
-            condition.rate = lanes[9][lane];
-        }
+        registers.store_at(next.viscosity.0, viscosity, at);
+        registers.store_at(next.volume.0, volume, at);
+        registers.store_at(next.wave_speed.0, wave_speed, at);
+        registers.store_at(next.rate.0, rate, at);
     }
 
     /// Particles that do not fill a register, or of which one fails.
     #[inline(never)]
     fn one_by_one(&mut self, range: Range<usize>, first: &mut Option<(u32, Fault)>) {
         for i in range {
-            let l = &self.velocity_gradients[i];
-            let l = if self.plane { in_plane(l) } else { *l };
+            let l = self.velocity_gradients.get(i);
+            let l = if self.plane { in_plane(&l) } else { l };
             let mut state = self.layout.load(self.material, self.states, i);
-            let condition = &mut self.conditions[i];
-            let before = (condition.volume, condition.wave_speed);
-            match next((self.material, self.density), self.strain, &l, before, &mut state) {
-                Ok(next) => {
-                    *condition = next.into();
+            let before = (self.conditions.volume[i], self.conditions.wave_speed[i]);
+            let (of, mut after) = ((self.material, self.density), Next::blank(before.0));
+            match next(of, self.strain, &l, before, (&mut state, &mut after)) {
+                Ok(()) => {
+                    self.conditions.set(i, after.into());
                     self.layout.store(self.material, self.states, (i, state));
                 }
                 Err(fault) => keep_lowest(first, (self.numbers[i], fault)),
@@ -349,11 +351,12 @@ where
     fn pass(&mut self, work: &mut dyn FnMut(&mut dyn MaterialUpdate<f64>)) {
         let Self { material, density, plane, level, states, layout, conditions } = self;
         let (density, plane, level, layout) = (*density, *plane, *level, *layout);
+        let conditions = conditions.columns_mut();
         work(&mut Portion { material, density, plane, level, states, layout, conditions });
     }
 
-    fn conditions(&self) -> &[Condition<f64>] {
-        &self.conditions
+    fn conditions(&self) -> Columns<'_, f64> {
+        self.conditions.columns()
     }
 
     fn observe(&self, place: usize) -> Observed<f64> {
@@ -367,7 +370,7 @@ where
             layout.store(material, states, (particle, state));
         };
         permute_by(states.as_mut_slice(), order, done, read, write);
-        permute(&mut self.conditions, order, done);
+        self.conditions.permute(order, done);
     }
 
     fn at_local_state(&self, state: &LocalState) -> Option<LocalResponse<f64>> {
@@ -375,13 +378,16 @@ where
     }
 
     fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut f64)) -> bool {
-        let (mut condition, mut state) = (self.conditions[place], self.state(place));
+        let (mut condition, mut state) = (self.conditions.columns().get(place), self.state(place));
         condition.visit_numbers(visit);
         self.material.visit_numbers(&mut state, visit)
     }
 
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut f64)) -> bool {
-        self.conditions[place].visit_numbers(visit);
+        let mut conditions = self.conditions.columns_mut();
+        let mut condition = conditions.get(place);
+        condition.visit_numbers(visit);
+        conditions.set(place, condition);
         let mut state = self.state(place);
         let is_all = self.material.visit_numbers(&mut state, visit);
         self.layout.store(&self.material, &mut self.states, (place, state));

@@ -67,14 +67,16 @@ pub(crate) fn lowest_node(s: f64, (reach, further): (f64, i32)) -> i32 {
     floor(s - reach).wrapping_sub(further)
 }
 
-/// The largest whole number not above `s`.
+/// The largest whole number not above `s`, or the end of the type; as `as i32`, but for many at once.
 #[inline(always)]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the grid refuses places beyond the range of its node numbers"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "the lowest bits are the whole number")]
 fn floor(s: f64) -> i32 {
-    s.floor() as i32
+    // 1.5 times 2^52: a whole number is in the lowest bits of the sum.
+    const SHIFT: f64 = 6755399441055744.0;
+    let whole = s.floor();
+    let whole = if whole > -2147483648.0 { whole } else { -2147483648.0 };
+    let whole = if whole < 2147483647.0 { whole } else { 2147483647.0 };
+    (whole + SHIFT).to_bits() as i32
 }
 
 impl<S: Scalar, const N: usize> Axis<S, N> {

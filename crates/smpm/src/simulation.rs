@@ -381,10 +381,12 @@ impl Limit {
         let mut limit = Self { dt: f64::INFINITY, body: 0, particle: 0 };
         for (number, body) in bodies.iter().enumerate() {
             let conditions = body.points.conditions();
-            for ((v, condition), &particle) in
-                body.particles.velocity.iter().zip(conditions).zip(&body.particles.number)
+            for (p, (v, &particle)) in
+                body.particles.velocity.iter().zip(&body.particles.number).enumerate()
             {
-                let one = Self::at(config, (signal_speed(v, condition, config), particle), number);
+                let (wave_speed, rate) = (conditions.wave_speed[p].value(), conditions.rate[p]);
+                let speed = signal_speed(v, (wave_speed, rate), config);
+                let one = Self::at(config, (speed, particle), number);
                 if one.dt < limit.dt {
                     limit = one;
                 }

@@ -34,7 +34,7 @@ pub(crate) fn sum_surfaces<S: Number, const D: usize>(
                     3 => lattice.find_axes::<S, 3, 1>(config.shape, x, half, base, &mut axes),
                     _ => lattice.find_axes::<S, 4, 1>(config.shape, x, half, base, &mut axes),
                 }
-                let mut volume = conditions[p].volume * (reference_volume[p] * per_cell);
+                let mut volume = conditions.volume[p] * (reference_volume[p] * per_cell);
                 if axisymmetric {
                     volume = volume / position[p][0];
                 }

@@ -15,14 +15,19 @@ use crate::number::Number;
 use crate::particle_motion::GridToParticle;
 use crate::particle_terms::{Given, ParticleToGrid};
 use crate::particles::Chunk;
+use crate::velocity_gradients::VelocityGradients;
 
 /// Adds the particles of a body in a tile, by its slot, to the tile's blocks, which begin with a node number.
 type ToGrid<S, const D: usize> =
     fn(SimdLevel, &ParticleToGrid<D>, (&Body<S, D>, usize), (usize, &mut [Node<S, D>], &mut [S]));
 
 /// A pass over a chunk of particles; writes their velocity gradients.
-type ToParticles<S, const D: usize> =
-    fn(SimdLevel, &GridToParticle<D>, &Grid<S, D>, (&mut Chunk<'_, S, D>, &mut [[[S; 3]; 3]]));
+type ToParticles<S, const D: usize> = fn(
+    SimdLevel,
+    &GridToParticle<D>,
+    &Grid<S, D>,
+    (&mut Chunk<'_, S, D>, &mut VelocityGradients<S>),
+);
 
 /// Transfers of particles in lanes.
 struct InLanes<S: Number, const D: usize> {
@@ -65,7 +70,7 @@ pub(crate) fn grid_to_particle<S: Number, const D: usize>(
     transfer: &GridToParticle<D>,
     grid: &Grid<S, D>,
     chunk: &mut Chunk<'_, S, D>,
-    gradients: &mut [[[S; 3]; 3]],
+    gradients: &mut VelocityGradients<S>,
 ) {
     if let Some(in_lanes) = in_lanes::<S, D>()
         && chunk.len() >= LANES
@@ -88,6 +93,7 @@ mod tests {
     use crate::config::{Geometry, Transfer};
     use crate::fill::Fill;
     use crate::material::{LinearElasticParameters, LinearElasticSolid};
+    use crate::particles::BATCH;
     use crate::pass::Pass;
     use crate::shape::Shape;
     use crate::tile_size::block_len;
@@ -226,13 +232,24 @@ mod tests {
         config: &Config<D>,
         pass: Pass,
         scene: (Body<f64, D>, Grid<f64, D>),
-        work: impl Fn(&GridToParticle<D>, &Grid<f64, D>, &mut Chunk<'_, f64, D>, &mut [[[f64; 3]; 3]]),
+        work: impl Fn(
+            &GridToParticle<D>,
+            &Grid<f64, D>,
+            &mut Chunk<'_, f64, D>,
+            &mut VelocityGradients<f64>,
+        ),
     ) -> Vec<f64> {
         let (mut body, grid) = scene;
         body.particles.displacement.resize(body.n_particles(), [0.0; D]);
-        let mut gradients = vec![[[0.0; 3]; 3]; body.n_particles()];
+        let mut gradients = vec![];
         let transfer = GridToParticle::of(grid.lattice, config, pass, 0.01);
-        work(&transfer, &grid, &mut body.for_pass().0, &mut gradients);
+        let n = body.n_particles();
+        for begin in (0..n).step_by(BATCH) {
+            let batch = begin..n.min(begin + BATCH);
+            let mut of_batch = VelocityGradients::zero();
+            work(&transfer, &grid, &mut body.for_pass().0.part(batch.clone()), &mut of_batch);
+            gradients.extend((0..batch.len()).map(|p| of_batch.get(p)));
+        }
         let of = &body.particles;
         let vectors = [&of.position, &of.velocity, &of.displacement, &of.stretched];
         let vectors = vectors.into_iter().flat_map(|column| column.as_flattened());

@@ -10,6 +10,7 @@ use crate::material::{
     NeoHookeanParameters, Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
 };
 use crate::material_points::{MaterialPoints, Points, Strain};
+use crate::velocity_gradients::VelocityGradients;
 
 const UNITS: Units = Units::CM_G_US;
 
@@ -53,7 +54,10 @@ fn driven(
         points.pass(&mut |points| {
             for begin in (0..n).step_by(32) {
                 let batch = begin..n.min(begin + 32);
-                let l: Vec<_> = batch.clone().map(|p| gradient(p, step)).collect();
+                let mut l = VelocityGradients::zero();
+                for (i, p) in batch.clone().enumerate() {
+                    l.set(i, &gradient(p, step));
+                }
                 faults.extend(points.update(batch.clone(), strain, &l, &numbers[batch]));
             }
         });

@@ -1,8 +1,6 @@
 //! Schemes in time, their limits of stability.
 
 use crate::chebyshev::{Chebyshev, MOST_STAGES};
-use crate::error::{Error, finite};
-use crate::matrix::Matrix;
 
 /// Explicit schemes for `dX/dt = v(t, X)`. Metric and neighbours are those of each stage; so are smoothing lengths, to second
 /// order, where the estimator gives their rates. Where it gives none, as in the paper's method, they are frozen over a step.
@@ -117,18 +115,6 @@ impl Scheme {
             Self::LeapFrog => Some("previous_position"),
             Self::LawsonAdamsBashforth2 => Some("previous_rate"),
             _ => None,
-        }
-    }
-
-    /// Refuses a system without the linear part that the scheme needs, and one that is not finite.
-    pub(crate) fn check<const D: usize>(self, linear: Option<Matrix<D>>) -> Result<(), Error> {
-        match linear {
-            None if self.needs_linear_part() => Err(Error::NoLinearPart { scheme: self }),
-            None => Ok(()),
-            Some(part) => part
-                .as_flattened()
-                .iter()
-                .try_for_each(|value| finite("an entry of the linear part of the drift", *value)),
         }
     }
 }

@@ -7,10 +7,12 @@ use sde_integrators::{GaussianMixture, Sde};
 use crate::coefficients::OfSystem;
 use crate::compiled::passes;
 use crate::config::Config;
-use crate::error::Error;
+use crate::error::{Error, finite};
+use crate::matrix::Matrix;
 use crate::observables::{CellIntegral, DensityField};
 use crate::remap::{Remapped, Remapping};
 use crate::report::{StepReport, Work};
+use crate::scheme::Scheme;
 use crate::score::ScoreEstimator;
 use crate::solver::Solver;
 
@@ -33,7 +35,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// estimator is known to fail at the resolution asked for; [`Error::NoLinearPart`] where the scheme needs one and the
     /// system declares none.
     pub fn new(system: S, law: &GaussianMixture<D>, config: &Config<D>) -> Result<Self, Error> {
-        config.method.combination_in(D).scheme.check(system.linear_part())?;
+        check_linear_part(config.method.combination_in(D).scheme, system.linear_part())?;
         Ok(Self { system, solver: (passes().start)(law, config, None)? })
     }
 
@@ -47,7 +49,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         config: &Config<D>,
         estimator: Box<dyn ScoreEstimator<D> + Sync>,
     ) -> Result<Self, Error> {
-        config.method.combination_in(D).scheme.check(system.linear_part())?;
+        check_linear_part(config.method.combination_in(D).scheme, system.linear_part())?;
         Ok(Self { system, solver: (passes().start)(law, config, Some(estimator))? })
     }
 
@@ -181,5 +183,20 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// particle whose lattice cell has no volume.
     pub fn density_field(&self) -> Result<DensityField<D>, Error> {
         (passes().density_field)(&self.solver)
+    }
+}
+
+/// Refuses a system without the linear part that the scheme needs, and one that is not finite.
+fn check_linear_part<const D: usize>(
+    scheme: Scheme,
+    linear: Option<Matrix<D>>,
+) -> Result<(), Error> {
+    match linear {
+        None if scheme.needs_linear_part() => Err(Error::NoLinearPart { scheme }),
+        None => Ok(()),
+        Some(part) => part
+            .as_flattened()
+            .iter()
+            .try_for_each(|value| finite("an entry of the linear part of the drift", *value)),
     }
 }

@@ -59,7 +59,8 @@ pub(super) fn runge_kutta_4<const D: usize>(
     velocity(t + dt / 2.0, x, k_3)?;
     combine(x, x_0, &[(dt, k_3)]);
     velocity(t + dt, x, k_4)?;
-    let (sixth, third) = (dt / 6.0, dt / 3.0);
+    let sixth = dt / 6.0;
+    let third = dt / 3.0;
     combine(x, x_0, &[(sixth, k_1), (third, k_2), (third, k_3), (sixth, k_4)]);
     Ok(())
 }

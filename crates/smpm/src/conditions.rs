@@ -117,7 +117,7 @@ impl<S: Number> Conditions<S> {
     }
 }
 
-impl<'a, S: Number> Columns<'a, S> {
+impl<S: Number> Columns<'_, S> {
     /// A range of the particles.
     #[inline(always)]
     pub(crate) fn part(&self, range: Range<usize>) -> Self {

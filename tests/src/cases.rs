@@ -50,6 +50,8 @@ pub const ALL: &[Case] = &[
     fpk::monte_carlo::CASE,
     fpk::rivals::CASE,
     fpk::guided_paths::CASE,
+    fpk::shear_building::CASE,
+    fpk::passage_benchmarks::CASE,
     fpk::spatial_order::CASE,
     fpk::steps::CASE,
     fpk::invariance::CASE,

@@ -12,6 +12,8 @@ pub static ALL: &[SceneKind] = if cfg!(test) {
     &[
         #[cfg(feature = "fpk")]
         crate::fpk::run::KIND,
+        #[cfg(feature = "fpk")]
+        crate::building::run::KIND,
         #[cfg(feature = "smpm")]
         crate::smpm::run::KIND,
         #[cfg(feature = "peridyn")]

@@ -1,6 +1,6 @@
 //! Density scenes: scene types, their systems and methods, and their execution.
 
-mod checks;
+pub(crate) mod checks;
 pub mod density;
 pub mod integrator_scene;
 pub mod lattice_scene;

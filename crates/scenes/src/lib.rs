@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod advise;
+#[cfg(feature = "fpk")]
+pub mod building;
 mod built_in;
 pub mod causes;
 pub mod checkpoint;

@@ -11,7 +11,7 @@ pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<
 }
 
 /// Returns an objection to the value at a path unless it is valid.
-pub(super) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
+pub(crate) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(), Objection> {
     if holds {
         Ok(())
     } else {

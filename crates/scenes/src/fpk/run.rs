@@ -4,11 +4,11 @@ mod asked;
 mod ingredients;
 mod ladder;
 mod linearised;
-mod observed;
+pub(crate) mod observed;
 mod on_grid;
 mod outcome;
 mod pictures;
-mod record;
+pub(crate) mod record;
 mod sampled;
 mod tails;
 #[cfg(test)]

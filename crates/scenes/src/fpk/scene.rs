@@ -101,7 +101,7 @@ impl Times {
             .collect()
     }
 
-    fn check(&self) -> Result<(), Objection> {
+    pub(crate) fn check(&self) -> Result<(), Objection> {
         must("times.until", self.until, self.until > 0.0, "greater than 0")?;
         must(
             "times.every",

@@ -183,7 +183,7 @@ impl TwoStoreyScene {
 }
 
 impl WindowScene {
-    pub(super) fn build(&self) -> Result<Window, Error> {
+    pub(crate) fn build(&self) -> Result<Window, Error> {
         Ok(match *self {
             Self::Stationary => Window::Stationary,
             Self::RisePlateauDecay { rise_exponent, rise_end, decay_rate, decay_start } => {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
+mod building;
 mod established;
 mod fpk;
 mod peridyn;

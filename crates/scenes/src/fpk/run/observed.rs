@@ -1,20 +1,47 @@
 //! A value of a run with its error.
 
+use random_vibration::GuidedEstimate;
 use sde_integrators::Estimate;
 use serde::Serialize;
 
 use crate::run_result::{ErrorOrigin, error_of};
 
 /// A quantity at a time, with its error.
-#[derive(Debug, Serialize)]
-pub(super) struct Observed {
-    pub(super) t: f64,
-    pub(super) value: f64,
-    pub(super) error: Option<f64>,
-    pub(super) error_kind: ErrorOrigin,
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Observed {
+    pub(crate) t: f64,
+    pub(crate) value: f64,
+    pub(crate) error: Option<f64>,
+    pub(crate) error_kind: ErrorOrigin,
     /// A note on an unreliable value.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) note: Option<String>,
+    pub(crate) note: Option<String>,
+    /// How far the standard error of a weighted estimate can be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) weights: Option<WeightsRecord>,
+}
+
+/// Weights of the paths that reached an event.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct WeightsRecord {
+    paths: u64,
+    hits: u64,
+    effective_sample_size: f64,
+    largest_share: f64,
+    strength: f64,
+}
+
+impl WeightsRecord {
+    /// Those of guided paths.
+    pub(crate) const fn of(found: &GuidedEstimate) -> Self {
+        Self {
+            paths: found.n_paths,
+            hits: found.n_hits,
+            effective_sample_size: found.effective_sample_size,
+            largest_share: found.largest_share,
+            strength: found.strength,
+        }
+    }
 }
 
 impl Observed {
@@ -23,7 +50,7 @@ impl Observed {
         let error = error.filter(|error| error.is_finite());
         let error_kind =
             if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
-        Self { t, value, error, error_kind, note: None }
+        Self { t, value, error, error_kind, note: None, weights: None }
     }
 
     /// Results of a fine run with errors from the coarser runs.
@@ -64,13 +91,18 @@ impl Observed {
     }
 
     /// An estimate with its uncertainty.
-    pub(super) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
+    pub(crate) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
         let (error, error_kind) = error_of(estimate);
-        Self { t, value: estimate.value, error, error_kind, note: None }
+        Self { t, value: estimate.value, error, error_kind, note: None, weights: None }
+    }
+
+    /// An estimate of guided paths.
+    pub(crate) fn of_guided(t: f64, found: &GuidedEstimate) -> Self {
+        Self { weights: Some(WeightsRecord::of(found)), ..Self::of_estimate(t, &found.estimate) }
     }
 
     /// The value, unless its error is as large.
-    pub(super) fn known(&self) -> Option<f64> {
+    pub(crate) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
     }
 }

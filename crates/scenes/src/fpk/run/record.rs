@@ -11,34 +11,34 @@ use crate::run_result::{ErrorOrigin, Unknown};
 
 /// Keys that this kind adds to the schema `run-result/1`.
 #[derive(Debug, Serialize)]
-pub(super) struct Content {
-    pub(super) seed: Option<u64>,
-    pub(super) work: WorkRecord,
+pub(crate) struct Content {
+    pub(crate) seed: Option<u64>,
+    pub(crate) work: WorkRecord,
     /// Why the run ended before its last time.
-    pub(super) stopped: Option<String>,
+    pub(crate) stopped: Option<String>,
     /// Unknown errors, and why; nothing else is missing.
-    pub(super) unknown: Vec<Unknown>,
-    pub(super) quantities: Vec<Series>,
+    pub(crate) unknown: Vec<Unknown>,
+    pub(crate) quantities: Vec<Series>,
 }
 
 /// Work counters.
 #[derive(Debug, Default, Serialize)]
-pub(super) struct WorkRecord {
-    pub(super) particles: Option<usize>,
-    pub(super) steps: Option<u64>,
-    pub(super) evaluations: Option<u64>,
-    pub(super) neighbour_visits: Option<u64>,
-    pub(super) path_steps: Option<u64>,
-    pub(super) cpu_seconds: f64,
+pub(crate) struct WorkRecord {
+    pub(crate) particles: Option<usize>,
+    pub(crate) steps: Option<u64>,
+    pub(crate) evaluations: Option<u64>,
+    pub(crate) neighbour_visits: Option<u64>,
+    pub(crate) path_steps: Option<u64>,
+    pub(crate) cpu_seconds: f64,
 }
 
 /// A quantity over time.
 #[derive(Debug, Serialize)]
-pub(super) struct Series {
-    pub(super) id: String,
-    pub(super) quantity: String,
-    pub(super) unit: &'static str,
-    pub(super) values: Vec<Observed>,
+pub(crate) struct Series {
+    pub(crate) id: String,
+    pub(crate) quantity: String,
+    pub(crate) unit: &'static str,
+    pub(crate) values: Vec<Observed>,
 }
 
 /// An exceedance estimator: suffix of its id, and its field.
@@ -96,7 +96,7 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
     let counted = |row: &Row| {
         let value = row.distrusted_cells? as f64;
         let error_kind = ErrorOrigin::Exact;
-        Some(Observed { t: row.t, value, error: None, error_kind, note: None })
+        Some(Observed { t: row.t, value, error: None, error_kind, note: None, weights: None })
     };
     all.push(series(
         "distrusted-cells".into(),

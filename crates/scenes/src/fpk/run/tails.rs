@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use random_vibration::{
-    Estimate, GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError, TailPaths, Tails,
+    GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError, TailPaths, Tails,
 };
 use sde_integrators::{Error, GaussianMixture};
 
@@ -67,8 +67,8 @@ const STEPS_OF_GUIDE: f64 = 20.0;
 
 /// Estimates probabilities at one time.
 trait AtTime {
-    /// `P(|y| > T)` for a threshold.
-    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError>;
+    /// `P(|y| > T)` for a threshold at the time `t` of the paths.
+    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError>;
 
     /// Number of paths evaluated so far.
     fn n_followed(&self) -> u64;
@@ -82,13 +82,14 @@ struct DrivenPaths<'s, const D: usize> {
 }
 
 impl<const D: usize> AtTime for DrivenPaths<'_, D> {
-    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError> {
-        match self.how {
+    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError> {
+        let estimate = match self.how {
             Driven::Subset { config } => self.paths.subset(threshold, &config, self.seed),
             Driven::Importance { samples } => {
                 self.paths.importance(threshold, Tails::Both, samples, self.seed)
             }
-        }
+        };
+        Ok(Observed::of_estimate(t, &estimate?))
     }
 
     fn n_followed(&self) -> u64 {
@@ -104,10 +105,11 @@ struct Guided<'s> {
 }
 
 impl AtTime for Guided<'_> {
-    fn exceedance(&self, threshold: f64) -> Result<Estimate, TailError> {
+    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError> {
         let n_paths = self.config.n_paths.saturating_add(self.config.n_pilots);
         self.n_followed.set(self.n_followed.get().saturating_add(n_paths));
-        Ok(self.paths.exceedance(threshold, Tails::Both, &self.config)?.estimate)
+        let found = self.paths.exceedance(threshold, Tails::Both, &self.config)?;
+        Ok(Observed::of_guided(t, &found))
     }
 
     fn n_followed(&self) -> u64 {
@@ -165,8 +167,8 @@ impl TailsOf<'_> {
             let n_steps = steps(t, step);
             let paths = paths_to(&law, (t, n_steps), weights)?;
             for (values, &threshold) in values.iter_mut().zip(&asked.thresholds) {
-                match paths.exceedance(threshold) {
-                    Ok(estimate) => values.push((t, estimate)),
+                match paths.exceedance(t, threshold) {
+                    Ok(observed) => values.push(observed),
                     Err(
                         error @ (TailError::Untrusted { .. }
                         | TailError::Sampling(
@@ -183,10 +185,7 @@ impl TailsOf<'_> {
             let done = (row as u64 + 1, asked.times.len() as u64);
             run.progress.at(done, || format!("t = {t:.4}"));
         }
-        let exceedance = |k: usize| {
-            let observed = |(t, estimate): &(f64, Estimate)| Observed::of_estimate(*t, estimate);
-            values[k].iter().map(observed).collect()
-        };
+        let exceedance = |k: usize| values[k].clone();
         let quantities = asked_series(scene, named, &|_| Vec::new(), &exceedance);
         let (path_steps, cpu_seconds) = (Some(path_steps), clock.seconds());
         let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };

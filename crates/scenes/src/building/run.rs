@@ -1,0 +1,229 @@
+//! Runs a scene of a building: first-passage probabilities of its drifts, each with its error.
+
+mod ladder;
+
+use std::path::PathBuf;
+
+use figures::{Drawing, Line, Scale, TimeSeries, Words};
+use fpk_sph::systems::ShearBuilding;
+use random_vibration::{
+    GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig, TailError,
+    subset_passage,
+};
+use sde_integrators::Error;
+
+use super::method_scene::BuildingMethod;
+use super::scene::TowerScene;
+use crate::clock::CpuClock;
+use crate::fpk::run::observed::Observed;
+use crate::fpk::run::record::{Content, Series, WorkRecord};
+use crate::kind::{Inputs, Run, RunError, SceneKind};
+use crate::machine::Machine;
+use crate::models::edit;
+use crate::output::write_drawing;
+use crate::run_result::{RunResult, Unknown};
+use crate::scene::SceneFile;
+
+pub(crate) const KIND: SceneKind = SceneKind {
+    solver: "random-vibration",
+    schema: || schemars::schema_for!(TowerScene),
+    check: |file| file.parse::<TowerScene>().map(drop),
+    run,
+    ladder: ladder::ladder,
+    quantities: ladder::quantities,
+    ingredients: |scene| edit::of(scene, ladder::ingredients),
+};
+
+/// Share of the paths without a guide.
+const UNGUIDED: f64 = 0.05;
+/// Paths for each pilot path, and the least number of pilot paths.
+const PILOTS: (u64, u64) = (40, 200);
+/// Steps of the linearisation per shortest period.
+const STEPS_OF_GUIDE: f64 = 10.0;
+/// Deviation of the drift that the linearisation of a yielding building leaves out, over that of the drift.
+const UNMODELLED: f64 = 0.25;
+/// Times per fundamental period at which the feedback of a guide is computed.
+const FEEDBACKS: f64 = 30.0;
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    let (mut scene, building) = run.build::<TowerScene>(file)?;
+    run.no_shards()?;
+    let seed = Some(*scene.method.seed());
+    let scene = &scene;
+    // A method without a checkpoint still refuses to start over another run.
+    run.checkpoint(&Inputs { scene, seed, files: &[] }, &["/title"])?;
+    let clock = CpuClock::start();
+    let mut found = Passages::new(scene, &building);
+    found.solve(run).map_err(RunError::solver)?;
+    for Unknown { what, reason } in &found.unknown {
+        run.progress.stage(&format!("unknown: {what}: {reason}"));
+    }
+    let quantities = found.series();
+    let drawing = drawing(scene, &quantities)?;
+    let (path_steps, cpu_seconds) = (found.path_steps, clock.seconds());
+    let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };
+    let content = Content { seed, work, stopped: None, unknown: found.unknown, quantities };
+    let mut written = vec![RunResult::new("run-result/1", scene, content).write(run.out())?];
+    if let Some(drawing) = drawing {
+        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
+    }
+    Ok(written)
+}
+
+/// First passages of a scene.
+struct Passages<'a> {
+    scene: &'a TowerScene,
+    building: &'a ShearBuilding,
+    /// Per threshold.
+    values: Vec<Vec<Observed>>,
+    unknown: Vec<Unknown>,
+    path_steps: Option<u64>,
+}
+
+impl<'a> Passages<'a> {
+    fn new(scene: &'a TowerScene, building: &'a ShearBuilding) -> Self {
+        let values = vec![Vec::new(); scene.thresholds.len()];
+        Self { scene, building, values, unknown: Vec::new(), path_steps: None }
+    }
+
+    /// Estimates all probabilities by the method of the scene.
+    fn solve(&mut self, run: &Run<'_>) -> Result<(), TailError> {
+        let Self { scene, building, .. } = *self;
+        let (times, each) = (scene.times.list(), scene.steps_per_time());
+        let n_steps: Vec<usize> = (1..=times.len()).map(|k| k * each).collect();
+        let Some((&until, &all)) = times.last().zip(n_steps.last()) else { return Ok(()) };
+        let (span, responses) = ((until, all), scene.responses(building));
+        let (responses, thresholds) = (&responses[..], &scene.thresholds[..]);
+        let question = PassageQuestion { responses, thresholds, n_steps: &n_steps };
+        let rule = guide_rule(building, until / all as f64);
+        match scene.method {
+            BuildingMethod::GuidedPaths { samples, seed, .. } => {
+                run.progress.stage("guided paths");
+                let (part, least) = PILOTS;
+                let n_pilots = (samples / part).max(least);
+                let (n_paths, unguided) = (samples, UNGUIDED);
+                let config = GuidedConfig { n_paths, n_pilots, unguided, seed };
+                let paths = GuidedPaths::from_rest(building, span, &rule)?;
+                self.path_steps = Some((n_paths + n_pilots).saturating_mul(all as u64));
+                for (t, row) in times.iter().zip(paths.first_passages(&question, &config)?) {
+                    for (k, found) in row.into_iter().enumerate() {
+                        let observed = found.map(|found| Observed::of_guided(*t, &found));
+                        self.push((k, *t), observed)?;
+                    }
+                }
+            }
+            BuildingMethod::MonteCarlo { paths: n_paths, seed, .. } => {
+                run.progress.stage("Monte Carlo");
+                let paths = GuidedPaths::from_rest(building, span, &rule)?;
+                self.path_steps = Some(n_paths.saturating_mul(all as u64));
+                for (t, row) in times.iter().zip(paths.free_passages(&question, (n_paths, seed))?) {
+                    for (k, estimate) in row.iter().enumerate() {
+                        self.push((k, *t), Ok(Observed::of_estimate(*t, estimate)))?;
+                    }
+                }
+            }
+            BuildingMethod::SubsetSimulation { samples, correlation, runs, seed, .. } => {
+                run.progress.stage("subset simulation");
+                let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
+                self.subset(run, &question, (&times, &config, seed))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Subset simulation of each time and threshold.
+    fn subset(
+        &mut self,
+        run: &Run<'_>,
+        question: &PassageQuestion<'_>,
+        (times, config, seed): (&[f64], &SubsetConfig, u64),
+    ) -> Result<(), TailError> {
+        let PassageQuestion { responses, thresholds, n_steps } = *question;
+        for (row, (&t, &steps)) in times.iter().zip(n_steps).enumerate() {
+            for (k, &threshold) in thresholds.iter().enumerate() {
+                let (building, span, how) = (self.building, (t, steps), (config, seed));
+                let found = subset_passage(building, responses, threshold, span, how);
+                self.push((k, t), found.map(|e| Observed::of_estimate(t, &e)))?;
+            }
+            let done = (row as u64 + 1, times.len() as u64);
+            run.progress.at(done, || format!("t = {t:.4}"));
+        }
+        Ok(())
+    }
+
+    /// Adds a probability, or the reason why it is unknown.
+    fn push(
+        &mut self,
+        (k, t): (usize, f64),
+        found: Result<Observed, TailError>,
+    ) -> Result<(), TailError> {
+        match found {
+            Ok(observed) => self.values[k].push(observed),
+            Err(
+                error @ (TailError::Untrusted { .. }
+                | TailError::Sampling(Error::TooManyLevels { .. })),
+            ) => self.unknown.push(Unknown {
+                what: format!("first-passage/{} at t = {t}", self.scene.thresholds[k]),
+                reason: error.to_string(),
+            }),
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    /// The probabilities over time, threshold by threshold.
+    fn series(&mut self) -> Vec<Series> {
+        let demand = self.scene.response.storey.map_or_else(
+            || "largest drift of all storeys".to_owned(),
+            |storey| format!("largest drift of storey {storey}"),
+        );
+        let of_threshold = |(threshold, values): (&f64, &mut Vec<Observed>)| Series {
+            id: format!("first-passage/{threshold}"),
+            quantity: format!("P({demand} > {threshold})"),
+            unit: "",
+            values: std::mem::take(values),
+        };
+        let all = self.scene.thresholds.iter().zip(&mut self.values).map(of_threshold);
+        all.filter(|series| !series.values.is_empty()).collect()
+    }
+}
+
+/// How the guides are linearised and held.
+fn guide_rule(building: &ShearBuilding, dt: f64) -> PairwiseRule {
+    let fundamental = building.natural_frequencies().first().copied().unwrap_or(f64::MIN_POSITIVE);
+    let between = std::f64::consts::TAU / fundamental / FEEDBACKS;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of steps, and a cast saturates"
+    )]
+    let hold = ((between / dt).floor() as usize).max(1);
+    let unmodelled = if building.is_hysteretic() { UNMODELLED } else { 0.0 };
+    PairwiseRule { step: building.shortest_period() / STEPS_OF_GUIDE, hold, unmodelled }
+}
+
+/// Chart of the probabilities over time; none for one time.
+fn drawing(scene: &TowerScene, quantities: &[Series]) -> Result<Option<Drawing>, RunError> {
+    let line = |series: &Series| Line {
+        name: series.quantity.clone(),
+        points: series.values.iter().map(|observed| (observed.t, observed.known())).collect(),
+    };
+    let lines: Vec<Line> = quantities.iter().map(line).collect();
+    let drawn = |line: &Line| line.points.iter().filter(|(_, value)| value.is_some()).count() > 1;
+    if !lines.iter().any(drawn) {
+        return Ok(None);
+    }
+    let words = Words {
+        title: "Probability of first passage over time".into(),
+        subtitle: scene.title.clone(),
+        x_label: "time t (s)".into(),
+        y_label: "P(passage up to t)".into(),
+        caption: vec![
+            "Values that are smaller than their error are left out.".to_owned(),
+            Machine::read().caption(),
+        ],
+    };
+    let (bands, references) = (Vec::new(), Vec::new());
+    let chart = TimeSeries { words, scale: Scale::Log, lines, bands, references };
+    Ok(Some(Drawing::time_series("first-passage", &chart).map_err(RunError::solver)?))
+}

@@ -1,0 +1,109 @@
+//! Ladder of methods for a scene of a building, and its ingredients.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::building::building_scene::{HysteresisScene, SoilScene};
+use crate::building::method_scene::BuildingMethod;
+use crate::building::scene::TowerScene;
+use crate::fpk::scene::Times;
+use crate::fpk::structure_scene::WindowScene;
+use crate::kind::RunError;
+use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
+use crate::models::Ingredient;
+use crate::models::edit::{changed, ingredient, replace};
+use crate::scene::SceneFile;
+
+/// Smallest numbers of paths: guided, free, and of a level of subset simulation.
+const FIRST: [f64; 3] = [500.0, 1000.0, 100.0];
+/// Seed of the trials of other methods.
+const SEED: u64 = 20_260_101;
+const LEFT_OUT: &str =
+    "All methods take the same steps; standard errors do not include their bias.";
+
+/// Methods that solve a scene, its own first.
+pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
+    let (scene, _) = file.build::<TowerScene>()?;
+    let step = scene.method.step();
+    let (samples, correlation, runs, seed) = (100, 0.8, 8, SEED);
+    let mut all = vec![
+        BuildingMethod::GuidedPaths { samples: 500, step, seed },
+        BuildingMethod::MonteCarlo { paths: 1000, step, seed },
+        BuildingMethod::SubsetSimulation { samples, correlation, runs, step, seed },
+    ];
+    let is_own = |method: &BuildingMethod| method.key() == scene.method.key();
+    all.sort_by_key(|method| !is_own(method));
+    all[0] = scene.method.clone();
+    let scene = Arc::new(scene);
+    let methods = all.into_iter().map(|method| by_samples(&scene, method)).collect();
+    Ok(Ladder { methods, left_out: LEFT_OUT })
+}
+
+/// The scene key that selects a method.
+#[derive(Serialize)]
+struct Choice<'a> {
+    method: &'a BuildingMethod,
+}
+
+fn by_samples(scene: &Arc<TowerScene>, method: BuildingMethod) -> Method {
+    let [guided, free, of_level] = FIRST;
+    let (name, first, standing) = match method {
+        BuildingMethod::GuidedPaths { .. } => ("guided paths", guided, Standing::Judged),
+        BuildingMethod::MonteCarlo { .. } => ("Monte Carlo", free, Standing::Judge),
+        BuildingMethod::SubsetSimulation { .. } => {
+            ("subset simulation", of_level, Standing::Judged)
+        }
+    };
+    let scene = scene.clone();
+    let rung = move |size: f64| {
+        let (mut method, n) = (method.clone(), whole(two_digits(size)));
+        match &mut method {
+            BuildingMethod::GuidedPaths { samples, .. } => *samples = n,
+            BuildingMethod::MonteCarlo { paths, .. } => *paths = n,
+            BuildingMethod::SubsetSimulation { samples, .. } => {
+                *samples = usize::try_from(n).ok()?;
+            }
+        }
+        let scene = TowerScene { method, ..TowerScene::clone(&scene) };
+        let until = scene.times.until;
+        let bare = TowerScene { times: Times { until, every: until }, ..scene.clone() };
+        let size = (n as f64, format!("{n} paths"));
+        Rung::new(size, &scene, &bare, &Choice { method: &scene.method })
+    };
+    let (name, growth) = (name.to_owned(), Growth::Samples);
+    Method { name, growth, standing, first, rung: Box::new(rung) }
+}
+
+/// Probabilities at the last time.
+pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
+    let series = result["quantities"].as_array().map_or(&[][..], Vec::as_slice);
+    let last = |series: &Value| {
+        let text = |value: &Value| value.as_str().map(str::to_owned);
+        let observed = series["values"].as_array()?.last()?;
+        let value = observed["value"].as_f64()?;
+        let error = observed["error"].as_f64().map(|error| {
+            if observed["error_kind"] == "standard_error" { 2.0 * error } else { error }
+        });
+        let (id, words) = (text(&series["id"])?, text(&series["quantity"])?);
+        Some(Quantity { id, words, value, error, scale: value.abs() })
+    };
+    series.iter().filter_map(last).collect()
+}
+
+/// Hysteresis, soil and modulating function.
+pub(super) fn ingredients(scene: &TowerScene) -> Vec<Ingredient> {
+    let without =
+        |name: &str, change: fn(&mut TowerScene) -> bool| ingredient(name, changed(scene, change));
+    let all = [
+        without("the hysteresis", |scene| {
+            replace(&mut scene.building.hysteresis, HysteresisScene::None)
+        }),
+        without("the soil", |scene| replace(&mut scene.ground.soil, SoilScene::None)),
+        without("the modulating function", |scene| {
+            replace(&mut scene.ground.window, WindowScene::Stationary)
+        }),
+    ];
+    all.into_iter().flatten().collect()
+}

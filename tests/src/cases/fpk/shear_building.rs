@@ -1,0 +1,222 @@
+//! A shear building of ten storeys: exact where it is linear, crude Monte Carlo where it yields, rare passages by guided paths.
+
+use figures::{ErrorKind, Measured, Reference};
+use fpk_sph::systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
+use random_vibration::{
+    GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, upper_tail,
+};
+use scenes::SceneFile;
+use scenes::building::scene::TowerScene;
+use sde_integrators::{Between, LaneSde, Response, Side};
+
+use super::invariance::over_threads;
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "fpk-sph/shear-building",
+    title: "First passages of a building of ten yielding storeys, 32 states, by guided paths",
+    source: "exact distribution of the linear building; crude Monte Carlo of the yielding one",
+    cost: Profile::Quick,
+    schedule: Schedule::Together,
+    run,
+};
+
+const CONFIG: GuidedConfig =
+    GuidedConfig { n_paths: 12_000, n_pilots: 300, unguided: 0.05, seed: 11 };
+const METHOD: &str = "12,000 guided paths, 300 pilot paths";
+/// Duration and number of steps.
+const SPAN: (f64, usize) = (10.0, 1_000);
+/// Steps over which a guide is held: a thirty-fourth of the fundamental period, 0.69 s.
+const HOLD: usize = 2;
+
+/// The building of the scene, with other hysteresis if one is given.
+fn building(hysteresis: Option<Hysteresis>) -> Result<ShearBuilding, CaseError> {
+    let text = include_str!("../../../scenes/fpk/ten_storeys.json");
+    let file = SceneFile::from_text("tests/scenes/fpk/ten_storeys.json", text.to_owned())?;
+    let (_, building) = file.build::<TowerScene>()?;
+    let mut parameters: ShearBuildingParameters = building.parameters().clone();
+    if let Some(hysteresis) = hysteresis {
+        for storey in &mut parameters.storeys {
+            storey.hysteresis = hysteresis;
+        }
+    }
+    Ok(ShearBuilding::new(parameters)?)
+}
+
+/// The drift of the first storey, with a cubic between the ends of a step.
+fn response(building: &ShearBuilding) -> Response<'static> {
+    let between = Between::CubicHermite { velocity: building.n_storeys() };
+    Response { component: 0, side: Side::Magnitude, between }
+}
+
+fn guided(building: &ShearBuilding) -> Result<GuidedPaths<'_>, CaseError> {
+    let unmodelled = if building.is_hysteretic() { 0.25 } else { 0.0 };
+    let step = building.shortest_period() / 10.0;
+    let rule = PairwiseRule { step, hold: HOLD, unmodelled };
+    Ok(GuidedPaths::from_rest(building, SPAN, &rule)?)
+}
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = linear(context)?;
+    claims.extend(yielding(context)?);
+    claims.extend(bilinear(context)?);
+    Ok(claims)
+}
+
+/// Variance of the first storey's drift at the end of a linear building from rest: the integral of its squared response to
+/// an impulse, by Runge-Kutta steps of a tenth and Simpson's rule.
+fn exact_variance(building: &ShearBuilding) -> f64 {
+    let n = building.n_states();
+    let drift = |x: &[f64]| -> Vec<f64> {
+        let rows: Vec<[f64; 1]> = x.iter().map(|&value| [value]).collect();
+        let mut rates = vec![[0.0]; n];
+        building.drift(0.0, &rows, &mut rates);
+        rates.into_iter().map(|[rate]| rate).collect()
+    };
+    let ahead = |x: &[f64], h: f64, k: &[f64]| -> Vec<f64> {
+        x.iter().zip(k).map(|(x, k)| x + h * k).collect()
+    };
+    let mut x = vec![0.0; n];
+    building.noise(0.0, &mut x);
+    let (n_steps, h) = (10 * SPAN.1, SPAN.0 / (10 * SPAN.1) as f64);
+    let mut integral = 0.0;
+    for step in 0..=n_steps {
+        let weight = match step {
+            0 => 1.0,
+            _ if step == n_steps => 1.0,
+            _ if step % 2 == 1 => 4.0,
+            _ => 2.0,
+        };
+        integral += weight * h / 3.0 * x[0] * x[0];
+        let k_1 = drift(&x);
+        let k_2 = drift(&ahead(&x, 0.5 * h, &k_1));
+        let k_3 = drift(&ahead(&x, 0.5 * h, &k_2));
+        let k_4 = drift(&ahead(&x, h, &k_3));
+        for (k, weight) in [(k_1, 1.0), (k_2, 2.0), (k_3, 2.0), (k_4, 1.0)] {
+            x = ahead(&x, weight * h / 6.0, &k);
+        }
+    }
+    integral
+}
+
+/// The linear building at 1e-3, 1e-6 and 1e-9.
+fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let building = building(Some(Hysteresis::None))?;
+    let deviation = exact_variance(&building).sqrt();
+    let paths = guided(&building)?;
+    let mut claims = Vec::new();
+    for (z, name) in [(3.3, "1e-3"), (4.9, "1e-6"), (6.1, "1e-9")] {
+        context.progress(&format!("linear building, {name}"));
+        let found = paths.exceedance(z * deviation, Tails::Both, &CONFIG)?;
+        let bias = "1,000 steps: (omega dt)^2/12 of the variance, 7e-4 in the first mode, times z^2/2 = 19";
+        let id = format!("linear/exceedance/p-{name}/t10");
+        let exact = Reference::exact(2.0 * upper_tail(z));
+        claims.push(against(context, (&id, "P(|u_1| > T)"), &found, exact, (1.5e-2, bias))?);
+    }
+    Ok(claims)
+}
+
+/// The building of the scene: two thresholds and two times from one set of paths, against crude Monte Carlo, and rare passages.
+fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let building = building(None)?;
+    let paths = guided(&building)?;
+    let responses = &[response(&building)][..];
+    let question =
+        PassageQuestion { responses, thresholds: &FREQUENT, n_steps: &[SPAN.1 / 2, SPAN.1] };
+    context.progress("crude Monte Carlo");
+    let free = paths.free_passages(&question, (N_FREE, 7))?;
+    context.progress("guided paths");
+    let found = paths.first_passages(&question, &CONFIG)?;
+    let mut claims = Vec::new();
+    for ((row, free), t) in found.into_iter().zip(free).zip([5, 10]) {
+        for ((found, free), threshold) in row.into_iter().zip(free).zip(FREQUENT) {
+            let id = format!("yielding/first-passage/threshold-{threshold}/t{t}");
+            let error = free.standard_error();
+            let reference = Reference { value: free.value, error };
+            let bias = "none: the same steps and the same rule between them";
+            let quantity = format!("P(max |u_1| > {threshold})");
+            claims.push(against(context, (&id, &quantity), &found?, reference, (0.0, bias))?);
+        }
+    }
+    claims.extend(rare(context, &paths, &building)?);
+    Ok(claims)
+}
+
+/// Passages of probability 1e-2 and 1e-3, and the number of free paths that judge them.
+const FREQUENT: [f64; 2] = [0.018, 0.02];
+const N_FREE: u64 = 40_000;
+/// The thresholds of the scene.
+const RARE: [f64; 2] = [0.024, 0.029];
+
+/// The standard errors of the passages of the scene, and their bits on one, two and eight threads.
+fn rare(
+    context: &Context<'_>,
+    paths: &GuidedPaths<'_>,
+    building: &ShearBuilding,
+) -> Result<Vec<Claim>, CaseError> {
+    let responses = &[response(building)][..];
+    let question = PassageQuestion { responses, thresholds: &RARE, n_steps: &[SPAN.1] };
+    let mut claims = Vec::new();
+    let of = |config: &GuidedConfig| -> Result<Vec<GuidedEstimate>, CaseError> {
+        let row = paths.first_passages(&question, config)?.into_iter().flatten();
+        Ok(row.collect::<Result<_, _>>()?)
+    };
+    for (found, threshold) in of(&CONFIG)?.iter().zip(RARE) {
+        let part = error_of(found)? / found.estimate.value;
+        let id = format!("yielding/standard-error/threshold-{threshold}/t10");
+        let quantity = format!("standard error over P(max |u_1| > {threshold})");
+        let reason = "statistics: the deviation of a path is a few times its mean";
+        let subject = context.subject(&id, &quantity, "", METHOD);
+        claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.0), 0.08, reason));
+    }
+    let few = GuidedConfig { n_paths: 3_000, n_pilots: 200, ..CONFIG };
+    let bits = || -> Result<Vec<u64>, CaseError> {
+        let row = paths.first_passages(&question, &few)?.into_iter().flatten();
+        let found = row.collect::<Result<Vec<_>, _>>()?;
+        Ok(found.iter().map(|found| found.estimate.value.to_bits()).collect())
+    };
+    let reason = "a path is a function of seed and realisation, and blocks of 4,096 paths are summed in order";
+    claims.extend(over_threads(context, "ten-storeys", reason, bits)?.1);
+    Ok(claims)
+}
+
+/// Bilinear storeys against crude Monte Carlo.
+fn bilinear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let hysteresis = Hysteresis::Bilinear { post_yield_ratio: 0.3, yield_drift: 0.005 };
+    let building = building(Some(hysteresis))?;
+    let paths = guided(&building)?;
+    let responses = &[response(&building)][..];
+    let thresholds = &FREQUENT[..1];
+    let question = PassageQuestion { responses, thresholds, n_steps: &[SPAN.1] };
+    context.progress("bilinear storeys");
+    let free = paths.free_passages(&question, (N_FREE, 7))?[0][0];
+    let found = paths.first_passages(&question, &CONFIG)?.remove(0).remove(0)?;
+    let reference = Reference { value: free.value, error: free.standard_error() };
+    let bias = "none: the same steps and the same rule between them";
+    let id = format!("bilinear/first-passage/threshold-{}/t10", FREQUENT[0]);
+    let quantity = format!("P(max |u_1| > {})", FREQUENT[0]);
+    Ok(vec![against(context, (&id, &quantity), &found, reference, (0.0, bias))?])
+}
+
+fn error_of(found: &GuidedEstimate) -> Result<f64, CaseError> {
+    Ok(found.estimate.standard_error().ok_or("no standard error")?)
+}
+
+/// A probability against its reference.
+fn against(
+    context: &Context<'_>,
+    (id, quantity): (&str, &str),
+    found: &GuidedEstimate,
+    reference: Reference,
+    (bias_bound, reason): (f64, &str),
+) -> Result<Claim, CaseError> {
+    Ok(Claim::judge(
+        context.subject(id, quantity, "", METHOD),
+        ErrorKind::Relative,
+        Measured::sampled(found.estimate.value, error_of(found)?),
+        reference,
+        Criterion::MonteCarlo { bias_bound, reason },
+    ))
+}

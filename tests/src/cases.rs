@@ -54,6 +54,7 @@ pub const ALL: &[Case] = &[
     fpk::passage_benchmarks::CASE,
     fpk::spatial_order::CASE,
     fpk::steps::CASE,
+    fpk::time_schemes::CASE,
     fpk::invariance::CASE,
     fpk::failures::CASE,
     smpm::elastic_bar::CASE,

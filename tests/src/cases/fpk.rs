@@ -20,6 +20,7 @@ pub(crate) mod shear_building;
 pub(crate) mod spatial_order;
 pub(crate) mod stationary_oscillators;
 pub(crate) mod steps;
+pub(crate) mod time_schemes;
 pub(crate) mod viscous_damper;
 
 use figures::{ErrorKind, Measured, Reference};

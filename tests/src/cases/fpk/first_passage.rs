@@ -314,15 +314,18 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let watched = watch(system, &law, &far, &[1.5, 2.0], None)?;
     let method = format!("flow-map fit, ball for P down to 1e-6, spacing 0.5, {}", watched.words);
     let lines = Lines { context, id: "flow-map-fit-1e-6", method };
-    let reason = "cells at the rim turn over, and their particles go astray; with a ball of 5 sigma the density has no tail at T = 1.5";
-    let within = |_| Criterion::Within { tolerance: 0.2, reason };
-    claims.extend(absorbed(&lines, (&watched, &[1.5]), &reference, within)?);
+    // No claim on the probabilities: particles at the rim go astray, and the last bit decides which pass; at T = 1.5 runs
+    // with reaches of 5.97 and 6 are 3.4 and 1.1 times the reference.
     let astray = watched.supports.iter().filter(|of| matches!(of, Some(Support::Resolved))).count();
     claims.push(lines.bounded(
-        ("absorbing/said-to-be-resolved", "P(max |q| > 1.5) and P(max |q| > 2) said to be resolved", ""),
+        (
+            "absorbing/said-to-be-resolved",
+            "P(max |q| > 1.5) and P(max |q| > 2) said to be resolved",
+            "",
+        ),
         astray as f64,
         0.0,
-        "counted: at T = 2 (6e-6) most comes from particles whose cells are turned over, and at T = 1.5 more than 1 %",
+        "counted: much comes from particles whose cells are turned over",
     ));
     Ok(claims)
 }

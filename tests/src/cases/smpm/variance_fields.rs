@@ -1,16 +1,14 @@
 //! The fields of the standard deviation over a plate, at ten of its particles, against sampled runs.
 
-use figures::{ErrorKind, Measured, Reference};
 use perturbation_moments::MonteCarlo;
 use scenes::smpm::scene::GaugeScene;
-use smpm::uncertainty::Study;
+use smpm::uncertainty::{Study, Switch};
 use work_precision::problems::smpm::problems::{Problem, experiment};
 use work_precision::quantile::quantile;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::cases::worst::Worst;
-use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
@@ -40,12 +38,15 @@ const POINTS: [[f64; 2]; 10] = [
     [4.875, 5.125],
 ];
 
-/// Quantity of a scene, its name in ids, its symbol, and how far median and worst may be off.
+/// Quantity of a scene, its name in ids, its symbol, and how far the median, and the worst without a warning, may be off.
 const QUANTITIES: [(&str, &str, &str, [f64; 2]); 3] = [
-    ("flow_stress", "flow-stress", "sigma_y", [3e-3, 0.02]),
-    ("deviator_11", "deviator-11", "S_11", [4e-3, 0.1]),
-    ("deviator_22", "deviator-22", "S_22", [5e-3, 0.15]),
+    ("flow_stress", "flow-stress", "sigma_y", [3e-3, 0.01]),
+    ("deviator_11", "deviator-11", "S_11", [4e-3, 0.05]),
+    ("deviator_22", "deviator-22", "S_22", [5e-3, 0.02]),
 ];
+
+/// The quantity and the particle at which the error is known to be large: near a switch, of which `Switch` warns.
+const KNOWN: (&str, usize) = ("deviator-22", 0);
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut scene = Problem::ContactExplosion.scene_with(COEFFICIENT_OF_VARIATION, &[TIME])?;
@@ -66,48 +67,44 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples });
     let mut claims = Vec::new();
     for (q, (_, id, symbol, [of_median, of_worst])) in QUANTITIES.into_iter().enumerate() {
-        let (mut worst, mut errors, mut noise) = (Worst::of_errors(), Vec::new(), f64::NAN);
+        let (mut worst, mut errors, mut n_warned) = (Worst::of_errors(), Vec::new(), 0);
+        let method = format!("jets, against {n_samples} sampled runs with control variate");
+        let lines = |method: String| Lines { context, id, method };
         for gauge in 0..POINTS.len() {
             let response = study.plan().index(gauge, q, 0);
             let moments = &propagated.moments[response];
             let truth = sampled.controlled(response, moments)?.variance;
             let error = (moments.variance_first_order() / truth.value).sqrt() - 1.0;
-            worst.take(error, &study.plan().gauges[gauge].name);
-            if worst.value().to_bits() == error.to_bits() {
-                noise = 0.5 * truth.standard_error().unwrap_or(f64::NAN) / truth.value;
-            }
-            let trust = moments.trust();
-            eprintln!(
-                "DBG {id} {} {error:.4} {:?} {:?}",
-                study.plan().gauges[gauge].name,
-                trust,
-                propagated.switches[response]
-            );
             errors.push(error.abs());
+            if propagated.switches[response].at_end > Switch::LIMIT {
+                worst.take(error, &study.plan().gauges[gauge].name);
+            } else {
+                n_warned += 1;
+            }
+            if (id, gauge) == KNOWN {
+                let quantity = format!("relative error of the deviation of {symbol} near a switch");
+                claims.push(lines(method.clone()).measured(
+                    ("near-a-switch", &quantity, ""),
+                    error,
+                    (-0.32, -0.12),
+                    "some samples yield or unload and others do not yet, which the series does not see; four standard errors of 250 samples about what 1,000 give",
+                ));
+            }
         }
-        let method = format!("jets, against {n_samples} sampled runs with control variate");
-        let lines = |method: String| Lines { context, id, method };
         claims.push(lines(format!("{method}: ten particles")).bounded(
             ("median", &format!("median relative error of the deviation of {symbol}"), ""),
             quantile(&errors, 0.5),
             of_median,
             "third derivatives, of the order of cv^2, and the samples' own error, a part in a thousand",
         ));
-        let subject = context.subject(
-            &format!("{id}/worst"),
-            &format!("largest relative error of the deviation of {symbol}"),
-            "",
-            &worst.method(&method),
-        );
-        claims.push(Claim::judge(
-            subject,
-            ErrorKind::Absolute,
-            Measured { value: worst.value(), standard_error: Some(noise) },
-            Reference::exact(0.0),
-            Criterion::MonteCarlo {
-                bias_bound: of_worst,
-                reason: "one particle at one instant, where some samples yield or unload and others do not yet: the series does not see the switch",
-            },
+        let quantity =
+            format!("largest relative error of the deviation of {symbol} without a warning");
+        let method = format!("{}, {n_warned} of 10 warned of a switch", worst.method(&method));
+        claims.push(lines(method).bounded(
+            ("worst-without-warning", &quantity, ""),
+            worst.value(),
+            of_worst,
+            "as the median, and the samples' own error where rare samples come near a switch",
         ));
     }
     Ok(claims)

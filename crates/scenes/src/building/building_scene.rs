@@ -1,4 +1,4 @@
-//! The building of a scene, and the ground on which it stands.
+//! The building of a scene, and the ground beneath it.
 
 use fpk_sph::Error;
 use fpk_sph::systems::{
@@ -79,6 +79,7 @@ pub struct GroundScene {
     pub noise_intensity: f64,
     /// `e(t)`, the modulating function of the white noise, before a filter.
     #[serde(default)]
+    #[schemars(example = WindowScene::SinglePeak { peak: 1.0, peak_time: 2.0 })]
     pub window: WindowScene,
 }
 

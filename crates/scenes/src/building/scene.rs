@@ -44,6 +44,7 @@ pub struct ResponseScene {
     pub storey: Option<usize>,
     /// The drift between the ends of a step.
     #[serde(default)]
+    #[schemars(example = BetweenScene::Endpoints)]
     pub between: BetweenScene,
 }
 

@@ -82,6 +82,8 @@ pub struct TwoStoreyScene {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Tabulated(vec![[0.0, 0.0], [2.0, 1.0], [6.0, 0.2]]))]
+#[schemars(example = Self::RisePlateauDecay { rise_exponent: 2.0, rise_end: 2.0, decay_rate: 0.5, decay_start: 6.0 })]
+#[schemars(example = Self::SinglePeak { peak: 1.0, peak_time: 2.0 })]
 pub enum WindowScene {
     /// `a = 1` at all times.
     #[default]

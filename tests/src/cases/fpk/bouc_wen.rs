@@ -299,7 +299,7 @@ impl Run {
                     "",
                 ),
                 worst,
-                0.1,
+                0.08,
                 reason,
             ),
             bounds.bounded(

@@ -29,7 +29,7 @@ const TIME: f64 = 6.0;
 const RUNS: [(&str, Scheme, usize, f64, f64, f64); 3] = [
     ("lawson-runge-kutta-4", Scheme::LawsonRungeKutta4, 29, 20.0, 2e-3, 260.0),
     ("lawson-adams-bashforth-2", Scheme::LawsonAdamsBashforth2, 29, 40.0, 2e-3, 140.0),
-    ("runge-kutta-chebyshev", Scheme::RungeKuttaChebyshev, 41, 20.0, 1e-3, 290.0),
+    ("runge-kutta-chebyshev", Scheme::RungeKuttaChebyshev, 41, 20.0, 5e-4, 290.0),
 ];
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {

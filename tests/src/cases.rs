@@ -30,7 +30,7 @@ pub const ALL: &[Case] = &[
     fpk::bouc_wen::COARSE,
     fpk::bouc_wen::CASE,
     fpk::bouc_wen::TAIL,
-    fpk::bouc_wen::PAPER,
+    fpk::bouc_wen_paper::CASE,
     fpk::filtered::DAMPER,
     fpk::filtered::BOUC_WEN,
     fpk::linear_systems::CASE,

@@ -53,7 +53,8 @@ impl<const D: usize> InitialLattice<D> {
         Ok(Self::Box { reach: box_reach(D, smallest_probability)?, count })
     }
 
-    /// A ball that goes far enough for probabilities down to the given one, as [`Self::box_down_to`].
+    /// A ball that goes far enough for probabilities down to the given one, as [`Self::box_down_to`]. The
+    /// rim of its lattice is ragged, so that up to a fifth more lies outside its cells.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for the probability.

@@ -1,6 +1,7 @@
 //! What is claimed of `fpk-sph`.
 
 pub(crate) mod bouc_wen;
+pub(crate) mod bouc_wen_paper;
 pub(crate) mod canor_denoel;
 pub(crate) mod effectivity;
 pub(crate) mod failures;

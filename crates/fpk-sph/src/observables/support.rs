@@ -64,10 +64,7 @@ impl fmt::Display for Support {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Below { bound } => {
-                write!(
-                    f,
-                    "no more is known than that it is below {bound:.1e}, of which the lattice holds no particle"
-                )
+                write!(f, "known only to be below {bound:.1e}, since no particle carries as little")
             }
             Self::Unresolved { share } => {
                 write!(f, "{:.0} % rest on cells that are not resolved", 100.0 * share)
@@ -76,7 +73,7 @@ impl fmt::Display for Support {
                 write!(f, "{:.0} % lie beyond the outermost particles", 100.0 * share)
             }
             Self::Truncated { share } => {
-                write!(f, "the lattice left {:.0} % as much outside at the start", 100.0 * share)
+                write!(f, "up to {:.0} % more may lie outside the lattice", 100.0 * share)
             }
             Self::Resolved => write!(f, "carried by particles"),
         }

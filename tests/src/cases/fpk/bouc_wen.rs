@@ -4,8 +4,7 @@ use figures::ErrorKind;
 use fpk_sph::observables::Support;
 use fpk_sph::systems::BoucWen;
 use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping,
-    Simulation,
+    Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
 use scenes::clock::CpuClock;
 use scenes::fpk::system::System;
@@ -20,7 +19,7 @@ use crate::cases::lines::Lines;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
-const SOURCE: &str =
+pub(super) const SOURCE: &str =
     "Canor & Denoël 2013, section 4.2; references by Monte Carlo and importance sampling";
 
 pub(crate) const COARSE: Case = Case {
@@ -50,15 +49,6 @@ pub(crate) const TAIL: Case = Case {
     run: tail,
 };
 
-pub(crate) const PAPER: Case = Case {
-    id: "fpk-sph/bouc-wen-canor-denoel-2013",
-    title: "Building that yields in an earthquake, the paper's method: 13^3 particles, 21^3 in full",
-    source: SOURCE,
-    cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: paper,
-};
-
 pub(crate) const REMAPPED: Case = Case {
     id: "fpk-sph/bouc-wen-remapped",
     title: "Building that yields in an earthquake, spacing 0.6, with and without remeshing",
@@ -69,13 +59,13 @@ pub(crate) const REMAPPED: Case = Case {
 };
 
 /// What was seen at one time.
-struct Seen {
+pub(super) struct Seen {
     t: f64,
     moments: [f64; 3],
     exceedances: Vec<Tail>,
     /// The largest `|z|` of a particle up to here, over the limit.
     z: f64,
-    steps: u64,
+    pub(super) steps: u64,
 }
 
 /// `P(|q| > T)` at one time.
@@ -89,12 +79,12 @@ struct Tail {
 }
 
 /// A run to the last of the times.
-struct Run {
-    seen: Vec<Seen>,
+pub(super) struct Run {
+    pub(super) seen: Vec<Seen>,
     words: String,
     reference: ReferenceTable,
     /// Why it ended early, if it did, and when.
-    stopped: Option<(f64, Error)>,
+    pub(super) stopped: Option<(f64, Error)>,
 }
 
 const THRESHOLDS: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
@@ -106,7 +96,7 @@ const POWERS: [([u32; 3], &str, &str, &str); 3] = [
 /// A fortieth of the period: the longest step, after each of which `z` is looked at.
 const LOOK: f64 = 0.05;
 
-fn run(
+pub(super) fn run(
     method: Method,
     lattice: InitialLattice<3>,
     times: &[f64],
@@ -180,12 +170,17 @@ impl Run {
         }
     }
 
-    fn lines<'a>(&self, context: &'a Context<'a>, id: &'a str, words: &str) -> Lines<'a> {
+    pub(super) fn lines<'a>(
+        &self,
+        context: &'a Context<'a>,
+        id: &'a str,
+        words: &str,
+    ) -> Lines<'a> {
         Lines { context, id, method: format!("{words}, {}", self.words) }
     }
 
     /// A second moment at one time.
-    fn moment(
+    pub(super) fn moment(
         &self,
         lines: &Lines<'_>,
         (k, seen): (usize, &Seen),
@@ -225,7 +220,7 @@ impl Run {
     }
 
     /// `P(|q| > T)` where the criterion says how; by cells, or by counting particles.
-    fn tail<'c>(
+    pub(super) fn tail<'c>(
         &self,
         lines: &Lines<'_>,
         cells: bool,
@@ -316,7 +311,7 @@ impl Run {
     }
 
     /// The hysteretic force stays within its limit.
-    fn bounded(&self, lines: &Lines<'_>) -> Claim {
+    pub(super) fn bounded(&self, lines: &Lines<'_>) -> Claim {
         let z = self.seen.last().map_or(f64::NAN, |seen| seen.z);
         let reason = "z' = 0 at |z| = (A/(beta + gamma))^(1/n): no path passes it; looked at every 0.05 s or finer";
         lines.measured(("largest-z", "largest |z| over its limit", ""), z, (0.0, 1.0), reason)
@@ -386,108 +381,6 @@ fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.push(worst(context, (name, "T = 0.5, 1, 1.5, 2"), counted)?);
     let reason = "truncation of the quadratic fit: for moments the flow-map fit is three times as accurate and cheaper";
     claims.extend(run.moments(&lines, [0.025; 3], reason)?);
-    claims.push(run.bounded(&lines));
-    Ok(claims)
-}
-
-/// The paper's method on its lattice: where its errors were seen, with room, since the run is chaotic in the last bit.
-struct PaperRun {
-    id: &'static str,
-    count: usize,
-    support_over_spacing: f64,
-    most_steps: u64,
-    /// Of the relative errors of `E[q^2]`, `E[v^2]`, `E[z^2]` at t = 1, then at t = 2.
-    moments: [[Criterion<'static>; 3]; 2],
-    /// Of the error of log10 P(|q| > T) by the indicator at t = 2: T, tolerance.
-    tail: &'static [(f64, f64)],
-    /// Steps to t = 2.
-    steps: (f64, f64),
-}
-
-const MOMENTS: &str = "isotropic kernel on a sheared lattice, kernel smoothing, forward Euler";
-const CHAOTIC: &str = "chaos: the same three errors; another time to land on, or another last bit, moves them by several per cent";
-
-const fn band(from: f64, to: f64) -> Criterion<'static> {
-    Criterion::AsMeasured { from, to, reason: MOMENTS }
-}
-
-const fn chaotic(tolerance: f64) -> Criterion<'static> {
-    Criterion::Within { tolerance, reason: CHAOTIC }
-}
-
-const SMALL: PaperRun = PaperRun {
-    id: "particles-13",
-    count: 13,
-    support_over_spacing: 2.2,
-    most_steps: 6_000,
-    moments: [
-        [chaotic(0.05), band(-0.18, -0.10), chaotic(0.07)],
-        [chaotic(0.06), chaotic(0.06), chaotic(0.09)],
-    ],
-    tail: &[(0.5, 0.12), (1.0, 0.5)],
-    steps: (2_000.0, 6_000.0),
-};
-
-const LARGE: PaperRun = PaperRun {
-    id: "particles-21",
-    count: 21,
-    support_over_spacing: 2.5,
-    most_steps: 12_000,
-    moments: [
-        [chaotic(0.08), band(-0.12, -0.04), chaotic(0.08)],
-        [chaotic(0.05), chaotic(0.05), chaotic(0.05)],
-    ],
-    tail: &[(0.5, 0.06), (1.0, 0.1), (1.5, 0.6)],
-    steps: (3_000.0, 10_000.0),
-};
-
-fn paper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let mut claims = paper_run(context, &SMALL)?;
-    if context.profile == Profile::Full {
-        claims.extend(paper_run(context, &LARGE)?);
-    }
-    Ok(claims)
-}
-
-fn paper_run(context: &Context<'_>, paper: &PaperRun) -> Result<Vec<Claim>, CaseError> {
-    let &PaperRun { count, support_over_spacing, most_steps, .. } = paper;
-    let method = Method::Custom(Combination {
-        support_over_spacing,
-        ..Method::CanorDenoel2013.combination()
-    });
-    let lattice = InitialLattice::Rectangle { half_width: [0.2; 3], count: [count; 3] };
-    let run = run(method, lattice, &[1.0, 2.0, 4.0], most_steps)?;
-    let words = format!("Canor & Denoël 2013, {count}^3, support/spacing {support_over_spacing}");
-    let lines = run.lines(context, paper.id, &words);
-    let mut claims = Vec::new();
-    for (seen, criteria) in run.seen.iter().zip(paper.moments) {
-        for (k, criterion) in criteria.into_iter().enumerate() {
-            claims.push(run.moment(&lines, (k, seen), criterion)?);
-        }
-    }
-    let reason = "chaos: the lattice ends at 4 sigma, and fewer particles reach a threshold the higher it is; other times to land on move 13^3 from +0.02 to -0.07 at T = 0.5 and from -0.08 to -0.28 at T = 1";
-    claims.extend(run.tail(&lines, false, |threshold, t| {
-        let &(_, tolerance) = paper.tail.iter().find(|at| (at.0 - threshold).abs() < 1e-9)?;
-        (t > 1.5).then_some(Criterion::Within { tolerance, reason })
-    }));
-    let steps = run.seen.get(1).map_or(f64::NAN, |seen| seen.steps as f64);
-    let reason = "the Courant rule follows the smallest smoothing length, which clumping drives down; the prototype took 6,016 with 21^3";
-    claims.push(lines.measured(("steps/t2", "steps to t = 2", ""), steps, paper.steps, reason));
-    let (time, words) = match &run.stopped {
-        Some((time, error @ (Error::WorkLimit { .. } | Error::StepCollapsed { .. }))) => {
-            (*time, error.to_string())
-        }
-        Some((_, error)) => (f64::NAN, format!("another error: {error}")),
-        None => (f64::NAN, "the run reached t = 4 within its steps".to_owned()),
-    };
-    let reason = "steps of 1e-4 and less: it goes on, but not to an end worth waiting for";
-    let lines = Lines { context, id: paper.id, method: words };
-    claims.push(lines.measured(
-        ("ends", "time at which the limit of steps ends it", "s"),
-        time,
-        (2.0, 3.9),
-        reason,
-    ));
     claims.push(run.bounded(&lines));
     Ok(claims)
 }

@@ -131,7 +131,8 @@ fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let question =
         PassageQuestion { responses, thresholds: &FREQUENT, n_steps: &[SPAN.1 / 2, SPAN.1] };
     context.progress("crude Monte Carlo");
-    let free = paths.free_passages(&question, (N_FREE, 7))?;
+    let n_free = if context.profile == Profile::Full { N_FREE_FULL } else { N_FREE };
+    let free = paths.free_passages(&question, (n_free, 7))?;
     context.progress("guided paths");
     let found = paths.first_passages(&question, &CONFIG)?;
     let mut claims = Vec::new();
@@ -152,6 +153,8 @@ fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// Passages of probability 1e-2 and 1e-3, and the number of free paths that judge them.
 const FREQUENT: [f64; 2] = [0.018, 0.02];
 const N_FREE: u64 = 20_000;
+/// The same with `--full`.
+const N_FREE_FULL: u64 = 200_000;
 /// The thresholds of the scene.
 const RARE: [f64; 2] = [0.024, 0.029];
 
@@ -197,7 +200,7 @@ fn bilinear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let thresholds = &FREQUENT[..1];
     let question = PassageQuestion { responses, thresholds, n_steps: &[SPAN.1] };
     context.progress("bilinear storeys");
-    let free = paths.free_passages(&question, (N_FREE, 7))?[0][0];
+    let free = paths.free_passages(&question, (N_FREE_FULL, 7))?[0][0];
     let found = paths.first_passages(&question, &CONFIG)?.remove(0).remove(0)?;
     let reference = Reference { value: free.value, error: free.standard_error() };
     let bias = "none: the same steps and the same rule between them";

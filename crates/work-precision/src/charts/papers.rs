@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use figures::Drawing;
 use serde::Serialize;
 
-use super::papers_figures::{of_canor_denoel, of_chen};
+use super::papers_figures::{density_of_canor_denoel, moments_of_canor_denoel, of_chen};
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::smpm::published::{
@@ -14,7 +14,7 @@ use crate::problems::smpm::published::{
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "papers",
-    title: "Tables 6 to 8 and figures 9 to 12 of Chen et al. 2019, figure 1b of Canor & Denoël 2013, beside ours",
+    title: "Tables 6 to 8 and figures 9 to 12 of Chen et al. 2019, figures 1b and 2a of Canor & Denoël 2013, beside ours",
     draw,
 };
 
@@ -62,7 +62,8 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = vec![Drawing::page("smpm-published-tables", text(&page)?, &page)?];
     context.progress("figures");
     drawings.extend(of_chen(&all, &TIMES, time)?);
-    drawings.push(of_canor_denoel()?);
+    drawings.push(moments_of_canor_denoel()?);
+    drawings.extend(density_of_canor_denoel()?);
     Ok(drawings)
 }
 

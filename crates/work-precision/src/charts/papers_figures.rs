@@ -1,12 +1,16 @@
 //! Figures of the source documents: the same quantities over the same axes, ours beside what is printed.
 
-use figures::{Band, Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
-use scenes::fpk::density::{Asked, Demand, DensityRun};
+use figures::{
+    Band, Drawing, Line, Plane, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
+};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use scenes::fpk::density::{self, Asked, Demand, DensityRun};
+use scenes::fpk::plane_density::{PlaneDensity, plane_density};
 use scenes::machine::Machine;
 
 use crate::context::CaseError;
 use crate::problems::fpk::methods::papers_config;
-use crate::problems::fpk::problem::Problem;
+use crate::problems::fpk::problem::{Problem, bouc_wen};
 use crate::problems::smpm::published::{Solved, TABLES, by_series, printed};
 
 /// Figure of Chen et al. 2019, table and gauge.
@@ -79,7 +83,7 @@ fn figure_of_chen(
 }
 
 /// Figure 1b of Canor and Denoël 2013: second moments of the oscillator with a viscous damper over time.
-pub(super) fn of_canor_denoel() -> Result<Drawing, CaseError> {
+pub(super) fn moments_of_canor_denoel() -> Result<Drawing, CaseError> {
     const TIMES: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let problem = Problem::viscous_damper()?;
     let powers = [[2, 0], [0, 2]];
@@ -132,4 +136,64 @@ pub(super) fn of_canor_denoel() -> Result<Drawing, CaseError> {
         references: references.collect(),
     };
     Ok(Drawing::time_series("papers-canor-denoel-figure-1b", &data)?)
+}
+
+/// States of the oscillator with hysteresis, and the planes on which figure 2a projects its density.
+const STATES: [&str; 3] = ["q", "v", "z"];
+const PLANES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
+
+/// Figure 2a of Canor and Denoël 2013: projections of the density of the oscillator with hysteresis at its largest
+/// variance. The number of particles is the printed one; the method is ours, since the printed one ends at t = 2.38.
+pub(super) fn density_of_canor_denoel() -> Result<Vec<Drawing>, CaseError> {
+    const TIME: f64 = 3.6;
+    const COUNT: usize = 21;
+    /// Half the edge of the lattice in each state: four standard deviations.
+    const HALF_WIDTH: f64 = 0.2;
+    /// Of the kernel that smooths a picture, in standard deviations: 0.6 spacings of the lattice.
+    const BANDWIDTH: f64 = 0.6 * 8.0 / (COUNT as f64 - 1.0);
+    let (system, law, _) = bouc_wen()?;
+    let config = Config {
+        method: Method::FlowMapFit,
+        lattice: InitialLattice::Rectangle { half_width: [HALF_WIDTH; 3], count: [COUNT; 3] },
+        reference_period: system.period(),
+        most_steps: DEFAULT_MOST_STEPS,
+    };
+    let asked = Asked {
+        times: vec![TIME],
+        powers: vec![[2, 0, 0]],
+        demand: Demand::displacement(),
+        thresholds: vec![0.5],
+        cells: false,
+    };
+    let mut planes: Vec<Option<PlaneDensity>> = Vec::new();
+    let run = density::run_on(system, &law, &config, &asked, |at, _| {
+        let (positions, masses) = (at.positions(), at.masses());
+        planes = PLANES.map(|plane| plane_density(positions, masses, plane, BANDWIDTH)).into();
+    })?;
+    if let Some(error) = run.stopped {
+        return Err(error.into());
+    }
+    let draw = |([across, up], density): ([usize; 2], Option<PlaneDensity>)| {
+        let [across, up] = [STATES[across], STATES[up]];
+        let density = density
+            .ok_or_else(|| format!("the cloud does not span the plane of {across} and {up}"))?;
+        let chart = Plane {
+            words: Words {
+                title: format!("Figure 2a of Canor and Denoël 2013: density of {across} and {up} at t = {TIME} s"),
+                subtitle: "hysteresis of Bouc and Wen, 9,261 particles as printed, flow-map fit".into(),
+                x_label: across.to_owned(),
+                y_label: up.to_owned(),
+                caption: vec![
+                    "The printed method ends at t = 2.38 s with these particles, so ours is drawn. z stays in [-1, 1].".into(),
+                    format!("Masses of the particles, smoothed by a normal kernel of {BANDWIDTH:.2} standard deviations."),
+                    Machine::read().caption(),
+                ],
+            },
+            x: density.x,
+            y: density.y,
+            values: density.values,
+        };
+        Ok(Drawing::plane(&format!("papers-canor-denoel-figure-2a-{across}-{up}"), &chart)?)
+    };
+    PLANES.into_iter().zip(planes).map(draw).collect()
 }

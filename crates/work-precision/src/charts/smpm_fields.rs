@@ -1,4 +1,5 @@
-//! Mean and standard deviation of the flow stress in a plate under an explosion: fields from one run with jets.
+//! Mean and standard deviation of a response over a plate under an explosion: fields from one run with jets. They show
+//! what figures 4 and 8 of Chen et al. 2019 show, the bodies at the end, with the response of each example over them.
 
 use figures::{Drawing, Field, Region, Words};
 use perturbation_moments::{Jet, Scalar};
@@ -12,22 +13,52 @@ use crate::problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-fields",
-    title: "mean and standard deviation of the flow stress over a plate under an explosion, as pictures",
+    title: "mean and standard deviation over plates under an explosion, as pictures: pressure in a thick one, flow stress in a thin one",
     draw,
 };
 
 /// Time (us).
 const TIME: f64 = 10.0;
+/// Coefficient of variation of every parameter.
+const COEFFICIENT_OF_VARIATION: f64 = 0.05;
 /// Megapascals per megabar.
 const MPA: f64 = 1e5;
 /// Corners of the picture (cm).
 const FROM: [f64; 2] = [-6.0, 0.0];
 const TO: [f64; 2] = [14.0, 12.5];
-/// Bodies of the scene, in order.
+/// Bodies of the scenes, in order.
 const BODIES: [&str; 3] = ["products of TNT", "steel", "water"];
 const STEEL: usize = 1;
 
-/// A particle: position, body, mean and deviation of its flow stress (MPa).
+/// An example of the paper and the response that it looks at.
+struct Example {
+    problem: Problem,
+    figure: u32,
+    quantity: Quantity,
+    /// Name in a file and in words.
+    id: &'static str,
+    name: &'static str,
+    subtitle: &'static str,
+}
+
+const THICK: Example = Example {
+    problem: Problem::ThickPlate,
+    figure: 4,
+    quantity: Quantity::Pressure,
+    id: "pressure",
+    name: "pressure in steel",
+    subtitle: "charge of TNT in water on a thick plate of 4340 steel; S1, Grüneisen's constant and its slope normal, coefficient of variation 0.05",
+};
+const THIN: Example = Example {
+    problem: Problem::ContactExplosion,
+    figure: 8,
+    quantity: Quantity::FlowStress,
+    id: "flow-stress",
+    name: "flow stress of steel",
+    subtitle: "charge of TNT in water on a plate of 4340 steel; A, B, n, C, m normal, coefficient of variation 0.05",
+};
+
+/// A particle: position, body, mean and deviation of the response (MPa).
 struct Seen {
     place: [f64; 2],
     body: usize,
@@ -35,24 +66,42 @@ struct Seen {
 }
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    let mut drawings = fields::<3>(context, &THICK)?;
+    drawings.extend(fields::<5>(context, &THIN)?);
+    Ok(drawings)
+}
+
+/// Both moments of an example with `N` random parameters.
+fn fields<const N: usize>(
+    context: &Context<'_>,
+    example: &Example,
+) -> Result<Vec<Drawing>, CaseError> {
     let cell = if context.profile == Profile::Quick { 0.5 } else { 0.25 };
-    let mut scene = Problem::ContactExplosion.scene_with(0.05, &[TIME])?;
+    let mut scene = example.problem.scene_with(COEFFICIENT_OF_VARIATION, &[TIME])?;
     scene.grid.cell = cell;
-    context.progress("run with derivatives");
+    context.progress(&format!("{}: run with derivatives", example.id));
     let experiment = experiment::<2>(&scene)?;
-    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    let study = Study::<_, 2, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<2>()?)?;
     let mut seen = Vec::new();
-    let _ = study.propagated_seen(|_, run| seen = particles(run))?;
+    let _ = study.propagated_seen(|_, run| seen = particles(run, example.quantity, N))?;
     let grid = Grid::new(cell, &seen);
     let draw = |k: usize, id: &str, word: &str| {
         let chart = Field {
             words: Words {
-                title: format!("{word} of the flow stress of steel, {TIME} us after ignition"),
-                subtitle: "charge of TNT in water on a plate of 4340 steel; A, B, n, C, m normal, coefficient of variation 0.05".into(),
+                title: format!("{word} of the {}, {TIME} us after ignition", example.name),
+                subtitle: example.subtitle.into(),
                 x_label: "x (cm)".into(),
                 y_label: "y (cm); y = 0 is a plane of symmetry".into(),
                 caption: vec![
-                    format!("One run with jets, {} particles, cells of {} mm; each cell of the picture shows the mean over its particles.", seen.len(), 10.0 * cell),
+                    format!(
+                        "Figure {} of Chen et al. 2019 shows these bodies at an end time that it does not state.",
+                        example.figure
+                    ),
+                    format!(
+                        "One run with jets, {} particles, cells of {} mm; each cell of the picture shows the mean over its particles.",
+                        seen.len(),
+                        10.0 * cell
+                    ),
                     Machine::read().caption(),
                 ],
             },
@@ -62,19 +111,19 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
             values: grid.values(&seen, k),
             regions: [2, 0].map(|body| grid.region(body)).into(),
         };
-        Drawing::field(&format!("smpm-field-flow-stress-{id}"), &chart)
+        Drawing::field(&format!("smpm-field-{}-{id}", example.id), &chart)
     };
     Ok(vec![draw(0, "mean", "Mean")?, draw(1, "deviation", "Standard deviation")?])
 }
 
-/// All particles of a run, with second-order mean and first-order deviation.
-fn particles(run: &Simulation<Jet, 2>) -> Vec<Seen> {
+/// All particles of a run, with second-order mean and first-order deviation by the first `n` derivatives.
+fn particles(run: &Simulation<Jet, 2>, quantity: Quantity, n: usize) -> Vec<Seen> {
     let of = |(number, body): (usize, &Body<Jet, 2>)| -> Vec<Seen> {
         let one = |particle: usize| {
-            let stress = Quantity::FlowStress.of(body, particle).unwrap_or(Jet::constant(0.0));
-            let sum = |lanes: &[f64]| lanes.iter().take(5).sum::<f64>();
-            let squares: f64 = stress.first.iter().take(5).map(|slope| slope * slope).sum();
-            let mean = stress.value + 0.5 * sum(&stress.second);
+            let response = quantity.of(body, particle).unwrap_or(Jet::constant(0.0));
+            let curvature: f64 = response.second.iter().take(n).sum();
+            let squares: f64 = response.first.iter().take(n).map(|slope| slope * slope).sum();
+            let mean = response.value + 0.5 * curvature;
             Seen {
                 place: body.position(particle).map(Scalar::value),
                 body: number,

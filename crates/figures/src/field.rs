@@ -100,6 +100,9 @@ fn draw_key(canvas: &Canvas<'_>, chart: &Field, scale: &Colours) -> Drawn {
     for k in (0..=BANDS).step_by(4) {
         let part = 1.0 - k as f64 / BANDS as f64;
         let value = scale.least + part * (scale.most - scale.least);
+        // A millionth of a band is not seen.
+        let is_zero = value.abs() < 1e-6 * (scale.most - scale.least) / BANDS as f64;
+        let value = if is_zero { 0.0 } else { value };
         canvas.text(&three_digits(value), (KEY_X + 38.0, top_of(k)), Anchor::Left, face)?;
     }
     for (r, (region, pale)) in chart.regions.iter().zip(PALE.iter().cycle()).enumerate() {
@@ -114,6 +117,7 @@ fn draw_key(canvas: &Canvas<'_>, chart: &Field, scale: &Colours) -> Drawn {
 /// Formats a number of the key with at least three digits.
 fn three_digits(value: f64) -> String {
     match value.abs() {
+        0.0 => "0".to_owned(),
         size if size >= 100.0 => format!("{value:.0}"),
         size if size >= 10.0 => format!("{value:.1}"),
         size if size >= 0.1 => format!("{value:.2}"),
@@ -155,6 +159,15 @@ mod tests {
         for expected in ["#440154", "#FDE725", "#DEEBF7", "WATER", "FLOW STRESS (MPA)", "30.0"] {
             assert!(svg.contains(expected), "{expected} is missing");
         }
+    }
+
+    #[test]
+    fn an_end_that_is_zero_but_for_roundoff_is_zero_in_the_key() {
+        let mut still = ramp();
+        still.values = vec![vec![Some(3e-22), Some(30.0), None]];
+        let svg = field(&still).unwrap();
+        assert!(svg.contains(">0</text>") || svg.contains("\n0\n"), "{svg}");
+        assert!(!svg.contains("e-22"));
     }
 
     #[test]

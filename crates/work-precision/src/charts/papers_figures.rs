@@ -179,13 +179,19 @@ pub(super) fn density_of_canor_denoel() -> Result<Vec<Drawing>, CaseError> {
             .ok_or_else(|| format!("the cloud does not span the plane of {across} and {up}"))?;
         let chart = Plane {
             words: Words {
-                title: format!("Figure 2a of Canor and Denoël 2013: density of {across} and {up} at t = {TIME} s"),
-                subtitle: "hysteresis of Bouc and Wen, 9,261 particles as printed, flow-map fit".into(),
+                title: format!(
+                    "Figure 2a of Canor and Denoël 2013: density of {across} and {up} at t = {TIME} s"
+                ),
+                subtitle: "hysteresis of Bouc and Wen, 9,261 particles as printed, flow-map fit"
+                    .into(),
                 x_label: across.to_owned(),
                 y_label: up.to_owned(),
                 caption: vec![
-                    "The printed method ends at t = 2.38 s with these particles, so ours is drawn. z stays in [-1, 1].".into(),
-                    format!("Masses of the particles, smoothed by a normal kernel of {BANDWIDTH:.2} standard deviations."),
+                    "The printed method ends at t = 2.38 s with these particles, so ours is drawn."
+                        .into(),
+                    format!(
+                        "Masses of the particles, smoothed by a normal kernel of {BANDWIDTH:.2} standard deviations, which spreads z beyond its limits of -1 and 1."
+                    ),
                     Machine::read().caption(),
                 ],
             },

@@ -7,6 +7,26 @@ use crate::score::{Estimates, Fits};
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
 pub(crate) const BLOCK: usize = 128;
 
+/// Particles up to which all is computed on the thread of the caller: a step takes some ten loops over the particles, and with
+/// so few each takes microseconds, as long as another thread takes to wake.
+const FEW: usize = 1024;
+
+/// Whether loops over so many particles are shared between threads.
+const fn is_shared(n: usize) -> bool {
+    cfg!(feature = "rayon") && n > FEW
+}
+
+/// Runs work whose loops are shared between threads on a thread of the pool: then each loop hands out its parts without waking
+/// the caller. With few particles it runs where it is.
+pub(crate) fn in_pool<R: Send>(n_particles: usize, work: impl FnOnce() -> R + Send) -> R {
+    #[cfg(feature = "rayon")]
+    if is_shared(n_particles) && rayon::current_thread_index().is_none() {
+        return rayon::scope(|_| work());
+    }
+    let _ = n_particles;
+    work()
+}
+
 /// `out[i] = value(i)`.
 pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
     for_each_block(out, &|first, block| {
@@ -20,11 +40,13 @@ pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync) {
 /// function, so that the threads' code is compiled once per type of entry.
 pub(crate) fn for_each_block<T: Send>(out: &mut [T], write: &(dyn Fn(usize, &mut [T]) + Sync)) {
     #[cfg(feature = "rayon")]
-    {
+    if is_shared(out.len()) {
         use rayon::prelude::*;
-        out.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| write(k * BLOCK, block));
+        return out
+            .par_chunks_mut(BLOCK)
+            .enumerate()
+            .for_each(|(k, block)| write(k * BLOCK, block));
     }
-    #[cfg(not(feature = "rayon"))]
     for (k, block) in out.chunks_mut(BLOCK).enumerate() {
         write(k * BLOCK, block);
     }
@@ -61,26 +83,33 @@ impl<A: Split, B: Split> Split for (A, B) {
 
 /// `write(k, part)` for the parts of `size` entries each, the last of which may be shorter.
 pub(crate) fn for_each_part<S: Split>(out: S, size: usize, write: &(impl Fn(usize, S) + Sync)) {
-    from_part(0, out, size, write);
+    let shared = is_shared(out.n());
+    from_part(0, out, (size, shared), write);
 }
 
 /// As [`for_each_part`], with parts counted from `first`.
-fn from_part<S: Split>(first: usize, out: S, size: usize, write: &(impl Fn(usize, S) + Sync)) {
+fn from_part<S: Split>(
+    first: usize,
+    out: S,
+    (size, shared): (usize, bool),
+    write: &(impl Fn(usize, S) + Sync),
+) {
     let n_parts = out.n().div_ceil(size);
     if n_parts <= 1 {
         return write(first, out);
     }
     let half = n_parts / 2;
     let (low, high) = out.split(half * size);
-    let (low, high) =
-        (|| from_part(first, low, size, write), || from_part(first + half, high, size, write));
+    let how = (size, shared);
+    let low = || from_part(first, low, how, write);
+    let high = || from_part(first + half, high, how, write);
     #[cfg(feature = "rayon")]
-    rayon::join(low, high);
-    #[cfg(not(feature = "rayon"))]
-    {
-        low();
-        high();
+    if shared {
+        rayon::join(low, high);
+        return;
     }
+    low();
+    high();
 }
 
 /// `(score, density, volume)[i] = value(i)`.
@@ -92,9 +121,10 @@ pub(crate) fn for_each_particle<const D: usize>(
         (*score, *density, *volume) = value(i);
     };
     #[cfg(feature = "rayon")]
-    {
+    if is_shared(out.score.len()) {
         use rayon::prelude::*;
-        out.score
+        return out
+            .score
             .par_iter_mut()
             .zip(out.density.par_iter_mut())
             .zip(out.volume.par_iter_mut())
@@ -102,53 +132,62 @@ pub(crate) fn for_each_particle<const D: usize>(
             .with_min_len(BLOCK)
             .for_each(|(i, ((score, density), volume))| write(i, score, density, volume));
     }
-    #[cfg(not(feature = "rayon"))]
     for i in 0..out.score.len() {
         write(i, &mut out.score[i], &mut out.density[i], &mut out.volume[i]);
     }
 }
 
-/// `(score, volume)[i] = value(scratch, i)`, and how well the fits were determined; of several errors, that of the lowest
-/// particle. Counts and a smallest value do not depend on what the threads did.
-pub(crate) fn for_each_fit<const D: usize, W>(
+/// Parts into which fits are divided at most, each with scratch of its own.
+const MOST_PARTS: usize = 64;
+
+/// Parts into which fits around `n` particles are divided.
+pub(crate) fn n_fit_parts(n: usize) -> usize {
+    n.div_ceil(BLOCK).min(MOST_PARTS)
+}
+
+/// `write(scratch, first, score, volume)` for a part of the particles with each scratch, the first of which is `first`, and
+/// how well the fits were determined; of several errors, that of the lowest particle. Counts and a smallest value do not
+/// depend on what the threads did.
+pub(crate) fn for_each_fit<const D: usize, W: Send>(
     score: &mut [[f64; D]],
     volume: &mut [f64],
-    scratch: impl Fn() -> W + Sync + Send,
-    value: impl Fn(&mut W, usize) -> Result<([f64; D], f64, Fits), Error> + Sync + Send,
+    scratch: &mut [W],
+    write: impl Fn(&mut W, usize, &mut [[f64; D]], &mut [f64]) -> Result<Fits, Failed> + Sync,
 ) -> Result<Fits, Error> {
+    let size = score.len().div_ceil(scratch.len().max(1)).max(1);
     #[cfg(feature = "rayon")]
-    {
+    if is_shared(score.len()) {
         use rayon::prelude::*;
-        type Outcome = Result<Fits, (usize, Error)>;
-        let both = |one: Outcome, other: Outcome| match (one, other) {
+        let both = |one: Result<Fits, Failed>, other: Result<Fits, Failed>| match (one, other) {
             (Ok(one), Ok(other)) => Ok(one.and(other)),
-            (Err(one), Err(other)) => Err(if other.0 < one.0 { other } else { one }),
+            (Err(one), Err(other)) => Err(if other.particle < one.particle { other } else { one }),
             (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
         };
-        score
-            .par_chunks_mut(BLOCK)
-            .zip(volume.par_chunks_mut(BLOCK))
+        return score
+            .par_chunks_mut(size)
+            .zip(volume.par_chunks_mut(size))
+            .zip(scratch)
             .enumerate()
-            .map(|(chunk, (score, volume))| {
-                let (mut scratch, mut all) = (scratch(), Fits::default());
-                for (i, (score, volume)) in (chunk * BLOCK..).zip(score.iter_mut().zip(volume)) {
-                    let fits;
-                    (*score, *volume, fits) = value(&mut scratch, i).map_err(|error| (i, error))?;
-                    all = all.and(fits);
-                }
-                Ok(all)
-            })
+            .map(|(k, ((score, volume), scratch))| write(scratch, k * size, score, volume))
             .reduce(|| Ok(Fits::default()), both)
-            .map_err(|(_, error)| error)
+            .map_err(|failed| failed.error);
     }
-    #[cfg(not(feature = "rayon"))]
-    {
-        let (mut scratch, mut all) = (scratch(), Fits::default());
-        for (i, (score, volume)) in score.iter_mut().zip(volume).enumerate() {
-            let fits;
-            (*score, *volume, fits) = value(&mut scratch, i)?;
-            all = all.and(fits);
-        }
-        Ok(all)
+    let mut all = Fits::default();
+    let parts = score.chunks_mut(size).zip(volume.chunks_mut(size)).zip(scratch);
+    for (k, ((score, volume), scratch)) in parts.enumerate() {
+        let fits = write(scratch, k * size, score, volume);
+        all = all.and(fits.map_err(|failed| failed.error)?);
     }
+    Ok(all)
+}
+
+/// The fit of a particle that could not be made.
+#[derive(Debug)]
+pub(crate) struct Failed {
+    #[cfg_attr(
+        not(feature = "rayon"),
+        expect(dead_code, reason = "one thread meets the lowest first")
+    )]
+    pub(crate) particle: usize,
+    pub(crate) error: Error,
 }

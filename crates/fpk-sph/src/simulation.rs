@@ -10,6 +10,7 @@ use crate::config::Config;
 use crate::error::{Error, finite};
 use crate::matrix::Matrix;
 use crate::observables::{CellIntegral, DensityField};
+use crate::parallel::in_pool;
 use crate::remap::{Remapped, Remapping};
 use crate::report::{StepReport, Work};
 use crate::scheme::Scheme;
@@ -105,7 +106,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// As [`Self::step`]; [`Error::TimeInThePast`] unless `end` lies ahead.
     pub fn step_towards(&mut self, end: f64) -> Result<StepReport, Error> {
-        (passes().step_towards)(&mut self.solver, &OfSystem(&self.system), end)
+        let (n, system) = (self.n_particles(), OfSystem(&self.system));
+        in_pool(n, || (passes().step_towards)(&mut self.solver, &system, end))
     }
 
     /// Steps to the given time, landing on it exactly.
@@ -113,7 +115,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of [`Self::step`]; [`Error::TimeInThePast`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
-        (passes().advance_to)(&mut self.solver, &OfSystem(&self.system), time)
+        let (n, system) = (self.n_particles(), OfSystem(&self.system));
+        in_pool(n, || (passes().advance_to)(&mut self.solver, &system, time))
     }
 
     /// Runs through the given times, which must not decrease, and calls `observe` at each.

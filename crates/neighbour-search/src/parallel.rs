@@ -22,15 +22,17 @@ pub(crate) fn for_each_part<S: Send>(
     work: impl Fn(Part<'_, S>) + Sync + Send,
 ) {
     let part = |(chunk, ((indices, ends), scratch))| Part { chunk, indices, ends, scratch };
+    // One chunk is done here: waking a thread of the pool takes longer than small lists.
     #[cfg(feature = "rayon")]
-    chunks
-        .par_iter_mut()
-        .zip(ends.par_chunks_mut(size))
-        .zip(scratch.par_iter_mut())
-        .enumerate()
-        .map(part)
-        .for_each(work);
-    #[cfg(not(feature = "rayon"))]
+    if chunks.len() > 1 {
+        return chunks
+            .par_iter_mut()
+            .zip(ends.par_chunks_mut(size))
+            .zip(scratch.par_iter_mut())
+            .enumerate()
+            .map(part)
+            .for_each(work);
+    }
     chunks.iter_mut().zip(ends.chunks_mut(size)).zip(scratch).enumerate().map(part).for_each(work);
 }
 
@@ -45,8 +47,9 @@ pub(crate) fn fill<T: Send>(out: &mut [T], value: impl Fn(usize) -> T + Sync + S
         }
     };
     #[cfg(feature = "rayon")]
-    out.par_chunks_mut(STRETCH).enumerate().for_each(write);
-    #[cfg(not(feature = "rayon"))]
+    if out.len() > STRETCH {
+        return out.par_chunks_mut(STRETCH).enumerate().for_each(write);
+    }
     out.chunks_mut(STRETCH).enumerate().for_each(write);
 }
 
@@ -62,8 +65,9 @@ pub(crate) fn fill_from<S: Sync, T: Send>(
         }
     };
     #[cfg(feature = "rayon")]
-    out.par_chunks_mut(STRETCH).zip(from.par_chunks(STRETCH)).for_each(write);
-    #[cfg(not(feature = "rayon"))]
+    if out.len() > STRETCH {
+        return out.par_chunks_mut(STRETCH).zip(from.par_chunks(STRETCH)).for_each(write);
+    }
     out.chunks_mut(STRETCH).zip(from.chunks(STRETCH)).for_each(write);
 }
 

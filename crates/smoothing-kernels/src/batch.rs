@@ -10,7 +10,6 @@ use crate::error::Error;
 /// results, and fuses no multiplication with an addition, which would change them. Only functions inlined into the
 /// dispatched closure are compiled for its registers: pass `f` with `#[inline(always)]`. Data that `f` holds by
 /// reference could alias the output and would be reloaded for every pair: pass `f` with `move`.
-/// and would be read again for every pair: pass `f` with `move`.
 #[inline]
 pub(crate) fn each(
     r_squared: &[f64],

@@ -7,7 +7,7 @@ use smoothing_kernels::{Kernel, Lucy};
 use super::policy::BEYOND_THE_CLOUD;
 use crate::error::Error;
 use crate::lattice::{ParticleLattice, index_of_place};
-use crate::score::{LANES, LeastSquares, MOST_UNKNOWNS, Monomials, lattice_jacobian, solve};
+use crate::score::{LeastSquares, Monomials, Points, lattice_jacobian, solve};
 
 /// The departure of the log density from that of the cloud's Gaussian, `log psi + |y|^2 / 2`, at any place in whitened
 /// coordinates.
@@ -164,39 +164,21 @@ impl<'a, const D: usize> Departure<'a, D> {
                 points.push((u, <Lucy as Kernel<D>>::shape(&Lucy, square.sqrt() * support)));
             }
         }
-        let tables = Monomials::<D>::carried_by(members.len(), degree, PLACES_PER_UNKNOWN)?;
+        let tables = Monomials::carried_by::<D>(members.len(), degree, PLACES_PER_UNKNOWN)?;
         let mut equations = LeastSquares::new(tables);
-        equations.clear(tables);
-        for block in points.chunks(LANES) {
-            let (mut u, mut w) = ([[0.0; LANES]; D], [0.0; LANES]);
-            for (lane, (point, weight)) in block.iter().enumerate() {
-                for k in 0..D {
-                    u[k][lane] = point[k];
-                }
-                w[lane] = *weight;
-            }
-            equations.add(&u, &w, &[0.0; LANES]);
-        }
+        equations.sum_in_all(&Points::of(&points));
         equations.factorise();
-        // Row m of the inverse normal matrix: with it a member's weight in coefficient m is w b(u).row.
-        let row = |m: usize| {
-            let mut row = [0.0; MOST_UNKNOWNS];
-            row[m] = 1.0;
-            equations.substitute(&mut row);
-            row
-        };
-        let value = row(0);
-        let gradient: [_; D] = std::array::from_fn(|k| row(1 + k));
+        let rows = equations.inverse_rows(1 + D);
         let mut fit = Fit { y: [0.0; D], edges: [[0.0; D]; D], departure: 0.0, slope: [0.0; D] };
         for (j, (u, w)) in members.into_iter().zip(&points) {
             let (y, departure) = (&self.y[j], self.values[j]);
-            let weight = w * equations.polynomial(&value, u);
+            let weight = w * equations.polynomial(&rows[0], u);
             fit.departure += weight * departure;
             for k in 0..D {
                 fit.y[k] += weight * y[k];
             }
             for l in 0..D {
-                let weight = w * equations.polynomial(&gradient[l], u) / reach;
+                let weight = w * equations.polynomial(&rows[1 + l], u) / reach;
                 fit.slope[l] += weight * departure;
                 for k in 0..D {
                     fit.edges[k][l] += weight * y[k];

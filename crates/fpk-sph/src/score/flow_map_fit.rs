@@ -228,8 +228,8 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
     /// Refuses a neighbourhood that cannot carry the degree inside the lattice.
     fn check_resolution(&self, support_over_spacing: f64) -> Result<(), Error> {
         let count = lattice_distances::<D>(support_over_spacing).count() + 1;
-        let carried = Monomials::<D>::carried_by(count, self.degree, 1.5);
-        match Monomials::<D>::of_degree(self.degree) {
+        let carried = Monomials::carried_by::<D>(count, self.degree, 1.5);
+        match Monomials::of_degree::<D>(self.degree) {
             None => Err(Error::DegreeTooHigh { degree: self.degree, dimension: D }),
             Some(asked) if carried.is_none_or(|found| found.n_unknowns < asked.n_unknowns) => {
                 let limit = unknowns(D, self.degree) * 3 / 2;

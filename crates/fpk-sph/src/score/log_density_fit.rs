@@ -1,15 +1,18 @@
 //! The better estimator: a local quadratic through the logarithms of volume densities.
 
+use std::ops::Range;
+
 use neighbour_search::Criterion;
 use smoothing_kernels::{Kernel, Lucy};
 
 use super::cell_geometry::{determinant, lattice_jacobian};
 use super::monomials::{Monomials, unknowns};
-use super::polynomial_fit::{LANES, LeastSquares};
+use super::normal_equations::LANES;
+use super::polynomial_fit::{LeastSquares, Points};
 use super::{Degree, Estimates, Fits, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
-use crate::parallel::{fill, for_each_fit};
+use crate::parallel::{Failed, fill, for_each_fit, n_fit_parts};
 
 /// How the volume of a particle is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,35 +57,64 @@ pub struct LocalFit<const D: usize> {
     pub hessian: [[f64; D]; D],
 }
 
-/// What a fit around a particle left besides its coefficients, with the sum of the weights that it met on the way.
-struct Fitted {
-    /// One over the length in which offsets were measured.
-    scale: f64,
-    kernel_sum: f64,
-    fits: Fits,
+/// What fits need besides the cloud, reused from one to the next.
+#[derive(Debug, Clone)]
+pub(crate) struct Scratch {
+    points: Points,
+    equations: LeastSquares,
+}
+
+/// Several fits side by side, solved: that of particle `first + lane` is in `lane`.
+struct Solved<'a> {
+    first: usize,
+    equations: &'a LeastSquares,
+    /// One over the length in which the offsets of each fit are measured.
+    scale: &'a [f64],
 }
 
 impl<K> LogDensityFit<K> {
+    /// The square of a distance beyond the support, which fills registers.
+    fn beyond<const D: usize>(&self, h: f64) -> f64
+    where
+        K: Kernel<D>,
+    {
+        (2.0 * self.kernel.support() * h).powi(2)
+    }
+
     /// The volume of particle `i` by the kernel sum.
-    fn kernel_volume<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> f64
+    fn kernel_volume<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> Result<f64, Error>
     where
         K: Kernel<D>,
     {
         let h = cloud.smoothing_lengths[i];
-        let value_at = |j: u32| self.kernel.value(cloud.offset(i, j as usize).1.sqrt(), h);
-        let others: f64 = cloud.neighbours.of(i).iter().map(|&j| value_at(j)).sum();
-        1.0 / (self.kernel.value(0.0, h) + others)
+        let mut sum = self.kernel.value(0.0, h);
+        for near in cloud.neighbours.of(i).chunks(TOGETHER) {
+            let (mut squares, mut weights) = ([self.beyond::<D>(h); TOGETHER], [0.0; TOGETHER]);
+            for (square, &j) in squares.iter_mut().zip(near) {
+                *square = cloud.offset(i, j as usize).1;
+            }
+            let n = near.len().next_multiple_of(LANES);
+            self.kernel.values(&squares[..n], h, &mut weights[..n])?;
+            sum += weights[..n].iter().sum::<f64>();
+        }
+        Ok(1.0 / sum)
     }
 
     /// The volume of particle `i`; none where it has no lattice cell.
-    fn volume_at<const D: usize>(&self, cloud: &Cloud<'_, D>, i: usize) -> Option<f64>
+    fn volume_at<const D: usize>(
+        &self,
+        cloud: &Cloud<'_, D>,
+        i: usize,
+    ) -> Result<Option<f64>, Error>
     where
         K: Kernel<D>,
     {
         match self.volume {
-            VolumeEstimate::KernelSum => Some(self.kernel_volume(cloud, i)),
-            VolumeEstimate::DeformedLattice => lattice_jacobian(cloud.positions, cloud.lattice, i)
-                .map(|edges| determinant(&edges).abs()),
+            VolumeEstimate::KernelSum => self.kernel_volume(cloud, i).map(Some),
+            VolumeEstimate::DeformedLattice => {
+                let edges = lattice_jacobian(cloud.positions, cloud.lattice, i);
+                Ok(edges.map(|edges| determinant(&edges).abs()))
+            }
         }
     }
 
@@ -96,63 +128,91 @@ impl<K> LogDensityFit<K> {
         K: Kernel<D>,
     {
         // A particle without a volume is NaN here and named below.
-        fill(log_density, |i| {
-            self.volume_at(cloud, i).map_or(f64::NAN, |volume| (cloud.masses[i] / volume).ln())
+        fill(log_density, |i| match self.volume_at(cloud, i) {
+            Ok(Some(volume)) => (cloud.masses[i] / volume).ln(),
+            Ok(None) | Err(_) => f64::NAN,
         });
         let Some(particle) = log_density.iter().position(|value| !value.is_finite()) else {
             return Ok(());
         };
-        if self.volume_at(cloud, particle).is_none() {
+        if self.volume_at(cloud, particle)?.is_none() {
             return Err(Error::NoLatticeCell { particle });
         }
         let (step, time, value) = (cloud.step, cloud.time, log_density[particle]);
         Err(Error::LeftStableRange { step, time, particle, quantity: "log density", value })
     }
 
-    /// The fit around particle `i`, given the log densities of all, in units of the reach that is returned.
+    /// The fits around some particles, given the log densities of all: as many side by side as share a degree, each group of
+    /// which is handed over solved.
     fn fit<const D: usize>(
         &self,
         cloud: &Cloud<'_, D>,
         log_density: &[f64],
+        particles: Range<usize>,
+        Scratch { points, equations }: &mut Scratch,
+        mut take: impl FnMut(&Solved<'_>),
+    ) -> Result<Fits, Failed>
+    where
+        K: Kernel<D>,
+    {
+        let at = |particle: usize| move |error: Error| Failed { particle, error };
+        let tables_of =
+            |i: usize| self.tables(cloud, i, cloud.neighbours.of(i).len() + 1).map_err(at(i));
+        let (mut all, mut first) = (Fits::default(), particles.start);
+        while first < particles.end {
+            let tables = tables_of(first)?;
+            let asked = self.tables(cloud, first, usize::MAX).map_err(at(first))?.n_unknowns;
+            equations.clear(tables);
+            let (mut scale, mut n) = ([0.0; LANES], 0);
+            while n < LANES
+                && first + n < particles.end
+                && tables_of(first + n)?.n_unknowns == tables.n_unknowns
+            {
+                let i = first + n;
+                scale[n] = self.collect(cloud, log_density, i, points).map_err(at(i))?;
+                equations.sum(n, points);
+                n += 1;
+            }
+            for determined in &equations.solve()[..n] {
+                all = all.and(Fits::of(tables.n_unknowns, asked, *determined));
+            }
+            take(&Solved { first, equations, scale: &scale[..n] });
+            first += n;
+        }
+        Ok(all)
+    }
+
+    /// The particle itself and its neighbours as the points of a fit, offsets in units of the support, which keeps moments
+    /// near unity; returns one over the support.
+    fn collect<const D: usize>(
+        &self,
+        cloud: &Cloud<'_, D>,
+        log_density: &[f64],
         i: usize,
-        equations: &mut LeastSquares<D>,
-    ) -> Result<Fitted, Error>
+        points: &mut Points,
+    ) -> Result<f64, Error>
     where
         K: Kernel<D>,
     {
         let neighbours = cloud.neighbours.of(i);
-        let count = neighbours.len() + 1;
-        let asked = self.tables(cloud, i, usize::MAX)?.n_unknowns;
-        equations.clear(self.tables(cloud, i, count)?);
-        let h = cloud.smoothing_lengths[i];
-        // Offsets in units of the support keep the moments near unity whatever the scale.
-        let scale = 1.0 / (self.kernel.support() * h);
-        let (mut u, mut f) = ([[0.0; LANES]; D], [0.0; LANES]);
-        let own = self.kernel.value(0.0, h);
-        let mut weights = [0.0; LANES];
-        weights[0] = own;
-        equations.add(&u, &weights, &f);
-        let mut kernel_sum = own;
-        for block in neighbours.chunks(LANES) {
-            let mut r_squared = [f64::INFINITY; LANES];
-            for (lane, &j) in block.iter().enumerate() {
-                let j = j as usize;
-                let (offset, square) = cloud.offset(i, j);
-                for k in 0..D {
-                    u[k][lane] = offset[k] * scale;
-                }
-                f[lane] =
-                    log_density[j] - log_density[i] + departure(cloud, j) - departure(cloud, i);
-                r_squared[lane] = square;
+        let n = neighbours.len() + 1;
+        points.reset(n);
+        let (own, f_own) = (&cloud.positions[i], log_density[i]);
+        let (offsets, values) = points.columns::<D>();
+        for (t, &j) in (1..).zip(neighbours) {
+            let y = &cloud.positions[j as usize];
+            for k in 0..D {
+                offsets[k][t] = y[k] - own[k];
             }
-            let n = block.len();
-            self.kernel.values(&r_squared[..n], h, &mut weights[..n])?;
-            weights[n..].fill(0.0);
-            kernel_sum += weights.iter().sum::<f64>();
-            equations.add(&u, &weights, &f);
+            values[t] = log_density[j as usize] - f_own;
         }
-        let fits = Fits::of(equations.n_unknowns(), asked, equations.solve());
-        Ok(Fitted { scale, kernel_sum, fits })
+        let h = cloud.smoothing_lengths[i];
+        let scale = 1.0 / (self.kernel.support() * h);
+        // What is fitted is the departure from the Gaussian of the cloud, log psi + |y|^2 / 2.
+        points.measure(cloud.whitened.then_some(&own[..]), scale);
+        let (squares, weights) = points.squares_and_weights(self.beyond::<D>(h));
+        self.kernel.values(squares, h, weights)?;
+        Ok(scale)
     }
 
     /// The polynomial that `count` points (with the particle itself) can carry: of the degree asked for where there are
@@ -163,12 +223,12 @@ impl<K> LogDensityFit<K> {
         cloud: &Cloud<'_, D>,
         i: usize,
         count: usize,
-    ) -> Result<&'static Monomials<D>, Error> {
+    ) -> Result<&'static Monomials, Error> {
         // Without a Gaussian to depart from, a linear fit has the slope alone: the quadratic is kept while it is determined.
         let needed = if cloud.whitened { POINTS_PER_UNKNOWN } else { 1.0 };
-        let carried = Monomials::carried_by(count, self.degree.value(), needed);
-        let linear = || Monomials::of_degree(1).filter(|linear| count > linear.n_unknowns);
-        let constant = || Monomials::of_degree(0).filter(|_| cloud.whitened);
+        let carried = Monomials::carried_by::<D>(count, self.degree.value(), needed);
+        let linear = || Monomials::of_degree::<D>(1).filter(|linear| count > linear.n_unknowns);
+        let constant = || Monomials::of_degree::<D>(0).filter(|_| cloud.whitened);
         carried.or_else(linear).or_else(constant).ok_or(Error::TooFewNeighbours {
             step: cloud.step,
             time: cloud.time,
@@ -192,30 +252,39 @@ impl<K> LogDensityFit<K> {
         let n = cloud.n_particles();
         let mut log_density = vec![0.0; n];
         self.log_densities(cloud, &mut log_density)?;
-        let mut equations = LeastSquares::new(self.tables(cloud, 0, usize::MAX)?);
-        (0..n)
-            .map(|i| {
-                let Fitted { scale, .. } = self.fit(cloud, &log_density, i, &mut equations)?;
-                let mut hessian = [[0.0; D]; D];
-                if equations.n_unknowns() >= unknowns(D, 2) {
-                    hessian = equations.hessian().map(|row| row.map(|value| value * scale * scale));
-                }
-                let mut gradient = equations.gradient().map(|g| g * scale);
+        let mut scratch = Scratch::new::<D>(self.tables(cloud, 0, usize::MAX)?);
+        let mut fits = Vec::with_capacity(n);
+        let take = |solved: &Solved<'_>| {
+            for (lane, scale) in solved.scale.iter().enumerate() {
+                let i = solved.first + lane;
+                let hessian = solved.equations.hessian::<D>(lane);
+                let mut fit = LocalFit {
+                    log_density: log_density[i],
+                    gradient: solved.equations.gradient(lane).map(|g: f64| g * scale),
+                    hessian: hessian.map(|row| row.map(|value| value * scale * scale)),
+                };
                 if cloud.whitened {
                     for k in 0..D {
-                        gradient[k] -= cloud.positions[i][k];
-                        hessian[k][k] -= 1.0;
+                        fit.gradient[k] -= cloud.positions[i][k];
+                        fit.hessian[k][k] -= 1.0;
                     }
                 }
-                Ok(LocalFit { log_density: log_density[i], gradient, hessian })
-            })
-            .collect()
+                fits.push(fit);
+            }
+        };
+        self.fit(cloud, &log_density, 0..n, &mut scratch, take).map_err(|failed| failed.error)?;
+        Ok(fits)
     }
 }
 
-fn departure<const D: usize>(cloud: &Cloud<'_, D>, i: usize) -> f64 {
-    if cloud.whitened { 0.5 * cloud.positions[i].iter().map(|y| y * y).sum::<f64>() } else { 0.0 }
+impl Scratch {
+    fn new<const D: usize>(tables: &'static Monomials) -> Self {
+        Self { points: Points::new(D), equations: LeastSquares::new(tables) }
+    }
 }
+
+/// Neighbours whose kernel is taken at once.
+const TOGETHER: usize = 64;
 
 /// Points per unknown below which a fit is of a lower degree.
 const POINTS_PER_UNKNOWN: f64 = 3.0;
@@ -261,14 +330,24 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         fill(rates, |i| {
             let (h, own) = (cloud.smoothing_lengths[i], &velocities[i]);
             let (mut parting, mut total) = (0.0, 0.0);
-            for &j in cloud.neighbours.of(i) {
-                let (offset, square) = cloud.offset(i, j as usize);
-                let weight = -self.kernel.gradient_factor(square.sqrt(), h);
-                let other = &velocities[j as usize];
-                for k in 0..D {
-                    parting += weight * offset[k] * (other[k] - own[k]);
+            for near in cloud.neighbours.of(i).chunks(TOGETHER) {
+                let (mut squares, mut along) = ([self.beyond::<D>(h); TOGETHER], [0.0; TOGETHER]);
+                for (t, &j) in near.iter().enumerate() {
+                    let (offset, square) = cloud.offset(i, j as usize);
+                    let other = &velocities[j as usize];
+                    squares[t] = square;
+                    for k in 0..D {
+                        along[t] += offset[k] * (other[k] - own[k]);
+                    }
                 }
-                total += weight * square;
+                let (n, mut factors) = (near.len().next_multiple_of(LANES), [0.0; TOGETHER]);
+                if self.kernel.gradient_factors(&squares[..n], h, &mut factors[..n]).is_err() {
+                    return f64::NAN;
+                }
+                for t in 0..n {
+                    parting -= factors[t] * along[t];
+                    total -= factors[t] * squares[t];
+                }
             }
             if total > 0.0 { parting / total } else { 0.0 }
         });
@@ -282,20 +361,26 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for LogDensityFit<K> {
         self.log_densities(cloud, &mut out.density)?;
         let log_density = &out.density;
         let tables = self.tables(cloud, 0, usize::MAX)?;
+        let scratch = &mut out.carried.scratch;
+        scratch.resize_with(n_fit_parts(cloud.n_particles()), || Scratch::new::<D>(tables));
         out.fits = for_each_fit(
             &mut out.score,
             &mut out.volume,
-            || LeastSquares::new(tables),
-            |equations, i| {
-                let Fitted { scale, kernel_sum, fits } =
-                    self.fit(cloud, log_density, i, equations)?;
-                let mut gradient = equations.gradient().map(|g| g * scale);
-                if cloud.whitened {
-                    for k in 0..D {
-                        gradient[k] -= cloud.positions[i][k];
+            scratch,
+            |scratch, first, score, volume| {
+                let particles = first..first + score.len();
+                self.fit(cloud, log_density, particles, scratch, |solved| {
+                    for (lane, scale) in solved.scale.iter().enumerate() {
+                        let (i, at) = (solved.first + lane, solved.first + lane - first);
+                        score[at] = solved.equations.gradient(lane).map(|g: f64| g * scale);
+                        if cloud.whitened {
+                            for k in 0..D {
+                                score[at][k] -= cloud.positions[i][k];
+                            }
+                        }
+                        volume[at] = 1.0 / solved.equations.weight(lane);
                     }
-                }
-                Ok((gradient, 1.0 / kernel_sum, fits))
+                })
             },
         )?;
         for value in &mut out.density {

@@ -6,6 +6,7 @@
 //! | [`LogDensityFit`] | `mu_i / V_i` | weighted least squares of `log psi` over those near, degree 2 to 4 | a Gaussian, where the volumes are right | this project |
 //! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
+mod aligned;
 mod cell_geometry;
 mod cells;
 mod flow_map_fit;
@@ -14,6 +15,7 @@ mod folded;
 mod lattice_sums;
 mod log_density_fit;
 mod monomials;
+mod normal_equations;
 mod polynomial_fit;
 mod runs;
 mod small_matrices;
@@ -22,14 +24,15 @@ mod summation_density;
 
 pub use flow_map_fit::FlowMapFit;
 pub use flow_map_passes::SMALLEST_CELL;
+use log_density_fit::Scratch;
 pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
-pub(crate) use monomials::{MOST_UNKNOWNS, Monomials};
-use polynomial_fit::Determined;
-pub(crate) use polynomial_fit::{LANES, LeastSquares};
+pub(crate) use monomials::Monomials;
+use normal_equations::Determined;
+pub(crate) use polynomial_fit::{LeastSquares, Points};
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 
 use crate::cloud::Cloud;
@@ -53,11 +56,12 @@ pub struct Estimates<const D: usize> {
     pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits; [`Fits::default`] before.
     pub fits: Fits,
-    /// What the flow-map fit holds between its passes; empty with other estimators.
+    /// What an estimator holds between its passes.
     pub(crate) carried: Carried,
 }
 
-/// Numbers of each particle that the flow-map fit differentiates or averages over the lattice.
+/// Numbers of each particle that the flow-map fit differentiates or averages over the lattice, and buffers of the
+/// log-density fit. Empty with other estimators.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Carried {
     /// `y` in blocks of four components.
@@ -70,6 +74,8 @@ pub(crate) struct Carried {
     pub(crate) fours: Vec<[f64; 4]>,
     /// Whether a member's cell is turned over.
     pub(crate) near_turned: Vec<bool>,
+    /// Of each part of the particles.
+    pub(crate) scratch: Vec<Scratch>,
 }
 
 impl Carried {

@@ -20,12 +20,14 @@ const fn choose(n: usize, k: usize) -> usize {
     value
 }
 
-/// The monomials `u^a` of degree 0, 1, 2, .. in `D` variables, by degree and then with the exponents of the first axes
-/// largest first: `1; x, y; x^2, xy, y^2; ..`.
+/// The monomials `u^a` of degree 0, 1, 2, .. in some variables, by degree and then with the exponents of the first axes
+/// largest first: `1; x, y; x^2, xy, y^2; ..`. Not generic in the number of variables, so that a fit is compiled once.
 #[derive(Debug)]
-pub(crate) struct Monomials<const D: usize> {
+pub(crate) struct Monomials {
     /// Monomials of degree at most `degree`: the unknowns.
     pub(crate) n_unknowns: usize,
+    /// Monomials of degree below `2 degree`: all that are the parent of another.
+    pub(crate) n_parents: usize,
     /// Monomials of degree at most `2 degree`: the entries of the normal matrix.
     pub(crate) n_moments: usize,
     /// Monomial `m > 0` is monomial `parent[m]` times component `axis[m]`.
@@ -36,46 +38,52 @@ pub(crate) struct Monomials<const D: usize> {
     pub(crate) product: [u16; MOST_UNKNOWNS * (MOST_UNKNOWNS + 1) / 2],
 }
 
-impl<const D: usize> Monomials<D> {
-    /// The tables of a polynomial of degree 0 to 4; none where it has more unknowns than there is room for.
-    pub(crate) const fn of_degree(degree: usize) -> Option<&'static Self> {
+impl Monomials {
+    /// The tables of a polynomial of degree 0 to 4 in `D` variables; none where it has more unknowns than there is room for.
+    pub(crate) const fn of_degree<const D: usize>(degree: usize) -> Option<&'static Self> {
         let fits = unknowns(D, degree) <= MOST_UNKNOWNS && unknowns(D, 2 * degree) <= MOST_MOMENTS;
         match degree {
-            0 if fits => Some(Self::CONSTANT),
-            1 if fits => Some(Self::LINEAR),
-            2 if fits => Some(Self::QUADRATIC),
-            3 if fits => Some(Self::CUBIC),
-            4 if fits => Some(Self::QUARTIC),
+            0 if fits => Some(Tables::<D>::CONSTANT),
+            1 if fits => Some(Tables::<D>::LINEAR),
+            2 if fits => Some(Tables::<D>::QUADRATIC),
+            3 if fits => Some(Tables::<D>::CUBIC),
+            4 if fits => Some(Tables::<D>::QUARTIC),
             _ => None,
         }
     }
 
     /// The highest of the degrees up to the given one whose unknowns `count` points carry: so many points
     /// per unknown.
-    pub(crate) fn carried_by(
+    pub(crate) fn carried_by<const D: usize>(
         count: usize,
         degree: usize,
         points_per_unknown: f64,
     ) -> Option<&'static Self> {
         (1..=degree).rev().find_map(|degree| {
-            Self::of_degree(degree)
+            Self::of_degree::<D>(degree)
                 .filter(|tables| count as f64 >= points_per_unknown * tables.n_unknowns as f64)
         })
     }
+}
 
-    const CONSTANT: &'static Self = &Self::tables(0);
-    const LINEAR: &'static Self = &Self::tables(1);
-    const QUADRATIC: &'static Self = &Self::tables(2);
-    const CUBIC: &'static Self = &Self::tables(3);
-    const QUARTIC: &'static Self = &Self::tables(4);
+/// The tables in `D` variables.
+struct Tables<const D: usize>;
+
+impl<const D: usize> Tables<D> {
+    const CONSTANT: &'static Monomials = &Self::of_degree(0);
+    const LINEAR: &'static Monomials = &Self::of_degree(1);
+    const QUADRATIC: &'static Monomials = &Self::of_degree(2);
+    const CUBIC: &'static Monomials = &Self::of_degree(3);
+    const QUARTIC: &'static Monomials = &Self::of_degree(4);
 
     #[allow(
         clippy::cast_possible_truncation,
         reason = "no table has more than 210 entries, no state more than 6 axes"
     )]
-    const fn tables(degree: usize) -> Self {
-        let mut tables = Self {
+    const fn of_degree(degree: usize) -> Monomials {
+        let mut tables = Monomials {
             n_unknowns: unknowns(D, degree),
+            n_parents: if degree == 0 { 0 } else { unknowns(D, 2 * degree - 1) },
             n_moments: unknowns(D, 2 * degree),
             parent: [0; MOST_MOMENTS],
             axis: [0; MOST_MOMENTS],
@@ -179,7 +187,7 @@ mod tests {
 
     #[test]
     fn products_are_found_at_the_sum_of_their_exponents() {
-        let tables = Monomials::<3>::of_degree(3).unwrap();
+        let tables = Monomials::of_degree::<3>(3).unwrap();
         let u = [0.3_f64, -0.7, 1.1];
         let mut values = vec![1.0; tables.n_moments];
         for m in 1..tables.n_moments {

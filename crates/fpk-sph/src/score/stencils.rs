@@ -7,8 +7,8 @@ use neighbour_search::NeighbourList;
 use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::Fits;
-use super::monomials::{MOST_UNKNOWNS, Monomials, unknowns};
-use super::polynomial_fit::{LANES, LeastSquares};
+use super::monomials::{Monomials, unknowns};
+use super::polynomial_fit::{LeastSquares, Points};
 use crate::error::Error;
 
 /// The local polynomials of all lattice points. Points with the same neighbours share their weights: inside a lattice all
@@ -255,30 +255,18 @@ impl<const D: usize> Pattern<D> {
         particle: usize,
     ) -> Result<Self, Error> {
         let count = offsets.len();
-        let tables = Monomials::<D>::carried_by(count, degree, POINTS_PER_UNKNOWN)
+        let tables = Monomials::carried_by::<D>(count, degree, POINTS_PER_UNKNOWN)
             .ok_or(Error::TooFewNeighbours { step: 0, time: 0.0, particle, count, limit: D + 2 })?;
         let n = tables.n_unknowns;
         let mut fit = LeastSquares::new(tables);
-        fit.clear(tables);
         let points: Vec<_> = offsets.iter().map(|offset| weighted(offset, reach)).collect();
-        for (u, w) in &points {
-            let lane = |value: f64| {
-                let mut lanes = [0.0; LANES];
-                lanes[0] = value;
-                lanes
-            };
-            fit.add(&u.map(lane), &lane(*w), &[0.0; LANES]);
-        }
+        fit.sum_in_all(&Points::of(&points));
         let asked = unknowns(D, degree);
-        let fits = Fits::of(n, asked, fit.factorise());
+        let fits = Fits::of(n, asked, fit.factorise()[0]);
         // Coefficient m of the fit is sum_j w_j (N^-1 e_m . b(u_j)) f_j, with N the normal matrix and b the monomials.
+        let rows = fit.inverse_rows(unknowns(D, 2));
         let weights_of = |m: usize| -> Vec<f64> {
-            let mut solved = [0.0; MOST_UNKNOWNS];
-            if m < n {
-                solved[m] = 1.0;
-                fit.substitute(&mut solved);
-            }
-            points.iter().map(|(u, w)| w * fit.polynomial(&solved, u)).collect()
+            points.iter().map(|(u, w)| w * fit.polynomial(&rows[m], u)).collect()
         };
         let mut pattern = Self {
             offsets: offsets.to_vec(),

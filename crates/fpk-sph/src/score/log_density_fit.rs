@@ -199,6 +199,9 @@ impl<K> LogDensityFit<K> {
         points.reset(n);
         let (own, f_own) = (&cloud.positions[i], log_density[i]);
         let (offsets, values) = points.columns::<D>();
+        // The particle itself is the first.
+        (0..D).for_each(|k| offsets[k][0] = 0.0);
+        values[0] = 0.0;
         for (t, &j) in (1..).zip(neighbours) {
             let y = &cloud.positions[j as usize];
             for k in 0..D {

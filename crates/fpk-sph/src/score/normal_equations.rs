@@ -189,3 +189,54 @@ impl Work<f64> for Substitute<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_have_the_same_bits_at_every_level_and_a_dependent_unknown_is_left_out() {
+        // A matrix V^T V of rank n in even lanes; in odd ones the last column of V is the sum of the others.
+        const N: usize = 5;
+        let v = |lane: usize, k: usize, i: usize| {
+            let of = |i: usize| (0.37 * ((1 + lane + 3 * k) * (2 + i)) as f64).sin();
+            if i == N - 1 && lane % 2 == 1 { (0..N - 1).map(of).sum() } else { of(i) }
+        };
+        let mut a = Vec::new();
+        for i in 0..N {
+            for j in 0..=i {
+                let of_lane = |lane| (0..9).map(|k| v(lane, k, i) * v(lane, k, j)).sum::<f64>();
+                a.extend((0..LANES).map(of_lane));
+            }
+        }
+        let at = |level: SimdLevel| {
+            let (mut a, mut scale) = (a.clone(), vec![0.0; LANES * N]);
+            let (mut smallest, mut left_out) = ([1.0; LANES], [0.0; LANES]);
+            level.run(Factorise {
+                n: N,
+                a: &mut a,
+                scale: &mut scale,
+                smallest: &mut smallest,
+                left_out: &mut left_out,
+            });
+            let mut b = vec![1.0; LANES * N];
+            level.run(Substitute { n: N, a: &a, scale: &scale, b: &mut b });
+            (a, b, smallest, left_out)
+        };
+        let expected = at(SimdLevel::PORTABLE);
+        for level in SimdLevel::available() {
+            assert_eq!(at(level), expected, "{}", level.name());
+        }
+        let (_, b, smallest, left_out) = expected;
+        for lane in 0..LANES {
+            assert_eq!(left_out[lane], f64::from(u8::from(lane % 2 == 1)), "lane {lane}");
+            assert!(smallest[lane] > SMALLEST_PIVOT);
+            // The residual of the first equations is roundoff over the smallest pivot.
+            let entry = |i: usize, j: usize| a[LANES * (row(i.max(j)) + i.min(j)) + lane];
+            for i in 0..N - lane % 2 {
+                let sum: f64 = (0..N).map(|j| entry(i, j) * b[LANES * j + lane]).sum();
+                assert!((sum - 1.0).abs() < 1e-10, "lane {lane}, equation {i}: {sum}");
+            }
+        }
+    }
+}

@@ -474,4 +474,29 @@ mod tests {
             assert_eq!(fit_in(lane, 9 + lane), alone, "lane {lane}");
         }
     }
+
+    #[test]
+    fn sums_have_the_same_bits_at_every_level() {
+        let point = |k: u32| {
+            let t = f64::from(k);
+            ([(0.7 * t).sin(), (1.3 * t).cos(), 0.1 * t - 2.0], 1.0 / (1.0 + t), (0.2 * t).exp())
+        };
+        // More than are taken together, and a part of a register.
+        let points: Vec<_> = (0..75).map(point).collect();
+        for degree in [0, 1, 2, 3] {
+            let tables = Monomials::of_degree::<3>(degree).unwrap();
+            let at = |level: SimdLevel| {
+                let (mut points, mut sums) = (with_values(&points), Sums::default());
+                level.run(Measure { points: &mut points, y: Some(&[0.3, -0.2, 1.0]), scale: 0.37 });
+                level.run(Sum { tables, sums: &mut sums, points: &points });
+                let n = (tables.n_moments, tables.n_unknowns);
+                (sums.moments[..n.0].to_vec(), sums.right_sides[..n.1].to_vec())
+            };
+            let expected = at(SimdLevel::PORTABLE);
+            assert!(expected.0.iter().all(|sum| sum.is_finite()));
+            for level in SimdLevel::available() {
+                assert_eq!(at(level), expected, "degree {degree}, {}", level.name());
+            }
+        }
+    }
 }

@@ -152,13 +152,8 @@ impl<const D: usize> FlowMapFit<D> {
         volume[i] > 0.0 && volume[i] * total > SMALLEST_CELL * mean
     }
 
-    /// What particle `i`, whose cell is not resolved, takes from those of its members that are.
-    fn mean_of_resolved(
-        &self,
-        i: usize,
-        cloud: &Cloud<'_, D>,
-        out: &Estimates<D>,
-    ) -> Result<Taken<D>, Error> {
+    /// What particle `i`, whose cell is not resolved, takes from those of its members that are; nothing where none is.
+    fn mean_of_resolved(&self, i: usize, out: &Estimates<D>) -> Option<Taken<D>> {
         let stencil = self.stencils.of(i);
         let mut taken = Taken { i, departure: 0.0, deformation: [[0.0; D]; D], volume: 0.0 };
         let mut total = 0.0;
@@ -177,33 +172,46 @@ impl<const D: usize> FlowMapFit<D> {
             }
         }
         if total == 0.0 {
-            let (step, time, value) = (cloud.step, cloud.time, out.volume[i]);
-            let quantity = "cell volume";
-            return Err(Error::LeftStableRange { step, time, particle: i, quantity, value });
+            return None;
         }
         taken.departure /= total;
         taken.volume /= total;
         taken.deformation = taken.deformation.map(|row| row.map(|value| value / total));
-        Ok(taken)
+        Some(taken)
     }
 
-    /// Gives cells that are not resolved the means of those around them that are; returns whether there were any.
+    /// Gives cells that are not resolved the means of those around them that are, then those among cells that are not the
+    /// means of these, and so on inward; returns whether there were any.
     fn repair(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<bool, Error> {
         if !out.density.iter().fold(false, |any, density| any | density.is_nan()) {
             return Ok(false);
         }
-        let mut unresolved = Vec::new();
-        for i in 0..out.density.len() {
-            if out.density[i].is_nan() {
-                unresolved.push(self.mean_of_resolved(i, cloud, out)?);
-                out.unresolved.add(i, cloud.masses);
-            }
+        let mut left: Vec<usize> =
+            (0..out.density.len()).filter(|&i| out.density[i].is_nan()).collect();
+        for &i in &left {
+            out.unresolved.add(i, cloud.masses);
         }
-        for Taken { i, departure, deformation, volume } in &unresolved {
-            (out.deformation[*i], out.volume[*i]) = (*deformation, *volume);
-            out.density[*i] = cloud.masses[*i] / volume;
-            out.carried.departure[*i] = *departure;
-            out.carried.fours[*i][..3].fill(*departure);
+        while let Some(&first) = left.first() {
+            let taken: Vec<_> =
+                left.iter().filter_map(|&i| self.mean_of_resolved(i, out)).collect();
+            if taken.is_empty() {
+                let (step, time, value) = (cloud.step, cloud.time, out.volume[first]);
+                let quantity = "cell volume";
+                return Err(Error::LeftStableRange {
+                    step,
+                    time,
+                    particle: first,
+                    quantity,
+                    value,
+                });
+            }
+            for Taken { i, departure, deformation, volume } in &taken {
+                (out.deformation[*i], out.volume[*i]) = (*deformation, *volume);
+                out.density[*i] = cloud.masses[*i] / volume;
+                out.carried.departure[*i] = *departure;
+                out.carried.fours[*i][..3].fill(*departure);
+            }
+            left.retain(|&i| out.density[i].is_nan());
         }
         Ok(true)
     }

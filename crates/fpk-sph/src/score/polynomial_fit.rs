@@ -82,6 +82,18 @@ impl<const D: usize> LeastSquares<D> {
         }
     }
 
+    /// Adds the offset `u` with the weight `w`, without a value: as [`Self::add`] with all other lanes zero, bitwise.
+    pub(crate) fn add_offset(&mut self, u: &[f64; D], w: f64) {
+        let Monomials { n_moments, parent, axis, .. } = self.tables;
+        self.monomials[0][0] = w;
+        self.moments[0][0] += w;
+        for m in 1..*n_moments {
+            let value = self.monomials[usize::from(parent[m])][0] * u[usize::from(axis[m])];
+            self.monomials[m][0] = value;
+            self.moments[m][0] += value;
+        }
+    }
+
     /// Solves by Cholesky factorisation of the equilibrated matrix. A monomial that the points do not distinguish
     /// from those before it gets the coefficient zero: on a surface the fit omits the normal direction and keeps the rest.
     #[inline]
@@ -153,6 +165,38 @@ impl<const D: usize> LeastSquares<D> {
         for i in 0..n {
             b[i] *= scale[i];
         }
+    }
+
+    /// `weights[m][p] = w_p (N^-1 e_m . b(u_p))` for offsets `u_p` with weights `w_p`, the normal matrix `N` of which the factor
+    /// is at hand, and the monomials `b`: what a value at `u_p` adds to coefficient `m`, for the first `count` coefficients.
+    pub(crate) fn weights(&self, points: &[([f64; D], f64)], count: usize) -> Vec<Vec<f64>> {
+        let Monomials { n_unknowns, parent, axis, .. } = self.tables;
+        // The column `a` of the inverse's first rows.
+        let mut columns = vec![vec![0.0; count]; *n_unknowns];
+        for m in 0..count.min(*n_unknowns) {
+            let mut solved = [0.0; MOST_UNKNOWNS];
+            solved[m] = 1.0;
+            self.substitute(&mut solved);
+            for (column, value) in columns.iter_mut().zip(solved) {
+                column[m] = value;
+            }
+        }
+        let mut weights = vec![vec![0.0; points.len()]; count];
+        let (mut monomials, mut sums) = ([1.0; MOST_UNKNOWNS], vec![0.0; count]);
+        for (p, (u, w)) in points.iter().enumerate() {
+            sums.copy_from_slice(&columns[0]);
+            for a in 1..*n_unknowns {
+                let monomial = monomials[usize::from(parent[a])] * u[usize::from(axis[a])];
+                monomials[a] = monomial;
+                for (sum, coefficient) in sums.iter_mut().zip(&columns[a]) {
+                    *sum += coefficient * monomial;
+                }
+            }
+            for (weights, sum) in weights.iter_mut().zip(&sums) {
+                weights[p] = w * sum;
+            }
+        }
+        weights
     }
 
     /// The polynomial with the given coefficients at `u`.
@@ -248,6 +292,32 @@ mod tests {
         for (found, expected) in fit.hessian().as_flattened().iter().zip(hessian.as_flattened()) {
             near(*found, *expected);
         }
+    }
+
+    #[test]
+    fn the_weights_of_offsets_give_the_coefficients_of_their_values() {
+        let tables = Monomials::<2>::of_degree(2).unwrap();
+        let (mut fit, mut by_weights) = (LeastSquares::new(tables), LeastSquares::new(tables));
+        let points: Vec<_> = (0..16)
+            .map(|k| ([f64::from(k % 4) - 1.3, f64::from(k / 4) - 1.6], 1.0 + 0.1 * f64::from(k)))
+            .collect();
+        let value = |[x, y]: [f64; 2]| (0.3 * x).exp() + (0.7 * x - y).sin();
+        for (u, w) in &points {
+            let lane = |value: f64| {
+                let mut lanes = [0.0; LANES];
+                lanes[0] = value;
+                lanes
+            };
+            fit.add(&u.map(lane), &lane(*w), &lane(value(*u)));
+            by_weights.add_offset(u, *w);
+        }
+        let (one, other) = (fit.solve(), by_weights.factorise());
+        assert_eq!((one, fit.factor), (other, by_weights.factor));
+        for (m, weights) in by_weights.weights(&points, 6).iter().enumerate() {
+            let found: f64 = weights.iter().zip(&points).map(|(w, (u, _))| w * value(*u)).sum();
+            assert!((found - fit.coefficients[m]).abs() < 1e-13, "{m}: {found}");
+        }
+        assert_eq!(by_weights.weights(&points, 8)[7], vec![0.0; 16]);
     }
 
     #[test]

@@ -220,7 +220,7 @@ pub enum Error {
     /// A fixed step exceeds the diffusion limit.
     #[error(
         "step {step}, t = {time}: the fixed step {dt:e} exceeds the diffusion limit {limit:e} at particle {particle}: \
-         lower the step or the particle count"
+         lower the step or the particle count, or leave out cells by `negligible`"
     )]
     StepExceedsDiffusionLimit {
         /// Steps taken.
@@ -233,6 +233,17 @@ pub enum Error {
         particle: usize,
         /// The largest stable step.
         limit: f64,
+    },
+    /// A scheme whose step must be stable in every cell, where some are to be left out.
+    #[error(
+        "the scheme {scheme:?} must be stable in every cell, and `negligible` leaves out {negligible:e} of the second moments: \
+         set it to 0, or use LawsonAdamsBashforth2 or a Runge-Kutta scheme of order 4"
+    )]
+    SchemeNeedsAllStable {
+        /// The scheme.
+        scheme: Scheme,
+        /// [`Combination::negligible`](crate::Combination::negligible).
+        negligible: f64,
     },
     /// A scheme needs the linear part of the drift, and the system declares none.
     #[error(

@@ -25,6 +25,8 @@ pub(crate) struct Evaluation<const D: usize> {
     diffusion: Vec<[[f64; D]; D]>,
     /// Velocities in the metric.
     whitened_velocity: Vec<[f64; D]>,
+    /// Parts of the particles in the second moments; empty where none is neglected.
+    weights: Vec<f64>,
     pub(crate) work: Work,
 }
 
@@ -189,6 +191,7 @@ impl<const D: usize> Evaluation<D> {
             estimates: Estimates::new(n),
             diffusion: Vec::new(),
             whitened_velocity: vec![[0.0; D]; n],
+            weights: Vec::with_capacity(n),
             work: Work::default(),
         }
     }
@@ -274,14 +277,19 @@ impl<const D: usize> Evaluation<D> {
 
     /// The particle that spreads fastest against what the estimator resolves, and its rate there, at the worse of two times:
     /// `D_y / R^2`, with `D_y` the trace of the diffusion matrix in the metric and `R` the support radius, unless the
-    /// estimator knows better.
+    /// estimator knows better. The fastest particles that together hold at most the
+    /// [negligible](crate::Combination::negligible) part of the second moments are left out.
     pub(crate) fn fastest_spread(
         &mut self,
         system: &dyn Coefficients<D>,
         discretisation: &Discretisation<D>,
         [now, then]: [f64; 2],
-        x: &[[f64; D]],
+        state: &State<D>,
     ) -> (usize, f64) {
+        let x = &state.positions;
+        if discretisation.combination.negligible > 0.0 {
+            self.weigh(&state.masses);
+        }
         system.diffusion(now, x, &mut self.diffusion);
         let shared = if let [matrix] = self.diffusion[..] { Some(matrix) } else { None };
         if let Some(first) = shared {
@@ -305,12 +313,35 @@ impl<const D: usize> Evaluation<D> {
 
     /// The same with the diffusion matrices that are held.
     fn fastest_spread_of(&mut self, discretisation: &Discretisation<D>) -> (usize, f64) {
-        let Self { cloud, estimates, diffusion, .. } = self;
+        let Self { cloud, estimates, diffusion, weights, .. } = self;
         for matrix in diffusion.iter_mut() {
             *matrix = cloud.whitening.whitened(matrix);
         }
         let (radii, deformation) = (&cloud.radii, &estimates.deformation);
-        discretisation.estimator.fastest_spread(diffusion, radii, deformation)
+        let (estimator, negligible) =
+            (&discretisation.estimator, discretisation.combination.negligible);
+        if negligible > 0.0 {
+            return estimator.fastest_spread_but(
+                diffusion,
+                radii,
+                deformation,
+                weights,
+                negligible,
+            );
+        }
+        estimator.fastest_spread(diffusion, radii, deformation)
+    }
+
+    /// The parts that particles have in the trace of the second moments in the metric, `mu_i |y_i|^2` over their sum.
+    fn weigh(&mut self, masses: &[f64]) {
+        let Self { cloud, weights, .. } = self;
+        weights.clear();
+        let squares = cloud.positions.iter().map(|y| y.iter().map(|c| c * c).sum::<f64>());
+        weights.extend(squares.zip(masses).map(|(square, mass)| mass * square));
+        let total: f64 = weights.iter().sum();
+        for weight in weights {
+            *weight /= total;
+        }
     }
 
     /// The particle that moves furthest against its smoothing length, and `min_i h_i / |v_i|` in the metric.

@@ -33,6 +33,61 @@ pub(crate) fn last_greatest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (u
     (place, greatest)
 }
 
+/// Bins of a histogram: an eighth of an octave each, from the greatest value down; the last holds all below.
+const BINS: usize = 512;
+
+/// The bin of a value that is not negative, below the greatest.
+#[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+#[inline(always)]
+fn bin(value: f64, greatest: f64) -> u64 {
+    // The exponent and the three leading bits of the mantissa.
+    let octaves = |value: f64| value.to_bits() >> 49;
+    octaves(greatest).saturating_sub(octaves(value)).min(BINS as u64 - 1)
+}
+
+/// As [`last_greatest`], without the greatest values whose `weights` together are at most `neglected`. Values are not negative;
+/// those within an eighth of an octave are left out together or not at all.
+pub(crate) fn last_greatest_but(
+    weights: &[f64],
+    neglected: f64,
+    compute: impl Fn(usize, &mut [f64]),
+) -> (usize, f64) {
+    let n = weights.len();
+    let (place, greatest) = last_greatest(n, &compute);
+    let (mut histogram, mut values) = ([0.0; BINS], [0.0; BLOCK]);
+    for first in (0..n).step_by(BLOCK) {
+        let values = &mut values[..BLOCK.min(n - first)];
+        lanes::dispatch(
+            #[inline(always)]
+            || compute(first, values),
+        );
+        for (value, weight) in values.iter().zip(&weights[first..]) {
+            #[allow(clippy::cast_possible_truncation, reason = "one of few bins")]
+            let bin = bin(*value, greatest) as usize;
+            histogram[bin] += weight;
+        }
+    }
+    let mut weight = 0.0;
+    let kept = histogram.iter().position(|more| {
+        weight += more;
+        weight > neglected
+    });
+    // All are negligible, or none is.
+    let Some(kept) = kept.filter(|kept| *kept > 0) else { return (place, greatest) };
+    let kept = kept as u64;
+    last_greatest(
+        n,
+        #[inline(always)]
+        |first, values| {
+            compute(first, values);
+            for value in values {
+                let is_kept = bin(*value, greatest) >= kept;
+                *value = if is_kept { *value } else { 0.0 };
+            }
+        },
+    )
+}
+
 /// The smallest of `n` values in the order of [`f64::total_cmp`], and the first place where it is; infinity at 0 of none.
 /// `compute` as for [`last_greatest`].
 pub(crate) fn first_smallest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (usize, f64) {
@@ -65,6 +120,36 @@ mod tests {
             values.copy_from_slice(&all[first..first + values.len()]);
         };
         [first_smallest(all.len(), compute), last_greatest(all.len(), compute)]
+    }
+
+    #[test]
+    fn the_greatest_values_of_little_weight_are_left_out() {
+        // Octaves from 2^0 up; weights fall by ten with each.
+        let n = 2 * BLOCK + 7;
+        let value = |i: usize| 2.0_f64.powi(i32::try_from(i % 9).unwrap());
+        let weights: Vec<f64> = (0..n).map(|i| 0.1 / value(i).powi(4)).collect();
+        let compute = |first: usize, values: &mut [f64]| {
+            for (i, out) in (first..).zip(values) {
+                *out = value(i);
+            }
+        };
+        for neglected in [0.0, 1e-12, 1e-8, 1e-5, 1e-3, 0.1] {
+            // Brute force: whole octaves from the greatest down while their weight is negligible.
+            let mut kept = 8;
+            let mass = |least: usize| -> f64 {
+                (0..n).filter(|i| i % 9 >= least).map(|i| weights[i]).sum()
+            };
+            while kept > 0 && mass(kept) <= neglected {
+                kept -= 1;
+            }
+            let last = (0..n).rfind(|i| i % 9 == kept).unwrap();
+            assert_eq!(last_greatest_but(&weights, neglected, compute), (last, value(kept)));
+        }
+        // Where all are negligible none is left out.
+        assert_eq!(last_greatest_but(&weights, 1e3, compute).1, 256.0);
+        let compute = |_: usize, values: &mut [f64]| values.fill(3.0);
+        assert_eq!(last_greatest_but(&[0.5, 0.5], 0.6, compute), (1, 3.0));
+        assert_eq!(last_greatest_but(&[], 0.6, compute).1, f64::NEG_INFINITY);
     }
 
     #[test]

@@ -35,7 +35,7 @@ mod time_schemes;
 pub use cloud::{AxisNeighbours, Cloud};
 pub use config::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS};
 pub use error::Error;
-pub use method::{Combination, Estimator, InitialSmoothing, Method, StepRule};
+pub use method::{Combination, Estimator, InitialSmoothing, MOST_NEGLIGIBLE, Method, StepRule};
 pub use metric::Metric;
 pub use reach::{MOST_OUTSIDE, ball_reach, box_reach};
 pub use refine::{Refined, RefinedValue, Refinement, RefinementEnd, RefinementRun, refine};

@@ -61,7 +61,7 @@ impl<const D: usize> Solver<D> {
             _ => now + *longest_step,
         };
         let (particle, spread) =
-            evaluation.fastest_spread(system, discretisation, [now, then], &state.positions);
+            evaluation.fastest_spread(system, discretisation, [now, then], state);
         (particle, discretisation.combination.scheme.diffusion_limit() / spread)
     }
 }

@@ -168,17 +168,17 @@ impl<'a, const D: usize> Departure<'a, D> {
         let mut equations = LeastSquares::new(tables);
         equations.sum_in_all(&Points::of(&points));
         equations.factorise();
-        let rows = equations.inverse_rows(1 + D);
+        let weights = equations.weights(&points, 1 + D);
         let mut fit = Fit { y: [0.0; D], edges: [[0.0; D]; D], departure: 0.0, slope: [0.0; D] };
-        for (j, (u, w)) in members.into_iter().zip(&points) {
+        for (p, j) in members.into_iter().enumerate() {
             let (y, departure) = (&self.y[j], self.values[j]);
-            let weight = w * equations.polynomial(&rows[0], u);
+            let weight = weights[0][p];
             fit.departure += weight * departure;
             for k in 0..D {
                 fit.y[k] += weight * y[k];
             }
             for l in 0..D {
-                let weight = w * equations.polynomial(&rows[1 + l], u) / reach;
+                let weight = weights[1 + l][p] / reach;
                 fit.slope[l] += weight * departure;
                 for k in 0..D {
                     fit.edges[k][l] += weight * y[k];

@@ -10,7 +10,7 @@ use lanes::Lanes;
 use super::cell_geometry::determinant;
 use super::small_matrices::{eigen, solve_transposed};
 
-/// `det F`: by its formula up to three dimensions, which a loop over cells computes in registers, and by elimination beyond.
+/// `det F`: by its formula up to four dimensions, which a loop over cells computes in registers, and by elimination beyond.
 #[inline(always)]
 pub(crate) fn volume<const D: usize>(f: &[[f64; D]; D]) -> f64 {
     match D {
@@ -19,8 +19,54 @@ pub(crate) fn volume<const D: usize>(f: &[[f64; D]; D]) -> f64 {
         3 => {
             f[0][0] * cofactor(f, 0, 0) + f[0][1] * cofactor(f, 0, 1) + f[0][2] * cofactor(f, 0, 2)
         }
+        4 => {
+            let ([low, high], mut det) = (minors(f), 0.0);
+            for m in 0..6 {
+                det += SIGNS[m] * low[m] * high[5 - m];
+            }
+            det
+        }
         _ => determinant(f),
     }
+}
+
+/// Pairs of columns of four; the sixth less a pair are the other two columns.
+const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+/// Signs of the permutations that bring a pair of columns to the front.
+const SIGNS: [f64; 6] = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0];
+
+/// The minors of the first two rows and of the last two rows of a matrix of four rows, over [`PAIRS`] of columns.
+#[inline(always)]
+fn minors<const D: usize>(f: &[[f64; D]; D]) -> [[f64; 6]; 2] {
+    let mut minors = [[0.0; 6]; 2];
+    for (half, minors) in minors.iter_mut().enumerate() {
+        let (a, b) = (2 * half, 2 * half + 1);
+        for m in 0..6 {
+            let [p, q] = PAIRS[m];
+            minors[m] = f[a][p] * f[b][q] - f[a][q] * f[b][p];
+        }
+    }
+    minors
+}
+
+/// The cofactors of a matrix of four rows, by the minors of the two rows in which the cofactor's is not.
+#[inline(always)]
+fn cofactors_of_four<const D: usize>(f: &[[f64; D]; D]) -> [[f64; D]; D] {
+    let minors = minors(f);
+    let mut cofactors = [[0.0; D]; D];
+    for k in 0..4 {
+        // The other row of its half, and the minors of the other half.
+        let (beside, others) = (k ^ 1, &minors[1 - k / 2]);
+        for m in 0..6 {
+            // Columns `p` and `q` go with the minor of the other two.
+            let [p, q] = PAIRS[m];
+            let minor = SIGNS[m] * others[5 - m];
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            cofactors[k][p] += sign * f[beside][q] * minor;
+            cofactors[k][q] -= sign * f[beside][p] * minor;
+        }
+    }
+    cofactors
 }
 
 /// The cofactor of an entry of a matrix of three rows.
@@ -30,7 +76,7 @@ fn cofactor<const D: usize>(f: &[[f64; D]; D], k: usize, l: usize) -> f64 {
     f[a][p] * f[b][q] - f[a][q] * f[b][p]
 }
 
-/// `F^-T g`: by cofactors up to three dimensions and by elimination beyond.
+/// `F^-T g`: by cofactors up to four dimensions and by elimination beyond.
 #[inline(always)]
 pub(crate) fn push_forward<const D: usize>(f: &[[f64; D]; D], g: &[f64; D]) -> [f64; D] {
     let mut out = [0.0; D];
@@ -50,12 +96,22 @@ pub(crate) fn push_forward<const D: usize>(f: &[[f64; D]; D], g: &[f64; D]) -> [
                 out[k] *= inverse;
             }
         }
+        4 => {
+            let inverse = 1.0 / volume(f);
+            let cofactors = cofactors_of_four(f);
+            for k in 0..4 {
+                for l in 0..4 {
+                    out[k] += cofactors[k][l] * g[l];
+                }
+                out[k] *= inverse;
+            }
+        }
         _ => return solve_transposed(f, g),
     }
     out
 }
 
-/// `trace(F^-1 A F^-T)` of a symmetric `A`: by cofactors up to three dimensions and by elimination beyond.
+/// `trace(F^-1 A F^-T)` of a symmetric `A`: by cofactors up to four dimensions and by elimination beyond.
 #[inline(always)]
 pub(crate) fn trace_on_lattice<const D: usize>(f: &[[f64; D]; D], a: &[[f64; D]; D]) -> f64 {
     // The rows of the adjugate, `det F` times those of the inverse.
@@ -70,6 +126,14 @@ pub(crate) fn trace_on_lattice<const D: usize>(f: &[[f64; D]; D], a: &[[f64; D];
             for k in 0..3 {
                 for l in 0..3 {
                     rows[l][k] = cofactor(f, k, l);
+                }
+            }
+        }
+        4 => {
+            let cofactors = cofactors_of_four(f);
+            for k in 0..4 {
+                for l in 0..4 {
+                    rows[l][k] = cofactors[k][l];
                 }
             }
         }

@@ -37,7 +37,7 @@ pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 
 use crate::cloud::Cloud;
 use crate::error::Error;
-use crate::extremes::last_greatest;
+use crate::extremes::{last_greatest, last_greatest_but};
 
 /// Output of an estimator: one entry per particle, in the coordinates of the metric. An estimator overwrites entries and
 /// keeps their number.
@@ -265,6 +265,30 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         (0..D).map(|k| diffusion[k][k]).sum::<f64>() / radius.powi(2)
     }
 
+    /// The [`spread`](Self::spread) of particles from `first` on. `diffusion` has an entry for each particle, or one for all.
+    #[allow(clippy::inline_always, reason = "what is not inlined is not compiled for registers")]
+    #[inline(always)]
+    fn spreads(
+        &self,
+        first: usize,
+        diffusion: &[[[f64; D]; D]],
+        radii: &[f64],
+        deformation: &[[[f64; D]; D]],
+        spreads: &mut [f64],
+    ) {
+        let here = first..first + spreads.len();
+        let (radii, deformation) = (&radii[here.clone()], &deformation[here.clone()]);
+        if let [shared] = diffusion {
+            for (p, spread) in spreads.iter_mut().enumerate() {
+                *spread = self.spread(shared, radii[p], &deformation[p]);
+            }
+        } else {
+            for (p, diffusion) in diffusion[here].iter().enumerate() {
+                spreads[p] = self.spread(diffusion, radii[p], &deformation[p]);
+            }
+        }
+    }
+
     /// The particle that spreads fastest, the last of several, and its [`spread`](Self::spread). `diffusion` has an entry
     /// for each particle, or one for all.
     fn fastest_spread(
@@ -276,19 +300,25 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         last_greatest(
             radii.len(),
             #[inline(always)]
-            |first, spreads| {
-                let here = first..first + spreads.len();
-                let (radii, deformation) = (&radii[here.clone()], &deformation[here.clone()]);
-                if let [shared] = diffusion {
-                    for (p, spread) in spreads.iter_mut().enumerate() {
-                        *spread = self.spread(shared, radii[p], &deformation[p]);
-                    }
-                } else {
-                    for (p, diffusion) in diffusion[here].iter().enumerate() {
-                        spreads[p] = self.spread(diffusion, radii[p], &deformation[p]);
-                    }
-                }
-            },
+            |first, spreads| self.spreads(first, diffusion, radii, deformation, spreads),
+        )
+    }
+
+    /// As [`fastest_spread`](Self::fastest_spread), without the fastest particles whose `weights` together are at most
+    /// `neglected`.
+    fn fastest_spread_but(
+        &self,
+        diffusion: &[[[f64; D]; D]],
+        radii: &[f64],
+        deformation: &[[[f64; D]; D]],
+        weights: &[f64],
+        neglected: f64,
+    ) -> (usize, f64) {
+        last_greatest_but(
+            weights,
+            neglected,
+            #[inline(always)]
+            |first, spreads| self.spreads(first, diffusion, radii, deformation, spreads),
         )
     }
 

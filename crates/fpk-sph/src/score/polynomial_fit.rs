@@ -162,39 +162,44 @@ impl LeastSquares {
         determined
     }
 
-    /// The first `count` rows of the inverse normal matrix of the fit that all lanes have: with row `m` a point's weight in
-    /// coefficient `m` is `w b(u) . row`.
-    pub(crate) fn inverse_rows(&self, count: usize) -> Vec<[f64; MOST_UNKNOWNS]> {
-        let mut rows = vec![[0.0; MOST_UNKNOWNS]; count];
-        let last = count.min(self.tables.n_unknowns);
-        for first in (0..last).step_by(LANES) {
+    /// `weights[m][p] = w_p (N^-1 e_m . b(u_p))` for offsets `u_p` with weights `w_p`, the normal matrix `N` that all lanes
+    /// have, and the monomials `b`: what a value at `u_p` adds to coefficient `m`, for the first `count` coefficients.
+    pub(crate) fn weights<const D: usize>(
+        &self,
+        points: &[([f64; D], f64)],
+        count: usize,
+    ) -> Vec<Vec<f64>> {
+        let &Monomials { n_unknowns, ref parent, ref axis, .. } = self.tables;
+        // Column `a` of the inverse's first rows.
+        let mut columns = vec![vec![0.0; count]; n_unknowns];
+        let n_rows = count.min(n_unknowns);
+        for first in (0..n_rows).step_by(LANES) {
             let mut b = OfUnknowns::ZERO;
-            let width = LANES.min(last - first);
+            let width = LANES.min(n_rows - first);
             for lane in 0..width {
                 b.0[first + lane][lane] = 1.0;
             }
             self.equations.substitute(&mut b);
-            for lane in 0..width {
-                rows[first + lane] = b.0.map(|values| values[lane]);
+            for (column, solved) in columns.iter_mut().zip(&b.0) {
+                column[first..first + width].copy_from_slice(&solved[..width]);
             }
         }
-        rows
-    }
-
-    /// The polynomial with the given coefficients at `u`.
-    pub(crate) fn polynomial<const D: usize>(
-        &self,
-        coefficients: &[f64; MOST_UNKNOWNS],
-        u: &[f64; D],
-    ) -> f64 {
-        let Monomials { n_unknowns, parent, axis, .. } = self.tables;
-        let mut monomials = [1.0; MOST_UNKNOWNS];
-        let mut sum = coefficients[0];
-        for m in 1..*n_unknowns {
-            monomials[m] = monomials[usize::from(parent[m])] * u[usize::from(axis[m])];
-            sum += coefficients[m] * monomials[m];
+        let mut weights = vec![vec![0.0; points.len()]; count];
+        let (mut monomials, mut sums) = ([1.0; MOST_UNKNOWNS], vec![0.0; count]);
+        for (p, (u, w)) in points.iter().enumerate() {
+            sums.copy_from_slice(&columns[0]);
+            for a in 1..n_unknowns {
+                let monomial = monomials[usize::from(parent[a])] * u[usize::from(axis[a])];
+                monomials[a] = monomial;
+                for (sum, coefficient) in sums.iter_mut().zip(&columns[a]) {
+                    *sum += coefficient * monomial;
+                }
+            }
+            for (weights, sum) in weights.iter_mut().zip(&sums) {
+                weights[p] = w * sum;
+            }
         }
-        sum
+        weights
     }
 
     /// The sum of the weights of a fit.
@@ -432,6 +437,32 @@ mod tests {
         {
             near(*found, *expected);
         }
+    }
+
+    #[test]
+    fn the_weights_of_offsets_give_the_coefficients_of_their_values() {
+        let tables = Monomials::<2>::of_degree(2).unwrap();
+        let (mut fit, mut by_weights) = (LeastSquares::new(tables), LeastSquares::new(tables));
+        let points: Vec<_> = (0..16)
+            .map(|k| ([f64::from(k % 4) - 1.3, f64::from(k / 4) - 1.6], 1.0 + 0.1 * f64::from(k)))
+            .collect();
+        let value = |[x, y]: [f64; 2]| (0.3 * x).exp() + (0.7 * x - y).sin();
+        for (u, w) in &points {
+            let lane = |value: f64| {
+                let mut lanes = [0.0; LANES];
+                lanes[0] = value;
+                lanes
+            };
+            fit.add(&u.map(lane), &lane(*w), &lane(value(*u)));
+            by_weights.add_offset(u, *w);
+        }
+        let (one, other) = (fit.solve(), by_weights.factorise());
+        assert_eq!((one, fit.factor), (other, by_weights.factor));
+        for (m, weights) in by_weights.weights(&points, 6).iter().enumerate() {
+            let found: f64 = weights.iter().zip(&points).map(|(w, (u, _))| w * value(*u)).sum();
+            assert!((found - fit.coefficients[m]).abs() < 1e-13, "{m}: {found}");
+        }
+        assert_eq!(by_weights.weights(&points, 8)[7], vec![0.0; 16]);
     }
 
     #[test]

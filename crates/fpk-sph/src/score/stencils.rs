@@ -263,16 +263,14 @@ impl<const D: usize> Pattern<D> {
         fit.sum_in_all(&Points::of(&points));
         let asked = unknowns(D, degree);
         let fits = Fits::of(n, asked, fit.factorise()[0]);
-        // Coefficient m of the fit is sum_j w_j (N^-1 e_m . b(u_j)) f_j, with N the normal matrix and b the monomials.
-        let rows = fit.inverse_rows(unknowns(D, 2));
-        let weights_of = |m: usize| -> Vec<f64> {
-            points.iter().map(|(u, w)| w * fit.polynomial(&rows[m], u)).collect()
-        };
+        // Value, gradient, second derivatives.
+        let mut weights = fit.weights(&points, 1 + D + D * (D + 1) / 2).into_iter();
+        let mut next = || weights.next().unwrap_or_default();
         let mut pattern = Self {
             offsets: offsets.to_vec(),
             is_symmetric: false,
             mean: Vec::with_capacity(count),
-            value: weights_of(0),
+            value: next(),
             gradient: vec![[0.0; D]; count],
             hessian: vec![[[0.0; D]; D]; count],
             fits,
@@ -280,19 +278,17 @@ impl<const D: usize> Pattern<D> {
         let total: f64 = points.iter().map(|(_, w)| w).sum();
         pattern.mean.extend(points.iter().map(|(_, w)| w / total));
         for k in 0..D {
-            for (entry, weight) in pattern.gradient.iter_mut().zip(weights_of(1 + k)) {
+            for (entry, weight) in pattern.gradient.iter_mut().zip(next()) {
                 entry[k] = weight / reach;
             }
         }
-        let mut m = 1 + D;
         for k in 0..D {
             for l in k..D {
                 let factor = if k == l { 2.0 } else { 1.0 } / power::<2>(reach);
-                for (entry, weight) in pattern.hessian.iter_mut().zip(weights_of(m)) {
+                for (entry, weight) in pattern.hessian.iter_mut().zip(next()) {
                     entry[k][l] = factor * weight;
                     entry[l][k] = factor * weight;
                 }
-                m += 1;
             }
         }
         pattern.make_symmetric();

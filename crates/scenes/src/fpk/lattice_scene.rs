@@ -2,7 +2,8 @@
 
 use fpk_sph::score::Degree;
 use fpk_sph::{
-    Combination, Estimator, InitialLattice, Method, Remapping, StepRule, ball_reach, box_reach,
+    Combination, Estimator, InitialLattice, MOST_NEGLIGIBLE, Method, Remapping, StepRule,
+    ball_reach, box_reach,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,11 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = SchemeScene::RungeKutta4))]
     pub scheme: Option<SchemeScene>,
+    /// Part of the second moments (no unit) whose thinnest cells the limit of the step leaves out, from 0 to 0.03: fewer steps
+    /// for moments, less accurate tails.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 0))]
+    pub negligible: Option<f64>,
     /// Degree of the local polynomials.
     ///
     /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
@@ -105,9 +111,9 @@ impl Default for FreshLatticesScene {
 impl LatticeScene {
     /// The method with the requested remeshing, steps, scheme and degree.
     pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
-        let Self { fresh_lattices, steps_per_period, scheme, degree, .. } = self;
+        let Self { fresh_lattices, steps_per_period, scheme, negligible, degree, .. } = self;
         let is_plain = fresh_lattices.is_none() && steps_per_period.is_none();
-        if is_plain && scheme.is_none() && degree.is_none() {
+        if is_plain && scheme.is_none() && negligible.is_none() && degree.is_none() {
             return method;
         }
         let combination = method.combination_in(D);
@@ -121,7 +127,15 @@ impl LatticeScene {
         let scheme = scheme.map_or(combination.scheme, SchemeScene::scheme);
         let estimator =
             degree.map_or(combination.estimator, |degree| degree.of(combination.estimator));
-        Method::Custom(Combination { estimator, remapping, step, scheme, ..combination })
+        let negligible = negligible.unwrap_or(combination.negligible);
+        Method::Custom(Combination {
+            estimator,
+            remapping,
+            step,
+            scheme,
+            negligible,
+            ..combination
+        })
     }
 
     /// The lattice with `scale` times as many particles along a length; `None` in another dimension.
@@ -146,6 +160,7 @@ impl LatticeScene {
         if let Some(steps) = self.steps_per_period {
             must(&format!("{path}.steps_per_period"), steps, steps > 0.0, "greater than 0")?;
         }
+        self.check_negligible(path)?;
         if let Some(FreshLatticesScene { most_uneven, outermost_mass, most_change }) =
             self.fresh_lattices
         {
@@ -173,6 +188,20 @@ impl LatticeScene {
 }
 
 impl LatticeScene {
+    /// Rejects a negligible part out of its range, and one for a scheme that must be stable in every cell.
+    fn check_negligible(&self, path: &str) -> Result<(), Objection> {
+        let Some(negligible) = self.negligible else { return Ok(()) };
+        let path = format!("{path}.negligible");
+        let is_in_range = (0.0..=MOST_NEGLIGIBLE).contains(&negligible);
+        must(&path, negligible, is_in_range, "from 0 to 0.03")?;
+        if negligible == 0.0 || self.scheme != Some(SchemeScene::RungeKuttaChebyshev) {
+            return Ok(());
+        }
+        Err(Objection::new(path, "runge_kutta_chebyshev must be stable in every cell").with_help(
+            "leave it out, or use lawson_adams_bashforth_2, lawson_runge_kutta_4 or runge_kutta_4",
+        ))
+    }
+
     /// Rejects a reach or a smallest probability out of its range, and both.
     fn check_extent(&self, path: &str) -> Result<(), Objection> {
         if let Some(reach) = self.reach {
@@ -233,6 +262,26 @@ fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<
 mod tests {
     use super::*;
     use crate::schema::defaults;
+
+    #[test]
+    fn a_negligible_part_is_refused_out_of_its_range_and_for_a_scheme_that_must_be_stable_everywhere()
+     {
+        let objection = |keys: &str| {
+            let text = format!(r#"{{ "count": [21, 21], "reach": 6, {keys} }}"#);
+            let lattice: LatticeScene = serde_json::from_str(&text).unwrap();
+            lattice.check("method.flow_map_fit", &["q", "v"]).err().map(|error| error.to_string())
+        };
+        assert_eq!(objection(r#""negligible": 0.01"#), None);
+        assert_eq!(objection(r#""negligible": 0, "scheme": "runge_kutta_chebyshev""#), None);
+        for keys in [
+            r#""negligible": 0.04"#,
+            r#""negligible": -1e-3"#,
+            r#""negligible": 0.01, "scheme": "runge_kutta_chebyshev""#,
+        ] {
+            let error = objection(keys).unwrap();
+            assert!(error.contains("method.flow_map_fit.negligible"), "{error}");
+        }
+    }
 
     #[test]
     fn the_defaults_that_the_schema_tells_are_those_of_the_methods() {

@@ -174,6 +174,7 @@ impl MethodScene {
             fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
             steps_per_period: Some(80.0),
             scheme: Some(SchemeScene::Heun),
+            negligible: Some(1e-4),
             degree: Some(DegreeScene::Quadratic),
         })
     }

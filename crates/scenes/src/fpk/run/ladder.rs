@@ -101,6 +101,7 @@ fn default_lattice(states: usize) -> LatticeScene {
         fresh_lattices: None,
         steps_per_period: None,
         scheme: None,
+        negligible: None,
         degree: None,
     };
     if states <= 2 {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use figures::Reference;
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme};
+use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, StepRule};
 use random_vibration::{
     GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
 };
@@ -17,21 +17,36 @@ use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};
 
-/// Methods of the density solver for every scene, with their scheme if it is not that of the method: a new one is one line.
-const METHODS: &[(&str, Method, Option<Scheme>)] = &[
+/// A scheme, its fewest steps per period, and the part of the second moments whose cells its limit leaves out.
+type Steps = (Scheme, f64, f64);
+
+/// Methods of the density solver for every scene, with their steps if these are not those of the method: a new one is one line.
+const METHODS: &[(&str, Method, Option<Steps>)] = &[
     ("particles, log-density fit", Method::LogDensityFit, None),
     ("particles, flow-map fit", Method::FlowMapFit, None),
     (
         "particles, flow-map fit, one evaluation",
         Method::FlowMapFit,
-        Some(Scheme::LawsonAdamsBashforth2),
+        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.0)),
+    ),
+    (
+        "particles, flow-map fit, one evaluation, 1 % negligible",
+        Method::FlowMapFit,
+        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.01)),
+    ),
+    (
+        "particles, flow-map fit, Lawson-Runge-Kutta 4",
+        Method::FlowMapFit,
+        Some((Scheme::LawsonRungeKutta4, 20.0, 0.0)),
     ),
 ];
 
-/// A method with another scheme, if one is given.
-fn with_scheme<const D: usize>(method: Method, scheme: Option<Scheme>) -> Method {
-    scheme
-        .map_or(method, |scheme| Method::Custom(Combination { scheme, ..method.combination_in(D) }))
+/// A method with other steps, if they are given.
+fn with_steps<const D: usize>(method: Method, steps: Option<Steps>) -> Method {
+    steps.map_or(method, |(scheme, steps_per_period, negligible)| {
+        let step = StepRule::PeriodFraction { steps_per_period };
+        Method::Custom(Combination { scheme, step, negligible, ..method.combination_in(D) })
+    })
 }
 
 /// A method of the density solver on successively finer lattices.
@@ -43,8 +58,8 @@ pub(super) struct Ladder<const D: usize> {
 
 /// All [`METHODS`] on the same lattices.
 pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladder<D>> {
-    let ladder = |&(name, method, scheme)| {
-        let method = with_scheme::<D>(method, scheme);
+    let ladder = |&(name, method, steps)| {
+        let method = with_steps::<D>(method, steps);
         Ladder { name, method, lattices: lattices.to_vec() }
     };
     METHODS.iter().map(ladder).collect()

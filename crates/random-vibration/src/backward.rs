@@ -3,7 +3,7 @@
 use sde_integrators::Guide;
 
 use crate::normal_tail::upper_tail;
-use crate::regression::{Pattern, Regression, Regressions};
+use crate::regression::RunningLaw;
 
 /// Start of all paths: mean and factor of its covariance, row by row.
 #[derive(Debug, Clone)]
@@ -12,34 +12,21 @@ pub(crate) struct Start {
     pub(crate) factor: Vec<f64>,
 }
 
-/// The steps of the paths.
+impl Start {
+    /// A start at the mean of a law whose covariance is zero.
+    pub(crate) fn of(rest: RunningLaw) -> Self {
+        Self { mean: rest.mean, factor: rest.covariance }
+    }
+}
+
+/// The steps of a guide.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stepping {
     pub(crate) dt: f64,
-    pub(crate) n_steps: usize,
     /// Number of steps for which a guide is held.
     pub(crate) hold: usize,
     /// Standard deviation of the response that the linearised system leaves out, over that of the response.
     pub(crate) unmodelled: f64,
-}
-
-/// Noise of a system with `M` motions, the same at every state.
-pub(crate) struct Loads<'a> {
-    pub(crate) n_motions: usize,
-    /// Writes `g(t)`, row by row.
-    pub(crate) noise: Box<NoiseAt<'a>>,
-}
-
-/// Writes `g(t)`, row by row.
-type NoiseAt<'a> = dyn Fn(f64, &mut [f64]) + Sync + 'a;
-
-impl Loads<'_> {
-    /// `g^T a` at a time.
-    fn of(&self, t: f64, a: &[f64], g: &mut [f64]) -> Vec<f64> {
-        (self.noise)(t, g);
-        let n = self.n_motions;
-        (0..n).map(|m| a.iter().enumerate().map(|(i, a)| g[i * n + m] * a).sum()).collect()
-    }
 }
 
 /// The response `y = w . X` at the end of the steps, of the linearised system, given the state at the start of each step:
@@ -56,65 +43,32 @@ pub(crate) struct Backward {
     n_states: usize,
     n_motions: usize,
     /// At the steps at which `lambda` is computed: `a`, `c` and `s`.
-    states: Vec<f64>,
-    constants: Vec<f64>,
-    deviations: Vec<f64>,
+    pub(crate) states: Vec<f64>,
+    pub(crate) constants: Vec<f64>,
+    pub(crate) deviations: Vec<f64>,
     /// `d` of each step, for the increments and for the areas.
-    directions: Vec<f64>,
+    pub(crate) directions: Vec<f64>,
 }
 
 impl Backward {
-    /// That of a weighted sum of the states after `steps.n_steps`.
-    pub(crate) fn new(
-        loads: &Loads<'_>,
-        regressions: &Regressions,
-        strength: usize,
-        weights: &[f64],
-        Stepping { dt, n_steps, hold, unmodelled }: Stepping,
+    /// Numbers of zero for a response after some steps.
+    pub(crate) fn empty(
+        (n_states, n_motions): (usize, usize),
+        n_steps: usize,
+        stepping: Stepping,
     ) -> Self {
-        let (n, m) = (weights.len(), loads.n_motions);
+        let Stepping { hold, unmodelled, .. } = stepping;
         let n_blocks = n_steps.div_ceil(hold);
-        let mut backward = Self {
+        Self {
             hold,
             unmodelled,
-            n_states: n,
-            n_motions: m,
-            states: vec![0.0; n_blocks * n],
+            n_states,
+            n_motions,
+            states: vec![0.0; n_blocks * n_states],
             constants: vec![0.0; n_blocks],
             deviations: vec![0.0; n_blocks],
-            directions: vec![0.0; n_steps * 2 * m],
-        };
-        let (mut state, mut constant, mut variance) = (weights.to_vec(), 0.0, 0.0_f64);
-        let mut before = state.clone();
-        let (mut regression, mut g) = (Regression::default(), vec![0.0; n * m]);
-        let mut term = [vec![0.0; n], vec![0.0; n]];
-        let mut later = loads.of(n_steps as f64 * dt, &state, &mut g);
-        for k in (0..n_steps).rev() {
-            let t = k as f64 * dt;
-            regressions.interpolate(strength, t + 0.5 * dt, &mut regression);
-            before.copy_from_slice(&state);
-            adjoint(&regressions.pattern, &regression.slope, &mut before, dt, &mut term);
-            for i in 0..n {
-                constant += dt * 0.5 * (before[i] + state[i]) * regression.constant[i];
-            }
-            state.copy_from_slice(&before);
-            let earlier = loads.of(t, &state, &mut g);
-            let direction = &mut backward.directions[2 * m * k..2 * m * (k + 1)];
-            for (place, (earlier, later)) in earlier.iter().zip(&later).enumerate() {
-                direction[place] = 0.5 * (earlier + later) * dt.sqrt();
-                direction[m + place] = (earlier - later) * (dt / 12.0).sqrt();
-                let (w, h) = (direction[place], direction[m + place]);
-                variance += w * w + h * h;
-            }
-            later = earlier;
-            if k.is_multiple_of(hold) {
-                let block = k / hold;
-                backward.states[block * n..(block + 1) * n].copy_from_slice(&state);
-                backward.constants[block] = constant;
-                backward.deviations[block] = variance.sqrt();
-            }
+            directions: vec![0.0; n_steps * 2 * n_motions],
         }
-        backward
     }
 
     /// The guide towards `side y > threshold`, which ends after the passage of a level.
@@ -177,22 +131,6 @@ impl Backward {
         let mean: f64 = a.iter().zip(&start.mean).map(|(a, m)| a * m).sum();
         let excess = side * (mean + self.constants[0]) - threshold;
         (slopes, excess / deviation.max(f64::MIN_POSITIVE), deviation)
-    }
-}
-
-/// Replaces `a` by `exp(A^T h) a`, by its series to fourth order.
-fn adjoint(pattern: &Pattern, slope: &[f64], a: &mut [f64], h: f64, term: &mut [Vec<f64>; 2]) {
-    let [term, next] = term;
-    term.copy_from_slice(a);
-    for order in 1..=4 {
-        next.fill(0.0);
-        for (&(i, j), value) in pattern.iter().zip(slope) {
-            next[j] += value * term[i];
-        }
-        for (value, (term, next)) in a.iter_mut().zip(term.iter_mut().zip(next.iter())) {
-            *term = next * h / f64::from(order);
-            *value += *term;
-        }
     }
 }
 

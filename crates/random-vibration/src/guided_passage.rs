@@ -1,14 +1,17 @@
 //! First passage up to some times, from paths guided to some thresholds at many times.
 
-use sde_integrators::{Error, Estimate, Guide, Passages, Response, Side};
+use sde_integrators::{Error, Guide, Passages, Response, Side};
 
 use crate::backward::Backward;
 use crate::event::Event;
-use crate::guided::{GuidedConfig, GuidedPaths, STRENGTHS};
+use crate::guided::{GuidedPaths, check_memory};
+use crate::guided_config::{GuidedConfig, check_times};
+use crate::guided_study::{GuidedEstimates, GuidedStudy, StudySet, StudySets};
 use crate::normal_tail::upper_tail;
+use crate::pilots::{STRENGTHS, strongest};
 use crate::regression::Regressions;
 use crate::tail::TailError;
-use crate::weights::{Contributions, GuidedEstimate};
+use crate::weights::GuidedEstimate;
 
 /// Largest number of times at which guides of a response to a threshold end.
 const MOST_ENDS: usize = 64;
@@ -16,8 +19,6 @@ const MOST_ENDS: usize = 64;
 const LEAST: f64 = 1e-3;
 /// Share of the guided paths that all guides receive alike.
 const EVEN: f64 = 0.03;
-/// Largest number of coefficients of all guides: two gigabytes.
-const MOST_COEFFICIENTS: f64 = 268_435_456.0;
 
 /// First passages that one set of paths estimates: of the largest of some responses, through some thresholds, up to some times.
 #[derive(Debug, Clone, Copy)]
@@ -29,9 +30,6 @@ pub struct PassageQuestion<'q> {
     /// The times, as numbers of steps, increasing.
     pub n_steps: &'q [usize],
 }
-
-/// Per time, per threshold: the estimate, or why its weights cannot be trusted.
-pub type PassageEstimates = Vec<Vec<Result<GuidedEstimate, TailError>>>;
 
 impl GuidedPaths<'_> {
     /// The probability that a response passes a threshold up to the end of the paths.
@@ -47,7 +45,7 @@ impl GuidedPaths<'_> {
         config: &GuidedConfig,
     ) -> Result<GuidedEstimate, TailError> {
         let (responses, thresholds, n_steps) =
-            (&[*response][..], &[threshold], &[self.steps.n_steps]);
+            (&[*response][..], &[threshold], &[self.runner.n_steps]);
         let question = PassageQuestion { responses, thresholds, n_steps };
         let mut all = self.first_passages(&question, config)?.into_iter().flatten();
         all.next()
@@ -83,119 +81,78 @@ impl GuidedPaths<'_> {
         &self,
         question: &PassageQuestion<'_>,
         config: &GuidedConfig,
-    ) -> Result<PassageEstimates, TailError> {
+    ) -> Result<GuidedEstimates, TailError> {
+        self.passage_study(question, config)?.run()
+    }
+
+    /// The study of [`first_passages`](Self::first_passages), whose blocks may run apart.
+    ///
+    /// # Errors
+    /// Those of [`first_passages`](Self::first_passages).
+    pub fn passage_study<'q>(
+        &'q self,
+        question: &PassageQuestion<'q>,
+        config: &GuidedConfig,
+    ) -> Result<GuidedStudy<'q>, TailError> {
         let PassageQuestion { responses, thresholds, n_steps } = *question;
-        for &threshold in thresholds {
-            config.check(threshold)?;
-        }
-        self.check(question)?;
+        config.check(thresholds)?;
+        question.check(self.n_states(), self.runner.n_steps)?;
         let towards = self.towards(question)?;
         let passages = Some(Passages { responses, levels: thresholds });
-        let last = n_steps.last().copied().unwrap_or_default() as u64;
-        let pilots: Vec<_> =
-            (0..thresholds.len()).map(|level| Event::Passage { level, n_steps: last }).collect();
+        let last = n_steps.last().copied().unwrap_or_default();
+        let pilot = |level| Event::Passage { level, n_steps: last as u64 };
+        let pilots: Vec<_> = (0..thresholds.len()).map(pilot).collect();
         let candidates = |level: usize, strength: usize, share: f64| {
             self.to_passages(question, &towards, level, strength, share)
         };
-        let best = self.strongest(&candidates, &pilots, passages, config)?;
+        let best = strongest(&self.runner, &candidates, &pilots, (last, passages), config)?;
         let share = (1.0 - config.unguided) / thresholds.len() as f64;
         let guides: Vec<Guide> = best
             .iter()
             .enumerate()
             .flat_map(|(level, &strength)| candidates(level, strength, share))
             .collect();
-        let sums = self.sums(&guides, &question.events(), passages, config)?;
-        let of_time = sums.chunks(thresholds.len()).map(|row| {
-            let estimates = row.iter().zip(thresholds).zip(&best);
-            estimates
-                .map(|((sum, &threshold), &strength)| sum.estimate(threshold, STRENGTHS[strength]))
-                .collect()
-        });
-        Ok(of_time.collect())
+        let of_time = thresholds.iter().zip(&best).map(|(t, &strength)| (*t, STRENGTHS[strength]));
+        let of_time: Vec<(f64, f64)> = of_time.collect();
+        let GuidedConfig { n_paths, n_pilots, seed, .. } = *config;
+        let set = StudySet { guides, passages, n_steps: last, events: question.events() };
+        Ok(GuidedStudy {
+            sets: StudySets { runner: &self.runner, all: vec![set], n_paths, seed },
+            thresholds: of_time.repeat(n_steps.len()),
+            n_thresholds: thresholds.len(),
+            pilot_steps: n_pilots.saturating_mul(last as u64),
+        })
     }
 
-    /// The same probabilities by free paths, per time and threshold: crude Monte Carlo.
-    ///
-    /// # Errors
-    /// [`TailError::Sampling`], as for [`first_passages`](Self::first_passages).
-    pub fn free_passages(
-        &self,
-        question: &PassageQuestion<'_>,
-        (n_paths, seed): (u64, u64),
-    ) -> Result<Vec<Vec<Estimate>>, TailError> {
-        let PassageQuestion { responses, thresholds, .. } = *question;
-        let config = GuidedConfig { n_paths, n_pilots: 0, unguided: 0.0, seed };
-        for &threshold in thresholds {
-            config.check(threshold)?;
-        }
-        self.check(question)?;
-        let passages = Some(Passages { responses, levels: thresholds });
-        let sums = self.sums(&[], &question.events(), passages, &config)?;
-        let row = |row: &[Contributions]| -> Result<Vec<Estimate>, TailError> {
-            row.iter().map(|sum| Ok(Estimate::probability(sum.hits(), n_paths)?)).collect()
-        };
-        sums.chunks(thresholds.len()).map(row).collect()
-    }
-
-    /// Rejects components, times and thresholds that have no guides.
-    fn check(&self, question: &PassageQuestion<'_>) -> Result<(), Error> {
-        let PassageQuestion { responses, thresholds, n_steps } = *question;
-        let lengths = [
-            ("responses", responses.len()),
-            ("thresholds", thresholds.len()),
-            ("times", n_steps.len()),
-        ];
-        if let Some((quantity, _)) = lengths.into_iter().find(|(_, value)| *value == 0) {
-            return Err(Error::TooFew { quantity, value: 0, limit: 1 });
-        }
-        let limit = self.n_states();
-        for &Response { component, .. } in responses {
-            if component >= limit {
-                return Err(Error::NoSuchComponent { component, limit });
-            }
-        }
-        let mut from = 0;
-        for &steps in n_steps {
-            if !(from < steps && steps <= self.steps.n_steps) {
-                let quantity = "number of steps to a time";
-                let (value, from, to) =
-                    (steps as f64, from as f64 + 1.0, self.steps.n_steps as f64);
-                return Err(Error::OutOfRange { quantity, value, from, to });
-            }
-            from = steps;
-        }
-        Ok(())
-    }
-
-    /// The regressions towards each response, after a check of the memory that all guides take.
+    /// The backward functions towards each response, after a check of the memory that they and all guides take.
     fn towards(&self, question: &PassageQuestion<'_>) -> Result<Vec<Towards>, Error> {
         let PassageQuestion { responses, thresholds, n_steps } = *question;
-        let towards = |response: &Response<'_>| {
+        let mut held = 0.0;
+        let mut planned = Vec::new();
+        for response in responses {
             let mut weights = vec![0.0; self.n_states()];
             weights[response.component] = 1.0;
             let regressions = self.regressions(&weights);
             let ends =
                 |threshold: &f64| self.ends(&regressions, response.component, *threshold, n_steps);
-            let ends = thresholds.iter().map(ends).collect();
-            Towards { weights, regressions, ends }
-        };
-        let all: Vec<Towards> = responses.iter().map(towards).collect();
-        let mut held = 0.0;
-        for (response, Towards { ends, .. }) in responses.iter().zip(&all) {
+            let ends: Vec<Vec<Vec<usize>>> = thresholds.iter().map(ends).collect();
+            let mut different: Vec<usize> = ends.iter().flatten().flatten().copied().collect();
+            different.sort_unstable();
+            different.dedup();
             let sides = if response.side == Side::Above { 1.0 } else { 2.0 };
-            let of_end = |end: &usize| {
-                let blocks = end.div_ceil(self.steps.hold) as f64;
-                blocks * (self.n_states() as f64 + 1.0) + 2.0 * *end as f64
-            };
+            let of_end = |end: &usize| self.n_coefficients(*end);
             held += sides * ends.iter().flatten().flatten().map(of_end).sum::<f64>();
+            held += different.iter().map(of_end).sum::<f64>();
+            planned.push((weights, regressions, ends, different));
         }
-        let value = held * STRENGTHS.len() as f64;
-        if value > MOST_COEFFICIENTS {
-            let quantity =
-                "coefficients of guides (hold them longer, take larger steps or fewer thresholds)";
-            return Err(Error::TooMany { quantity, value, limit: MOST_COEFFICIENTS });
-        }
-        Ok(all)
+        check_memory(held * STRENGTHS.len() as f64)?;
+        let towards = |(weights, regressions, ends, different): (Vec<f64>, _, _, Vec<usize>)| {
+            let of_strength =
+                |strength: usize| self.backward(&regressions, strength, &weights, &different);
+            let backward = (0..STRENGTHS.len()).map(of_strength).collect();
+            Towards { ends, different, backward }
+        };
+        Ok(planned.into_iter().map(towards).collect())
     }
 
     /// Guides to a threshold by all responses, at all ends and on all sides, with their shares.
@@ -208,15 +165,15 @@ impl GuidedPaths<'_> {
         share: f64,
     ) -> Vec<Guide> {
         let threshold = thresholds[level];
-        let mut groups: Vec<Vec<(Backward, f64, f64)>> = vec![Vec::new(); n_steps.len()];
-        for (response, Towards { weights, regressions, ends }) in responses.iter().zip(towards) {
+        let start = &self.runner.start;
+        let mut groups: Vec<Vec<(&Backward, f64, f64)>> = vec![Vec::new(); n_steps.len()];
+        for (response, towards) in responses.iter().zip(towards) {
             let sides: &[f64] = if response.side == Side::Above { &[1.0] } else { &[1.0, -1.0] };
-            for (group, ends) in groups.iter_mut().zip(&ends[level]) {
-                for &n_steps in ends {
-                    let backward = self.backward(regressions, strength, weights, n_steps);
+            for (group, ends) in groups.iter_mut().zip(&towards.ends[level]) {
+                for backward in ends.iter().filter_map(|&end| towards.backward(strength, end)) {
                     for &side in sides {
-                        let excess = backward.reliability(&self.start, side, threshold);
-                        group.push((backward.clone(), side, upper_tail(-excess)));
+                        let excess = backward.reliability(start, side, threshold);
+                        group.push((backward, side, upper_tail(-excess)));
                     }
                 }
             }
@@ -231,7 +188,7 @@ impl GuidedPaths<'_> {
             for (backward, side, p) in &group {
                 let likely = if sum > 0.0 { p / sum } else { even };
                 let part = EVEN * even + (1.0 - EVEN) * likely;
-                guides.push(backward.guide(&self.start, (*side, threshold, level), share * part));
+                guides.push(backward.guide(start, (*side, threshold, level), share * part));
             }
         }
         guides
@@ -245,8 +202,8 @@ impl GuidedPaths<'_> {
         threshold: f64,
         n_steps: &[usize],
     ) -> Vec<Vec<usize>> {
-        let dt = self.steps.dt;
-        let shortest = self.steps.n_steps.div_ceil(MOST_ENDS);
+        let dt = self.runner.dt;
+        let shortest = self.runner.n_steps.div_ceil(MOST_ENDS);
         let mut from = 0;
         let mut all = Vec::new();
         for &until in n_steps {
@@ -278,16 +235,39 @@ impl GuidedPaths<'_> {
 
 /// The linearised system towards one response.
 struct Towards {
-    /// 1 for the response, 0 for the other states.
-    weights: Vec<f64>,
-    regressions: Regressions,
     /// Per threshold and interval between the times: the steps after which guides end.
     ends: Vec<Vec<Vec<usize>>>,
+    /// All of them, increasing.
+    different: Vec<usize>,
+    /// Per strength: the backward functions to [`different`](Self::different).
+    backward: Vec<Vec<Backward>>,
+}
+
+impl Towards {
+    fn backward(&self, strength: usize, end: usize) -> Option<&Backward> {
+        self.backward[strength].get(self.different.binary_search(&end).ok()?)
+    }
 }
 
 impl PassageQuestion<'_> {
+    /// Rejects components, times and thresholds that have no guides.
+    pub(crate) fn check(&self, n_states: usize, most_steps: usize) -> Result<(), Error> {
+        let Self { responses, thresholds, n_steps } = *self;
+        for (quantity, value) in [("responses", responses.len()), ("thresholds", thresholds.len())]
+        {
+            if value == 0 {
+                return Err(Error::TooFew { quantity, value: 0, limit: 1 });
+            }
+        }
+        let other = responses.iter().find(|response| response.component >= n_states);
+        if let Some(&Response { component, .. }) = other {
+            return Err(Error::NoSuchComponent { component, limit: n_states });
+        }
+        check_times(n_steps, most_steps)
+    }
+
     /// The passages of all times and thresholds, time by time.
-    fn events(&self) -> Vec<Event<'static>> {
+    pub(crate) fn events<'e>(&self) -> Vec<Event<'e>> {
         let of_time = |&n_steps: &usize| {
             (0..self.thresholds.len())
                 .map(move |level| Event::Passage { level, n_steps: n_steps as u64 })

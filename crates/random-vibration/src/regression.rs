@@ -9,6 +9,11 @@ pub(crate) struct RunningLaw {
 }
 
 impl RunningLaw {
+    /// All states zero with certainty.
+    pub(crate) fn at_rest(n_states: usize) -> Self {
+        Self { mean: vec![0.0; n_states], covariance: vec![0.0; n_states * n_states] }
+    }
+
     pub(crate) fn covariance(&self, i: usize, j: usize) -> f64 {
         self.covariance[i * self.mean.len() + j]
     }

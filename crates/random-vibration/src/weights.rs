@@ -1,6 +1,6 @@
 //! Weighted samples of an event, and whether their standard error can be trusted.
 
-use sde_integrators::{Accumulator, Estimate};
+use sde_integrators::{Accumulator, Estimate, Uncertainty};
 
 use crate::tail::TailError;
 
@@ -28,10 +28,18 @@ pub struct GuidedEstimate {
 }
 
 /// Sums of the contributions of paths to one mean.
-#[derive(Debug, Clone, Copy, Default)]
+///
+/// Successive paths of a block have the same guide, or the next one: their squared differences estimate the variance within
+/// the strata of the guides, from above. For independent paths `E (w_(k+1) - w_k)^2 / 2` is the variance.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Contributions {
     values: Accumulator,
     squares: Accumulator,
+    /// `(w_(k+1) - w_k)^2` within blocks.
+    differences: Accumulator,
+    /// The last contribution, of a block that is not finished.
+    last: Option<f64>,
     largest: f64,
     hits: u64,
 }
@@ -42,19 +50,41 @@ impl Contributions {
         let value = contribution.unwrap_or(0.0);
         self.values.push(value);
         self.squares.push(value * value);
+        if let Some(last) = self.last {
+            self.differences.push((value - last) * (value - last));
+        }
+        self.last = Some(value);
         self.largest = self.largest.max(value);
         self.hits += u64::from(contribution.is_some());
     }
 
+    /// Adds the sums of a later block.
     pub(crate) fn merge(&mut self, later: &Self) {
         self.values.merge(&later.values);
         self.squares.merge(&later.squares);
+        self.differences.merge(&later.differences);
+        self.last = None;
         self.largest = self.largest.max(later.largest);
         self.hits += later.hits;
     }
 
+    /// Whether the counts are possible for a block of this many paths.
+    pub(crate) const fn is_of(&self, n_paths: u64) -> bool {
+        let (values, squares) = (self.values.count(), self.squares.count());
+        let differences = self.differences.count();
+        values == n_paths
+            && squares == n_paths
+            && differences == n_paths.saturating_sub(1)
+            && self.hits <= n_paths
+    }
+
     pub(crate) const fn hits(&self) -> u64 {
         self.hits
+    }
+
+    /// Number of paths.
+    pub(crate) const fn count(&self) -> u64 {
+        self.values.count()
     }
 
     pub(crate) const fn mean(&self) -> f64 {
@@ -71,8 +101,12 @@ impl Contributions {
         threshold: f64,
         strength: f64,
     ) -> Result<GuidedEstimate, TailError> {
-        let estimate = self.values.estimate()?;
-        let n = self.values.count() as f64;
+        let (value, n) = (self.values.mean(), self.values.count() as f64);
+        // Refuses fewer than two paths and values that are not finite.
+        self.values.variance()?;
+        let variance = 0.5 * self.differences.mean() / n;
+        let uncertainty = Uncertainty::StandardError(variance.sqrt());
+        let estimate = Estimate { value, uncertainty };
         let sum = n * self.values.mean();
         let square = n * self.squares.mean();
         let of_sum = |numerator: f64, sum: f64| if sum > 0.0 { numerator / sum } else { 0.0 };
@@ -99,6 +133,17 @@ impl Contributions {
     }
 }
 
+/// Joins the sums of two neighbouring blocks, sum by sum.
+pub(crate) fn merge_sums(
+    mut earlier: Vec<Contributions>,
+    later: Vec<Contributions>,
+) -> Vec<Contributions> {
+    for (sum, more) in earlier.iter_mut().zip(later) {
+        sum.merge(&more);
+    }
+    earlier
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +152,31 @@ mod tests {
         let mut sums = Contributions::default();
         for value in values {
             sums.push((*value > 0.0).then_some(*value));
+        }
+        sums
+    }
+
+    #[test]
+    fn the_error_is_that_within_strata() {
+        // Two guides with different weights, one after the other: the step between them counts once.
+        let (low, high) = ([1.0, 1.2, 1.0, 1.2], [5.0, 5.2, 5.0, 5.2]);
+        let strata = of(&[low, high].concat());
+        let found = |sums: &Contributions| sums.differences.mean();
+        assert!((found(&strata) - (6.0 * 0.04 + 3.8 * 3.8) / 7.0).abs() < 1e-12);
+        // Blocks are apart: no difference from one to the next.
+        let mut blocks = of(&low);
+        blocks.merge(&of(&high));
+        assert!((found(&blocks) - 0.04).abs() < 1e-12 && blocks.count() == 8);
+        let estimate = merged(200, &low).estimate(1.0, 2.0).unwrap().estimate;
+        let exact = (0.5 * 0.04 / 800.0_f64).sqrt();
+        assert!((estimate.standard_error().unwrap() / exact - 1.0).abs() < 1e-9, "{estimate}");
+    }
+
+    /// Sums of some blocks.
+    fn merged(n: usize, block: &[f64]) -> Contributions {
+        let mut sums = Contributions::default();
+        for _ in 0..n {
+            sums.merge(&of(block));
         }
         sums
     }

@@ -17,6 +17,8 @@ pub mod machine;
 pub mod models;
 pub mod nearest;
 pub mod output;
+#[cfg(feature = "fpk")]
+mod path_blocks;
 #[cfg(feature = "peridyn")]
 pub mod peridyn;
 pub mod run_result;

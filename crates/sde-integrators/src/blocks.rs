@@ -21,8 +21,25 @@ where
     B: Fn(Range<u64>) -> Result<T, E> + Sync,
     M: Fn(T, T) -> T + Sync,
 {
-    let tree = Tree { n_realisations, lowest_failed: AtomicU64::new(u64::MAX), block, merge };
-    match tree.reduce(0, n_realisations.div_ceil(BLOCK_LENGTH)) {
+    reduce_blocks_of(BLOCK_LENGTH, n_realisations, block, merge)
+}
+
+/// [`reduce_blocks`] with blocks of another length, at least 1.
+pub(crate) fn reduce_blocks_of<T, E, B, M>(
+    length: u64,
+    n_realisations: u64,
+    block: B,
+    merge: M,
+) -> Result<Option<T>, E>
+where
+    T: Send,
+    E: Send,
+    B: Fn(Range<u64>) -> Result<T, E> + Sync,
+    M: Fn(T, T) -> T + Sync,
+{
+    let lowest_failed = AtomicU64::new(u64::MAX);
+    let tree = Tree { length, n_realisations, lowest_failed, block, merge };
+    match tree.reduce(0, n_realisations.div_ceil(length)) {
         Ok(result) => Ok(result),
         Err(Failure::Block(error)) => Err(error),
         // A block is skipped only above one that failed, whose error is found first.
@@ -36,6 +53,8 @@ enum Failure<E> {
 }
 
 struct Tree<B, M> {
+    /// Realisations per block.
+    length: u64,
     n_realisations: u64,
     /// The lowest block known to have failed: blocks above it need not run.
     lowest_failed: AtomicU64,
@@ -73,7 +92,7 @@ impl<B, M> Tree<B, M> {
         if block > self.lowest_failed.load(Ordering::Relaxed) {
             return Err(Failure::LeftOut);
         }
-        (self.block)(realisations(self.n_realisations, block)).map_err(|error| {
+        (self.block)(realisations((self.length, self.n_realisations), block)).map_err(|error| {
             self.lowest_failed.fetch_min(block, Ordering::Relaxed);
             Failure::Block(error)
         })
@@ -89,7 +108,7 @@ pub(crate) fn map_blocks<T: Send>(
 ) -> Vec<T> {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
     let blocks: Vec<u64> = blocks.collect();
-    blocks.into_par_iter().map(|b| block(realisations(n_realisations, b))).collect()
+    blocks.into_par_iter().map(|b| block(realisations((BLOCK_LENGTH, n_realisations), b))).collect()
 }
 
 /// Results of all blocks of a range, in order.
@@ -99,16 +118,19 @@ pub(crate) fn map_blocks<T: Send>(
     blocks: Range<u64>,
     block: impl Fn(Range<u64>) -> T + Sync,
 ) -> Vec<T> {
-    blocks.map(|b| block(realisations(n_realisations, b))).collect()
+    blocks.map(|b| block(realisations((BLOCK_LENGTH, n_realisations), b))).collect()
 }
 
-fn realisations(n_realisations: u64, block: u64) -> Range<u64> {
-    let start = block * BLOCK_LENGTH;
-    start..n_realisations.min(start.saturating_add(BLOCK_LENGTH))
+fn realisations((length, n_realisations): (u64, u64), block: u64) -> Range<u64> {
+    let start = block * length;
+    start..n_realisations.min(start.saturating_add(length))
 }
 
-/// Merges the results of all blocks in the tree of [`reduce_blocks`].
-pub(crate) fn reduce_in_tree<B, T>(
+/// Merges the results of all blocks, in order, in the tree of [`reduce_blocks`]; `None` for no blocks.
+///
+/// `result` takes the result of a block; `merge(earlier, later)` joins neighbours. Blocks computed apart thus have the sum of
+/// one run, bit for bit.
+pub fn reduce_in_tree<B, T>(
     blocks: &[B],
     result: &impl Fn(&B) -> T,
     merge: &impl Fn(T, T) -> T,

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use crate::blocks::reduce_blocks;
+use crate::blocks::{BLOCK_LENGTH, reduce_blocks_of, reduce_in_tree};
 use crate::error::Error;
 use crate::follow::Lives;
 use crate::guide::Guide;
@@ -52,7 +52,11 @@ pub struct Passages<'a> {
 
 /// Paths from a normal initial distribution, each under one of several guides.
 ///
-/// The guide of a path is drawn by its share; the rest, `1 - sum`, is without a guide. For a function `F` of the path
+/// The guide of a path is drawn by its share; the rest, `1 - sum`, is without a guide. The draws are stratified: path `j` of the
+/// `n` of a block takes the guide at the place `(j + U)/n` of the shares, with `U` uniform, so that a block has hardly more or
+/// fewer paths of a guide than its share. Means over a block keep their expectation, and their variance is smaller than that of
+/// independent paths; squared differences of successive paths estimate it (von Neumann 1941, Distribution of the ratio of the
+/// mean square successive difference to the variance). For a function `F` of the path
 ///
 /// $$ E\[F\] = E_q\[F w\], \qquad w = \Big( c_0 + \sum_j c_j r_j \Big)^{-1}, \qquad
 ///    \ln r_j = \sum_k \Big( \theta_{jk} \cdot n_k - \tfrac12 |\theta_{jk}|^2 \Big), $$
@@ -72,7 +76,7 @@ pub struct Passages<'a> {
 /// Sources: Girsanov 1960, On transforming a certain class of stochastic processes by absolutely continuous
 /// substitution of measures; mixture weights (balance heuristic): Veach and Guibas 1995, Optimally combining sampling
 /// techniques for Monte Carlo rendering; defensive share: Hesterberg 1995, Weighted average importance sampling and
-/// defensive mixture distributions.
+/// defensive mixture distributions; stratified draws: Cochran 1977, Sampling techniques, section 5.
 #[derive(Debug)]
 pub struct GuidedEnsemble<'a, P, const M: usize> {
     /// System and method.
@@ -97,37 +101,70 @@ impl<P: LanePaths<M>, const M: usize> GuidedEnsemble<'_, P, M> {
     /// Simulates the paths of a range of realisations and collects them in blocks, by realisation in each.
     ///
     /// `new` makes an empty collection, `push` adds a path, `merge(earlier, later)` joins two, in the order of
-    /// [`reduce_blocks`]: the result is bitwise identical for any number of threads.
+    /// [`reduce_blocks`](crate::reduce_blocks): the result is bitwise identical for any number of threads.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the step length; [`Error::WrongLength`], [`Error::NotFinite`] and [`Error::TooFew`] for
-    /// the start and the guides; [`Error::OutOfRange`] for shares that are not positive or exceed 1 together, and for
-    /// levels that do not increase; those of [`maxima`](crate::maxima) for a response; [`Error::TooFew`] for no
-    /// realisations, responses or levels; a failed path, [`Error::Step`] or [`Error::NonFiniteState`], always the lowest.
-    pub fn run<A: Send>(
+    /// Those of [`blocks`](Self::blocks).
+    pub fn run<A: Send + Clone>(
         &self,
         realisations: Range<u64>,
         new: impl Fn() -> A + Sync,
         push: impl Fn(&mut A, &GuidedPath<'_>) + Sync,
         merge: impl Fn(A, A) -> A + Sync,
     ) -> Result<A, Error> {
+        let n_blocks = count(&realisations).div_ceil(BLOCK_LENGTH);
+        let all = self.blocks((realisations, BLOCK_LENGTH), 0..n_blocks, new, push)?;
+        let too_few = Error::TooFew { quantity: "paths", value: 0, limit: 1 };
+        reduce_in_tree(&all, &A::clone, &merge).ok_or(too_few)
+    }
+
+    /// Simulates some blocks of a range of realisations, each of `length` of them, and returns the collection of each.
+    ///
+    /// `new` makes an empty collection, `push` adds a path, by realisation in each block. Blocks run in parallel, and a block
+    /// is bitwise identical whatever runs beside it. [`reduce_in_tree`] joins all blocks of a range as [`run`](Self::run) does.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for the step length; [`Error::WrongLength`], [`Error::NotFinite`] and [`Error::TooFew`] for
+    /// the start and the guides; [`Error::OutOfRange`] for shares that are not positive or exceed 1 together, and for
+    /// levels that do not increase; those of [`maxima`](crate::maxima) for a response; [`Error::TooFew`] for a length of
+    /// zero, and for no realisations, responses or levels; a failed path, [`Error::Step`] or [`Error::NonFiniteState`],
+    /// always the lowest.
+    pub fn blocks<A: Send>(
+        &self,
+        (realisations, length): (Range<u64>, u64),
+        blocks: Range<u64>,
+        new: impl Fn() -> A + Sync,
+        push: impl Fn(&mut A, &GuidedPath<'_>) + Sync,
+    ) -> Result<Vec<A>, Error> {
         let unguided = self.check()?;
-        let n = realisations.end.saturating_sub(realisations.start);
+        for (quantity, value) in [("paths of a block", length), ("paths", count(&realisations))] {
+            if value == 0 {
+                return Err(Error::TooFew { quantity, value: 0, limit: 1 });
+            }
+        }
+        let bound = |block: u64| {
+            realisations.start.saturating_add(block.saturating_mul(length)).min(realisations.end)
+        };
+        let (first, last) = (bound(blocks.start), bound(blocks.end));
         let block = |ids: Range<u64>| {
             let mut collected = new();
-            let (from, to) = (realisations.start + ids.start, realisations.start + ids.end);
+            let ids = first + ids.start..first + ids.end;
             let push = |path: &GuidedPath<'_>| push(&mut collected, path);
             match self.passages {
                 Some(Passages { responses, .. }) => {
                     let watch = Peaks::new(responses, self.seed);
-                    self.block(from..to, unguided, watch, push)?;
+                    self.block(ids, unguided, watch, push)?;
                 }
-                None => self.block(from..to, unguided, EndAlone, push)?,
+                None => self.block(ids, unguided, EndAlone, push)?,
             }
-            Ok(collected)
+            Ok(vec![collected])
         };
-        let too_few = Error::TooFew { quantity: "paths", value: 0, limit: 1 };
-        reduce_blocks(n, block, merge)?.ok_or(too_few)
+        let append = |mut earlier: Vec<A>, mut later: Vec<A>| {
+            earlier.append(&mut later);
+            earlier
+        };
+        let n = count(&(first..last));
+        Ok(reduce_blocks_of(length, n, block, append)?.unwrap_or_default())
     }
 
     /// Checks the input; returns the share of the paths without a guide.
@@ -195,7 +232,8 @@ impl<P: LanePaths<M>, const M: usize> GuidedEnsemble<'_, P, M> {
         let Self { paths, mean, factor, dt, n_steps, guides, passages, seed } = *self;
         let levels = passages.map_or(&[][..], |passages| passages.levels);
         let n_levels = levels.len();
-        let shared = Shared { paths, mean, factor, dt, n_steps, guides, levels, seed };
+        let strata = (ids.start, count(&ids));
+        let shared = Shared { paths, mean, factor, dt, n_steps, guides, levels, seed, strata };
         let mut group = Group::new(shared);
         let mut end = vec![0.0; mean.len()];
         // The ratios at the end of the path, then those at the passage of each level.
@@ -247,4 +285,8 @@ impl<P: LanePaths<M>, const M: usize> GuidedEnsemble<'_, P, M> {
         }
         largest + sum.ln()
     }
+}
+
+const fn count(realisations: &Range<u64>) -> u64 {
+    realisations.end.saturating_sub(realisations.start)
 }

@@ -27,6 +27,8 @@ pub(crate) struct Shared<'a, P> {
     pub(crate) guides: &'a [Guide],
     pub(crate) levels: &'a [f64],
     pub(crate) seed: u64,
+    /// First realisation of the block, and its number of paths: the strata of the choice of guides.
+    pub(crate) strata: (u64, u64),
 }
 
 /// Number of steps of a passage that has not happened.
@@ -86,9 +88,10 @@ impl<'a, P> Group<'a, P> {
 
     /// Draws guide and start of a path, and writes the start into its lane.
     fn start(&mut self, noise: Noise, realisation: u64, lane: usize, x: &mut [[f64; LANES]]) {
-        let Shared { mean, factor, guides, .. } = self.shared;
+        let Shared { mean, factor, guides, strata: (first, n), .. } = self.shared;
         let mut stream = noise.stream(Purpose::InitialDistribution, realisation);
-        let mut uniform = stream.next_uniform();
+        let stratum = realisation.wrapping_sub(first) as f64;
+        let mut uniform = (stratum + stream.next_uniform()) / n as f64;
         stream.fill_normal(&mut self.normals);
         for (guide, chosen) in guides.iter().zip(&mut self.chosen) {
             let is_chosen = (0.0..guide.share).contains(&uniform);

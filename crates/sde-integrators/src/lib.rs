@@ -56,7 +56,7 @@ mod theta;
 
 pub use adaptive::{AcceptedStep, AdaptivePath, Pathwise, StepControl};
 pub use baoab::{Baoab, HalfStep};
-pub use blocks::{BLOCK_LENGTH, reduce_blocks};
+pub use blocks::{BLOCK_LENGTH, reduce_blocks, reduce_in_tree};
 pub use bridge::BrownianTree;
 #[cfg(feature = "dense")]
 pub use dense_factor::DenseFactor;

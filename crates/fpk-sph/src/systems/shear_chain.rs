@@ -1,45 +1,38 @@
 //! Frequencies and Rayleigh damping of a chain of masses and springs.
 
+use nalgebra::{DMatrix, SymmetricEigen};
+
 use crate::error::{Error, positive};
+
+/// Largest number of iterations for each eigenvalue; two are usual.
+const MOST_ITERATIONS: usize = 100;
 
 /// Circular frequencies of a chain of `(mass, stiffness)` from the ground upwards, increasing.
 ///
-/// The eigenvalues of the symmetric tridiagonal `M^(-1/2) K M^(-1/2)` by bisection, counted by the negative pivots of its
-/// factorisation (Barth, Martin and Wilkinson 1967, Calculation of the eigenvalues of a symmetric tridiagonal matrix by the
-/// method of bisection).
+/// They are the roots of the eigenvalues of the symmetric `M^(-1/2) K M^(-1/2)`; infinite where these exceed all numbers.
 pub(super) fn natural_frequencies(chain: &[(f64, f64)]) -> Vec<f64> {
     let n = chain.len();
     let above = |i: usize| chain.get(i + 1).map_or(0.0, |(_, stiffness)| *stiffness);
-    let diagonal: Vec<f64> = (0..n).map(|i| (chain[i].1 + above(i)) / chain[i].0).collect();
-    let squares: Vec<f64> =
-        (0..n - 1).map(|i| above(i) * above(i) / (chain[i].0 * chain[i + 1].0)).collect();
-    let count_below = |value: f64| {
-        let (mut count, mut pivot) = (0, 1.0);
-        for i in 0..n {
-            let known = if i == 0 { 0.0 } else { squares[i - 1] / pivot };
-            pivot = diagonal[i] - value - known;
-            if pivot == 0.0 {
-                pivot = f64::MIN_POSITIVE;
-            }
-            count += usize::from(pivot < 0.0);
-        }
-        count
+    let diagonal = |i: usize| (chain[i].1 + above(i)) / chain[i].0;
+    // Entries of at most 1, whose squares do not overflow.
+    let largest = (0..n).map(diagonal).fold(0.0, f64::max);
+    let entry = |i: usize, j: usize| match j.abs_diff(i) {
+        0 => diagonal(i) / largest,
+        1 => -above(i.min(j)) / (chain[i].0.sqrt() * chain[j].0.sqrt()) / largest,
+        _ => 0.0,
     };
-    // Gershgorin: no eigenvalue exceeds twice the largest diagonal entry of a chain.
-    let largest = 2.0 * diagonal.iter().copied().fold(0.0, f64::max);
-    let frequency = |k: usize| {
-        let (mut low, mut high) = (0.0, largest);
-        for _ in 0..120 {
-            let middle = 0.5 * (low + high);
-            if count_below(middle) > k {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        (0.5 * (low + high)).sqrt()
+    let matrix = DMatrix::from_fn(n, n, entry);
+    let eigen = if matrix.iter().all(|entry| entry.is_finite()) {
+        SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_ITERATIONS * n)
+    } else {
+        None
     };
-    (0..n).map(frequency).collect()
+    let Some(eigen) = eigen else { return vec![f64::INFINITY; n] };
+    // Positive definite: only roundoff is below zero.
+    let frequency = |square: &f64| (square.max(0.0) * largest).sqrt();
+    let mut frequencies: Vec<f64> = eigen.eigenvalues.iter().map(frequency).collect();
+    frequencies.sort_unstable_by(f64::total_cmp);
+    frequencies
 }
 
 /// Rayleigh damping: `C = of_mass M + of_stiffness K`.
@@ -97,6 +90,21 @@ mod tests {
                 assert!((found / exact - 1.0).abs() < 1e-12, "{n}, {k}: {found} {exact}");
             }
         }
+    }
+
+    #[test]
+    fn frequencies_of_any_masses_and_springs_end() {
+        for chain in [
+            vec![(1e-300, 1e300), (1.0, 1.0)],
+            vec![(f64::MAX, f64::MIN_POSITIVE); 3],
+            vec![(1.0, 1e200), (1e-200, 1.0), (1e100, 1e-100)],
+        ] {
+            let found = natural_frequencies(&chain);
+            assert!(found.len() == chain.len() && found.iter().all(|w| *w >= 0.0), "{found:?}");
+            assert!(found.is_sorted(), "{found:?}");
+        }
+        assert_eq!(natural_frequencies(&[(1e-300, 1e300)]), [f64::INFINITY]);
+        assert_eq!(natural_frequencies(&[(4.0, 1.0)]), [0.5]);
     }
 
     #[test]

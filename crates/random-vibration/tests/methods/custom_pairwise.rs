@@ -1,8 +1,8 @@
 //! Guided paths of systems whose number of states is known at run time.
 
 use random_vibration::{
-    GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig, TailError, Tails,
-    subset_passage, upper_tail,
+    FreePassages, GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion,
+    SubsetConfig, TailError, Tails, free_passages, subset_passage, upper_tail,
 };
 use sde_integrators::{Between, LaneSde, PairTerm, PairwiseSde, Response, Side};
 
@@ -94,7 +94,7 @@ fn one_set_of_guided_paths_gives_the_passages_of_free_paths_at_all_thresholds_an
         GuidedPaths::from_rest(&system, SPAN, &PairwiseRule { unmodelled: 0.25, ..RULE }).unwrap();
     let (responses, n_steps) = (&[RESPONSE][..], &[75, 150][..]);
     let question = PassageQuestion { responses, thresholds: &[0.8, 1.0], n_steps };
-    let free = paths.free_passages(&question, (200_000, 8)).unwrap();
+    let free = free_passages(&system, SPAN, &question, (200_000, 8)).unwrap();
     let found = paths.first_passages(&question, &CONFIG).unwrap();
     assert_eq!((found.len(), found[0].len()), (2, 2));
     for (found, free) in found.iter().flatten().zip(free.iter().flatten()) {
@@ -110,6 +110,50 @@ fn one_set_of_guided_paths_gives_the_passages_of_free_paths_at_all_thresholds_an
     assert!(rare.estimate.standard_error().unwrap() < 0.15 * rare.estimate.value, "{rare:?}");
 }
 
+/// Bits of all values and errors.
+fn bits(all: &[Vec<Result<GuidedEstimate, TailError>>]) -> Vec<[u64; 3]> {
+    let of = |found: &Result<GuidedEstimate, TailError>| match found {
+        Ok(GuidedEstimate { estimate, largest_share, .. }) => {
+            let error = estimate.standard_error().unwrap_or(f64::NAN);
+            [estimate.value, error, *largest_share].map(f64::to_bits)
+        }
+        Err(_) => [0; 3],
+    };
+    all.iter().flatten().map(of).collect()
+}
+
+#[test]
+fn blocks_that_run_apart_give_the_bits_of_one_run_and_other_blocks_are_refused() {
+    let system = Hysteretic { share: 0.5, yield_drift: 0.3 };
+    let paths = GuidedPaths::from_rest(&system, SPAN, &RULE).unwrap();
+    let (responses, n_steps) = (&[RESPONSE][..], &[75, 150][..]);
+    let question = PassageQuestion { responses, thresholds: &[0.8, 1.0], n_steps };
+    let config = GuidedConfig { n_paths: 2_100, ..CONFIG };
+    let whole = paths.first_passages(&question, &config).unwrap();
+    // As two processes make it.
+    let [study, other] = [0, 1].map(|_| paths.passage_study(&question, &config).unwrap());
+    let n = study.n_blocks();
+    assert!(n == 5 && study.path_steps() == 150 * (2_100 + 400), "{n}");
+    let parts = [(&study, 0..2), (&other, 2..3), (&study, 3..n)];
+    let apart = parts.map(|(study, part)| study.blocks(part).unwrap()).concat();
+    assert_eq!(bits(&other.estimates(&apart).unwrap()), bits(&whole));
+    for wrong in [&apart[1..], &[&apart[..4], &apart[..1]].concat()] {
+        let refused = study.estimates(wrong).unwrap_err().to_string();
+        assert!(refused.contains("block"), "{refused}");
+    }
+    let refused = study.blocks(4..6).unwrap_err().to_string();
+    assert!(refused.contains("block of guided paths"), "{refused}");
+    let one = PassageQuestion { thresholds: &[0.8], ..question };
+    let other = paths.passage_study(&one, &config).unwrap().blocks(0..n).unwrap();
+    let refused = study.estimates(&other).unwrap_err().to_string();
+    assert!(refused.contains("sums of a block"), "{refused}");
+
+    let free = || FreePassages::new(&system, SPAN, &question, (2_100, 8)).unwrap();
+    let apart = [0..1, 1..n].map(|part| free().blocks(part).unwrap()).concat();
+    let whole = free_passages(&system, SPAN, &question, (2_100, 8)).unwrap();
+    assert_eq!(free().estimates(&apart).unwrap(), whole);
+}
+
 #[test]
 fn the_passage_of_any_of_several_responses_is_at_least_that_of_each() {
     let system = Hysteretic { share: 0.5, yield_drift: 0.3 };
@@ -118,7 +162,7 @@ fn the_passage_of_any_of_several_responses_is_at_least_that_of_each() {
     let both = [RESPONSE, velocity];
     let of = |responses: &[Response<'_>]| {
         let question = PassageQuestion { responses, thresholds: &[1.0], n_steps: &[150] };
-        let free = paths.free_passages(&question, (100_000, 8)).unwrap()[0][0];
+        let free = free_passages(&system, SPAN, &question, (100_000, 8)).unwrap()[0][0];
         let found = paths.first_passages(&question, &CONFIG).unwrap().remove(0).remove(0).unwrap();
         let error = found.estimate.standard_error().unwrap().hypot(free.standard_error().unwrap());
         let off = (found.estimate.value - free.value).abs();
@@ -132,10 +176,9 @@ fn the_passage_of_any_of_several_responses_is_at_least_that_of_each() {
 #[test]
 fn subset_simulation_finds_the_passages_of_free_paths_and_refuses_a_bridge() {
     let system = Hysteretic { share: 0.5, yield_drift: 0.3 };
-    let paths = GuidedPaths::from_rest(&system, SPAN, &RULE).unwrap();
     let responses = &[RESPONSE][..];
     let question = PassageQuestion { responses, thresholds: &[0.8], n_steps: &[150] };
-    let free = paths.free_passages(&question, (50_000, 8)).unwrap()[0][0];
+    let free = free_passages(&system, SPAN, &question, (50_000, 8)).unwrap()[0][0];
     let config = SubsetConfig { n_samples: 400, correlation: 0.8, n_runs: 16 };
     let found = subset_passage(&system, responses, 0.8, SPAN, (&config, 4)).unwrap();
     let error = found.standard_error().unwrap();

@@ -1,8 +1,8 @@
 //! Guided paths.
 
 use random_vibration::{
-    GuidedConfig, GuidedPaths, Linearisation, LinearisationError, Quadrature, TailError, Tails,
-    upper_tail,
+    ExceedanceQuestion, GuidedConfig, GuidedPaths, Linearisation, LinearisationError, Quadrature,
+    TailError, Tails, upper_tail,
 };
 use sde_integrators::{
     Between, EnsembleConfig, GaussianComponent, GaussianMixture, Response, Shark, Side, maxima,
@@ -86,6 +86,76 @@ fn the_estimate_of_a_nonlinear_system_does_not_depend_on_the_share_or_the_pilots
     }
 }
 
+/// Linear: exact at every time and threshold.
+#[test]
+fn a_surface_over_times_and_thresholds_is_that_of_each_alone() {
+    let paths = paths(&SYSTEM, [0.0; 2]);
+    let thresholds = [3.0, 4.0, 5.0].map(|z| z * exact([0.0; 2], [1.0, 0.0]).1);
+    for tails in [Tails::Doubled, Tails::Both] {
+        let question = ExceedanceQuestion {
+            thresholds: &thresholds,
+            n_steps: &[25, 50],
+            tails,
+            smallest: 0.0,
+        };
+        let found = paths.exceedances(&question, &CONFIG).unwrap();
+        assert_eq!((found.len(), found[0].len()), (2, 3));
+        for (k, row) in found.iter().enumerate() {
+            let t = TIME * [0.5, 1.0][k];
+            let deviation = SYSTEM.covariance(COVARIANCE, t)[0][0].sqrt();
+            for (threshold, found) in thresholds.iter().zip(row) {
+                let (found, z) = (found.as_ref().unwrap(), threshold / deviation);
+                let expected = 2.0 * upper_tail(z);
+                let error = found.estimate.standard_error().unwrap();
+                // A third of the paths is guided to each threshold.
+                assert!(error < 1.6 * 3_f64.sqrt() * expected / 2_000_f64.sqrt(), "{found:?}");
+                let off = (found.estimate.value - expected).abs();
+                assert!(off < 4.0 * error + 3e-4 * z * z * expected, "{z}: {expected:e} {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_threshold_far_below_the_smallest_probability_has_no_guide_and_the_others_gain() {
+    let paths = paths(&SYSTEM, [0.0; 2]);
+    let deviation = exact([0.0; 2], [1.0, 0.0]).1;
+    let (thresholds, tails) = (&[3.0 * deviation, 9.0 * deviation], Tails::Doubled);
+    let of = |smallest: f64| {
+        let question = ExceedanceQuestion { thresholds, n_steps: &[50], tails, smallest };
+        let mut row = paths.exceedances(&question, &CONFIG).unwrap().remove(0);
+        let (rare, likely) = (row.remove(1), row.remove(0).unwrap());
+        (likely.estimate.standard_error().unwrap() / likely.estimate.value, rare.is_ok())
+    };
+    let ((among_all, is_rare_found), (alone, is_rare_left)) = (of(0.0), of(1e-6));
+    assert!(is_rare_found && !is_rare_left && alone < 0.8 * among_all, "{alone} {among_all}");
+}
+
+#[test]
+fn invalid_exceedances_are_refused() {
+    let paths = paths(&SYSTEM, [0.0; 2]);
+    let good = ExceedanceQuestion {
+        thresholds: &[1.0],
+        n_steps: &[25, 50],
+        tails: Tails::Upper,
+        smallest: 0.0,
+    };
+    let many = [1.0; 257];
+    for (question, words) in [
+        (ExceedanceQuestion { thresholds: &[], ..good }, "thresholds"),
+        (ExceedanceQuestion { thresholds: &many, ..good }, "256"),
+        (ExceedanceQuestion { thresholds: &[1.0, f64::NAN], ..good }, "threshold"),
+        (ExceedanceQuestion { n_steps: &[], ..good }, "times"),
+        (ExceedanceQuestion { n_steps: &[50, 25], ..good }, "number of steps to a time"),
+        (ExceedanceQuestion { n_steps: &[51], ..good }, "number of steps to a time"),
+        (ExceedanceQuestion { smallest: 1.0, ..good }, "smallest probability"),
+        (ExceedanceQuestion { smallest: f64::NAN, ..good }, "smallest probability"),
+    ] {
+        let refused = paths.exceedances(&question, &CONFIG).unwrap_err().to_string();
+        assert!(refused.contains(words), "{refused}");
+    }
+}
+
 #[test]
 fn weights_that_cannot_be_trusted_are_refused() {
     // A spring so hard that the linearised system misleads the guide, and few paths.
@@ -135,6 +205,8 @@ fn first_passage_is_that_of_free_paths_where_they_reach_it_and_is_found_where_th
     let system = Oscillator { cubic: 1.0, ..SYSTEM };
     let law = GaussianMixture::gaussian([0.0; 2], COVARIANCE).unwrap();
     let guided = GuidedPaths::new(&system, &Shark, &law, (4.0, 100), &RULE).unwrap();
+    // Of 2,000 paths one may have more than a twentieth of the weight.
+    let config = GuidedConfig { n_paths: 8_000, ..CONFIG };
     for side in [Side::Above, Side::Magnitude] {
         let between = Between::CubicHermite { velocity: 1 };
         let response = Response { component: 0, side, between };
@@ -142,14 +214,14 @@ fn first_passage_is_that_of_free_paths_where_they_reach_it_and_is_found_where_th
         let free = maxima(&system, &Shark, &law, &free, &response).unwrap();
         for threshold in [0.7, 0.9] {
             let expected = free[0].exceedance(threshold).unwrap();
-            let found = guided.first_passage(&response, threshold, &CONFIG).unwrap();
+            let found = guided.first_passage(&response, threshold, &config).unwrap();
             let (error, of_free) =
                 (found.estimate.standard_error().unwrap(), expected.standard_error().unwrap());
             assert!(error < 0.05 * found.estimate.value, "{threshold}: {found:?}");
             let off = (found.estimate.value - expected.value).abs();
             assert!(off < 4.0 * error.hypot(of_free), "{threshold}: {expected} {found:?}");
         }
-        let rare = guided.first_passage(&response, 1.6, &CONFIG).unwrap();
+        let rare = guided.first_passage(&response, 1.6, &config).unwrap();
         assert!(rare.estimate.value < 1e-7 && rare.n_hits > 1_500, "{rare:?}");
         assert!(rare.estimate.standard_error().unwrap() < 0.1 * rare.estimate.value, "{rare:?}");
     }

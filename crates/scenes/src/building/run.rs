@@ -7,13 +7,13 @@ use std::path::PathBuf;
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use fpk_sph::systems::ShearBuilding;
 use random_vibration::{
-    GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig, TailError,
-    subset_passage,
+    FreePassages, GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig,
+    TailError, subset_passage,
 };
 use sde_integrators::Error;
 
 use super::method_scene::BuildingMethod;
-use super::scene::TowerScene;
+use super::scene::PassageScene;
 use crate::clock::CpuClock;
 use crate::fpk::run::observed::Observed;
 use crate::fpk::run::record::{Content, Series, WorkRecord};
@@ -21,13 +21,14 @@ use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
 use crate::output::write_drawing;
+use crate::path_blocks::{Computed, PathBlocks};
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "random-vibration",
-    schema: || schemars::schema_for!(TowerScene),
-    check: |file| file.parse::<TowerScene>().map(drop),
+    schema: || schemars::schema_for!(PassageScene),
+    check: |file| file.parse::<PassageScene>().map(drop),
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
@@ -46,23 +47,21 @@ const UNMODELLED: f64 = 0.25;
 const FEEDBACKS: f64 = 30.0;
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
-    let (mut scene, building) = run.build::<TowerScene>(file)?;
-    run.no_shards()?;
+    let (mut scene, building) = run.build::<PassageScene>(file)?;
     let seed = Some(*scene.method.seed());
     let scene = &scene;
-    // A method without a checkpoint still refuses to start over another run.
-    run.checkpoint(&Inputs { scene, seed, files: &[] }, &["/title"])?;
-    let clock = CpuClock::start();
     let mut found = Passages::new(scene, &building);
-    found.solve(run).map_err(RunError::solver)?;
+    if let Some(elsewhere) = found.solve(run, &Inputs { scene, seed, files: &[] })? {
+        return Ok(elsewhere);
+    }
     for Unknown { what, reason } in &found.unknown {
         run.progress.stage(&format!("unknown: {what}: {reason}"));
     }
     let quantities = found.series();
     let drawing = drawing(scene, &quantities)?;
-    let (path_steps, cpu_seconds) = (found.path_steps, clock.seconds());
+    let Passages { path_steps, cpu_seconds, unknown, .. } = found;
     let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };
-    let content = Content { seed, work, stopped: None, unknown: found.unknown, quantities };
+    let content = Content { seed, work, stopped: None, unknown, quantities };
     let mut written = vec![RunResult::new("run-result/1", scene, content).write(run.out())?];
     if let Some(drawing) = drawing {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
@@ -72,63 +71,117 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
 
 /// First passages of a scene.
 struct Passages<'a> {
-    scene: &'a TowerScene,
+    scene: &'a PassageScene,
     building: &'a ShearBuilding,
     /// Per threshold.
     values: Vec<Vec<Observed>>,
     unknown: Vec<Unknown>,
     path_steps: Option<u64>,
+    cpu_seconds: f64,
 }
 
 impl<'a> Passages<'a> {
-    fn new(scene: &'a TowerScene, building: &'a ShearBuilding) -> Self {
+    fn new(scene: &'a PassageScene, building: &'a ShearBuilding) -> Self {
         let values = vec![Vec::new(); scene.thresholds.len()];
-        Self { scene, building, values, unknown: Vec::new(), path_steps: None }
+        let (unknown, path_steps, cpu_seconds) = (Vec::new(), None, 0.0);
+        Self { scene, building, values, unknown, path_steps, cpu_seconds }
     }
 
-    /// Estimates all probabilities by the method of the scene.
-    fn solve(&mut self, run: &Run<'_>) -> Result<(), TailError> {
+    /// Estimates all probabilities by the method of the scene; returns the files of a shard, if this is one.
+    fn solve(
+        &mut self,
+        run: &Run<'_>,
+        inputs: &Inputs<'_, PassageScene>,
+    ) -> Result<Option<Vec<PathBuf>>, RunError> {
         let Self { scene, building, .. } = *self;
         let (times, each) = (scene.times.list(), scene.steps_per_time());
         let n_steps: Vec<usize> = (1..=times.len()).map(|k| k * each).collect();
-        let Some((&until, &all)) = times.last().zip(n_steps.last()) else { return Ok(()) };
+        let Some((&until, &all)) = times.last().zip(n_steps.last()) else { return Ok(None) };
         let (span, responses) = ((until, all), scene.responses(building));
         let (responses, thresholds) = (&responses[..], &scene.thresholds[..]);
         let question = PassageQuestion { responses, thresholds, n_steps: &n_steps };
-        let rule = guide_rule(building, until / all as f64);
         match scene.method {
-            BuildingMethod::GuidedPaths { samples, seed, .. } => {
-                run.progress.stage("guided paths");
-                let (part, least) = PILOTS;
-                let n_pilots = (samples / part).max(least);
-                let (n_paths, unguided) = (samples, UNGUIDED);
-                let config = GuidedConfig { n_paths, n_pilots, unguided, seed };
-                let paths = GuidedPaths::from_rest(building, span, &rule)?;
-                self.path_steps = Some((n_paths + n_pilots).saturating_mul(all as u64));
-                for (t, row) in times.iter().zip(paths.first_passages(&question, &config)?) {
-                    for (k, found) in row.into_iter().enumerate() {
-                        let observed = found.map(|found| Observed::of_guided(*t, &found));
-                        self.push((k, *t), observed)?;
-                    }
-                }
-            }
-            BuildingMethod::MonteCarlo { paths: n_paths, seed, .. } => {
-                run.progress.stage("Monte Carlo");
-                let paths = GuidedPaths::from_rest(building, span, &rule)?;
-                self.path_steps = Some(n_paths.saturating_mul(all as u64));
-                for (t, row) in times.iter().zip(paths.free_passages(&question, (n_paths, seed))?) {
-                    for (k, estimate) in row.iter().enumerate() {
-                        self.push((k, *t), Ok(Observed::of_estimate(*t, estimate)))?;
-                    }
-                }
-            }
+            BuildingMethod::GuidedPaths { .. } => self.guided((run, inputs), &question, span),
+            BuildingMethod::MonteCarlo { .. } => self.free((run, inputs), &question, span),
             BuildingMethod::SubsetSimulation { samples, correlation, runs, seed, .. } => {
+                run.no_shards()?;
+                // A method without a checkpoint still refuses to start over another run.
+                run.checkpoint(inputs, &["/title"])?;
                 run.progress.stage("subset simulation");
+                let clock = CpuClock::start();
                 let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
                 self.subset(run, &question, (&times, &config, seed))?;
+                self.cpu_seconds = clock.seconds();
+                Ok(None)
             }
         }
-        Ok(())
+    }
+
+    /// Guided paths, their blocks in any processes; the files of a shard, if this is one.
+    fn guided(
+        &mut self,
+        (run, inputs): (&Run<'_>, &Inputs<'_, PassageScene>),
+        question: &PassageQuestion<'_>,
+        (until, n_steps): (f64, usize),
+    ) -> Result<Option<Vec<PathBuf>>, RunError> {
+        let BuildingMethod::GuidedPaths { samples, seed, .. } = self.scene.method else {
+            return Ok(None);
+        };
+        run.progress.stage("guided paths");
+        let clock = CpuClock::start();
+        let (part, least) = PILOTS;
+        let n_pilots = (samples / part).max(least);
+        let config = GuidedConfig { n_paths: samples, n_pilots, unguided: UNGUIDED, seed };
+        let rule = guide_rule(self.building, until / n_steps as f64);
+        let paths = GuidedPaths::from_rest(self.building, (until, n_steps), &rule)
+            .map_err(RunError::solver)?;
+        let study = paths.passage_study(question, &config).map_err(RunError::solver)?;
+        self.cpu_seconds = clock.seconds();
+        let compute = |blocks| study.blocks(blocks);
+        let blocks = PathBlocks { n_blocks: study.n_blocks(), compute: &compute };
+        let finished = match blocks.run(run, inputs)? {
+            Computed::All(finished) => finished,
+            Computed::Elsewhere(files) => return Ok(Some(files)),
+        };
+        self.path_steps = Some(study.path_steps());
+        self.cpu_seconds += finished.cpu_seconds;
+        let rows = study.estimates(&finished.blocks).map_err(RunError::solver)?;
+        for (t, row) in self.scene.times.list().into_iter().zip(rows) {
+            for (k, found) in row.into_iter().enumerate() {
+                self.push((k, t), found.map(|found| Observed::of_guided(t, &found)))?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Free paths, their blocks in any processes; the files of a shard, if this is one.
+    fn free(
+        &mut self,
+        (run, inputs): (&Run<'_>, &Inputs<'_, PassageScene>),
+        question: &PassageQuestion<'_>,
+        span: (f64, usize),
+    ) -> Result<Option<Vec<PathBuf>>, RunError> {
+        let BuildingMethod::MonteCarlo { paths: n_paths, seed, .. } = self.scene.method else {
+            return Ok(None);
+        };
+        run.progress.stage("Monte Carlo");
+        let paths = FreePassages::new(self.building, span, question, (n_paths, seed))
+            .map_err(RunError::solver)?;
+        let compute = |blocks| paths.blocks(blocks);
+        let blocks = PathBlocks { n_blocks: paths.n_blocks(), compute: &compute };
+        let finished = match blocks.run(run, inputs)? {
+            Computed::All(finished) => finished,
+            Computed::Elsewhere(files) => return Ok(Some(files)),
+        };
+        self.path_steps = Some(paths.path_steps());
+        self.cpu_seconds = finished.cpu_seconds;
+        let rows = paths.estimates(&finished.blocks).map_err(RunError::solver)?;
+        for (t, row) in self.scene.times.list().into_iter().zip(rows) {
+            for (k, estimate) in row.iter().enumerate() {
+                self.push((k, t), Ok(Observed::of_estimate(t, estimate)))?;
+            }
+        }
+        Ok(None)
     }
 
     /// Subset simulation of each time and threshold.
@@ -137,7 +190,7 @@ impl<'a> Passages<'a> {
         run: &Run<'_>,
         question: &PassageQuestion<'_>,
         (times, config, seed): (&[f64], &SubsetConfig, u64),
-    ) -> Result<(), TailError> {
+    ) -> Result<(), RunError> {
         let PassageQuestion { responses, thresholds, n_steps } = *question;
         for (row, (&t, &steps)) in times.iter().zip(n_steps).enumerate() {
             for (k, &threshold) in thresholds.iter().enumerate() {
@@ -156,7 +209,7 @@ impl<'a> Passages<'a> {
         &mut self,
         (k, t): (usize, f64),
         found: Result<Observed, TailError>,
-    ) -> Result<(), TailError> {
+    ) -> Result<(), RunError> {
         match found {
             Ok(observed) => self.values[k].push(observed),
             Err(
@@ -166,7 +219,7 @@ impl<'a> Passages<'a> {
                 what: format!("first-passage/{} at t = {t}", self.scene.thresholds[k]),
                 reason: error.to_string(),
             }),
-            Err(error) => return Err(error),
+            Err(error) => return Err(RunError::solver(error)),
         }
         Ok(())
     }
@@ -203,7 +256,7 @@ fn guide_rule(building: &ShearBuilding, dt: f64) -> PairwiseRule {
 }
 
 /// Chart of the probabilities over time; none for one time.
-fn drawing(scene: &TowerScene, quantities: &[Series]) -> Result<Option<Drawing>, RunError> {
+fn drawing(scene: &PassageScene, quantities: &[Series]) -> Result<Option<Drawing>, RunError> {
     let line = |series: &Series| Line {
         name: series.quantity.clone(),
         points: series.values.iter().map(|observed| (observed.t, observed.known())).collect(),

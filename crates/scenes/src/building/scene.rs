@@ -15,7 +15,7 @@ use crate::scene::{Objection, Scene, WrongKey, read_keys};
 /// First passages of a shear building under ground motion, from rest: building, ground, questions and method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct TowerScene {
+pub struct PassageScene {
     /// Always `random-vibration`.
     pub solver: String,
     /// Title, one line.
@@ -68,7 +68,7 @@ const MOST_THRESHOLDS: usize = 64;
 /// Largest number of storeys: their covariance is integrated in time.
 const MOST_STOREYS: usize = 100;
 
-impl TowerScene {
+impl PassageScene {
     /// The drifts that count.
     pub(super) fn responses(&self, building: &ShearBuilding) -> Vec<Response<'static>> {
         let n = building.n_storeys();
@@ -96,7 +96,7 @@ impl TowerScene {
     }
 }
 
-impl Scene for TowerScene {
+impl Scene for PassageScene {
     type Built = ShearBuilding;
 
     fn from_keys(keys: &Value) -> Result<Self, WrongKey> {

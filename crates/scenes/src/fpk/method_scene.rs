@@ -71,11 +71,11 @@ pub enum MethodScene {
         /// Longest step (s).
         step: f64,
     },
-    /// Exceedance probabilities by paths guided to the event, for each time and threshold.
+    /// Exceedance probabilities by paths guided to all thresholds, one set of paths for each time.
     GuidedPaths {
-        /// Number of paths for each time and threshold; a quarter as many pilot paths precede them (no unit).
+        /// Number of paths for each time and threshold; a quarter as many pilot paths, at least 200, precede all (no unit).
         samples: u64,
-        /// Longest step (s).
+        /// Longest step; an interval between times has a whole number of steps (s).
         step: f64,
         /// Integrator of a path.
         integrator: IntegratorScene,

@@ -85,40 +85,40 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
         let sampling = Sampling { paths, step, integrator, seed };
         return system.visit(Sampled { scene, system, sampling, run });
     }
-    run.no_shards()?;
-    let inputs = |seed| Inputs { scene, seed, files: &[] };
-    // A method without a checkpoint still refuses to start over another run.
-    let alone = |seed| run.checkpoint(&inputs(seed), &["/title"]);
+    let inputs = Inputs { scene, seed: None, files: &[] };
+    let alone = || {
+        run.no_shards()?;
+        // A method without a checkpoint still refuses to start over another run.
+        run.checkpoint(&inputs, &["/title"])
+    };
     match scene.method {
         MethodScene::ConservativeGrid { cells, reach, steps_per_period } => {
-            alone(None)?;
+            alone()?;
             let period = system.reference_period();
             let config = GridConfig { cells, reach, period, steps_per_period };
             on_grid::solve(scene, system, run, &config)
         }
         MethodScene::StatisticalLinearisation { step } => {
-            alone(None)?;
+            alone()?;
             run.progress.stage("statistical linearisation");
             system.visit(Linearised { scene, system, step })
         }
         MethodScene::GuidedPaths { samples, step, integrator, seed } => {
-            alone(Some(seed))?;
             let how = Estimator::Guided { samples };
             system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
         }
         MethodScene::ImportanceSampling { samples, step, integrator, seed } => {
-            alone(Some(seed))?;
             let how = Estimator::Driven(Driven::Importance { samples });
             system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
         }
         MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed } => {
-            alone(Some(seed))?;
             let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
             let how = Estimator::Driven(Driven::Subset { config });
             system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
         }
         _ => {
-            let checkpoint = run.checkpoint(&inputs(None), &["/title", "/times/until"])?;
+            run.no_shards()?;
+            let checkpoint = run.checkpoint(&inputs, &["/title", "/times/until"])?;
             system.visit(Solved { scene, system, run, checkpoint })
         }
     }

@@ -6,7 +6,7 @@ use scenes::checkpoint::Start;
 use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
 
-use crate::fpk::run_in;
+use crate::fpk::{run_in, whole_and_merged};
 
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
 const OWN: &str = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
@@ -133,6 +133,22 @@ fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
         assert_eq!(last(&result, "moment/2-0"), None);
         assert_eq!(result["unknown"][0]["what"], "all moments");
         assert!(result["seed"].is_u64() && result["work"]["path_steps"].as_u64().unwrap() > 0);
+    }
+}
+
+#[test]
+fn merged_shards_of_guided_paths_have_the_bits_of_one_run() {
+    let by_seed = |seed: &str| {
+        by(&GUIDED.replace("\"seed\": 7", seed), "[0.75, 1.25]")
+            .replace("\"until\": 6, \"every\": 6", "\"until\": 6, \"every\": 3")
+    };
+    let (own, other) = (by_seed("\"seed\": 7"), by_seed("\"seed\": 8"));
+    let [whole, merged] = whole_and_merged("fpk-guided", &own, &other);
+    assert_eq!(whole, merged);
+    for id in ["exceedance/0.75", "exceedance/1.25"] {
+        let series = whole["quantities"].as_array().unwrap();
+        let series = series.iter().find(|series| series["id"] == id).unwrap();
+        assert_eq!(series["values"].as_array().unwrap().len(), 2, "{series}");
     }
 }
 

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use scenes::checkpoint::Start;
-use scenes::{ALL, Options, Progress, RunError, run};
+use scenes::{ALL, Options, Part, Progress, RunError, run};
+use serde_json::Value;
 
 /// A scene of a few particles and steps.
 const SMALL: &str = r#"{
@@ -38,7 +39,7 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
     }
     let cloud = std::fs::read(folder.join("cloud/cloud-0001.vtu")).unwrap();
     assert!(cloud.starts_with(b"<?xml"), "no file of VTK");
-    let result: serde_json::Value =
+    let result: Value =
         serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
     let quantity = result["quantities"].as_array().unwrap();
     let named = |id: &str| quantity.iter().find(|series| series["id"] == id).unwrap();
@@ -48,6 +49,54 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
     let z = named("moment/0-0-2")["values"][0]["value"].as_f64().unwrap();
     assert!((z / 0.0025 - 1.0).abs() < 0.05, "{z}");
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The result in a folder, without the CPU time and the load of the machine.
+pub(crate) fn result_without_clock(folder: &Path) -> Value {
+    let bytes = std::fs::read(folder.join("result.json")).unwrap();
+    let mut result: Value = serde_json::from_slice(&bytes).unwrap();
+    result["work"]["cpu_seconds"] = Value::Null;
+    result["machine"] = Value::Null;
+    result
+}
+
+/// The result of a whole run, in a folder of its own, and that of three shards merged.
+///
+/// Then shards that do not belong together are refused.
+pub(crate) fn whole_and_merged(name: &str, text: &str, other: &str) -> [Value; 2] {
+    let folder = std::env::temp_dir().join(format!("shards-{name}-{}", std::process::id()));
+    let result = result_without_clock;
+    run_in(&folder, text, Start::Anew).unwrap();
+    let whole = result(&folder);
+    let run_part = |text: &str, part: Part, out: &str| {
+        let scene = folder.join("scene.json");
+        std::fs::write(&scene, text).unwrap();
+        run(ALL, &scene, &Options { part, ..Options::new(folder.join(out)) }, &Progress::silent())
+    };
+    let shard = |text: &str, place: &str, out: &str| {
+        let place = place.parse().unwrap();
+        run_part(text, Part::Shard(place), out).unwrap().remove(0)
+    };
+    let files = ["1/3", "2/3", "3/3"].map(|place| shard(text, place, &place.replace('/', "-")));
+    let merge = |files: &[&PathBuf]| {
+        run_part(text, Part::Merged(files.iter().map(|file| (*file).clone()).collect()), "merged")
+    };
+    // In any order.
+    merge(&[&files[2], &files[0], &files[1]]).unwrap();
+    let merged = result(&folder.join("merged"));
+    let refused = |files: &[&PathBuf]| merge(files).unwrap_err();
+    let missing = refused(&[&files[0], &files[2]]).to_string();
+    assert!(missing.contains("shard 2/3 is missing"), "{missing}");
+    let doubled = refused(&[&files[0], &files[1], &files[1]]).to_string();
+    assert!(doubled.contains("given twice"), "{doubled}");
+    let half = shard(text, "1/2", "half");
+    let divided = refused(&[&files[0], &half]).to_string();
+    assert!(divided.contains("1/2") && divided.contains("3"), "{divided}");
+    let foreign = shard(other, "2/3", "foreign");
+    let foreign = refused(&[&files[0], &foreign, &files[2]]);
+    assert!(matches!(foreign, RunError::Checkpoint(_)), "{foreign}");
+    std::fs::remove_dir_all(&folder).unwrap();
+    [whole, merged]
 }
 
 /// Runs a text in the folder.
@@ -77,7 +126,7 @@ fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_
     assert!(checkpoints(&folder) == kept && !kept.is_empty());
     let series = std::fs::read_to_string(folder.join("cloud/cloud.pvd")).unwrap();
     assert_eq!(series.matches("<DataSet ").count(), 1, "{series}");
-    let result: serde_json::Value =
+    let result: Value =
         serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
     assert_eq!(result["quantities"][0]["values"].as_array().unwrap().len(), 1);
     std::fs::remove_dir_all(&folder).unwrap();

@@ -193,7 +193,37 @@ fn guided_paths_have_the_same_bits_for_any_number_of_threads_and_in_any_part() {
     assert_eq!(alone.len() as u64, n);
     assert_eq!(alone, on(2));
     assert_eq!(alone, on(8));
-    assert_eq!(alone[4000..4100], paths(&guides, Some(through(&1.0)), 4000..4100).unwrap());
+    // The blocks of a part are those of the whole.
+    let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_>| {
+        all.push([path.end[0], path.largest, path.log_weight]);
+    };
+    let of = |blocks| {
+        let ensemble = ensemble(&guides, Some(through(&1.0)));
+        ensemble.blocks((0..n, 4096), blocks, Vec::new, push).unwrap().concat()
+    };
+    assert_eq!(alone[4096..], of(1..3));
+    assert_eq!(alone, [of(0..1), of(1..2), of(2..3)].concat());
+    assert!(of(3..4).is_empty());
+}
+
+/// Of 1000 paths in blocks of 100, each guide has its share in each block within one path at either end of its stratum.
+#[test]
+fn each_block_has_the_shares_of_the_guides() {
+    // Starts far apart, by which the guide of a path is known.
+    let far = |share: f64, sign: f64| Guide { start: vec![40.0 * sign, 0.0], ..guide(share, 1.0) };
+    let guides = [far(0.5, 1.0), far(0.3, -1.0)];
+    let push = |counts: &mut [u32; 3], path: &GuidedPath<'_>| {
+        let [up, down] = [0, 1].map(|k| path.log_ratios[k] > 0.0);
+        counts[usize::from(!up) + usize::from(!up && !down)] += 1;
+    };
+    let ensemble = ensemble(&guides, None);
+    let blocks = ensemble.blocks((0..1000, 100), 0..10, || [0; 3], push).unwrap();
+    assert_eq!(blocks.len(), 10);
+    for counts in blocks {
+        for (count, expected) in counts.into_iter().zip([50_u32, 30, 20]) {
+            assert!(expected.abs_diff(count) <= 1, "{counts:?}");
+        }
+    }
 }
 
 #[test]

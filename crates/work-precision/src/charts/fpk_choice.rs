@@ -2,6 +2,7 @@
 
 mod records;
 mod runs;
+mod surface;
 mod table;
 
 use figures::{Drawing, Reference};
@@ -15,9 +16,11 @@ use self::records::{Scene, charts};
 use self::runs::{
     Ladder, Setting, Target, sample, solve_linearised, solve_on_grid, solve_with_particles, usual,
 };
+use self::surface::SurfaceOf;
 use self::table::page;
 use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
+use crate::problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use crate::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use crate::problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR, bouc_wen_tail,
@@ -133,6 +136,13 @@ fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
     scene.records.extend(solve_on_grid(context, &setting)?);
     scene.records.extend(solve_linearised(&setting, &OF_OSCILLATOR)?);
     scene.records.extend(sample(context, &setting, &OF_OSCILLATOR)?);
+    let surface = ExceedanceSurface::viscous_damper()?;
+    let surface = SurfaceOf { setting: &setting, surface, steps_each: 19 };
+    scene.quantities.push(surface.quantity());
+    scene.records.extend(surface.with_particles(context, &ladders)?);
+    scene.records.extend(surface.on_grid(context)?);
+    scene.records.push(surface.linearised(context, &OF_OSCILLATOR)?);
+    scene.records.extend(surface.sampled(context, &OF_OSCILLATOR)?);
     Ok(scene)
 }
 
@@ -170,6 +180,17 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_HYSTERESIS)?);
     scene.records.extend(sample(context, &setting, &OF_HYSTERESIS)?);
+    let surface = ExceedanceSurface::bouc_wen()?;
+    let surface = SurfaceOf { setting: &setting, surface, steps_each: 23 };
+    scene.quantities.push(surface.quantity());
+    // With the reach that the smallest probability needs.
+    let far = |spacing: f64| InitialLattice::ball_down_to(SMALLEST, spacing);
+    let far = [0.8, 0.7, 0.6, 0.5].map(far).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let tail = ladders.split_off(ladders.len() - 1);
+    scene.records.extend(surface.with_particles(context, &usual(&far))?);
+    scene.records.extend(surface.with_particles(context, &tail)?);
+    scene.records.push(surface.linearised(context, &OF_HYSTERESIS)?);
+    scene.records.extend(surface.sampled(context, &OF_HYSTERESIS)?);
     Ok(scene)
 }
 

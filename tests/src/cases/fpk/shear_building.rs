@@ -3,10 +3,11 @@
 use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 use random_vibration::{
-    GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, upper_tail,
+    GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, free_passages,
+    upper_tail,
 };
 use scenes::SceneFile;
-use scenes::building::scene::TowerScene;
+use scenes::building::scene::PassageScene;
 use sde_integrators::{Between, LaneSde, Response, Side};
 
 use super::invariance::over_threads;
@@ -38,7 +39,7 @@ const HOLD: usize = 2;
 fn building(hysteresis: Option<Hysteresis>) -> Result<ShearBuilding, CaseError> {
     let text = include_str!("../../../scenes/fpk/ten_storeys.json");
     let file = SceneFile::from_text("tests/scenes/fpk/ten_storeys.json", text.to_owned())?;
-    let (_, building) = file.build::<TowerScene>()?;
+    let (_, building) = file.build::<PassageScene>()?;
     let mut parameters: ShearBuildingParameters = building.parameters().clone();
     if let Some(hysteresis) = hysteresis {
         for storey in &mut parameters.storeys {
@@ -132,7 +133,7 @@ fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         PassageQuestion { responses, thresholds: &FREQUENT, n_steps: &[SPAN.1 / 2, SPAN.1] };
     context.progress("crude Monte Carlo");
     let n_free = if context.profile == Profile::Full { N_FREE_FULL } else { N_FREE };
-    let free = paths.free_passages(&question, (n_free, 7))?;
+    let free = free_passages(&building, SPAN, &question, (n_free, 7))?;
     context.progress("guided paths");
     let found = paths.first_passages(&question, &CONFIG)?;
     let mut claims = Vec::new();
@@ -186,7 +187,8 @@ fn rare(
         let found = row.collect::<Result<Vec<_>, _>>()?;
         Ok(found.iter().map(|found| found.estimate.value.to_bits()).collect())
     };
-    let reason = "a path is a function of seed and realisation, and blocks of 4,096 paths are summed in order";
+    let reason =
+        "a path is a function of seed and realisation, and blocks of 512 paths are summed in order";
     claims.extend(over_threads(context, "ten-storeys", reason, bits)?.1);
     Ok(claims)
 }
@@ -200,7 +202,7 @@ fn bilinear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let thresholds = &FREQUENT[..1];
     let question = PassageQuestion { responses, thresholds, n_steps: &[SPAN.1] };
     context.progress("bilinear storeys");
-    let free = paths.free_passages(&question, (N_FREE_FULL, 7))?[0][0];
+    let free = free_passages(&building, SPAN, &question, (N_FREE_FULL, 7))?[0][0];
     let found = paths.first_passages(&question, &CONFIG)?.remove(0).remove(0)?;
     let reference = Reference { value: free.value, error: free.standard_error() };
     let bias = "none: the same steps and the same rule between them";

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::building::building_scene::{HysteresisScene, SoilScene};
 use crate::building::method_scene::BuildingMethod;
-use crate::building::scene::TowerScene;
+use crate::building::scene::PassageScene;
 use crate::fpk::scene::Times;
 use crate::fpk::structure_scene::WindowScene;
 use crate::kind::RunError;
@@ -25,7 +25,7 @@ const LEFT_OUT: &str =
 
 /// Methods that solve a scene, its own first.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
-    let (scene, _) = file.build::<TowerScene>()?;
+    let (scene, _) = file.build::<PassageScene>()?;
     let step = scene.method.step();
     let (samples, correlation, runs, seed) = (100, 0.8, 8, SEED);
     let mut all = vec![
@@ -47,7 +47,7 @@ struct Choice<'a> {
     method: &'a BuildingMethod,
 }
 
-fn by_samples(scene: &Arc<TowerScene>, method: BuildingMethod) -> Method {
+fn by_samples(scene: &Arc<PassageScene>, method: BuildingMethod) -> Method {
     let [guided, free, of_level] = FIRST;
     let (name, first, standing) = match method {
         BuildingMethod::GuidedPaths { .. } => ("guided paths", guided, Standing::Judged),
@@ -66,9 +66,9 @@ fn by_samples(scene: &Arc<TowerScene>, method: BuildingMethod) -> Method {
                 *samples = usize::try_from(n).ok()?;
             }
         }
-        let scene = TowerScene { method, ..TowerScene::clone(&scene) };
+        let scene = PassageScene { method, ..PassageScene::clone(&scene) };
         let until = scene.times.until;
-        let bare = TowerScene { times: Times { until, every: until }, ..scene.clone() };
+        let bare = PassageScene { times: Times { until, every: until }, ..scene.clone() };
         let size = (n as f64, format!("{n} paths"));
         Rung::new(size, &scene, &bare, &Choice { method: &scene.method })
     };
@@ -93,9 +93,10 @@ pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
 }
 
 /// Hysteresis, soil and modulating function.
-pub(super) fn ingredients(scene: &TowerScene) -> Vec<Ingredient> {
-    let without =
-        |name: &str, change: fn(&mut TowerScene) -> bool| ingredient(name, changed(scene, change));
+pub(super) fn ingredients(scene: &PassageScene) -> Vec<Ingredient> {
+    let without = |name: &str, change: fn(&mut PassageScene) -> bool| {
+        ingredient(name, changed(scene, change))
+    };
     let all = [
         without("the hysteresis", |scene| {
             replace(&mut scene.building.hysteresis, HysteresisScene::None)

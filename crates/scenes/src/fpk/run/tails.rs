@@ -1,9 +1,8 @@
-//! Exceedance probabilities of a density scene by guided paths, importance sampling or subset simulation, each estimated separately.
-
-use std::cell::Cell;
+//! Exceedance probabilities of a density scene by guided paths, importance sampling or subset simulation.
 
 use random_vibration::{
-    GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError, TailPaths, Tails,
+    ExceedanceQuestion, GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError,
+    TailPaths, Tails,
 };
 use sde_integrators::{Error, GaussianMixture};
 
@@ -17,7 +16,8 @@ use crate::fpk::integrator_scene::IntegratorScene;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
-use crate::kind::{Run, RunError};
+use crate::kind::{Inputs, Run, RunError};
+use crate::path_blocks::{Computed, PathBlocks};
 use crate::run_result::Unknown;
 
 /// Solves the exceedances of a scene.
@@ -97,26 +97,6 @@ impl<const D: usize> AtTime for DrivenPaths<'_, D> {
     }
 }
 
-/// Guided paths.
-struct Guided<'s> {
-    paths: GuidedPaths<'s>,
-    config: GuidedConfig,
-    n_followed: Cell<u64>,
-}
-
-impl AtTime for Guided<'_> {
-    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError> {
-        let n_paths = self.config.n_paths.saturating_add(self.config.n_pilots);
-        self.n_followed.set(self.n_followed.get().saturating_add(n_paths));
-        let found = self.paths.exceedance(threshold, Tails::Both, &self.config)?;
-        Ok(Observed::of_guided(t, &found))
-    }
-
-    fn n_followed(&self) -> u64 {
-        self.n_followed.get()
-    }
-}
-
 /// Creates the paths to a time in a number of steps; all other code is compiled once for each number of states.
 type PathsTo<'s, const D: usize> = &'s dyn Fn(
     &GaussianMixture<D>,
@@ -140,56 +120,139 @@ impl Visitor for TailsOf<'_> {
         };
         let order = order(self.system.kinks());
         let rule = Linearisation { order, step: self.system.reference_period() / STEPS_OF_GUIDE };
-        let (n_pilots, unguided) = ((samples / 4).max(200), UNGUIDED);
-        let config = GuidedConfig { n_paths: samples, n_pilots, unguided, seed };
-        self.tails::<D>(&|law, span, weights| {
+        self.guided::<D>(samples, &|law, span, weights| {
             let paths = system.guided(integrator, law, span, &rule)?;
-            let paths = paths.with_demand(&weights).map_err(PathsError::from)?;
-            Ok(Box::new(Guided { paths, config, n_followed: Cell::new(0) }))
+            Ok(paths.with_demand(weights)?)
         })
     }
 }
 
+/// Creates guided paths to a time in a number of steps; all other code is compiled once for each number of states.
+type GuidedTo<'s, const D: usize> =
+    &'s dyn Fn(&GaussianMixture<D>, (f64, usize), &[f64]) -> Result<GuidedPaths<'s>, PathsError>;
+
 impl TailsOf<'_> {
+    /// All times and thresholds by guided paths, whose blocks may run in any processes.
+    fn guided<const D: usize>(
+        self,
+        samples: u64,
+        paths_to: GuidedTo<'_, D>,
+    ) -> Result<Outcome, RunError> {
+        let Self { scene, system: named, run, step, seed, .. } = self;
+        let inputs = &Inputs { scene, seed: Some(seed), files: &[] };
+        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
+        let (times, thresholds) = (&asked.times, &asked.thresholds[..]);
+        let each = steps(scene.times.every, step);
+        let n_steps: Vec<usize> = (1..=times.len()).map(|k| k * each).collect();
+        let until = times.last().copied().unwrap_or_default();
+        run.progress.stage(self.how.name());
+        let clock = CpuClock::start();
+        let paths = paths_to(&law, (until, times.len() * each), &asked.demand.weights)?;
+        let n_paths = samples.saturating_mul(thresholds.len() as u64);
+        let n_pilots = (samples / 4).max(200);
+        let config = GuidedConfig { n_paths, n_pilots, unguided: UNGUIDED, seed };
+        let tails = Tails::Both;
+        let question = ExceedanceQuestion { thresholds, n_steps: &n_steps, tails, smallest: 0.0 };
+        let study = paths.exceedance_study(&question, &config).map_err(RunError::solver)?;
+        let of_setup = clock.seconds();
+        let compute = |blocks| study.blocks(blocks);
+        let blocks = PathBlocks { n_blocks: study.n_blocks(), compute: &compute };
+        let finished = match blocks.run(run, inputs)? {
+            Computed::All(finished) => finished,
+            Computed::Elsewhere(files) => {
+                return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
+            }
+        };
+        let mut probabilities = self.probabilities();
+        let rows = study.estimates(&finished.blocks).map_err(RunError::solver)?;
+        for (&t, row) in times.iter().zip(rows) {
+            for (k, found) in row.into_iter().enumerate() {
+                probabilities.push((k, t), found.map(|found| Observed::of_guided(t, &found)))?;
+            }
+        }
+        let cpu_seconds = of_setup + finished.cpu_seconds;
+        Ok(self.outcome(probabilities, (study.path_steps(), cpu_seconds)))
+    }
+
+    /// Each time and threshold by itself.
     fn tails<const D: usize>(self, paths_to: PathsTo<'_, D>) -> Result<Outcome, RunError> {
         let Self { scene, system: named, run, step, seed, how, .. } = self;
+        run.no_shards()?;
+        // A method without a checkpoint still refuses to start over another run.
+        run.checkpoint(&Inputs { scene, seed: Some(seed), files: &[] }, &["/title"])?;
         let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
         let weights = std::array::from_fn(|k| asked.demand.weights[k]);
-        let (mut values, mut unknown) = (vec![Vec::new(); asked.thresholds.len()], Vec::new());
-        if !scene.moments.is_empty() {
-            let reason =
-                format!("the method ({}) estimates exceedance probabilities alone", how.name());
-            unknown.push(Unknown { what: "all moments".to_owned(), reason });
-        }
+        let mut probabilities = self.probabilities();
         run.progress.stage(how.name());
         let (clock, mut path_steps) = (CpuClock::start(), 0);
         for (row, &t) in asked.times.iter().enumerate() {
             let n_steps = steps(t, step);
             let paths = paths_to(&law, (t, n_steps), weights)?;
-            for (values, &threshold) in values.iter_mut().zip(&asked.thresholds) {
-                match paths.exceedance(t, threshold) {
-                    Ok(observed) => values.push(observed),
-                    Err(
-                        error @ (TailError::Untrusted { .. }
-                        | TailError::Sampling(
-                            Error::NoDesignPoint { .. } | Error::TooManyLevels { .. },
-                        )),
-                    ) => unknown.push(Unknown {
-                        what: format!("exceedance/{threshold} at t = {t}"),
-                        reason: error.to_string(),
-                    }),
-                    Err(error) => return Err(RunError::solver(error)),
-                }
+            for (k, &threshold) in asked.thresholds.iter().enumerate() {
+                probabilities.push((k, t), paths.exceedance(t, threshold))?;
             }
             path_steps += paths.n_followed() * n_steps as u64;
             let done = (row as u64 + 1, asked.times.len() as u64);
             run.progress.at(done, || format!("t = {t:.4}"));
         }
+        Ok(self.outcome(probabilities, (path_steps, clock.seconds())))
+    }
+
+    /// No probability yet; moments are unknown.
+    fn probabilities(&self) -> Probabilities<'_> {
+        let Self { scene, how, .. } = self;
+        let mut unknown = Vec::new();
+        if !scene.moments.is_empty() {
+            let reason =
+                format!("the method ({}) estimates exceedance probabilities alone", how.name());
+            unknown.push(Unknown { what: "all moments".to_owned(), reason });
+        }
+        let thresholds = &scene.thresholds[..];
+        Probabilities { thresholds, values: vec![Vec::new(); thresholds.len()], unknown }
+    }
+
+    fn outcome(
+        &self,
+        probabilities: Probabilities<'_>,
+        (path_steps, cpu_seconds): (u64, f64),
+    ) -> Outcome {
+        let Probabilities { values, unknown, .. } = probabilities;
         let exceedance = |k: usize| values[k].clone();
-        let quantities = asked_series(scene, named, &|_| Vec::new(), &exceedance);
-        let (path_steps, cpu_seconds) = (Some(path_steps), clock.seconds());
-        let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };
-        Ok(Outcome { work, unknown, quantities, seed: Some(seed), ..Outcome::default() })
+        let quantities = asked_series(self.scene, self.system, &|_| Vec::new(), &exceedance);
+        let work =
+            WorkRecord { path_steps: Some(path_steps), cpu_seconds, ..WorkRecord::default() };
+        Outcome { work, unknown, quantities, seed: Some(self.seed), ..Outcome::default() }
+    }
+}
+
+/// Probabilities over time, threshold by threshold.
+struct Probabilities<'a> {
+    thresholds: &'a [f64],
+    values: Vec<Vec<Observed>>,
+    unknown: Vec<Unknown>,
+}
+
+impl Probabilities<'_> {
+    /// Adds a probability, or the reason why it is unknown.
+    fn push(
+        &mut self,
+        (k, t): (usize, f64),
+        found: Result<Observed, TailError>,
+    ) -> Result<(), RunError> {
+        match found {
+            Ok(observed) => self.values[k].push(observed),
+            Err(
+                error @ (TailError::Untrusted { .. }
+                | TailError::Sampling(
+                    Error::NoDesignPoint { .. } | Error::TooManyLevels { .. },
+                )),
+            ) => self.unknown.push(Unknown {
+                what: format!("exceedance/{} at t = {t}", self.thresholds[k]),
+                reason: error.to_string(),
+            }),
+            Err(error) => return Err(RunError::solver(error)),
+        }
+        Ok(())
     }
 }
 

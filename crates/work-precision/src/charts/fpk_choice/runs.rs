@@ -66,10 +66,10 @@ pub(super) fn usual<const D: usize>(lattices: &[InitialLattice<D>]) -> Vec<Ladde
 }
 
 /// CPU time above which a run is not repeated.
-const LONG: Duration = Duration::from_secs(1);
+pub(super) const LONG: Duration = Duration::from_secs(1);
 
 /// Rungs of a ladder to run: the first two in a quick run.
-fn rungs<T: Clone>(context: &Context<'_>, all: &[T]) -> Vec<T> {
+pub(super) fn rungs<T: Clone>(context: &Context<'_>, all: &[T]) -> Vec<T> {
     let n = if context.profile == Profile::Quick { all.len().min(2) } else { all.len() };
     all[..n].to_vec()
 }
@@ -241,6 +241,10 @@ fn particles<S, I, const D: usize>(
     setting.deterministic(words, (moment_cost, tail_cost), &row.moments, &tails)
 }
 
+/// Cells along each axis of the grids, with their steps per period.
+pub(super) const GRIDS: [(usize, f64); 5] =
+    [(40, 16.0), (56, 24.0), (80, 40.0), (112, 60.0), (160, 100.0)];
+
 /// Solves on the grid, in two dimensions.
 pub(super) fn solve_on_grid<S, I>(
     context: &Context<'_>,
@@ -249,9 +253,8 @@ pub(super) fn solve_on_grid<S, I>(
 where
     S: Sde<2, 1, Noise = Additive>,
 {
-    let ladder = [(40_usize, 16.0), (56, 24.0), (80, 40.0), (112, 60.0), (160, 100.0)];
     let mut records = Vec::new();
-    for (cells, steps_per_period) in rungs(context, &ladder) {
+    for (cells, steps_per_period) in rungs(context, &GRIDS) {
         let config = GridConfig { cells, reach: 8.0, period: setting.period, steps_per_period };
         let (density, cost, spread) = timed(LONG, || {
             let mut density = GridDensity::new(setting.system, setting.law, config)?;
@@ -336,6 +339,11 @@ where
 /// Steps of the linearisation that guides paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;
 
+/// The linearisation of a guide.
+pub(super) fn guide_rule<const D: usize>(rule: &Linearisation<D>, period: f64) -> Linearisation<D> {
+    Linearisation { step: period / STEPS_OF_GUIDE, ..*rule }
+}
+
 /// One probability by guided paths, with all that it needs: linearisation and pilot paths.
 fn guided<S, I, const D: usize>(
     setting: &Setting<'_, S, I, D>,
@@ -348,7 +356,7 @@ where
     I: Integrator<S, D, 1>,
 {
     let (system, span) = (setting.system, (setting.time, setting.n_steps as usize));
-    let rule = Linearisation { step: setting.period / STEPS_OF_GUIDE, ..*rule };
+    let rule = guide_rule(rule, setting.period);
     let paths = GuidedPaths::new(system, setting.integrator, setting.law, span, &rule)?;
     let n_pilots = (samples / 4).clamp(200, 1_000);
     let config = GuidedConfig { n_paths: samples, n_pilots, unguided: 0.05, seed: samples };
@@ -356,7 +364,7 @@ where
 }
 
 /// Independent runs of subset simulation; their scatter is the error.
-const SUBSET_RUNS: u64 = 10;
+pub(super) const SUBSET_RUNS: u64 = 10;
 
 fn plain<S, I, const D: usize>(
     setting: &Setting<'_, S, I, D>,

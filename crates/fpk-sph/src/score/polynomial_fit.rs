@@ -441,26 +441,19 @@ mod tests {
 
     #[test]
     fn the_weights_of_offsets_give_the_coefficients_of_their_values() {
-        let tables = Monomials::<2>::of_degree(2).unwrap();
+        let tables = Monomials::of_degree::<2>(2).unwrap();
         let (mut fit, mut by_weights) = (LeastSquares::new(tables), LeastSquares::new(tables));
         let points: Vec<_> = (0..16)
             .map(|k| ([f64::from(k % 4) - 1.3, f64::from(k / 4) - 1.6], 1.0 + 0.1 * f64::from(k)))
             .collect();
         let value = |[x, y]: [f64; 2]| (0.3 * x).exp() + (0.7 * x - y).sin();
-        for (u, w) in &points {
-            let lane = |value: f64| {
-                let mut lanes = [0.0; LANES];
-                lanes[0] = value;
-                lanes
-            };
-            fit.add(&u.map(lane), &lane(*w), &lane(value(*u)));
-            by_weights.add_offset(u, *w);
-        }
-        let (one, other) = (fit.solve(), by_weights.factorise());
-        assert_eq!((one, fit.factor), (other, by_weights.factor));
+        let valued: Vec<_> = points.iter().map(|&(u, w)| (u, w, value(u))).collect();
+        fit.sum(3, &with_values(&valued));
+        by_weights.sum_in_all(&Points::of(&points));
+        assert_eq!(by_weights.factorise()[7], fit.solve()[3]);
         for (m, weights) in by_weights.weights(&points, 6).iter().enumerate() {
             let found: f64 = weights.iter().zip(&points).map(|(w, (u, _))| w * value(*u)).sum();
-            assert!((found - fit.coefficients[m]).abs() < 1e-13, "{m}: {found}");
+            assert!((found - fit.coefficients.0[m][3]).abs() < 1e-13, "{m}: {found}");
         }
         assert_eq!(by_weights.weights(&points, 8)[7], vec![0.0; 16]);
     }

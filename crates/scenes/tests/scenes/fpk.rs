@@ -91,7 +91,7 @@ pub(crate) fn whole_and_merged(name: &str, text: &str, other: &str) -> [Value; 2
     assert!(doubled.contains("given twice"), "{doubled}");
     let half = shard(text, "1/2", "half");
     let divided = refused(&[&files[0], &half]).to_string();
-    assert!(divided.contains("1/2") && divided.contains("3"), "{divided}");
+    assert!(divided.contains("1/2") && divided.contains('3'), "{divided}");
     let foreign = shard(other, "2/3", "foreign");
     let foreign = refused(&[&files[0], &foreign, &files[2]]);
     assert!(matches!(foreign, RunError::Checkpoint(_)), "{foreign}");

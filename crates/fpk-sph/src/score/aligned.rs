@@ -19,7 +19,7 @@ impl Aligned {
     pub(crate) fn resize(&mut self, n: usize) {
         if self.start + n > self.numbers.len() {
             self.numbers = vec![0.0; n + n / 2 + NUMBERS];
-            // Where the offset is not known, the numbers stand at their own begin: right, and slower.
+            // Where the offset is not known, the first number is that of the vector: right, and slower.
             self.start = self.numbers.as_ptr().align_offset(LINE);
             if self.start > NUMBERS {
                 self.start = 0;

@@ -8,7 +8,7 @@ use smoothing_kernels::{Kernel, Lucy};
 use super::cell_geometry::{determinant, lattice_jacobian};
 use super::monomials::{Monomials, unknowns};
 use super::normal_equations::LANES;
-use super::polynomial_fit::{LeastSquares, Points};
+use super::polynomial_fit::{LeastSquares, Points, Scratch};
 use super::{Degree, Estimates, Fits, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
@@ -55,13 +55,6 @@ pub struct LocalFit<const D: usize> {
     pub gradient: [f64; D],
     /// Second derivatives of log density.
     pub hessian: [[f64; D]; D],
-}
-
-/// What fits need besides the cloud, reused from one to the next.
-#[derive(Debug, Clone)]
-pub(crate) struct Scratch {
-    points: Points,
-    equations: LeastSquares,
 }
 
 /// Several fits side by side, solved: that of particle `first + lane` is in `lane`.
@@ -277,12 +270,6 @@ impl<K> LogDensityFit<K> {
         };
         self.fit(cloud, &log_density, 0..n, &mut scratch, take).map_err(|failed| failed.error)?;
         Ok(fits)
-    }
-}
-
-impl Scratch {
-    fn new<const D: usize>(tables: &'static Monomials) -> Self {
-        Self { points: Points::new(D), equations: LeastSquares::new(tables) }
     }
 }
 

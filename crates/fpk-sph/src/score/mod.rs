@@ -24,7 +24,6 @@ mod summation_density;
 
 pub use flow_map_fit::FlowMapFit;
 pub use flow_map_passes::SMALLEST_CELL;
-use log_density_fit::Scratch;
 pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
@@ -32,6 +31,7 @@ pub use summation_density::SummationDensity;
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
 pub(crate) use monomials::Monomials;
 use normal_equations::Determined;
+use polynomial_fit::Scratch;
 pub(crate) use polynomial_fit::{LeastSquares, Points};
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 

@@ -97,6 +97,19 @@ pub(crate) struct LeastSquares {
     sums: Sums,
 }
 
+/// What fits need besides the cloud, reused from one to the next.
+#[derive(Debug, Clone)]
+pub(crate) struct Scratch {
+    pub(crate) points: Points,
+    pub(crate) equations: LeastSquares,
+}
+
+impl Scratch {
+    pub(crate) fn new<const D: usize>(tables: &'static Monomials) -> Self {
+        Self { points: Points::new(D), equations: LeastSquares::new(tables) }
+    }
+}
+
 /// Sums of one fit over its points: [`LANES`] numbers for an entry, which are added last.
 #[derive(Debug, Clone, Default)]
 struct Sums {

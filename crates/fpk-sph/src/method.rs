@@ -52,8 +52,8 @@ pub struct Combination {
     /// `sum mu_i |y_i|^2` over the cells that spread fastest, over that of all, in the coordinates of the metric.
     ///
     /// The step may exceed the limit of stability there. Waves of one spacing then grow until cells turn over, which the
-    /// estimator repairs, so positions in the tails are less accurate. 0 keeps every cell stable. Not with [`Scheme::RungeKuttaChebyshev`], whose long
-    /// steps of few stages have no such end to the growth.
+    /// estimator repairs, so positions in the tails are less accurate. 0 keeps every cell stable. Not with
+    /// [`Scheme::RungeKuttaChebyshev`], whose long steps of few stages let the waves grow without end.
     pub negligible: f64,
 }
 

@@ -1,12 +1,12 @@
-//! Numbers that begin at a line of the cache: a register that crosses a line takes twice as long to load or store.
+//! Buffers aligned to a cache line: a load or store of a register across two lines takes twice as long.
 
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a line, and its numbers.
+/// Bytes of a cache line, and its number of `f64`.
 const LINE: usize = 64;
 const NUMBERS: usize = LINE / size_of::<f64>();
 
-/// A buffer of numbers whose first is at the begin of a line.
+/// A buffer of `f64` aligned to a cache line.
 #[derive(Debug, Default)]
 pub(crate) struct Aligned {
     numbers: Vec<f64>,
@@ -19,7 +19,7 @@ impl Aligned {
     pub(crate) fn resize(&mut self, n: usize) {
         if self.start + n > self.numbers.len() {
             self.numbers = vec![0.0; n + n / 2 + NUMBERS];
-            // Where the offset is not known, the first number is that of the vector: right, and slower.
+            // Where the offset is unknown, the buffer is that of the vector: right, and slower.
             self.start = self.numbers.as_ptr().align_offset(LINE);
             if self.start > NUMBERS {
                 self.start = 0;
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_begins_at_a_line_and_keeps_its_length() {
+    fn it_is_aligned_and_has_the_length_asked_for() {
         let mut buffer = Aligned::default();
         assert!(buffer.is_empty());
         for n in [3, 40, 7, 41, 200] {

@@ -6,9 +6,10 @@ use neighbour_search::Criterion;
 use smoothing_kernels::{Kernel, Lucy};
 
 use super::cell_geometry::{determinant, lattice_jacobian};
+use super::fit_points::Points;
 use super::monomials::{Monomials, unknowns};
 use super::normal_equations::LANES;
-use super::polynomial_fit::{LeastSquares, Points, Scratch};
+use super::polynomial_fit::{LeastSquares, Scratch};
 use super::{Degree, Estimates, Fits, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;

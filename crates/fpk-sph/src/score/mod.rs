@@ -9,11 +9,13 @@
 mod aligned;
 mod cell_geometry;
 mod cells;
+mod fit_points;
 mod flow_map_fit;
 mod flow_map_passes;
 mod folded;
 mod lattice_sums;
 mod log_density_fit;
+mod moment_sums;
 mod monomials;
 mod normal_equations;
 mod polynomial_fit;
@@ -29,10 +31,11 @@ use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
+pub(crate) use fit_points::Points;
 pub(crate) use monomials::Monomials;
 use normal_equations::Determined;
+pub(crate) use polynomial_fit::LeastSquares;
 use polynomial_fit::Scratch;
-pub(crate) use polynomial_fit::{LeastSquares, Points};
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 
 use crate::cloud::Cloud;

@@ -1,83 +1,10 @@
 //! Weighted least squares of a polynomial around a point, in any dimension, several fits side by side.
 
-#![allow(
-    clippy::inline_always,
-    reason = "what is not inlined into a dispatched function is not compiled for its registers"
-)]
-
-use lanes::{Registers, SimdLevel, Work};
-
 use super::aligned::Aligned;
+use super::fit_points::Points;
+use super::moment_sums::Sums;
 use super::monomials::{MOST_UNKNOWNS, Monomials};
 use super::normal_equations::{Determined, LANES, NormalEquations, OfUnknowns};
-
-/// Points that are taken together: the monomials of a quadratic in three variables fill a third of the first-level cache,
-/// those of a cubic all of it.
-const TOGETHER: usize = 8 * LANES;
-
-/// Points around the one that a polynomial is fitted at, in columns of whole registers: offsets `u_j` by axis, weights
-/// `w_j`, values `f_j`. Entries beyond the last point have the weight zero.
-#[derive(Debug, Clone)]
-pub(crate) struct Points {
-    n: usize,
-    /// By axis.
-    offsets: Vec<Aligned>,
-    /// Of the lengths of the offsets.
-    squares: Aligned,
-    weights: Aligned,
-    values: Aligned,
-}
-
-impl Points {
-    pub(crate) fn new(dimension: usize) -> Self {
-        let (squares, weights, values) = Default::default();
-        let offsets = (0..dimension).map(|_| Aligned::default()).collect();
-        Self { n: 0, offsets, squares, weights, values }
-    }
-
-    /// Makes room for `n` points; entries beyond the last are zero.
-    pub(crate) fn reset(&mut self, n: usize) {
-        self.n = n;
-        let Self { offsets, squares, weights, values, .. } = self;
-        for column in offsets.iter_mut().chain([squares, weights, values]) {
-            column.resize(n.next_multiple_of(LANES));
-            column[n..].fill(0.0);
-        }
-    }
-
-    /// The offsets by axis and the values, a number for each point.
-    pub(crate) fn columns<const D: usize>(&mut self) -> ([&mut [f64]; D], &mut [f64]) {
-        let mut axes = self.offsets.iter_mut().map(|column| &mut **column);
-        (std::array::from_fn(|_| axes.next().unwrap_or_default()), &mut self.values)
-    }
-
-    /// The squares of the lengths of the offsets, as [`Self::measure`] found them, and the weights: whole registers, those
-    /// beyond the last point with the given square.
-    pub(crate) fn squares_and_weights(&mut self, beyond: f64) -> (&[f64], &mut [f64]) {
-        self.squares[self.n..].fill(beyond);
-        (&self.squares, &mut self.weights)
-    }
-
-    /// Measures the offsets and then multiplies them by `scale`. Around a place `y` the values change by that of
-    /// `|y|^2 / 2`, which is `y . u + |u|^2 / 2`.
-    pub(crate) fn measure(&mut self, y: Option<&[f64]>, scale: f64) {
-        SimdLevel::best().run(Measure { points: self, y, scale });
-    }
-
-    /// The given offsets and weights with the values zero, for weights of a fit.
-    pub(crate) fn of<const D: usize>(points: &[([f64; D], f64)]) -> Self {
-        let mut columns = Self::new(D);
-        columns.reset(points.len());
-        columns.values.fill(0.0);
-        for (j, (u, w)) in points.iter().enumerate() {
-            for (column, component) in columns.offsets.iter_mut().zip(u) {
-                column[j] = *component;
-            }
-            columns.weights[j] = *w;
-        }
-        columns
-    }
-}
 
 /// The normal equations of
 ///
@@ -110,15 +37,6 @@ impl Scratch {
     }
 }
 
-/// Sums of one fit over its points: [`LANES`] numbers for an entry, which are added last.
-#[derive(Debug, Clone, Default)]
-struct Sums {
-    moments: Aligned,
-    right_sides: Aligned,
-    /// `w_j u_j^a` of the points that are taken together, [`TOGETHER`] numbers for each monomial that is the parent of another.
-    monomials: Aligned,
-}
-
 impl LeastSquares {
     pub(crate) fn new(tables: &'static Monomials) -> Self {
         let mut fits = Self {
@@ -144,7 +62,7 @@ impl LeastSquares {
     /// Sums the points of the fit in a lane, which must have none yet.
     pub(crate) fn sum(&mut self, lane: usize, points: &Points) {
         let Self { tables, sums, moments, right_sides, .. } = self;
-        SimdLevel::best().run(Sum { tables, sums, points });
+        sums.take(tables, points);
         for (moments, sum) in moments.chunks_exact_mut(LANES).zip(&*sums.moments) {
             moments[lane] = *sum;
         }
@@ -243,163 +161,6 @@ impl LeastSquares {
     /// Zero beyond the degree of the fit.
     fn coefficient(&self, m: usize, lane: usize) -> f64 {
         if m < self.tables.n_unknowns { self.coefficients.0[m][lane] } else { 0.0 }
-    }
-}
-
-/// [`Points::measure`].
-struct Measure<'a> {
-    points: &'a mut Points,
-    y: Option<&'a [f64]>,
-    scale: f64,
-}
-
-impl Work<f64> for Measure<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<R: Registers<f64>>(self, registers: R) {
-        let Points { offsets, squares, values, .. } = self.points;
-        let (scale, half) = (registers.splat(self.scale), registers.splat(0.5));
-        for at in (0..squares.len()).step_by(R::N) {
-            let (mut square, mut along) = (registers.splat(0.0), registers.splat(0.0));
-            for (k, column) in offsets.iter_mut().enumerate() {
-                let u = registers.load_at(column, at);
-                square = square + u * u;
-                if let Some(y) = self.y {
-                    along = along + registers.splat(y[k]) * u;
-                }
-                registers.store_at(u * scale, column, at);
-            }
-            registers.store_at(square, squares, at);
-            if self.y.is_some() {
-                let value = registers.load_at(values, at) + (along + half * square);
-                registers.store_at(value, values, at);
-            }
-        }
-    }
-}
-
-/// [`LeastSquares::sum`]: the sums over all points, lanes added, in the first numbers of [`Sums`].
-struct Sum<'a> {
-    tables: &'static Monomials,
-    sums: &'a mut Sums,
-    points: &'a Points,
-}
-
-impl Work<f64> for Sum<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<R: Registers<f64>>(self, registers: R) {
-        let Self { tables, sums: Sums { moments, right_sides, monomials }, points } = self;
-        let &Monomials { n_unknowns, n_parents, n_moments, .. } = tables;
-        moments.resize(LANES * n_moments.next_multiple_of(4));
-        right_sides.resize(LANES * n_unknowns.next_multiple_of(4));
-        moments[LANES * n_moments..].fill(0.0);
-        right_sides[LANES * n_unknowns..].fill(0.0);
-        monomials.resize(TOGETHER * n_parents.max(1));
-        for first in (0..points.weights.len()).step_by(TOGETHER) {
-            let here = first..points.weights.len().min(first + TOGETHER);
-            let mut part = Part {
-                registers,
-                is_first: first == 0,
-                values: &points.values[here.clone()],
-                monomials,
-                moments,
-                right_sides,
-            };
-            part.add(0, &points.weights[here.clone()], None, true, true);
-            for m in 1..n_moments {
-                let along = &points.offsets[usize::from(tables.axis[m])][here.clone()];
-                let parent = Some(usize::from(tables.parent[m]));
-                if m < n_unknowns {
-                    part.add(m, along, parent, true, true);
-                } else if m < n_parents {
-                    part.add(m, along, parent, true, false);
-                } else {
-                    part.add(m, along, parent, false, false);
-                }
-            }
-        }
-        add_lanes(registers, moments);
-        add_lanes(registers, right_sides);
-    }
-}
-
-/// Sums over some of the points.
-struct Part<'a, R> {
-    registers: R,
-    is_first: bool,
-    values: &'a [f64],
-    monomials: &'a mut [f64],
-    moments: &'a mut [f64],
-    right_sides: &'a mut [f64],
-}
-
-impl<R: Registers<f64>> Part<'_, R> {
-    /// Adds monomial `m`, its parent times `along`, or `along` itself without a parent. It is stored if it is a parent, and
-    /// multiplied by the values if it is an unknown. The caller names both, so that each case is compiled by itself.
-    #[inline(always)]
-    fn add(
-        &mut self,
-        m: usize,
-        along: &[f64],
-        parent: Option<usize>,
-        is_parent: bool,
-        is_unknown: bool,
-    ) {
-        let registers = self.registers;
-        let (before, own) = self.monomials.split_at_mut((TOGETHER * m).min(self.monomials.len()));
-        let along = R::blocks(along);
-        // Of one length, so that indices below it are checked once.
-        let n = along.len();
-        let values = &R::blocks(self.values)[..n];
-        let parent = parent.map(|parent| &R::blocks(&before[TOGETHER * parent..])[..n]);
-        for s in (0..LANES).step_by(R::N) {
-            let (mut sum, mut right_side) = (registers.splat(0.0), registers.splat(0.0));
-            if !self.is_first {
-                sum = registers.load_at(self.moments, LANES * m + s);
-                if is_unknown {
-                    right_side = registers.load_at(self.right_sides, LANES * m + s);
-                }
-            }
-            let mut block = s / R::N;
-            while block < n {
-                let mut value = registers.load(&along[block]);
-                if let Some(parent) = parent {
-                    value = value * registers.load(&parent[block]);
-                }
-                if is_parent {
-                    registers.store_at(value, own, R::N * block);
-                }
-                sum = sum + value;
-                if is_unknown {
-                    right_side = right_side + value * registers.load(&values[block]);
-                }
-                block += LANES / R::N;
-            }
-            registers.store_at(sum, self.moments, LANES * m + s);
-            if is_unknown {
-                registers.store_at(right_side, self.right_sides, LANES * m + s);
-            }
-        }
-    }
-}
-
-/// Puts the sums of the lanes of each entry into the first numbers, one for an entry; the number of entries is a multiple of
-/// four.
-#[inline(always)]
-fn add_lanes<R: Registers<f64>>(registers: R, sums: &mut [f64]) {
-    for m in (0..sums.len() / LANES).step_by(4) {
-        let mut four = [0.0; 4];
-        for s in (0..LANES).step_by(R::N) {
-            let row = |k: usize| registers.load_at(sums, LANES * (m + k) + s);
-            let added = registers.sum_fours([row(0), row(1), row(2), row(3)]);
-            for block in 0..R::N / 4 {
-                registers.add_four(added, block, &mut four);
-            }
-        }
-        sums[m..m + 4].copy_from_slice(&four);
     }
 }
 
@@ -509,31 +270,6 @@ mod tests {
         let alone = fit_in(0, 0);
         for lane in 0..LANES {
             assert_eq!(fit_in(lane, 9 + lane), alone, "lane {lane}");
-        }
-    }
-
-    #[test]
-    fn sums_have_the_same_bits_at_every_level() {
-        let point = |k: u32| {
-            let t = f64::from(k);
-            ([(0.7 * t).sin(), (1.3 * t).cos(), 0.1 * t - 2.0], 1.0 / (1.0 + t), (0.2 * t).exp())
-        };
-        // More than are taken together, and a part of a register.
-        let points: Vec<_> = (0..75).map(point).collect();
-        for degree in [0, 1, 2, 3] {
-            let tables = Monomials::of_degree::<3>(degree).unwrap();
-            let at = |level: SimdLevel| {
-                let (mut points, mut sums) = (with_values(&points), Sums::default());
-                level.run(Measure { points: &mut points, y: Some(&[0.3, -0.2, 1.0]), scale: 0.37 });
-                level.run(Sum { tables, sums: &mut sums, points: &points });
-                let n = (tables.n_moments, tables.n_unknowns);
-                (sums.moments[..n.0].to_vec(), sums.right_sides[..n.1].to_vec())
-            };
-            let expected = at(SimdLevel::PORTABLE);
-            assert!(expected.0.iter().all(|sum| sum.is_finite()));
-            for level in SimdLevel::available() {
-                assert_eq!(at(level), expected, "degree {degree}, {}", level.name());
-            }
         }
     }
 }

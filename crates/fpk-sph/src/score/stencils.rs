@@ -7,8 +7,9 @@ use neighbour_search::NeighbourList;
 use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::Fits;
+use super::fit_points::Points;
 use super::monomials::{Monomials, unknowns};
-use super::polynomial_fit::{LeastSquares, Points};
+use super::polynomial_fit::LeastSquares;
 use crate::error::Error;
 
 /// The local polynomials of all lattice points. Points with the same neighbours share their weights: inside a lattice all

@@ -182,8 +182,8 @@ fn the_same_bits_come_from_any_number_of_threads_and_after_a_restart() {
         covariance: [[0.04, 0.01], [0.01, 0.09]],
     };
     let law = GaussianMixture::mixture(&[component(0.0, 0.6), component(0.3, 0.4)]).unwrap();
-    // 961 particles: threads share them out.
-    let lattice = InitialLattice::Box { reach: 5.0, count: [31, 31] };
+    // 1,681 particles: more than one thread keeps to itself.
+    let lattice = InitialLattice::Box { reach: 5.0, count: [41, 41] };
     let new = || {
         let config = Config { lattice, ..config(Method::FlowMapFit) };
         Simulation::new(oscillator(), &law, &config).unwrap()

@@ -7,8 +7,8 @@ use crate::score::{Estimates, Fits};
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
 pub(crate) const BLOCK: usize = 128;
 
-/// Particles up to which all is computed on the thread of the caller: a step takes some ten loops over the particles, and with
-/// so few each takes microseconds, as long as another thread takes to wake.
+/// Largest number of particles whose loops run on the calling thread. An evaluation has about ten loops over the particles;
+/// with so few each takes microseconds, as long as it takes to wake another thread.
 const FEW: usize = 1024;
 
 /// Whether loops over so many particles are shared between threads.
@@ -16,8 +16,8 @@ const fn is_shared(n: usize) -> bool {
     cfg!(feature = "rayon") && n > FEW
 }
 
-/// Runs work whose loops are shared between threads on a thread of the pool: then each loop hands out its parts without waking
-/// the caller. With few particles it runs where it is.
+/// Runs work inside the thread pool, so that its parallel loops do not each wait for a worker to wake; with few particles, on
+/// the calling thread.
 pub(crate) fn in_pool<R: Send>(n_particles: usize, work: impl FnOnce() -> R + Send) -> R {
     #[cfg(feature = "rayon")]
     if is_shared(n_particles) && rayon::current_thread_index().is_none() {

@@ -152,7 +152,7 @@ impl<const D: usize> FlowMapFit<D> {
         volume[i] > 0.0 && volume[i] * total > SMALLEST_CELL * mean
     }
 
-    /// What particle `i`, whose cell is not resolved, takes from those of its members that are; nothing where none is.
+    /// The mean over the resolved neighbours of particle `i`, whose cell is not resolved; `None` if no neighbour is.
     fn mean_of_resolved(&self, i: usize, out: &Estimates<D>) -> Option<Taken<D>> {
         let stencil = self.stencils.of(i);
         let mut taken = Taken { i, departure: 0.0, deformation: [[0.0; D]; D], volume: 0.0 };
@@ -180,8 +180,8 @@ impl<const D: usize> FlowMapFit<D> {
         Some(taken)
     }
 
-    /// Gives cells that are not resolved the means of those around them that are, then those among cells that are not the
-    /// means of these, and so on inward; returns whether there were any.
+    /// Replaces unresolved cells by the mean of their resolved neighbours, layer by layer from the outside; returns whether
+    /// there were any.
     fn repair(&self, cloud: &Cloud<'_, D>, out: &mut Estimates<D>) -> Result<bool, Error> {
         if !out.density.iter().fold(false, |any, density| any | density.is_nan()) {
             return Ok(false);

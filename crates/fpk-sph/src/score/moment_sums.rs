@@ -26,13 +26,14 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// The moments of the points, and the sums of their products with the values, one after the other from the first number on.
-    pub(super) fn take(&mut self, tables: &'static Monomials, points: &Points) {
+    /// Computes the moments of the points and the sums of monomials times values; afterwards the first numbers of each buffer
+    /// are the sums.
+    pub(super) fn compute(&mut self, tables: &'static Monomials, points: &Points) {
         SimdLevel::best().run(Sum { tables, sums: self, points });
     }
 }
 
-/// [`Sums::take`].
+/// [`Sums::compute`].
 struct Sum<'a> {
     tables: &'static Monomials,
     sums: &'a mut Sums,
@@ -139,8 +140,7 @@ impl<R: Registers<f64>> Part<'_, R> {
     }
 }
 
-/// Puts the sums of the lanes of each entry into the first numbers, one for an entry; the number of entries is a multiple of
-/// four.
+/// Adds the lanes of each entry and moves the sums to the front of the buffer. The number of entries is a multiple of four.
 #[inline(always)]
 fn add_lanes<R: Registers<f64>>(registers: R, sums: &mut [f64]) {
     for m in (0..sums.len() / LANES).step_by(4) {

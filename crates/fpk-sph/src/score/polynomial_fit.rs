@@ -62,7 +62,7 @@ impl LeastSquares {
     /// Sums the points of the fit in a lane, which must have none yet.
     pub(crate) fn sum(&mut self, lane: usize, points: &Points) {
         let Self { tables, sums, moments, right_sides, .. } = self;
-        sums.take(tables, points);
+        sums.compute(tables, points);
         for (moments, sum) in moments.chunks_exact_mut(LANES).zip(&*sums.moments) {
             moments[lane] = *sum;
         }

@@ -290,7 +290,7 @@ fn cells_that_are_turned_over_are_counted_with_their_mass() {
     let (_, score, unresolved) = estimate(&mut fit, folded).unwrap();
     assert!(unresolved.particles >= 15 && unresolved.mass > 0.05, "{unresolved:?}");
     assert!(score.iter().flatten().all(|value| value.is_finite()));
-    // So wide that cells within have none upright around them: they take what the cells between have taken.
+    // So wide that inner cells have no upright neighbour: they are repaired from repaired cells.
     let wide = |[x, y]: [f64; 2]| [x - 2.2 * x * (-0.08 * x * x).exp(), y];
     let (_, score, more) = estimate(&mut fit, wide).unwrap();
     assert!(more.particles > 2 * unresolved.particles && more.mass < 1.0, "{more:?}");

@@ -15,7 +15,7 @@
 use crate::grid::Grid;
 use crate::grid_to_jet::GridToJet;
 use crate::node::Node;
-use crate::number::{Number, in_registers_of, is_plain};
+use crate::number::{Number, one_by_one};
 use crate::particle_motion::{GridToParticle, Sums, nothing};
 use crate::particles::Chunk;
 use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
@@ -23,9 +23,6 @@ use crate::tile_size::block_edge;
 use crate::velocity_gradients::VelocityGradients;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
-
-/// Particles whose sums are adjacent in memory: few enough for the nearest cache.
-const BATCH: usize = 8;
 
 impl<const D: usize> GridToParticle<D> {
     /// What the pass asks of all particles of a chunk, each alone; velocity gradients go into `gradients`.
@@ -43,8 +40,7 @@ impl<const D: usize> GridToParticle<D> {
     }
 
     /// Numbers that show their derivatives have plain weights ([`GridToJet`]), but not with GIMP, where the length of a particle has
-    /// derivatives too. Others go one by one: next to the arithmetic of a number with derivatives what is tested at each node costs
-    /// nothing.
+    /// derivatives too. Others go one by one.
     #[inline(never)]
     fn in_registers<S: Number, const NODES: usize>(
         &self,
@@ -52,63 +48,43 @@ impl<const D: usize> GridToParticle<D> {
         chunk: &mut Chunk<'_, S, D>,
         gradients: &mut VelocityGradients<S>,
     ) {
-        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
+        // A constant, so that loops which no particle enters are not compiled.
+        if const { S::ORDER > 0 && NODES != Shape::Gimp.n_nodes() } {
             GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
-            return;
+        } else if const { S::ORDER > 0 } && self.shape != Shape::Gimp {
+            GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
+        } else {
+            one_by_one::<S>(
+                #[inline(always)]
+                || self.particles::<S, NODES>(grid, chunk, gradients),
+            );
         }
-        in_registers_of::<S, _>(
-            #[inline(always)]
-            || {
-                if const { !is_plain::<S>() } {
-                    self.batches::<S, NODES, 1>(grid, chunk, gradients);
-                    return;
-                }
-                self.batches::<S, NODES, BATCH>(grid, chunk, gradients);
-            },
-        );
     }
 
-    /// `N` particles at a time: sums over nodes go through memory, so SIMD loads apply.
     #[inline(always)]
-    fn batches<S: Number, const NODES: usize, const N: usize>(
+    fn particles<S: Number, const NODES: usize>(
         &self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
         gradients: &mut VelocityGradients<S>,
     ) {
-        let mut axes = [Axis::<S, N>::empty(); D];
-        let mut sums = [Sums::none(); N];
-        let mut begin = 0;
-        while begin < chunk.len() {
-            let these = begin..chunk.len().min(begin + N);
-            let half_length = chunk.half_length.get(these.clone()).unwrap_or_default();
-            let (position, base) = (&chunk.position[these.clone()], &chunk.base[these.clone()]);
-            self.lattice.find_axes::<S, NODES, N>(
-                self.shape,
-                position,
-                half_length,
-                base,
-                &mut axes,
-            );
-            let (sums, node) = (&mut sums[..these.len()], &chunk.node[these.clone()]);
-            for p in 0..node.len() {
-                let nodes = &grid.from(node[p])[..nodes_spanned::<NODES, D>()];
-                self.sum::<S, NODES, N>((&axes, p), nodes, &mut sums[p]);
-            }
-            for (p, sums) in these.clone().zip(sums) {
-                let mut gradient = [[S::constant(0.0); 3]; 3];
-                self.apply::<S, NODES>(chunk, p, sums, &mut gradient);
-                gradients.set(p, &gradient);
-            }
-            begin = these.end;
+        let mut sums = Sums::none();
+        for p in 0..chunk.len() {
+            let place = (&chunk.position[p], chunk.half_length.get(p));
+            let axes = self.lattice.axes::<S, NODES>(self.shape, place, &chunk.base[p]);
+            let nodes = &grid.from(chunk.node[p])[..nodes_spanned::<NODES, D>()];
+            self.sum::<S, NODES>(&axes, nodes, &mut sums);
+            let mut gradient = [[S::constant(0.0); 3]; 3];
+            self.apply::<S, NODES>(chunk, p, &mut sums, &mut gradient);
+            gradients.set(p, &gradient);
         }
     }
 
     /// The sums over the nodes that a particle sees, row by row.
     #[inline(always)]
-    fn sum<S: Number, const NODES: usize, const N: usize>(
+    fn sum<S: Number, const NODES: usize>(
         &self,
-        (axes, p): (&[Axis<S, N>; D], usize),
+        axes: &[Axis<S>; D],
         nodes: &[Node<S, D>],
         sums: &mut Sums<S, D>,
     ) {
@@ -120,17 +96,17 @@ impl<const D: usize> GridToParticle<D> {
         let with_gradient = self.pass.updates_stress() || (with_matrix && !with_moment);
         for k in 0..nodes_along::<NODES, D>(2) {
             for j in 0..nodes_along::<NODES, D>(1) {
-                let (n, grad_n) = outer(axes, p, (j, k));
+                let (n, grad_n) = outer(axes, (j, k));
                 let start = (k * edge + j) * edge;
                 let row = &nodes[start..start + NODES];
                 let (mut velocity, mut change) = ([nothing::<S>(); D], [nothing::<S>(); D]);
                 for i in 0..NODES {
                     for c in 0..D {
-                        velocity[c] = velocity[c] + row[i].velocity()[c] * value[i][p];
+                        velocity[c] = velocity[c] + row[i].velocity()[c] * value[i];
                     }
                     if with_change {
                         for c in 0..D {
-                            change[c] = change[c] + row[i].velocity_change()[c] * value[i][p];
+                            change[c] = change[c] + row[i].velocity_change()[c] * value[i];
                         }
                     }
                 }
@@ -145,10 +121,10 @@ impl<const D: usize> GridToParticle<D> {
                     }
                 }
                 if with_gradient {
-                    add_gradient::<S, NODES, N, D>((axes, p), row, &velocity, (n, &grad_n), sums);
+                    add_gradient::<S, NODES, D>(axes, row, &velocity, (n, &grad_n), sums);
                 }
                 if with_moment {
-                    add_moment_along::<S, NODES, N, D>((axes, p), row, n, sums);
+                    add_moment_along::<S, NODES, D>(axes, row, n, sums);
                 }
             }
         }
@@ -157,8 +133,8 @@ impl<const D: usize> GridToParticle<D> {
 
 /// The part of a row in `sum_i v_k dN_i/dx_l`, with `velocity` its part of `sum_i v_k N_i` but for `n`.
 #[inline(always)]
-fn add_gradient<S: Number, const NODES: usize, const N: usize, const D: usize>(
-    (axes, p): (&[Axis<S, N>; D], usize),
+fn add_gradient<S: Number, const NODES: usize, const D: usize>(
+    axes: &[Axis<S>; D],
     row: &[Node<S, D>],
     velocity: &[S; D],
     (n, grad_n): (S, &[S; D]),
@@ -167,7 +143,7 @@ fn add_gradient<S: Number, const NODES: usize, const N: usize, const D: usize>(
     let mut steep = [nothing::<S>(); D];
     for i in 0..NODES {
         for c in 0..D {
-            steep[c] = steep[c] + row[i].velocity()[c] * axes[0].slope[i][p];
+            steep[c] = steep[c] + row[i].velocity()[c] * axes[0].slope[i];
         }
     }
     for c in 0..D {
@@ -196,8 +172,8 @@ fn add_moment_across<S: Number, const D: usize>(
 
 /// The same along the row.
 #[inline(always)]
-fn add_moment_along<S: Number, const NODES: usize, const N: usize, const D: usize>(
-    (axes, p): (&[Axis<S, N>; D], usize),
+fn add_moment_along<S: Number, const NODES: usize, const D: usize>(
+    axes: &[Axis<S>; D],
     row: &[Node<S, D>],
     n: S,
     sums: &mut Sums<S, D>,
@@ -205,7 +181,7 @@ fn add_moment_along<S: Number, const NODES: usize, const N: usize, const D: usiz
     let mut moment = [nothing::<S>(); D];
     for i in 1..NODES {
         for c in 0..D {
-            moment[c] = moment[c] + row[i].velocity()[c] * (axes[0].value[i][p] * i as f64);
+            moment[c] = moment[c] + row[i].velocity()[c] * (axes[0].value[i] * i as f64);
         }
     }
     for c in 0..D {

@@ -28,33 +28,25 @@ impl<const D: usize> Lattice<D> {
         Self { origin: config.origin, cell: config.cell, per_cell: 1.0 / config.cell }
     }
 
-    /// The shape function of up to `N` particles along all axes, from the lowest node that each sees.
+    /// The shape function of a particle along all axes, from the lowest node that it sees. `half` is half of its length, with GIMP.
     #[inline(always)]
-    pub(crate) fn find_axes<S: Number, const NODES: usize, const N: usize>(
+    pub(crate) fn axes<S: Number, const NODES: usize>(
         &self,
         shape: Shape,
-        positions: &[[S; D]],
-        half_lengths: &[[S; D]],
-        lowest: &[[i32; D]],
-        axes: &mut [Axis<S, N>; D],
-    ) {
-        let n = positions.len().min(N);
-        if NODES == Shape::Gimp.n_nodes() && shape == Shape::Gimp {
-            for p in 0..n {
-                for k in 0..D {
-                    let half = half_lengths[p][k] * self.per_cell;
-                    let s = (positions[p][k] - self.origin[k]) * self.per_cell;
-                    axes[k].set_gimp((s, half), lowest[p][k], p);
+        (position, half): (&[S; D], Option<&[S; D]>),
+        lowest: &[i32; D],
+    ) -> [Axis<S>; D] {
+        let mut axes = [Axis::empty(); D];
+        for k in 0..D {
+            let s = (position[k] - self.origin[k]) * self.per_cell;
+            match half {
+                Some(half) if NODES == Shape::Gimp.n_nodes() && shape == Shape::Gimp => {
+                    axes[k].set_gimp((s, half[k] * self.per_cell), lowest[k]);
                 }
-            }
-            return;
-        }
-        for p in 0..n {
-            for k in 0..D {
-                let s = (positions[p][k] - self.origin[k]) * self.per_cell;
-                axes[k].set_b_spline::<NODES>(s, lowest[p][k], p);
+                _ => axes[k].set_b_spline::<NODES>(s, lowest[k]),
             }
         }
+        axes
     }
 
     /// The lowest node that each particle sees.

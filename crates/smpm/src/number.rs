@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use lanes::{dispatch, dispatch_narrow};
+use lanes::dispatch;
 use perturbation_moments::{Gradient, LANES, Scalar};
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
@@ -106,9 +106,14 @@ pub(crate) const fn is_plain<S>() -> bool {
     size_of::<S>() == size_of::<f64>()
 }
 
-/// Runs work on nodes compiled for the registers that suit its numbers: four plain ones are those of a node in the plane.
+/// Runs work on one particle after the other: compiled for the registers of this machine where a number fills them. Plain numbers are
+/// in lanes, but those of a few particles.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
-pub(crate) fn in_registers_of<S, R>(work: impl FnMut() -> R) -> R {
-    if const { is_plain::<S>() } { dispatch_narrow(work) } else { dispatch(work) }
+pub(crate) fn one_by_one<S>(mut work: impl FnMut()) {
+    if const { is_plain::<S>() } {
+        work();
+    } else {
+        dispatch(work);
+    }
 }

@@ -14,15 +14,12 @@
 use crate::body::Body;
 use crate::jet_to_grid::JetToGrid;
 use crate::node::Node;
-use crate::number::{Number, in_registers_of, is_plain};
+use crate::number::{Number, one_by_one};
 use crate::particle_terms::{Given, ParticleToGrid, Run, Terms};
 use crate::shape::{Axis, Shape, nodes_along, nodes_spanned, outer};
 use crate::tile_size::block_edge;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
-
-/// Particles whose terms are adjacent in memory: few enough for the nearest cache.
-const BATCH: usize = 12;
 
 /// The blocks of a tile.
 #[derive(Debug)]
@@ -38,8 +35,8 @@ struct Block<'a, S, const D: usize> {
 struct RowTerms<S, const D: usize> {
     /// Momentum, of which a node has the part by the value along the row; force, by the slope there.
     along: Node<S, D>,
-    /// No momentum; force, of which a node has the part by the value.
-    across: Node<S, D>,
+    /// Force, of which a node has the part by the value.
+    across: [S; D],
     /// By how much the momentum grows from node to node.
     growth: [S; D],
 }
@@ -47,7 +44,8 @@ struct RowTerms<S, const D: usize> {
 impl<S: Number, const D: usize> RowTerms<S, D> {
     #[inline(always)]
     fn zero() -> Self {
-        Self { along: Node::zero(), across: Node::zero(), growth: [S::constant(0.0); D] }
+        let zero = [S::constant(0.0); D];
+        Self { along: Node::zero(), across: zero, growth: zero }
     }
 }
 
@@ -69,108 +67,83 @@ impl<const D: usize> ParticleToGrid<D> {
 
     /// The particles of a body in a tile, one by one. Those of `f64` are in lanes, but where a body has fewer than a register
     /// holds. Numbers that show their derivatives have plain weights ([`JetToGrid`]), but not with GIMP, where the length of a
-    /// particle has derivatives too. There, and for a number of a user, every weight is such a number: next to its arithmetic
-    /// what is tested at each node costs nothing.
+    /// particle has derivatives too. There, and for a number of a user, every weight is such a number.
     fn tile<S: Number, const NODES: usize>(
         &self,
         body: &Body<S, D>,
         slot: usize,
         block: &mut Block<'_, S, D>,
     ) {
-        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
-            let (transfer, first) = (*self, block.first);
-            let (nodes, masses) = (&mut *block.nodes, &mut *block.masses);
-            JetToGrid::<_, D, NODES> { transfer, body, slot, first, nodes, masses }.add_all();
-            return;
+        let (transfer, first) = (*self, block.first);
+        let (nodes, masses) = (&mut *block.nodes, &mut *block.masses);
+        let jets = JetToGrid::<_, D, NODES> { transfer, body, slot, first, nodes, masses };
+        // A constant, so that loops which no particle enters are not compiled.
+        if const { S::ORDER > 0 && NODES != Shape::Gimp.n_nodes() } {
+            jets.add_all();
+        } else if const { S::ORDER > 0 } && self.shape != Shape::Gimp {
+            jets.add_all();
+        } else {
+            one_by_one::<S>(
+                #[inline(always)]
+                || self.particles::<S, NODES>(body, slot, block),
+            );
         }
-        in_registers_of::<S, _>(
-            #[inline(always)]
-            || {
-                if const { !is_plain::<S>() } {
-                    self.batches::<S, NODES, 1>(body, slot, block);
-                    return;
-                }
-                self.batches::<S, NODES, BATCH>(body, slot, block);
-            },
-        );
     }
 
-    /// `N` particles at a time: their terms go through memory, so SIMD loads apply.
     #[inline(always)]
-    fn batches<S: Number, const NODES: usize, const N: usize>(
+    fn particles<S: Number, const NODES: usize>(
         &self,
         body: &Body<S, D>,
         slot: usize,
         block: &mut Block<'_, S, D>,
     ) {
         let conditions = body.points.conditions();
-        let mut axes = [Axis::<S, N>::empty(); D];
-        let mut terms = [Terms::zero(); N];
+        let mut terms = Terms::zero();
         for run in body.binning.runs_of(slot) {
-            let mut begin = run.start;
-            while begin < run.end {
-                let end = run.end.min(begin + N);
-                let of = Run::of(body, &conditions, begin..end);
-                let terms = &mut terms[..end - begin];
-                let Run { position, half_length, base, .. } = of;
-                self.lattice.find_axes::<S, NODES, N>(
-                    self.shape,
-                    position,
-                    half_length,
-                    base,
-                    &mut axes,
-                );
-                for p in 0..terms.len() {
-                    self.find_terms(&of, p, &mut terms[p]);
+            let of = Run::of(body, &conditions, run);
+            for p in 0..of.node.len() {
+                let place = (&of.position[p], of.half_length.get(p));
+                let axes = self.lattice.axes::<S, NODES>(self.shape, place, &of.base[p]);
+                self.find_terms(&of, p, &mut terms);
+                let node = of.node[p] - block.first;
+                let end = node + nodes_spanned::<NODES, D>();
+                self.add::<S, NODES>((&terms, &axes), &mut block.nodes[node..end]);
+                if self.given != Given::Momentum {
+                    add_mass::<S, NODES, D>(terms.mass, &axes, &mut block.masses[node..end]);
                 }
-                for p in 0..terms.len() {
-                    let node = of.node[p] - block.first;
-                    let end = node + nodes_spanned::<NODES, D>();
-                    self.add::<S, NODES, N>((&terms[p], &axes, p), &mut block.nodes[node..end]);
-                    if self.given != Given::Momentum {
-                        let masses = &mut block.masses[node..end];
-                        add_mass::<S, NODES, N, D>(terms[p].mass, (&axes, p), masses);
-                    }
-                }
-                begin = end;
             }
         }
     }
 
     /// Momentum and force of a particle at every node that it sees.
     #[inline(always)]
-    fn add<S: Number, const NODES: usize, const N: usize>(
+    fn add<S: Number, const NODES: usize>(
         &self,
-        (terms, axes, p): (&Terms<S, D>, &[Axis<S, N>; D], usize),
+        (terms, axes): (&Terms<S, D>, &[Axis<S>; D]),
         nodes: &mut [Node<S, D>],
     ) {
         let edge = block_edge(D);
         for k in 0..nodes_along::<NODES, D>(2) {
             for j in 0..nodes_along::<NODES, D>(1) {
-                let (n, grad_n) = outer(axes, p, (j, k));
+                let (n, grad_n) = outer(axes, (j, k));
                 let mut common = RowTerms::zero();
                 self.find_row_terms(terms, (j, k), (n, &grad_n), &mut common);
                 let start = (k * edge + j) * edge;
                 let row = &mut nodes[start..start + NODES];
                 for i in 0..NODES {
                     let RowTerms { along, across, growth } = &common;
-                    let (value, slope) = (&axes[0].value[i][p], &axes[0].slope[i][p]);
+                    let (value, slope) = (axes[0].value[i], axes[0].slope[i]);
                     let node = &mut row[i];
                     for c in 0..D {
                         let mut momentum = along.momentum()[c];
                         if self.affine {
                             momentum = momentum + growth[c] * i as f64;
                         }
-                        let mut part = momentum * *value;
-                        // For `f64` a zero, so that a register takes momentum and force alike.
-                        if self.with_force() && const { is_plain::<S>() } {
-                            part = part + across.momentum()[c] * *slope;
-                        }
-                        node.momentum_mut()[c] = node.momentum()[c] + part;
+                        node.momentum_mut()[c] = node.momentum()[c] + momentum * value;
                     }
                     if self.with_force() {
                         for c in 0..D {
-                            let part = along.force()[c] * *slope + across.force()[c] * *value;
+                            let part = along.force()[c] * slope + across[c] * value;
                             node.force_mut()[c] = node.force()[c] + part;
                         }
                     }
@@ -201,16 +174,13 @@ impl<const D: usize> ParticleToGrid<D> {
             row.along.momentum_mut()[c] = momentum * n;
             if self.with_force() {
                 row.along.force_mut()[c] = terms.along.force()[c] * n;
-                let (slope, across) = (grad_n[D.min(2) - 1], &mut row.across);
-                if const { is_plain::<S>() } {
-                    across.momentum_mut()[c] = terms.across.momentum()[c] * slope;
-                }
-                across.force_mut()[c] = terms.across.force()[c] * slope;
+                let across = &mut row.across[c];
+                *across = terms.across.force()[c] * grad_n[D.min(2) - 1];
                 if D > 2 {
-                    across.force_mut()[c] = across.force()[c] + terms.force_z[c] * grad_n[D - 1];
+                    *across = *across + terms.force_z[c] * grad_n[D - 1];
                 }
                 if self.body_force {
-                    across.force_mut()[c] = across.force()[c] + terms.body_force[c] * n;
+                    *across = *across + terms.body_force[c] * n;
                 }
             }
         }
@@ -224,19 +194,19 @@ impl<const D: usize> ParticleToGrid<D> {
 
 /// The mass of a particle at every node that it sees.
 #[inline(always)]
-fn add_mass<S: Number, const NODES: usize, const N: usize, const D: usize>(
+fn add_mass<S: Number, const NODES: usize, const D: usize>(
     mass: S,
-    (axes, p): (&[Axis<S, N>; D], usize),
+    axes: &[Axis<S>; D],
     masses: &mut [S],
 ) {
     let edge = block_edge(D);
     for k in 0..nodes_along::<NODES, D>(2) {
         for j in 0..nodes_along::<NODES, D>(1) {
-            let mass_n = mass * outer(axes, p, (j, k)).0;
+            let mass_n = mass * outer(axes, (j, k)).0;
             let start = (k * edge + j) * edge;
             let row = &mut masses[start..start + NODES];
             for i in 0..NODES {
-                row[i] = row[i] + mass_n * axes[0].value[i][p];
+                row[i] = row[i] + mass_n * axes[0].value[i];
             }
         }
     }

@@ -29,12 +29,11 @@ pub enum Shape {
     CubicBSpline,
 }
 
-/// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees; of `N` particles, by
-/// nodes, so that a register takes several particles.
+/// Values and slopes (per cell) of a shape function along one axis, from the lowest node that a particle sees.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Axis<S, const N: usize> {
-    pub(crate) value: [[S; N]; MOST_NODES],
-    pub(crate) slope: [[S; N]; MOST_NODES],
+pub(crate) struct Axis<S> {
+    pub(crate) value: [S; MOST_NODES],
+    pub(crate) slope: [S; MOST_NODES],
 }
 
 impl Shape {
@@ -79,67 +78,67 @@ fn floor(s: f64) -> i32 {
     (whole + SHIFT).to_bits() as i32
 }
 
-impl<S: Scalar, const N: usize> Axis<S, N> {
+impl<S: Scalar> Axis<S> {
     #[inline(always)]
     pub(crate) fn empty() -> Self {
-        let zeros = [[S::constant(0.0); N]; MOST_NODES];
+        let zeros = [S::constant(0.0); MOST_NODES];
         Self { value: zeros, slope: zeros }
     }
 
-    /// The B-spline over `NODES` nodes, the hat over two, of particle `p` of the `N` at the place `s` (in cells), which sees
-    /// `lowest` as its lowest node. Only what belongs to these nodes is written.
+    /// The B-spline over `NODES` nodes, the hat over two, of a particle at the place `s` (in cells), which sees `lowest`
+    /// as its lowest node. Only what belongs to these nodes is written.
     #[inline(always)]
-    pub(crate) fn set_b_spline<const NODES: usize>(&mut self, s: S, lowest: i32, p: usize) {
+    pub(crate) fn set_b_spline<const NODES: usize>(&mut self, s: S, lowest: i32) {
         match NODES {
-            2 => self.set_hat(s - f64::from(lowest), p),
-            3 => self.set_quadratic(s - f64::from(lowest), p),
-            _ => self.set_cubic(s - f64::from(lowest + 1), p),
+            2 => self.set_hat(s - f64::from(lowest)),
+            3 => self.set_quadratic(s - f64::from(lowest)),
+            _ => self.set_cubic(s - f64::from(lowest + 1)),
         }
     }
 
     /// At `f` from 0 to 1 behind the lowest node.
     #[inline(always)]
-    fn set_hat(&mut self, f: S, p: usize) {
-        (self.value[0][p], self.value[1][p]) = (-f + 1.0, f);
-        (self.slope[0][p], self.slope[1][p]) = (S::constant(-1.0), S::constant(1.0));
+    fn set_hat(&mut self, f: S) {
+        (self.value[0], self.value[1]) = (-f + 1.0, f);
+        (self.slope[0], self.slope[1]) = (S::constant(-1.0), S::constant(1.0));
     }
 
     /// At `f` from 1/2 to 3/2 behind the lowest node.
     #[inline(always)]
-    fn set_quadratic(&mut self, f: S, p: usize) {
+    fn set_quadratic(&mut self, f: S) {
         let (left, centre, right) = (-f + 1.5, f - 1.0, f - 0.5);
-        self.value[0][p] = left.squared() * 0.5;
-        self.value[1][p] = -centre.squared() + 0.75;
-        self.value[2][p] = right.squared() * 0.5;
-        (self.slope[0][p], self.slope[1][p], self.slope[2][p]) = (f - 1.5, centre * -2.0, right);
+        self.value[0] = left.squared() * 0.5;
+        self.value[1] = -centre.squared() + 0.75;
+        self.value[2] = right.squared() * 0.5;
+        (self.slope[0], self.slope[1], self.slope[2]) = (f - 1.5, centre * -2.0, right);
     }
 
     /// At `f` from 0 to 1 behind the second node.
     #[inline(always)]
-    fn set_cubic(&mut self, f: S, p: usize) {
+    fn set_cubic(&mut self, f: S) {
         let rest = -f + 1.0;
         let (f2, r2) = (f.squared(), rest.squared());
         let sixth = 1.0 / 6.0;
-        self.value[0][p] = r2 * rest * sixth;
-        self.value[1][p] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
-        self.value[2][p] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
-        self.value[3][p] = f2 * f * sixth;
-        self.slope[0][p] = r2 * -0.5;
-        self.slope[1][p] = f2 * 1.5 - f * 2.0;
-        self.slope[2][p] = -(r2 * 1.5 - rest * 2.0);
-        self.slope[3][p] = f2 * 0.5;
+        self.value[0] = r2 * rest * sixth;
+        self.value[1] = (f2 * f * 3.0 - f2 * 6.0 + 4.0) * sixth;
+        self.value[2] = (r2 * rest * 3.0 - r2 * 6.0 + 4.0) * sixth;
+        self.value[3] = f2 * f * sixth;
+        self.slope[0] = r2 * -0.5;
+        self.slope[1] = f2 * 1.5 - f * 2.0;
+        self.slope[2] = -(r2 * 1.5 - rest * 2.0);
+        self.slope[3] = f2 * 0.5;
     }
 
     /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
     /// length of the particle in cells.
     #[inline(always)]
-    pub(crate) fn set_gimp(&mut self, (s, half): (S, S), lowest: i32, p: usize) {
+    pub(crate) fn set_gimp(&mut self, (s, half): (S, S), lowest: i32) {
         let inverse = half.recip() * 0.5;
         for (k, node) in (lowest..).take(Shape::Gimp.n_nodes()).enumerate() {
             let d = s - f64::from(node);
             let (low, high) = (d - half, d + half);
-            self.value[k][p] = (hat_integral(high) - hat_integral(low)) * inverse;
-            self.slope[k][p] = (hat(high) - hat(low)) * inverse;
+            self.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
+            self.slope[k] = (hat(high) - hat(low)) * inverse;
         }
     }
 }
@@ -173,21 +172,20 @@ fn hat_integral<S: Scalar>(u: S) -> S {
 /// The part of the axes beyond the first in the shape function of a particle at a row of nodes, and its slopes (per cell) along
 /// these axes.
 #[inline(always)]
-pub(crate) fn outer<S: Scalar, const D: usize, const N: usize>(
-    axes: &[Axis<S, N>; D],
-    p: usize,
+pub(crate) fn outer<S: Scalar, const D: usize>(
+    axes: &[Axis<S>; D],
     (j, k): (usize, usize),
 ) -> (S, [S; D]) {
     let mut slope = [S::constant(0.0); D];
     if D == 1 {
         return (S::constant(1.0), slope);
     }
-    let (value_y, slope_y) = (axes[1].value[j][p], axes[1].slope[j][p]);
+    let (value_y, slope_y) = (axes[1].value[j], axes[1].slope[j]);
     if D == 2 {
         slope[1] = slope_y;
         return (value_y, slope);
     }
-    let (value_z, slope_z) = (axes[2].value[k][p], axes[2].slope[k][p]);
+    let (value_z, slope_z) = (axes[2].value[k], axes[2].slope[k]);
     slope[1] = slope_y * value_z;
     slope[2] = value_y * slope_z;
     (value_y * value_z, slope)
@@ -210,13 +208,13 @@ mod tests {
     use super::*;
     use perturbation_moments::Jet;
 
-    fn axis<S: Scalar>(shape: Shape, s: S, half: f64) -> (i32, Axis<S, 1>) {
+    fn axis<S: Scalar>(shape: Shape, s: S, half: f64) -> (i32, Axis<S>) {
         let (lowest, mut axis) = (lowest_node(s.value(), shape.reach(half)), Axis::empty());
         match shape {
-            Shape::Linear => axis.set_b_spline::<2>(s, lowest, 0),
-            Shape::QuadraticBSpline => axis.set_b_spline::<3>(s, lowest, 0),
-            Shape::CubicBSpline => axis.set_b_spline::<4>(s, lowest, 0),
-            Shape::Gimp => axis.set_gimp((s, S::constant(half)), lowest, 0),
+            Shape::Linear => axis.set_b_spline::<2>(s, lowest),
+            Shape::QuadraticBSpline => axis.set_b_spline::<3>(s, lowest),
+            Shape::CubicBSpline => axis.set_b_spline::<4>(s, lowest),
+            Shape::Gimp => axis.set_gimp((s, S::constant(half)), lowest),
         }
         (lowest, axis)
     }
@@ -230,10 +228,10 @@ mod tests {
                 let (lowest, here) = axis(shape, s, half);
                 let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
                 for (k, node) in (lowest..).take(shape.n_nodes()).enumerate() {
-                    sum += here.value[k][0];
-                    slopes += here.slope[k][0];
-                    place += here.value[k][0] * f64::from(node);
-                    assert!(here.value[k][0] > -1e-15, "{shape:?}: negative at {s}");
+                    sum += here.value[k];
+                    slopes += here.slope[k];
+                    place += here.value[k] * f64::from(node);
+                    assert!(here.value[k] > -1e-15, "{shape:?}: negative at {s}");
                 }
                 assert!(
                     (sum - 1.0).abs() < 1e-14 && slopes.abs() < 1e-13,
@@ -247,15 +245,15 @@ mod tests {
                     (axis(shape, s + delta, half), axis(shape, s - delta, half));
                 if over == lowest && under == lowest {
                     for k in 0..shape.n_nodes() {
-                        let slope = (above.value[k][0] - below.value[k][0]) / (2.0 * delta);
+                        let slope = (above.value[k] - below.value[k]) / (2.0 * delta);
                         // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
-                        let error = (slope - here.slope[k][0]).abs();
+                        let error = (slope - here.slope[k]).abs();
                         assert!(error < 1e-5, "{shape:?}: slope {k} at {s}");
                     }
                 }
                 let (_, jet) = axis(shape, Jet::variable(s, 0), half);
                 for k in 0..shape.n_nodes() {
-                    let error = (jet.value[k][0].first[0] - here.slope[k][0]).abs();
+                    let error = (jet.value[k].first[0] - here.slope[k]).abs();
                     assert!(error < 1e-12, "{shape:?} at {s}");
                 }
             }

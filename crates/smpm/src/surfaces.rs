@@ -21,19 +21,17 @@ pub(crate) fn sum_surfaces<S: Number, const D: usize>(
     let per_cell = (0..D).fold(1.0, |product, _| product * lattice.per_cell);
     let axisymmetric = config.geometry == Geometry::Axisymmetric;
     grid.sum_surfaces_in_blocks(|slot, first, blocks| {
-        let mut axes = [Axis::<S, 1>::empty(); D];
         for body in bodies {
             let Particles { position, half_length, reference_volume, .. } = &body.particles;
             let conditions = body.points.conditions();
             let Binning { bases, nodes, .. } = &body.binning;
             for p in body.binning.runs_of(slot).flatten() {
-                let (x, half, base) = (&position[p..=p], half_length.get(p..=p), &bases[p..=p]);
-                let half = half.unwrap_or_default();
-                match config.shape.n_nodes() {
-                    2 => lattice.find_axes::<S, 2, 1>(config.shape, x, half, base, &mut axes),
-                    3 => lattice.find_axes::<S, 3, 1>(config.shape, x, half, base, &mut axes),
-                    _ => lattice.find_axes::<S, 4, 1>(config.shape, x, half, base, &mut axes),
-                }
+                let (place, base) = ((&position[p], half_length.get(p)), &bases[p]);
+                let axes = match config.shape.n_nodes() {
+                    2 => lattice.axes::<S, 2>(config.shape, place, base),
+                    3 => lattice.axes::<S, 3>(config.shape, place, base),
+                    _ => lattice.axes::<S, 4>(config.shape, place, base),
+                };
                 let mut volume = conditions.volume[p] * (reference_volume[p] * per_cell);
                 if axisymmetric {
                     volume = volume / position[p][0];
@@ -46,7 +44,7 @@ pub(crate) fn sum_surfaces<S: Number, const D: usize>(
 
 /// A particle at every node that it sees: `n_nodes` along each axis.
 fn add<S: Number, const D: usize>(
-    axes: &[Axis<S, 1>; D],
+    axes: &[Axis<S>; D],
     n_nodes: usize,
     volume: S,
     nodes: &mut [Surface<S, D>],
@@ -54,11 +52,11 @@ fn add<S: Number, const D: usize>(
     let edge = block_edge(D);
     for k in 0..if D > 2 { n_nodes } else { 1 } {
         for j in 0..if D > 1 { n_nodes } else { 1 } {
-            let (n, grad_n) = outer(axes, 0, (j, k));
+            let (n, grad_n) = outer(axes, (j, k));
             for (i, node) in nodes[(k * edge + j) * edge..][..n_nodes].iter_mut().enumerate() {
-                let part = volume * axes[0].value[i][0];
+                let part = volume * axes[0].value[i];
                 node.fill = node.fill + part * n;
-                node.outward[0] = node.outward[0] + volume * n * axes[0].slope[i][0];
+                node.outward[0] = node.outward[0] + volume * n * axes[0].slope[i];
                 for c in 1..D {
                     node.outward[c] = node.outward[c] + part * grad_n[c];
                 }

@@ -207,8 +207,8 @@ impl<const NODES: usize, const D: usize> TaylorWeights<NODES, D> {
 /// Value and derivatives of the shape functions of the nodes along one axis, per cell, by order and node.
 #[inline(always)]
 fn derivatives_along<const NODES: usize>(s: f64, lowest: i32) -> [[f64; MOST_NODES]; HIGHEST + 1] {
-    let mut axis = Axis::<f64, 1>::empty();
-    axis.set_b_spline::<NODES>(s, lowest, 0);
+    let mut axis = Axis::<f64>::empty();
+    axis.set_b_spline::<NODES>(s, lowest);
     let (second, third) = match NODES {
         2 => ([0.0; MOST_NODES], [0.0; MOST_NODES]),
         3 => ([1.0, -2.0, 1.0, 0.0], [0.0; MOST_NODES]),
@@ -218,7 +218,7 @@ fn derivatives_along<const NODES: usize>(s: f64, lowest: i32) -> [[f64; MOST_NOD
             ([rest, 3.0 * f - 2.0, 3.0 * rest - 2.0, f], [-1.0, 3.0, -3.0, 1.0])
         }
     };
-    [axis.value.map(|[value]| value), axis.slope.map(|[slope]| slope), second, third]
+    [axis.value, axis.slope, second, third]
 }
 
 /// Derivatives of the place of a particle in a register of directions, in cells.
@@ -374,11 +374,11 @@ mod tests {
         for step in 0..100 {
             let s = 0.31 + 0.01 * f64::from(step);
             let lowest = lowest_node(s, shape.reach(0.0));
-            let mut axis = Axis::<Jet, 1>::empty();
-            axis.set_b_spline::<NODES>(Jet::variable(s, 0), lowest, 0);
+            let mut axis = Axis::<Jet>::empty();
+            axis.set_b_spline::<NODES>(Jet::variable(s, 0), lowest);
             let plain = derivatives_along::<NODES>(s, lowest);
             for i in 0..NODES {
-                let (value, slope) = (axis.value[i][0], axis.slope[i][0]);
+                let (value, slope) = (axis.value[i], axis.slope[i]);
                 assert_eq!((plain[0][i], plain[1][i]), (value.value, slope.value));
                 // roundoff: numbers of order one.
                 assert!((plain[2][i] - value.second[0]).abs() < 4e-15);

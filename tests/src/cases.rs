@@ -52,6 +52,7 @@ pub const ALL: &[Case] = &[
     fpk::guided_paths::CASE,
     fpk::shear_building::CASE,
     fpk::passage_benchmarks::CASE,
+    fpk::reliability_benchmarks::CASE,
     fpk::spatial_order::CASE,
     fpk::steps::CASE,
     fpk::time_schemes::CASE,

@@ -15,6 +15,7 @@ pub(crate) mod linear_oscillator;
 pub(crate) mod linear_systems;
 pub(crate) mod monte_carlo;
 pub(crate) mod passage_benchmarks;
+pub(crate) mod reliability_benchmarks;
 pub(crate) mod rivals;
 pub(crate) mod schemes;
 pub(crate) mod shear_building;

@@ -18,6 +18,17 @@ pub fn long(value: f64) -> String {
     digits(value, 6)
 }
 
+/// All digits of a number that was given, with an exponent where zeros would fill the line.
+#[must_use]
+pub fn exact(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() || (1e-5..1e15).contains(&size) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 /// Three significant digits; `-` for none.
 #[must_use]
 pub fn short(value: Option<f64>) -> String {

@@ -2,8 +2,8 @@
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
 
-/// Longest line that is displayed (bytes): longer ones are unreadable, and the renderer cannot count to 65,536.
-const WIDEST_DRAWN: usize = 10_000;
+/// Longest line that is displayed (bytes): a longer one, of a file without line breaks, hides what is said of it.
+const WIDEST_DRAWN: usize = 400;
 
 /// A name and its text.
 #[derive(Debug, Clone)]

@@ -35,7 +35,26 @@ fn is_range(error: &serde_json::Error) -> bool {
 /// An error of serde at the position where it stopped.
 fn here(origin: &Origin, error: &serde_json::Error) -> SceneError {
     let end = offset_of(&origin.text, error.line(), error.column());
-    SceneError::at(origin, "", end..end + 1, without_position(error), "here", None)
+    let is_word = |letter: char| letter.is_alphanumeric() || letter == '-';
+    let word = origin.text[..end].trim_end_matches(is_word).len();
+    let help = what_to_write(&origin.text[word..]).map(str::to_owned);
+    SceneError::at(origin, "", end..end + 1, without_position(error), "here", help)
+}
+
+/// What to write instead of what other dialects of JSON allow, by the text from the word at which a plain parser stops.
+fn what_to_write(rest: &str) -> Option<&'static str> {
+    const OTHERS: [(&[&str], &str); 5] = [
+        (&["\u{feff}"], "the file begins with a byte order mark; save it as UTF-8 without one"),
+        (&["//", "/*", "#"], "JSON has no comments; say it in `title`"),
+        (
+            &["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"],
+            "only finite numbers are values; without a key its default applies",
+        ),
+        (&["'"], "a text stands between double quotes"),
+        (&["True", "False", "TRUE", "FALSE"], "write `true` or `false`"),
+    ];
+    let starts = |words: &[&str]| words.iter().any(|word| rest.starts_with(word));
+    OTHERS.iter().find(|(words, _)| starts(words)).map(|&(_, help)| help)
 }
 
 /// The syntax tree of plain JSON, with positions.
@@ -147,7 +166,23 @@ pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
         let label = format!("`{word}` is missing in this object");
         return SceneError::at(origin, path, start..start + 1, message, &label, None);
     }
-    let range = range_of(find(&tree, path).value);
+    let value = find(&tree, path).value;
+    let range = range_of(value);
+    if let Value::Object(object) = value
+        && message.ends_with("expected map with a single key")
+    {
+        let names: Vec<String> =
+            object.properties.iter().map(|key| format!("`{}`", key.name.as_str())).collect();
+        let message = match names.as_slice() {
+            [] => "one key is expected; none is given".to_owned(),
+            _ => format!("one key is expected; {} are given: {}", names.len(), names.join(", ")),
+        };
+        let place = object
+            .properties
+            .get(1)
+            .map_or(range, |second| second.name.range().start..second.name.range().end);
+        return SceneError::at(origin, path, place, message, "one too many", None);
+    }
     SceneError::at(origin, path, range, message, "this value", None)
 }
 

@@ -182,6 +182,37 @@ fn syntax_errors_and_trailing_text_have_a_place() {
 }
 
 #[test]
+fn what_other_dialects_of_json_allow_is_told_with_what_to_write_instead() {
+    let help = |from: &str, to: &str| {
+        let error = parse(&GOOD.replacen(from, to, 1)).unwrap_err();
+        error.mistake().unwrap().help.clone().unwrap_or_default()
+    };
+    for (from, to, expected) in [
+        ("{", "\u{feff}{", "byte order mark"),
+        ("{", "// a comment\n{", "no comments"),
+        ("0.2", "0.2 /* m^2/s^3 */", "no comments"),
+        ("0.2", "NaN", "finite"),
+        ("0.2", "nan", "finite"),
+        ("0.2", "-Infinity", "finite"),
+        ("\"self-check\"", "'self-check'", "double quotes"),
+        ("0.2", "True", "`true`"),
+    ] {
+        let help = help(from, to);
+        assert!(help.contains(expected), "{to}: {help}");
+    }
+    assert_eq!(help("[1, 2.5, 6]", "[1, 2.5, 6,]"), "");
+}
+
+#[test]
+fn two_variants_of_one_value_are_named() {
+    let from = "\"viscous_damper\": { \"intensity\": 0.2 }";
+    let to = format!("{from}, \"linear_oscillator\": {{ \"frequency\": 2 }}");
+    let message = "one key is expected; 2 are given: `viscous_damper`, `linear_oscillator`";
+    mistake(from, &to, (3, 54), "system", message);
+    mistake(from, "", (3, 13), "system", "one key is expected; none is given");
+}
+
+#[test]
 fn objections_are_shown_at_the_value_they_name() {
     let path = "system.viscous_damper.intensity";
     mistake("0.2", "-0.2", (3, 48), path, "the intensity -0.2 must not be negative");
@@ -258,7 +289,7 @@ fn the_kind_of_a_scene_must_be_a_text() {
 
 #[test]
 fn a_mistake_on_a_line_too_wide_to_draw_is_told_without_its_source() {
-    for (spaces, is_drawn) in [(100, true), (70_000, false)] {
+    for (spaces, is_drawn) in [(100, true), (500, false), (70_000, false)] {
         let text = format!("{}{{ \"rate\": }}", " ".repeat(spaces));
         let error = SceneFile::from_text("scene.json", text).unwrap_err();
         let mistake = error.mistake().unwrap();

@@ -181,11 +181,26 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
     }
 }
 
+/// Rejects threads that only wait for each other: most likely a typing error.
+fn at_most_threads(threads: usize) -> miette::Result<()> {
+    const FOR_EACH_PROCESSOR: usize = 4;
+    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let limit = FOR_EACH_PROCESSOR * processors;
+    if threads <= limit {
+        return Ok(());
+    }
+    Err(miette::miette!(
+        help = "leave out --threads for one on each processor",
+        "--threads {threads}: this machine has {processors} processors; at most {limit} threads are allowed"
+    ))
+}
+
 fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
     let started = ranks::started();
     // There are as many ranks as cores.
     let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));
     if let Some(threads) = threads {
+        at_most_threads(threads.get())?;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
         pool.build_global().map_err(miette::Report::from_err)?;
     }

@@ -5,6 +5,7 @@
 
 mod blocks;
 mod blocks_left;
+mod folder_lock;
 mod inputs;
 mod kind_run;
 mod options;
@@ -79,8 +80,8 @@ impl SceneKind {
         if ranks.is_some() && options.part != Part::Whole {
             return Err(RunError::PartOnRanks);
         }
-        let (solver, checkpoint) = (self.solver, OnceLock::new());
-        let run = Run { progress, solver, options, checkpoint, ranks };
+        let (solver, checkpoint, lock) = (self.solver, OnceLock::new(), OnceLock::new());
+        let run = Run { progress, solver, options, checkpoint, lock, ranks };
         let written = (self.run)(file, &run)?;
         run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
         Ok(written)

@@ -2,6 +2,7 @@
 
 mod coordinates;
 pub mod experiment;
+mod geometry;
 mod material_library;
 pub mod material_scene;
 mod material_schema;

@@ -1,5 +1,7 @@
 //! Checks of the numbers and lists of a scene.
 
+use figures::number::exact;
+
 use crate::scene::Objection;
 
 pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
@@ -15,6 +17,6 @@ pub(crate) fn must(path: &str, value: f64, holds: bool, limit: &str) -> Result<(
     if holds {
         Ok(())
     } else {
-        Err(Objection::new(path, format!("{value} was given; it must be {limit}")))
+        Err(Objection::new(path, format!("{} was given; it must be {limit}", exact(value))))
     }
 }

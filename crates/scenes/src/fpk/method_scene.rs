@@ -1,5 +1,6 @@
 //! The method of a scene.
 
+use figures::number::exact;
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -248,7 +249,7 @@ impl MethodScene {
             }
             Self::MonteCarlo { paths, step, integrator, .. } => {
                 must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
-                must("method.monte_carlo.step", *step, *step > 0.0, "greater than 0")?;
+                check_step("method.monte_carlo.step", *step, (system, times))?;
                 check_integrator("method.monte_carlo", *integrator, system)
             }
             Self::ConservativeGrid { .. } => self.check_grid(system),
@@ -329,6 +330,23 @@ fn check_integrator(
         .with_help(format!("available: {}", names.join(", "))))
 }
 
+/// Fewest steps of a path in a period: with fewer its bias, which no standard error shows, is of the size of the response.
+const FEWEST_PATH_STEPS: f64 = 8.0;
+
+/// Most steps of a path: more would take a processor hours for a thousand paths.
+const MOST_PATH_STEPS: f64 = 1e7;
+
+/// Rejects steps that do not follow the motion of a system, and those that would never end.
+fn check_step(key: &str, step: f64, (system, times): (&System, &[f64])) -> Result<(), Objection> {
+    must(key, step, step > 0.0, "greater than 0")?;
+    let steps = times.last().copied().unwrap_or_default() / step;
+    must(key, step, steps <= MOST_PATH_STEPS, "such that a path has at most 1e7 steps")?;
+    let longest = system.reference_period() / FEWEST_PATH_STEPS;
+    let limit =
+        format!("at most {}, an eighth of the shortest period of the system", exact(longest));
+    must(key, step, step <= longest, &limit)
+}
+
 /// Rejects distributions and steps for which a path is no function of independent normals.
 fn check_path(
     path: &str,
@@ -337,7 +355,7 @@ fn check_path(
     (system, initial, times): (&System, &LawScene, &[f64]),
 ) -> Result<(), Objection> {
     let key = format!("{path}.step");
-    must(&key, step, step > 0.0, "greater than 0")?;
+    check_step(&key, step, (system, times))?;
     let longest = times.last().copied().unwrap_or_default();
     must(&key, step, longest / step <= MOST_STEPS, "such that a path has at most 100000 steps")?;
     if matches!(initial, LawScene::Mixture(components) if components.len() > 1) {

@@ -1,5 +1,6 @@
 //! A density scene as written in its JSON file.
 
+use figures::number::{exact, long};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -80,7 +81,7 @@ pub struct CloudScene {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Times {
-    /// The last time (s).
+    /// The last time, a multiple of `every` (s).
     pub until: f64,
     /// The interval (s).
     pub every: f64,
@@ -89,12 +90,14 @@ pub struct Times {
 /// Largest number of output times of a scene; larger result files are impractical.
 const MOST_TIMES: f64 = 10_000.0;
 
+/// How far a multiple of an interval may be from a whole number of intervals, relatively: decimals in binary.
+const ROUNDOFF: f64 = 1e-9;
+
 impl Times {
     /// Times of observation.
     #[must_use]
     pub fn list(&self) -> Vec<f64> {
-        // The tolerance includes an end that roundoff put just below a multiple.
-        let n = (self.until / self.every + 1e-9).floor().min(MOST_TIMES);
+        let n = (self.until / self.every).round().min(MOST_TIMES);
         (1..=10_000_u32)
             .take_while(|&k| f64::from(k) <= n)
             .map(|k| f64::from(k) * self.every)
@@ -110,7 +113,18 @@ impl Times {
             "greater than 0 and at most `until`",
         )?;
         let n = self.until / self.every;
-        must("times.every", self.every, n <= MOST_TIMES, "such that there are at most 10000 times")
+        must(
+            "times.every",
+            self.every,
+            n <= MOST_TIMES,
+            "such that there are at most 10000 times",
+        )?;
+        let [below, above] = [n.floor(), n.ceil()].map(|n| long(n * self.every));
+        let limit = format!(
+            "a multiple of `every`, {}, so that the end is observed: {below} or {above}",
+            exact(self.every)
+        );
+        must("times.until", self.until, (n - n.round()).abs() <= ROUNDOFF * n, &limit)
     }
 }
 
@@ -166,7 +180,12 @@ impl FpkScene {
         let Some(planes) = &self.planes else { return Ok(Vec::new()) };
         let place = |(k, [across, up]): (usize, &[String; 2])| {
             let path = |axis| format!("planes.states[{k}][{axis}]");
-            Ok([state(across, states, &path(0))?, state(up, states, &path(1))?])
+            let [across, up] = [state(across, states, &path(0))?, state(up, states, &path(1))?];
+            if across == up {
+                let message = format!("a plane needs two states; both are `{}`", states[up]);
+                return Err(Objection::new(path(1), message));
+            }
+            Ok([across, up])
         };
         planes.states.iter().enumerate().map(place).collect()
     }

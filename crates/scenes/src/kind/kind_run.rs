@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use mpi_ensembles::Ranks;
 
+use super::folder_lock::FolderLock;
 use super::options::Options;
 use super::progress::Progress;
 use super::run_error::RunError;
@@ -19,6 +20,7 @@ pub struct Run<'a> {
     pub(super) solver: &'static str,
     pub(super) options: &'a Options,
     pub(super) checkpoint: OnceLock<Checkpoint>,
+    pub(super) lock: OnceLock<FolderLock>,
     pub(super) ranks: Option<&'a dyn Ranks>,
 }
 
@@ -29,14 +31,19 @@ impl Run<'_> {
         &self.options.out
     }
 
-    /// Parses a scene, replaces its seed if requested, and returns it with the result of its check.
+    /// Parses a scene, replaces its seed if requested, and returns it with the result of its check. From then on the folder of the
+    /// results is closed to other runs, but for the ranks of the same job.
     ///
     /// # Errors
-    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed given to a scene without random numbers.
+    /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed given to a scene without random numbers; [`RunError::Occupied`].
     pub fn build<T: Scene>(&self, file: &SceneFile) -> Result<(T, T::Built), RunError> {
         let (mut scene, built) = file.build::<T>()?;
         if let Some(seed) = self.options.seed {
             *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
+        }
+        if self.ranks.is_none() && self.lock.get().is_none() {
+            // A second call, of the same thread, finds the lock that the first has set.
+            let _ = self.lock.set(FolderLock::take(self.out())?);
         }
         Ok((scene, built))
     }

@@ -54,6 +54,13 @@ pub enum RunError {
     #[error("a shard of an ensemble, or a merge, runs in one process")]
     #[diagnostic(help("leave out --shard, or mpirun"))]
     PartOnRanks,
+    /// Another run writes into the folder.
+    #[error("another run writes into {}", folder.display())]
+    #[diagnostic(help("wait for its end, or choose another folder by --out"))]
+    Occupied {
+        /// The folder.
+        folder: std::path::PathBuf,
+    },
     /// The scene has no random numbers.
     #[error("the seed {seed} was given, but the scene has no random numbers")]
     #[diagnostic(help("leave out --seed"))]

@@ -187,6 +187,8 @@ impl Scene for CrackScene {
     fn check(&self) -> Result<(), Objection> {
         self.body.check()?;
         positive("material.young_modulus", "Young's modulus", self.material.young_modulus)?;
+        self.check_count()?;
+        self.check_notch()?;
         self.check_grips()?;
         self.check_output()
     }
@@ -196,7 +198,49 @@ impl Scene for CrackScene {
     }
 }
 
+/// Most nodes of a body.
+const MOST_NODES: f64 = 4e6;
+/// Bytes of a bond in a list: two nodes, length, factors, state.
+const BYTES_OF_A_BOND: f64 = 64.0;
+
 impl CrackScene {
+    /// Rejects more nodes than a run holds, with the memory that their bonds would take.
+    fn check_count(&self) -> Result<(), Objection> {
+        let (body, spacing) = (&self.body, self.body.spacing);
+        let nodes = body.size[0] / spacing * (body.size[1] / spacing);
+        if nodes <= MOST_NODES {
+            return Ok(());
+        }
+        let reach = self.bonds.horizon.of(spacing)?.radius() / spacing;
+        let bonds = 0.5 * std::f64::consts::PI * reach * reach * nodes;
+        let message = format!(
+            "the body has {nodes:.3e} nodes, whose {bonds:.3e} bonds take about {:.0} GB for each realisation at work; at most {MOST_NODES:e} are allowed",
+            bonds * BYTES_OF_A_BOND * 1e-9
+        );
+        let help = "choose a larger spacing, or a smaller part of the body around the notch";
+        Err(Objection::new("body.spacing", message).with_help(help))
+    }
+
+    /// Rejects a notch that does not come from an edge, or whose tip a hole removes.
+    fn check_notch(&self) -> Result<(), Objection> {
+        let NotchScene { mouth, tip } = self.notch;
+        let (width, spacing) = (self.body.size[0], self.body.spacing);
+        if mouth[0].min(width - mouth[0]).abs() > 0.5 * spacing {
+            let message =
+                format!("the mouth of the notch is at x = {} m, inside the body", mouth[0]);
+            let help = format!(
+                "it must be on an edge, at x = 0 or {width} m: the body is not cut from inside"
+            );
+            return Err(Objection::new("notch.mouth[0]", message).with_help(help));
+        }
+        let hole = self.body.holes.iter().position(|hole| hole.contains(&tip));
+        let Some(hole) = hole else { return Ok(()) };
+        let message =
+            format!("the tip of the notch lies in hole {hole}, so that no crack starts there");
+        let help = "end the notch before the hole, or leave out one of the two";
+        Err(Objection::new("notch.tip", message).with_help(help))
+    }
+
     fn check_grips(&self) -> Result<(), Objection> {
         let (height, spacing, whole) = (self.grips.height, self.body.spacing, self.body.size[1]);
         if !(height >= spacing && height < 0.5 * whole) {

@@ -11,7 +11,7 @@ use smpm::{
 
 use super::coordinates::point;
 use super::material_scene::{MaterialScene, Numbers, Part};
-use super::region::Region;
+use super::region::BodyRegion;
 use super::scene::{
     BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, MethodScene, OrderScene,
     ShapeScene, SideScene, SmpmScene, TransferScene,
@@ -222,14 +222,10 @@ impl SmpmScene {
     /// # Errors
     /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 points.
     pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
-        let (scene, path) = (&self.bodies[body], format!("bodies[{body}]"));
-        let whole = Region::<D>::of(&scene.shape, &format!("{path}.shape"))?;
-        let cut = |(i, shape)| Region::<D>::of(shape, &format!("{path}.except[{i}]"));
-        let cuts: Vec<Region<D>> =
-            scene.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
+        let path = format!("bodies[{body}]");
+        let region = BodyRegion::<D>::of(&self.bodies[body], &path)?;
         let spacing = [self.grid.cell / f64::from(self.grid.particles_per_cell); D];
-        let inside = |x: &[f64; D]| whole.holds(x) && !cuts.iter().any(|cut| cut.holds(x));
-        let (low, high) = whole.bounds();
+        let (low, high) = region.bounds();
         let along = |k: usize| ((high[k] - low[k]) / spacing[k]).max(1.0);
         let places: f64 = (0..D).map(along).product();
         if places > MOST_PLACES {
@@ -238,7 +234,7 @@ impl SmpmScene {
             );
             return Err(Objection::new("grid.cell", message));
         }
-        Fill::of(spacing, (low, high), inside)
+        Fill::of(spacing, (low, high), |x| region.holds(x))
             .map_err(|error| Objection::new("grid.cell", format!("{path}: {error}")))
     }
 }
@@ -331,6 +327,12 @@ impl Scene for SmpmScene {
                 ));
             }
         }
+        if let MethodScene::MonteCarlo { samples, .. } = self.method
+            && samples < 2
+        {
+            let message = format!("{samples} samples; a variance needs at least 2");
+            return Err(Objection::new("method.monte_carlo.samples", message));
+        }
         match self.dimension {
             1 => self.check_in::<1>(),
             2 => self.check_in::<2>(),
@@ -358,9 +360,6 @@ impl SmpmScene {
         let numbers = self.numbers()?;
         for (name, material) in &self.materials {
             let path = format!("materials.{name}");
-            if let Some(burn) = &material.detonation {
-                point::<D>(&burn.point, &format!("{path}.detonation.point"))?;
-            }
             let one = Fill { positions: vec![[0.0; D]], spacing: [1.0; D] };
             let of = |part, key| numbers[name.as_str()][&(part, key)];
             material
@@ -375,11 +374,7 @@ impl SmpmScene {
             if !body.velocity.is_empty() {
                 point::<D>(&body.velocity, &format!("bodies[{i}].velocity"))?;
             }
-            if self.fill::<D>(i)?.positions.is_empty() {
-                let message = format!("body `{}` holds no particle", body.name);
-                return Err(Objection::new(format!("bodies[{i}].shape"), message));
-            }
         }
-        Ok(())
+        self.check_bodies::<D>()
     }
 }

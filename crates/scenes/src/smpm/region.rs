@@ -1,18 +1,41 @@
 //! Regions of space filled by bodies.
 
 use super::coordinates::point;
-use super::scene::SolidScene;
+use super::scene::{BodyScene, SolidScene};
 use crate::scene::Objection;
 
+/// What a body fills: its shape without the regions that are cut out.
+pub(super) struct BodyRegion<const D: usize> {
+    whole: Region<D>,
+    cuts: Vec<Region<D>>,
+}
+
+impl<const D: usize> BodyRegion<D> {
+    pub(super) fn of(body: &BodyScene, path: &str) -> Result<Self, Objection> {
+        let whole = Region::of(&body.shape, &format!("{path}.shape"))?;
+        let cut = |(i, shape)| Region::of(shape, &format!("{path}.except[{i}]"));
+        let cuts = body.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
+        Ok(Self { whole, cuts })
+    }
+
+    pub(super) fn bounds(&self) -> ([f64; D], [f64; D]) {
+        self.whole.bounds()
+    }
+
+    pub(super) fn holds(&self, x: &[f64; D]) -> bool {
+        self.whole.holds(x) && !self.cuts.iter().any(|cut| cut.holds(x))
+    }
+}
+
 /// A region with points of the right dimension.
-pub(super) enum Region<const D: usize> {
+enum Region<const D: usize> {
     Box { from: [f64; D], to: [f64; D] },
     Ball { centre: [f64; D], radius: f64 },
     Cylinder { base: [f64; D], radius: f64, height: f64 },
 }
 
 impl<const D: usize> Region<D> {
-    pub(super) fn of(scene: &SolidScene, path: &str) -> Result<Self, Objection> {
+    fn of(scene: &SolidScene, path: &str) -> Result<Self, Objection> {
         let positive = |key: &str, value: f64| {
             if value > 0.0 {
                 Ok(value)
@@ -41,7 +64,7 @@ impl<const D: usize> Region<D> {
         }
     }
 
-    pub(super) fn bounds(&self) -> ([f64; D], [f64; D]) {
+    fn bounds(&self) -> ([f64; D], [f64; D]) {
         match *self {
             Self::Box { from, to } => (from, to),
             Self::Ball { centre, radius } => {
@@ -59,7 +82,7 @@ impl<const D: usize> Region<D> {
         }
     }
 
-    pub(super) fn holds(&self, x: &[f64; D]) -> bool {
+    fn holds(&self, x: &[f64; D]) -> bool {
         let square =
             |from: &[f64; D], n: usize| (0..n).map(|k| (x[k] - from[k]).powi(2)).sum::<f64>();
         match self {

@@ -37,6 +37,9 @@ pub(crate) const KIND: SceneKind = SceneKind {
 #[derive(Debug, Serialize)]
 struct Content {
     work: WorkRecord,
+    /// How the scene was read where it was not taken as it stands.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
     /// Samples that failed, and why.
     failures: Vec<Failure>,
     gauges: Vec<GaugeResult>,
@@ -94,6 +97,8 @@ fn run_in<const D: usize>(
     let object = |objection: Objection| RunError::from(file.object_to(&objection));
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
+    let notes = scene.rounded_sizes();
+    notes.iter().for_each(|note| run.progress.stage(&format!("note: {note}")));
     let mut fields = Fields::new(scene, plan.stops(), run.out());
     // A scene with fewer parameters has more lanes for probes.
     let answer = match scene.random.len() {
@@ -122,6 +127,7 @@ fn run_in<const D: usize>(
             runs: answer.n_runs,
             cpu_seconds: answer.cpu_seconds,
         },
+        notes,
         failures: answer.failures.iter().map(failure).collect(),
         gauges,
     };

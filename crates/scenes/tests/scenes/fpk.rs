@@ -150,3 +150,28 @@ fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_
     assert!(checkpoints(&folder) == kept && !kept.is_empty());
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn times_and_steps_that_would_mislead_are_refused_before_anything_runs() {
+    let paths = |step: f64| {
+        let method = format!(
+            "\"monte_carlo\": {{ \"paths\": 200, \"step\": {step}, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
+        );
+        SMALL.replace("\"log_density_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
+    };
+    for (text, path, part) in [
+        (SMALL.replace("\"until\": 0.2", "\"until\": 0.25"), "times.until", "0.2 or 0.3"),
+        // The period is 2 s.
+        (paths(100.0), "method.monte_carlo.step", "an eighth of the shortest period"),
+        (paths(1e-300), "method.monte_carlo.step", "1e-300 was given"),
+        (SMALL.replace("[\"q\", \"z\"]", "[\"q\", \"q\"]"), "planes.states[0][1]", "both are `q`"),
+    ] {
+        let folder = std::env::temp_dir().join(format!("fpk-refused-{}", std::process::id()));
+        let error = run_in(&folder, &text, Start::Anew).unwrap_err();
+        let RunError::Scene(error) = error else { panic!("{error}") };
+        let mistake = error.mistake().unwrap();
+        assert_eq!(mistake.path, path, "{mistake:?}");
+        assert!(mistake.message.contains(part), "{}", mistake.message);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

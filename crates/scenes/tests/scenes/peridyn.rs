@@ -193,7 +193,7 @@ const SMOOTH: &str = "\"dense\": { \"value\": 1, \"correlation\": { \"function\"
 const LOGNORMAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
 
 /// Replaced text, replacement, key, part of the message, and underlined text.
-const MISTAKES: [[&str; 5]; 14] = [
+const MISTAKES: [[&str; 5]; 17] = [
     [
         "{ \"shells\": 2 }",
         "{ \"length\": 0.0009 }",
@@ -209,6 +209,21 @@ const MISTAKES: [[&str; 5]; 14] = [
         "\"notch\"",
     ],
     ["[0.006, 0.008]", "[0.02, 0.008]", "notch.tip", "lies outside the body", "\"tip\""],
+    [
+        "\"mouth\": [0, 0.008]",
+        "\"mouth\": [0.003, 0.008]",
+        "notch.mouth[0]",
+        "inside the body",
+        "0.003",
+    ],
+    [
+        "\"spacing\": 0.001",
+        "\"spacing\": 0.001, \"holes\": [{ \"circle\": { \"centre\": [0.006, 0.008], \"radius\": 0.002 } }]",
+        "notch.tip",
+        "lies in hole 0",
+        "\"tip\"",
+    ],
+    ["\"spacing\": 0.001", "\"spacing\": 0.000001", "body.spacing", "2.560e8 nodes", "0.000001"],
     ["[0.006, 0.008]", "[0.015, 0.008]", "notch.tip", "no room for a crack", "\"tip\""],
     [IDENTITY, SMOOTH, "dynamics.overdamped.mobility.dense.nugget", "not positive definite", "0 }"],
     [

@@ -278,3 +278,78 @@ fn mistakes_are_shown_where_they_stand() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
+
+/// Two bodies in the plane, one of which burns.
+const CHARGE: &str = r#"{
+  "solver": "smpm",
+  "title": "Charge and plate",
+  "units": "cm_g_us",
+  "dimension": 2,
+  "grid": { "cell": 0.5, "particles_per_cell": 2 },
+  "materials": {
+    "tnt": { "equation": { "jwl": { "library": "tnt" } }, "detonation": { "point": [0, 1], "cells": 2 } },
+    "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } }
+  },
+  "bodies": [
+    { "name": "charge", "material": "tnt", "shape": { "box": { "from": [0, 0], "to": [2, 2] } } },
+    { "name": "plate", "material": "steel", "shape": { "box": { "from": [2, 0], "to": [3, 2] } } }
+  ],
+  "method": "deterministic",
+  "gauges": [
+    { "name": "near", "body": "plate", "at": [2.25, 1] },
+    { "name": "far", "body": "plate", "at": [2.75, 1] }
+  ],
+  "quantities": ["pressure"],
+  "times": [0.1]
+}"#;
+
+#[test]
+fn bodies_that_cannot_be_are_refused_before_anything_runs() {
+    for (from, to, path, part) in [
+        (
+            "\"from\": [2, 0], \"to\": [3, 2]",
+            "\"from\": [1.5, 0], \"to\": [3, 2]",
+            "bodies[1].shape",
+            "overlap: 16 of the 48 particles of `plate` lie in `charge`",
+        ),
+        ("\"name\": \"plate\"", "\"name\": \"charge\"", "bodies[1].name", "another body `charge`"),
+        ("\"name\": \"far\"", "\"name\": \"near\"", "gauges[1].name", "another gauge `near`"),
+        (
+            "\"point\": [0, 1]",
+            "\"point\": [4, 1]",
+            "materials.tnt.detonation.point",
+            "the nearest particle is 2.125 away",
+        ),
+    ] {
+        assert!(CHARGE.contains(from));
+        let (folder, written) = run_text("refused", &CHARGE.replacen(from, to, 1));
+        let error = written.unwrap_err();
+        let RunError::Scene(error) = error else { panic!("{error}") };
+        let mistake = error.mistake().unwrap();
+        assert_eq!(mistake.path, path);
+        assert!(mistake.message.contains(part), "{}", mistake.message);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
+#[test]
+fn a_size_off_the_lattice_is_noted_in_the_result() {
+    for (to, notes) in [
+        ("[3, 2]", 0),
+        // 4.8 and 8.4 spacings: five and eight are filled.
+        ("[3.2, 2.1]", 2),
+    ] {
+        let text = CHARGE.replacen("\"to\": [3, 2]", &format!("\"to\": {to}"), 1);
+        let (folder, written) = run_text("noted", &text);
+        written.unwrap();
+        let result = std::fs::read_to_string(folder.join("out/result.json")).unwrap();
+        let result: Value = serde_json::from_str(&result).unwrap();
+        let noted = result["notes"].as_array().map_or(&[][..], Vec::as_slice);
+        assert_eq!(noted.len(), notes);
+        if notes > 0 {
+            let text = noted[0].as_str().unwrap();
+            assert!(text.contains("`plate` is 1.25000 along axis 1, not 1.20000"), "{text}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

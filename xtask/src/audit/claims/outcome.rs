@@ -109,6 +109,11 @@ impl Outcomes {
         self.kept.get(&mutant.name).filter(|_| self.holds(&mutant.name))
     }
 
+    /// The last outcome of a mutant, also one for its source or its cases before a change.
+    pub(super) fn last_of(&self, mutant: &Mutant) -> Option<&Kept> {
+        self.kept.get(&mutant.name)
+    }
+
     pub(super) fn is_caught(&self, mutant: &Mutant) -> bool {
         self.of(mutant).is_some_and(|kept| kept.outcome.is_caught(mutant.breaks))
     }

@@ -21,27 +21,33 @@ pub(super) fn table(mutants: &[Mutant], outcomes: &Outcomes) -> String {
 }
 
 fn verdict(mutant: &Mutant, outcomes: &Outcomes) -> &'static str {
-    match outcomes.of(mutant) {
-        None => "not run",
-        Some(_) if outcomes.is_caught(mutant) => "caught",
-        Some(kept) if !kept.outcome.fault.is_empty() => "NO RESULT",
-        Some(_) => "SURVIVED",
+    let Some(last) = outcomes.last_of(mutant) else { return "not run" };
+    let (is_caught, is_now) =
+        (last.outcome.is_caught(mutant.breaks), outcomes.of(mutant).is_some());
+    match (is_caught, is_now) {
+        (true, true) => "caught",
+        (true, false) => "caught before",
+        _ if !last.outcome.fault.is_empty() => "NO RESULT",
+        (false, true) => "SURVIVED",
+        (false, false) => "SURVIVED before",
     }
 }
 
 /// The page `docs/mutants.md`.
 pub(super) fn render(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
     let mut page = head(mutants, outcomes, machine);
-    page.push_str("\n| crate | mutants | run | caught | survived |\n|---|---|---|---|---|\n");
+    page.push_str(
+        "\n| crate | mutants | caught | caught before | survived | not run |\n|---|---|---|---|---|---|\n",
+    );
     let mut crates: BTreeMap<&str, Vec<&Mutant>> = BTreeMap::new();
     for mutant in mutants {
         crates.entry(&mutant.package).or_default().push(mutant);
     }
     for (name, of) in &crates {
         let count = |word: &str| of.iter().filter(|m| verdict(m, outcomes) == word).count();
-        let n_run = of.len() - count("not run");
-        let (caught, survived) = (count("caught"), n_run - count("caught"));
-        let cells = [of.len(), n_run, caught, survived].map(|count| count.to_string());
+        let [caught, before, not_run] = ["caught", "caught before", "not run"].map(count);
+        let survived = of.len() - caught - before - not_run;
+        let cells = [of.len(), caught, before, survived, not_run].map(|count| count.to_string());
         page.extend(["| ", name, " | ", cells.join(" | ").as_str(), " |\n"]);
     }
     for (name, of) in &crates {
@@ -57,26 +63,26 @@ const COLUMNS: &str = "\
 ";
 
 fn head(mutants: &[Mutant], outcomes: &Outcomes, machine: &str) -> String {
-    let n_run = mutants.iter().filter(|m| outcomes.of(m).is_some()).count();
-    let n_caught = mutants.iter().filter(|m| outcomes.is_caught(m)).count();
+    let count = |word: &str| mutants.iter().filter(|m| verdict(m, outcomes) == word).count();
+    let [n_caught, n_before, n_not_run] = ["caught", "caught before", "not run"].map(count);
     format!(
         "# Mutants\n\nThis page says which wrong constants and signs the claims of each crate notice. \
-         Written by `cargo xtask audit claims --record`: {} mutants, {n_run} run, {n_caught} caught, {} survived. {machine}.\n\n\
+         Written by `cargo xtask audit claims --record`: {} mutants, {n_caught} caught, {n_before} caught before a change, {} survived, {n_not_run} not run. {machine}.\n\n\
          Each mutant replaces one text in one file (`xtask/src/audit/mutants.json`). The workspace is built with it, and the \
          cases of its crate are run. A mutant is caught if a claim of accuracy fails or a case stops with an error; a mutant \
          that breaks a structure, also by a structural claim. A regression bound alone catches nothing.\n\n\
          `cargo xtask audit claims --only NAME` repeats a row; *seconds* is its share of the build and the run. An outcome counts \
-         as long as the mutant, the file that it changes and the files of its cases stay the same; *commit* is where it was \
-         found. `cargo xtask audit claims --missing` runs the others.\n",
+         as long as the mutant, the file that it changes and the files of its cases stay the same; after a change of one of \
+         them it is *caught before*, at its *commit*. `cargo xtask audit claims --missing` runs those again.\n",
         mutants.len(),
-        n_run - n_caught,
+        mutants.len() - n_caught - n_before - n_not_run,
     )
 }
 
 fn row(mutant: &Mutant, outcomes: &Outcomes) -> String {
     let kind = if mutant.breaks == Breaks::Structure { " (structure)" } else { "" };
     let start = format!("| {} | {}{kind} ", mutant.name, mutant.what);
-    let Some(Kept { commit, outcome, .. }) = outcomes.of(mutant) else {
+    let Some(Kept { commit, outcome, .. }) = outcomes.last_of(mutant) else {
         return format!("{start}| not run | | | | | | | |\n");
     };
     let said = if outcome.fault.is_empty() {
@@ -112,9 +118,9 @@ mod tests {
         outcomes.keep(&mutants[1], "1234".into(), Outcome { regression: 1, ..Outcome::default() });
         let page = render(&mutants, &outcomes, "a machine");
         for expected in [
-            "3 mutants, 2 run, 1 caught, 1 survived. a machine.",
-            "| smpm | 2 | 2 | 1 | 1 |",
-            "| lanes | 1 | 0 | 0 | 0 |",
+            "3 mutants, 1 caught, 0 caught before a change, 1 survived, 1 not run. a machine.",
+            "| smpm | 2 | 1 | 0 | 1 | 0 |",
+            "| lanes | 1 | 0 | 0 | 0 | 1 |",
             "| a | a constant | caught | 2 | 0 | 0 | 0 | `smpm/x/y` | 0 | 1234 |",
             "| b | a constant | SURVIVED | 0 | 0 | 1 |",
             "| c | a constant | not run |",

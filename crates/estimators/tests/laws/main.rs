@@ -1,0 +1,3 @@
+//! Properties of the estimators, through their public interface.
+
+mod multilevel;

@@ -156,18 +156,6 @@ pub enum Error {
         /// Its number.
         block: u64,
     },
-    /// A surrogate depends linearly on the others: its coefficient is undetermined.
-    #[error(
-        "surrogate {surrogate} is a linear combination of those before it: {value:e} of its variance is its own, must exceed {limit:e}"
-    )]
-    DependentSurrogate {
-        /// Index of the surrogate.
-        surrogate: usize,
-        /// Part of its variance that the others do not explain.
-        value: f64,
-        /// Roundoff level.
-        limit: f64,
-    },
     /// A response does not vary, so its sensitivities are undefined.
     #[error(
         "response {response} has a variance of {value:e}, must exceed {limit:e}: it does not vary"

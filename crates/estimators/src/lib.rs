@@ -2,6 +2,7 @@
 
 mod blocks;
 mod comoments;
+mod control;
 mod error;
 mod ladder;
 mod multilevel;
@@ -14,6 +15,7 @@ mod survey;
 
 pub use blocks::{Block, BlockId, Progress};
 pub use comoments::Comoments;
+pub use control::{ControlledSamples, SampledMoments, Surrogate};
 pub use error::Error;
 pub use ladder::{Failure, Ladder, Levels, Pair};
 pub use multilevel::Multilevel;

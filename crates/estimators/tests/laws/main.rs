@@ -1,3 +1,4 @@
 //! Properties of the estimators, through their public interface.
 
+mod control;
 mod multilevel;

@@ -1,4 +1,6 @@
 //! Properties of the estimators, through their public interface.
 
 mod control;
+mod cube;
+mod multifidelity;
 mod multilevel;

@@ -78,7 +78,9 @@ impl UnitCube {
         Ok((0..n_responses)
             .map(|response| {
                 let (mut means, mut variances) = (Accumulator::default(), Accumulator::default());
-                replicas.iter().for_each(|sums| means.push(sums[response].mean()));
+                for sums in &replicas {
+                    means.push(sums[response].mean());
+                }
                 for sums in &replicas {
                     let square = mean_square(&sums[response]);
                     let between = (sums[response].mean() - means.mean()).powi(2);
@@ -112,7 +114,7 @@ impl UnitCube {
                 Ok(sums)
             },
             |earlier, later| {
-                earlier.iter_mut().zip(later).for_each(|(sum, later)| sum.merge(&later))
+                earlier.iter_mut().zip(later).for_each(|(sum, later)| sum.merge(&later));
             },
         )
     }

@@ -57,7 +57,7 @@ use crate::survey::Survey;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multilevel<'a> {
-    /// Name of the study: blocks of studies with different names are not merged. It stands for what cannot be compared:
+    /// Name of the study: blocks of studies with different names are not merged. It represents what cannot be compared:
     /// the models and their seed.
     pub name: &'a str,
     /// What is estimated.
@@ -232,11 +232,11 @@ impl Multilevel<'_> {
         self.check_progress(ladder, progress)?;
         progress.require_complete()?;
         let survey = Survey::new(self.targets, self.bias, self.pilot_blocks, ladder, progress)?;
-        if let Some((pair, _)) = survey.wanted()?.first() {
-            if progress.n_blocks(*pair) == 0 {
-                let pair = pair.to_string();
-                return Err(Error::MissingBlocks { missing: 1, pair, block: 0 });
-            }
+        if let Some((pair, _)) = survey.wanted()?.first()
+            && progress.n_blocks(*pair) == 0
+        {
+            let pair = pair.to_string();
+            return Err(Error::MissingBlocks { missing: 1, pair, block: 0 });
         }
         Ok(survey.result(total_cost(ladder, progress)))
     }

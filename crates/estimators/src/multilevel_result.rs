@@ -46,6 +46,18 @@ pub struct TargetResult {
     pub is_reached: bool,
 }
 
+impl TargetResult {
+    /// Root of the sum of the squares of standard error, bias bound and error of smoothing.
+    ///
+    /// An interval of 1.96 of it to either side holds the true value in 95 to 97 % of repetitions, as long as the bias is at
+    /// most the standard error.
+    #[must_use]
+    pub fn root_mean_square_error(&self) -> f64 {
+        let standard_error = self.estimate.standard_error().unwrap_or(f64::NAN);
+        (standard_error.powi(2) + self.bias_bound.powi(2) + self.smoothing.powi(2)).sqrt()
+    }
+}
+
 /// A level and its difference to the one below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelReport {

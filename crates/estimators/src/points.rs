@@ -70,10 +70,10 @@ impl SobolPoints {
         }
     }
 
-    /// Writes a point without the scramble: the first is the corner, and so are all for a response of digits.
+    /// Writes a point without the scramble: the first one is the corner at zero.
     pub fn unscrambled(&self, index: u64, x: &mut [f64]) {
         for (x, directions) in x.iter_mut().zip(&self.directions) {
-            *x = f64::from(digits(directions, index)) / (1_u64 << DIGITS) as f64;
+            *x = f64::from(digits(directions, index)) / (1_u64 << u32::BITS) as f64;
         }
     }
 }
@@ -121,7 +121,7 @@ fn scrambled(digits: u32, key: u64) -> f64 {
         node = node << 1 | digit;
     }
     let whole = flipped << FURTHER_DIGITS | hash(key, node) >> (64 - FURTHER_DIGITS);
-    (whole as f64 + 0.5) / (1_u64 << (DIGITS as u32 + FURTHER_DIGITS)) as f64
+    (whole as f64 + 0.5) / (1_u64 << (u32::BITS + FURTHER_DIGITS)) as f64
 }
 
 /// Output `counter` of SplitMix64 with state `key`.

@@ -10,7 +10,7 @@ use crate::multilevel_result::{LevelReport, MultilevelResult, TargetResult};
 use crate::rates::{Bias, extrapolated, floored, with_error};
 use crate::statistic::{COMPONENTS, Statistic, Target, TargetSums};
 
-/// What the blocks of a study tell.
+/// Variances, rates and bias of a study, from its blocks.
 pub(crate) struct Survey<'a> {
     targets: &'a [Target],
     bias: Bias,

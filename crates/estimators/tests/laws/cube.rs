@@ -8,13 +8,14 @@ fn cube(sampling: Sampling, seed: u64, n_points: u64) -> UnitCube {
 
 #[test]
 fn points_are_those_of_joe_and_kuo() {
-    // scipy.stats.qmc.Sobol(50, scramble=False, bits=52) in Gray code order: its point 37 is ours of number 37 ^ 37 >> 1.
+    // scipy.stats.qmc.Sobol(50, scramble=False, bits=52) in Gray code order: its point 37 is ours of that code.
+    let gray = |index: u64| index ^ index >> 1;
     let points = SobolPoints::new(50, 1, 0).unwrap();
     let mut x = [0.0; 50];
-    points.unscrambled(37 ^ 37 >> 1, &mut x);
+    points.unscrambled(gray(37), &mut x);
     let expected = [0.921875, 0.640625, 0.578125, 0.296875, 0.078125, 0.078125, 0.078125, 0.953125];
     assert_eq!([0, 1, 2, 5, 11, 39, 40, 49].map(|d| x[d]), expected);
-    points.unscrambled(63 ^ 63 >> 1, &mut x);
+    points.unscrambled(gray(63), &mut x);
     assert_eq!(x[49], 0.671875);
 }
 
@@ -33,13 +34,17 @@ fn scrambled_points_remain_a_net() {
         let cell = |x: f64, bits: i32| (x * f64::from(bits).exp2()) as usize;
         for d in 0..dimension {
             let mut seen = vec![0; n];
-            all.iter().for_each(|x| seen[cell(x[d], m)] += 1);
+            for x in &all {
+                seen[cell(x[d], m)] += 1;
+            }
             assert!(seen.iter().all(|count| *count == 1), "dimension {d}");
         }
         for first in 0..=m {
             let mut seen = vec![0; n];
             let rows = 1 << (m - first);
-            all.iter().for_each(|x| seen[cell(x[0], first) * rows + cell(x[1], m - first)] += 1);
+            for x in &all {
+                seen[cell(x[0], first) * rows + cell(x[1], m - first)] += 1;
+            }
             assert!(seen.iter().all(|count| *count == 1), "{first} digits of the first");
         }
     }

@@ -44,7 +44,7 @@ fn growth(seed: u64) -> PathLadder<'static, Growth, EulerMaruyama, [f64; 1], Res
     }
 }
 
-fn study<'a>(targets: &'a [Target]) -> Multilevel<'a> {
+fn study(targets: &[Target]) -> Multilevel<'_> {
     let bias = Bias::Order(1.0);
     Multilevel { name: "growth", targets, bias, block_length: 64, pilot_blocks: 2, budget: 1e9 }
 }
@@ -153,7 +153,7 @@ fn coarse_paths_follow_the_fine_ones() {
     }
     let ladder = PathLadder::<_, _, _, _, 1, 1> {
         system: &Sine,
-        integrator: &Sra1::default(),
+        integrator: &Sra1,
         law: &[0.3],
         seed: 9,
         end: 1.0,
@@ -219,6 +219,34 @@ fn exact_study(targets: &[Target]) -> Multilevel<'_> {
     Multilevel { bias: Bias::FinestIsExact, ..study(targets) }
 }
 
+/// Another mean as the coarser level than as the finer one.
+struct Apart;
+impl Ladder for Apart {
+    fn n_levels(&self) -> usize {
+        2
+    }
+    fn n_responses(&self) -> usize {
+        1
+    }
+    fn cost(&self, level: usize) -> f64 {
+        [1.0, 2.0][level]
+    }
+    fn sample(
+        &self,
+        pair: Pair,
+        realisation: u64,
+        fine: &mut [f64],
+        coarse: &mut [f64],
+    ) -> Result<(), Failure> {
+        fine[0] = uniform(realisation);
+        for y in coarse.iter_mut() {
+            *y = uniform(realisation) + 0.5;
+        }
+        assert_eq!(coarse.len(), usize::from(pair.coarse.is_some()));
+        Ok(())
+    }
+}
+
 #[test]
 fn bad_input_is_refused_with_its_value() {
     let good = [Target { response: 0, statistic: Statistic::Mean, tolerance: 0.01 }];
@@ -244,7 +272,16 @@ fn bad_input_is_refused_with_its_value() {
     assert!(matches!(found, Err(Error::OverBudget { limit: 1e3, .. })), "{found:?}");
     let found = Multilevel { budget: f64::NAN, ..exact_study(&good) }.run(&two);
     assert!(matches!(found, Err(Error::NotPositive { quantity: "budget", .. })));
+}
 
+#[test]
+fn bad_samples_ladders_and_blocks_are_refused() {
+    let good = [Target { response: 0, statistic: Statistic::Mean, tolerance: 0.01 }];
+    let run = |_: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
+        y[0] = uniform(realisation);
+        Ok(())
+    };
+    let two = Levels { costs: &[1.0, 2.0], n_responses: 1, run };
     let nan = Levels {
         costs: &[1.0, 2.0],
         n_responses: 1,
@@ -265,31 +302,6 @@ fn bad_input_is_refused_with_its_value() {
     let message = exact_study(&good).run(&failing).unwrap_err().to_string();
     assert!(message.contains("no mesh"), "{message}");
 
-    /// Another mean as the coarser level than as the finer one.
-    struct Apart;
-    impl Ladder for Apart {
-        fn n_levels(&self) -> usize {
-            2
-        }
-        fn n_responses(&self) -> usize {
-            1
-        }
-        fn cost(&self, level: usize) -> f64 {
-            [1.0, 2.0][level]
-        }
-        fn sample(
-            &self,
-            pair: Pair,
-            realisation: u64,
-            fine: &mut [f64],
-            coarse: &mut [f64],
-        ) -> Result<(), Failure> {
-            fine[0] = uniform(realisation);
-            coarse.iter_mut().for_each(|y| *y = uniform(realisation) + 0.5);
-            assert_eq!(coarse.len(), usize::from(pair.coarse.is_some()));
-            Ok(())
-        }
-    }
     let found = exact_study(&good).run(&Apart);
     assert!(matches!(found, Err(Error::NotNested { level: 0, .. })), "{found:?}");
 

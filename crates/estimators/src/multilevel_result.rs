@@ -34,13 +34,13 @@ pub struct TargetResult {
     /// The statistic of the finest level, with its standard error.
     pub estimate: Estimate,
     /// Bias of the finest level by extrapolation, true value less that of the level, with its standard error; zero by
-    /// [`Bias::FinestIsExact`].
+    /// [`Bias::FinestIsExact`](crate::Bias::FinestIsExact).
     pub bias: Estimate,
     /// The magnitude of the bias, as the largest that the three finest differences predict.
     pub bias_bound: f64,
     /// Error of smoothing the indicator; zero without smoothing.
     pub smoothing: f64,
-    /// The weak order that was used, with its standard error if it was fitted; none by [`Bias::FinestIsExact`].
+    /// The weak order that was used, with its standard error if it was fitted; none by [`Bias::FinestIsExact`](crate::Bias::FinestIsExact).
     pub order: Option<Estimate>,
     /// Whether variance and bias each take at most half of the squared tolerance. It fails where the ladder ends.
     pub is_reached: bool,

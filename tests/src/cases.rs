@@ -3,6 +3,7 @@
 //! A case is one file here and one line in [`ALL`].
 
 mod advice;
+mod estimators;
 mod fpk;
 mod lines;
 mod neighbour_search;
@@ -99,6 +100,10 @@ pub const ALL: &[Case] = &[
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,
+    estimators::multilevel::COST,
+    estimators::multilevel::LADDERS,
+    estimators::coverage::CASE,
+    estimators::sensitivity::CASE,
     perturbation_moments::reference::CASE,
     perturbation_moments::trust::CASE,
     perturbation_moments::judge::CASE,

@@ -11,7 +11,8 @@ use folder::files;
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
+    "estimators",
     "fpk-sph",
     "mpi-ensembles",
     "neighbour-search",

@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod along;
-mod control;
 mod derivatives;
 mod differences;
 mod error;
@@ -21,7 +20,6 @@ mod symmetric;
 mod trust;
 
 pub use along::{AlongDirections, Slopes};
-pub use control::{ControlledSamples, SampledMoments};
 pub use derivatives::{Derivatives, Known};
 pub use differences::{CentralDifferences, Differenced};
 pub use error::Error;

@@ -1,8 +1,7 @@
 //! Monte Carlo reference, raw and with the Taylor surrogate as control variate.
 
-use sde_integrators::{Accumulator, Estimate, Noise, Purpose, reduce_blocks};
+use sde_integrators::{Accumulator, Estimate, Noise, Purpose, Uncertainty, reduce_blocks};
 
-use crate::control::with_error;
 use crate::error::Error;
 use crate::moments::Moments;
 use crate::random_vector::RandomVector;
@@ -58,8 +57,8 @@ impl Judgement {
 impl MonteCarlo {
     /// Independent standard normals of a sample; its inputs are [`RandomVector::point`] of them.
     ///
-    /// For responses that a closure cannot compute one by one, [`ControlledSamples`](crate::ControlledSamples) takes
-    /// the collected values.
+    /// For responses that a closure cannot compute one by one, `ControlledSamples` of the crate estimators takes the
+    /// collected values.
     #[must_use]
     pub fn normals<const N: usize>(&self, realisation: u64) -> [f64; N] {
         normals_of(Noise::new(self.seed), realisation)
@@ -168,6 +167,10 @@ fn summed(values: impl Iterator<Item = f64>) -> Summed {
     let variance = sum.variance().unwrap_or(f64::INFINITY);
     let standard_error = (variance / sum.count() as f64).sqrt();
     Summed { mean: sum.mean(), variance, standard_error }
+}
+
+fn with_error(value: f64, standard_error: f64) -> Estimate {
+    Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) }
 }
 
 fn ratio(raw: &Estimate, controlled: &Estimate) -> f64 {

@@ -4,9 +4,9 @@
 
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
-    CentralDifferences, ControlledSamples, Derivatives, Error, Expansion, ForwardDifferentiation,
-    Gradient, HighestOrder, Jet, JetCurvature, JetDifferentiation, Known, Moments, MonteCarlo,
-    RandomVector, Response, Scalar, SigmaPoints, Slopes, Verdict,
+    CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, Gradient,
+    HighestOrder, Jet, JetCurvature, JetDifferentiation, Known, Moments, MonteCarlo, RandomVector,
+    Response, Scalar, SigmaPoints, Slopes, Verdict,
 };
 use proptest::prelude::*;
 
@@ -276,57 +276,6 @@ fn monte_carlo_raw_and_controlled_agree_and_repeat() {
     // No logarithm for one sample in fifteen.
     let failed = judge.judge(&inputs, &moments, |x| (x[0] - 0.7).ln());
     assert!(matches!(failed, Err(Error::NonFiniteSample { .. })), "{failed:?}");
-}
-
-/// 300 judgements of 250 samples each: estimates without bias, and errors that are those of the scatter.
-#[test]
-fn split_control_is_unbiased_and_its_errors_are_right() {
-    let inputs = RandomVector::independent([0.0], [0.3]).unwrap();
-    // y = exp(x) by a surrogate of twice its size: the coefficient has to be found.
-    let exact = [0.045_f64.exp(), 0.09_f64.exp() * (0.09_f64.exp() - 1.0)];
-    let (mut sums, mut squares, mut claimed, mut gained) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
-    let n_runs = 300;
-    for seed in 0..n_runs {
-        let judge = MonteCarlo { seed, n_samples: 250 };
-        let samples: Vec<[f64; 2]> = (0..250)
-            .map(|realisation| {
-                let x = inputs.point(&judge.normals(realisation))[0];
-                [x.exp(), 2.0 * x + x * x]
-            })
-            .collect();
-        let found = ControlledSamples {
-            samples: &samples,
-            surrogate_mean: 0.09,
-            surrogate_variance: 4.0 * 0.09 + 2.0 * 0.09 * 0.09,
-            seed,
-        }
-        .estimate()
-        .unwrap();
-        for (k, estimate) in [found.mean, found.variance].iter().enumerate() {
-            let error = estimate.value - exact[k];
-            sums[k] += error;
-            squares[k] += error * error;
-            claimed[k] += estimate.standard_error().unwrap().powi(2);
-        }
-        gained += found.mean.standard_error().unwrap();
-    }
-    let n = n_runs as f64;
-    for k in 0..2 {
-        // Four standard errors of the mean error; a ratio of variances of 300 runs has an error of 0.08 and, with the
-        // tails of squares, up to twice that.
-        assert!((sums[k] / n).abs() < 4.0 * (squares[k]).sqrt() / n, "{sums:?} {squares:?}");
-        assert!((claimed[k] / squares[k] - 1.0).abs() < 0.35, "{claimed:?} {squares:?}");
-    }
-    // Raw, the standard error of the mean is 0.02.
-    assert!(gained / n < 0.02 / 10.0, "{gained}");
-
-    let too_few = ControlledSamples {
-        samples: &[[1.0, 1.0]; 7],
-        surrogate_mean: 0.0,
-        surrogate_variance: 1.0,
-        seed: 1,
-    };
-    assert!(matches!(too_few.estimate(), Err(Error::TooFew { value: 7, limit: 8, .. })));
 }
 
 /// Every operation once.

@@ -33,11 +33,13 @@ pub enum Purpose {
     MarkovChain = 6,
     /// Parts of a step, given its increment.
     Refinement = 7,
+    /// Points of a unit cube: scrambles of quasi-random points, and pseudo-random points.
+    UnitCube = 8,
 }
 
 impl Purpose {
     /// All purposes.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Path,
         Self::InitialDistribution,
         Self::Bridge,
@@ -46,6 +48,7 @@ impl Purpose {
         Self::PathArea,
         Self::MarkovChain,
         Self::Refinement,
+        Self::UnitCube,
     ];
 }
 

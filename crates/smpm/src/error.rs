@@ -266,6 +266,9 @@ pub enum Error {
     /// Moments that cannot be had.
     #[error(transparent)]
     Moments(#[from] perturbation_moments::Error),
+    /// Samples from which moments cannot be estimated.
+    #[error(transparent)]
+    Sampling(#[from] estimators::Error),
     /// A material was driven out of its range.
     #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]
     Material {

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::ops::Range;
 
-use perturbation_moments::{ControlledSamples, Estimate, Moments, MonteCarlo, SampledMoments};
+use estimators::{ControlledSamples, SampledMoments, Surrogate};
+use perturbation_moments::{Estimate, Moments, MonteCarlo};
 
 use super::experiment::Experiment;
 use super::range::upper_tail;
@@ -112,9 +113,8 @@ impl<const N: usize> Sampled<N> {
     /// # Errors
     /// [`Error::NoSuchResponse`]; too few samples or one that is not finite, as [`ControlledSamples::raw`].
     pub fn raw(&self, response: usize) -> Result<SampledMoments, Error> {
-        let samples = &self.beside(response, |_| 0.0)?;
-        let (surrogate_mean, surrogate_variance, seed) = (0.0, 0.0, self.seed);
-        Ok(ControlledSamples { samples, surrogate_mean, surrogate_variance, seed }.raw()?)
+        let (samples, surrogates, seed) = (&self.values(response)?, &[], self.seed);
+        Ok(ControlledSamples { samples, surrogates, seed }.raw()?)
     }
 
     /// Mean and variance of a response with its Taylor surrogate, under the same law, as control variate; each half of the
@@ -127,22 +127,13 @@ impl<const N: usize> Sampled<N> {
         response: usize,
         surrogate: &Moments<N>,
     ) -> Result<SampledMoments, Error> {
-        let samples = &self.beside(response, |t| surrogate.surrogate(t))?;
-        let surrogate_mean = surrogate.surrogate_mean();
-        let surrogate_variance = surrogate.surrogate_variance();
-        let seed = self.seed;
-        Ok(ControlledSamples { samples, surrogate_mean, surrogate_variance, seed }.estimate()?)
-    }
-
-    /// A response of every sample with its surrogate.
-    fn beside(
-        &self,
-        response: usize,
-        surrogate: impl Fn(&[f64; N]) -> f64,
-    ) -> Result<Vec<[f64; 2]>, Error> {
         let values = self.values(response)?;
-        let pair = |(y, sample): (&f64, &Sample<N>)| [*y, surrogate(&sample.normals)];
-        Ok(values.iter().zip(&self.samples).map(pair).collect())
+        let pair = |(y, sample): (&f64, &Sample<N>)| [*y, surrogate.surrogate(&sample.normals)];
+        let pairs: Vec<[f64; 2]> = values.iter().zip(&self.samples).map(pair).collect();
+        let (mean, variance) = (surrogate.surrogate_mean(), surrogate.surrogate_variance());
+        let surrogates = &[Surrogate { mean, variance: Some(variance) }];
+        let (samples, seed) = (pairs.as_flattened(), self.seed);
+        Ok(ControlledSamples { samples, surrogates, seed }.estimate()?)
     }
 
     /// A response of every sample.

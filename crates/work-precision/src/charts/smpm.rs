@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
+use estimators::{ControlledSamples, SampledMoments, Surrogate};
 use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
-use perturbation_moments::{ControlledSamples, Moments, MonteCarlo, SampledMoments, SigmaPoints};
+use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 use scenes::smpm::experiment::SceneExperiment;
@@ -246,9 +247,11 @@ impl<const N: usize> Solved<N> {
         let pairs: Vec<[f64; 2]> =
             samples.iter().map(|(t, values)| [values[response], surrogate.surrogate(t)]).collect();
         let controlled = ControlledSamples {
-            samples: &pairs,
-            surrogate_mean: surrogate.surrogate_mean(),
-            surrogate_variance: surrogate.surrogate_variance(),
+            samples: pairs.as_flattened(),
+            surrogates: &[Surrogate {
+                mean: surrogate.surrogate_mean(),
+                variance: Some(surrogate.surrogate_variance()),
+            }],
             seed: SEEDS[0],
         };
         Ok(if is_controlled { controlled.estimate()? } else { controlled.raw()? })

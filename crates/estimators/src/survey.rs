@@ -1,0 +1,336 @@
+//! Variances, rates, allocation and bias from the blocks that are known.
+
+use sde_integrators::{Estimate, Uncertainty};
+
+use crate::blocks::Progress;
+use crate::comoments::Comoments;
+use crate::error::Error;
+use crate::ladder::{Ladder, Pair, SAMPLE_BITS};
+use crate::multilevel_result::{LevelReport, MultilevelResult, TargetResult};
+use crate::rates::{Bias, extrapolated, floored, with_error};
+use crate::statistic::{COMPONENTS, Statistic, Target, TargetSums};
+
+/// Variances, rates and bias of a study, from its blocks.
+pub(crate) struct Survey<'a> {
+    targets: &'a [Target],
+    bias: Bias,
+    /// Finest level with a pilot.
+    pub(crate) top: usize,
+    /// Coarsest level of the estimate.
+    coarsest: usize,
+    /// Cost of each level alone, to `top`.
+    costs: Vec<f64>,
+    /// Sums of neighbouring levels, from level 0.
+    neighbours: Vec<Comoments>,
+    /// Sums of the coarsest level alone, once it is planned.
+    alone: Option<Comoments>,
+    /// Weights of the components, for each target.
+    weights: Vec<[f64; COMPONENTS]>,
+    /// Variances of the differences by target, from level 0: floored by the fitted rate.
+    variances: Vec<Vec<f64>>,
+}
+
+impl<'a> Survey<'a> {
+    pub(crate) fn new<L: Ladder + ?Sized>(
+        targets: &'a [Target],
+        bias: Bias,
+        pilot_blocks: u64,
+        ladder: &L,
+        progress: &Progress,
+    ) -> Result<Self, Error> {
+        let sums_of = |most| {
+            let of = |level| progress.sums(Pair::neighbours(level), most);
+            (0..ladder.n_levels()).map_while(of).collect::<Vec<_>>()
+        };
+        let neighbours = sums_of(u64::MAX);
+        let Some(top) = neighbours.len().checked_sub(1) else {
+            let pair = Pair::neighbours(0).to_string();
+            return Err(Error::MissingBlocks { missing: 1, pair, block: 0 });
+        };
+        let costs: Vec<f64> = (0..=top).map(|level| ladder.cost(level)).collect();
+        let weights = |sums: &[Comoments]| -> Vec<_> {
+            let of = |target: usize| targets[target].influence(total(sums, target, targets.len()));
+            (0..targets.len()).map(of).collect()
+        };
+        // The choice of the coarsest level is by the pilot alone: it does not change as samples are added.
+        let pilot = sums_of(pilot_blocks);
+        let by_pilot = Self {
+            targets,
+            bias,
+            top,
+            coarsest: 0,
+            costs: costs.clone(),
+            weights: weights(&pilot),
+            neighbours: pilot,
+            alone: None,
+            variances: Vec::new(),
+        }
+        .with_variances();
+        let coarsest = by_pilot.cheapest();
+        let pair = Pair::alone(coarsest);
+        let alone = if coarsest == 0 { None } else { progress.sums(pair, u64::MAX) };
+        let survey =
+            Self { coarsest, weights: weights(&neighbours), neighbours, alone, ..by_pilot }
+                .with_variances();
+        survey.require_nested()?;
+        Ok(survey)
+    }
+
+    fn with_variances(mut self) -> Self {
+        self.variances = (0..self.targets.len())
+            .map(|target| {
+                let of = |level| {
+                    let of_level = self.of(level, target);
+                    let n = of_level.sums.count() as f64;
+                    let variance = of_level.difference_variance(self.weights[target]);
+                    let is_indicator =
+                        matches!(self.targets[target].statistic, Statistic::Exceedance { .. });
+                    // No sample on either side: the rule of three, as in `Estimate::probability`.
+                    if is_indicator && variance == 0.0 { 3.0 / n } else { variance }
+                };
+                floored((0..=self.top).map(of).collect())
+            })
+            .collect();
+        self
+    }
+
+    fn of(&self, level: usize, target: usize) -> TargetSums<'_> {
+        TargetSums { sums: &self.neighbours[level], target, n_targets: self.targets.len() }
+    }
+
+    /// Sums of a term of the estimate: the coarsest level alone, or a difference above it.
+    fn term(&self, level: usize, target: usize) -> TargetSums<'_> {
+        match &self.alone {
+            Some(sums) if level == self.coarsest => {
+                TargetSums { sums, target, n_targets: self.targets.len() }
+            }
+            _ => self.of(level, target),
+        }
+    }
+
+    /// Variance of a sample of a term, for a choice of the coarsest level.
+    fn term_variance(&self, coarsest: usize, level: usize, target: usize) -> f64 {
+        if level > coarsest || level == 0 {
+            return self.variances[target][level];
+        }
+        match &self.alone {
+            Some(_) if level == self.coarsest => {
+                self.term(level, target).difference_variance(self.weights[target])
+            }
+            _ => self.of(level, target).fine_variance(self.weights[target]),
+        }
+    }
+
+    fn term_pair(coarsest: usize, level: usize) -> Pair {
+        if level == coarsest { Pair::alone(level) } else { Pair::neighbours(level) }
+    }
+
+    fn term_cost(&self, coarsest: usize, level: usize) -> f64 {
+        Self::term_pair(coarsest, level).cost(|level| self.costs[level])
+    }
+
+    /// Number of samples of each term, from the coarsest level on: the largest that a target needs.
+    fn allocation(&self, coarsest: usize) -> Vec<f64> {
+        let mut samples = vec![2.0_f64; self.top + 1 - coarsest];
+        for (target, asked) in self.targets.iter().enumerate() {
+            let terms: Vec<(f64, f64)> = (coarsest..=self.top)
+                .map(|level| {
+                    let cost = self.term_cost(coarsest, level);
+                    (self.term_variance(coarsest, level, target), cost)
+                })
+                .collect();
+            let root: f64 = terms.iter().map(|(variance, cost)| (variance * cost).sqrt()).sum();
+            let scale = 2.0 / (asked.tolerance * asked.tolerance) * root;
+            for (n, (variance, cost)) in samples.iter_mut().zip(terms) {
+                let needed = (scale * (variance / cost).sqrt()).ceil();
+                if needed > *n {
+                    *n = needed;
+                }
+            }
+        }
+        samples
+    }
+
+    /// The coarsest level with the lowest predicted cost.
+    fn cheapest(&self) -> usize {
+        let mut best = (0, f64::INFINITY);
+        for coarsest in 0..=self.top {
+            let samples = self.allocation(coarsest);
+            let cost: f64 = (coarsest..)
+                .zip(&samples)
+                .map(|(level, n)| n * self.term_cost(coarsest, level))
+                .sum();
+            if cost < best.1 {
+                best = (coarsest, cost);
+            }
+        }
+        best.0
+    }
+
+    /// Number of samples that each term of the estimate must have.
+    pub(crate) fn wanted(&self) -> Result<Vec<(Pair, u64)>, Error> {
+        let most = (1_u64 << (SAMPLE_BITS - 1)) as f64;
+        (self.coarsest..)
+            .zip(self.allocation(self.coarsest))
+            .map(|(level, n)| {
+                if n > most {
+                    let (quantity, value) = ("samples of a level", n);
+                    return Err(Error::TooMany { quantity, value, limit: most });
+                }
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a whole number from 2 to 2^39; NaN becomes 0"
+                )]
+                let n = n as u64;
+                Ok((Self::term_pair(self.coarsest, level), n))
+            })
+            .collect()
+    }
+
+    /// Means of the differences of a target from level 1 on, with their standard errors.
+    fn differences(&self, target: usize) -> Vec<[f64; 2]> {
+        let w = self.weights[target];
+        let of = |level| {
+            let sums = self.of(level, target);
+            let means = sums.difference_means();
+            let mean: f64 = (0..COMPONENTS).map(|c| w[c] * means[c]).sum();
+            [mean, (sums.difference_variance(w) / sums.sums.count() as f64).sqrt()]
+        };
+        (1..=self.top).map(of).collect()
+    }
+
+    pub(crate) fn is_bias_small(&self) -> bool {
+        (0..self.targets.len()).all(|target| {
+            let bias = extrapolated(self.bias, &self.differences(target));
+            bias.bound <= self.half_tolerance(target)
+        })
+    }
+
+    /// The tolerance over the square root of two: for the standard error, and for the bias.
+    fn half_tolerance(&self, target: usize) -> f64 {
+        self.targets[target].tolerance * std::f64::consts::FRAC_1_SQRT_2
+    }
+
+    /// Means of a level in its two roles: Giles 2015, the test of section 3.
+    fn require_nested(&self) -> Result<(), Error> {
+        for (target, level) in
+            (0..self.targets.len()).flat_map(|target| (0..self.top).map(move |l| (target, l)))
+        {
+            let (below, above) = (self.of(level, target), self.of(level + 1, target));
+            for component in 0..COMPONENTS {
+                let mut unit = [0.0; COMPONENTS];
+                unit[component] = 1.0;
+                let as_coarse = above.fine_means()[component] - above.difference_means()[component];
+                let difference = below.fine_means()[component] - as_coarse;
+                let error = |variance: f64, sums: &TargetSums<'_>| {
+                    (variance / sums.sums.count() as f64).sqrt()
+                };
+                let limit = 3.0
+                    * (error(below.fine_variance(unit), &below)
+                        + error(above.coarse_variance(unit), &above));
+                // One sample of a rare event on one side alone has no variance on the other.
+                let event = 3.0 / below.sums.count().min(above.sums.count()) as f64;
+                let is_probability = !matches!(
+                    self.targets[target].statistic,
+                    Statistic::Mean | Statistic::Variance
+                );
+                let limit = if is_probability { limit + event } else { limit };
+                let roundoff = 1e-12 * below.fine_means()[component].abs();
+                if difference.abs() > limit + roundoff {
+                    return Err(Error::NotNested { target, level, difference, limit });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn result(&self, cost: f64) -> MultilevelResult {
+        let n_targets = self.targets.len();
+        let single = |target: usize| {
+            let variance = self.of(self.top, target).fine_variance(self.weights[target]);
+            2.0 * variance / self.targets[target].tolerance.powi(2) * self.costs[self.top]
+        };
+        MultilevelResult {
+            targets: (0..n_targets).map(|target| self.target_result(target)).collect(),
+            levels: (0..=self.top).map(|level| self.level_report(level)).collect(),
+            coarsest: self.coarsest,
+            cost,
+            single_level_cost: (0..n_targets).map(single).fold(0.0, f64::max),
+        }
+    }
+
+    fn target_result(&self, target: usize) -> TargetResult {
+        let asked = &self.targets[target];
+        let mut means = [0.0; COMPONENTS];
+        let mut first_squared_error = 0.0;
+        for level in self.coarsest..=self.top {
+            let term = self.term(level, target);
+            let of_term = term.difference_means();
+            for c in 0..COMPONENTS {
+                means[c] += of_term[c];
+            }
+            first_squared_error += term.component_variance(0) / term.sums.count() as f64;
+        }
+        let weights = asked.influence(means);
+        let mut squared_error = 0.0;
+        for level in self.coarsest..=self.top {
+            let term = self.term(level, target);
+            let measured = term.difference_variance(weights);
+            // The floor of the allocation holds for the error too: a pilot may differ by chance too little.
+            let floor = self.term_variance(self.coarsest, level, target);
+            squared_error += measured.max(floor) / term.sums.count() as f64;
+        }
+        let standard_error = squared_error.sqrt();
+        let bias = extrapolated(self.bias, &self.differences(target));
+        let half = self.half_tolerance(target);
+        TargetResult {
+            estimate: with_error(asked.value(means, first_squared_error), standard_error),
+            bias: bias.estimate,
+            bias_bound: bias.bound,
+            smoothing: asked.smoothing(means),
+            order: bias.order,
+            is_reached: standard_error <= half && bias.bound <= half,
+        }
+    }
+
+    fn level_report(&self, level: usize) -> LevelReport {
+        let is_used = level >= self.coarsest;
+        let pair =
+            if is_used { Self::term_pair(self.coarsest, level) } else { Pair::neighbours(level) };
+        let n_targets = self.targets.len();
+        let sums = |target| if is_used { self.term(level, target) } else { self.of(level, target) };
+        let difference = |target: usize| -> Estimate {
+            let (sums, w) = (sums(target), self.weights[target]);
+            let means = sums.difference_means();
+            let mean = (0..COMPONENTS).map(|c| w[c] * means[c]).sum();
+            let variance = sums.difference_variance(w) / sums.sums.count() as f64;
+            Estimate { value: mean, uncertainty: Uncertainty::StandardError(variance.sqrt()) }
+        };
+        LevelReport {
+            pair,
+            n_samples: sums(0).sums.count(),
+            cost: pair.cost(|level| self.costs[level]),
+            is_used,
+            differences: (0..n_targets).map(difference).collect(),
+            difference_variances: (0..n_targets)
+                .map(|target| self.of(level, target).difference_variance(self.weights[target]))
+                .collect(),
+            variances: (0..n_targets)
+                .map(|target| self.of(level, target).fine_variance(self.weights[target]))
+                .collect(),
+        }
+    }
+}
+
+/// Sum of the means of the differences: the means of the components on the finest level.
+fn total(sums: &[Comoments], target: usize, n_targets: usize) -> [f64; COMPONENTS] {
+    let mut means = [0.0; COMPONENTS];
+    for sums in sums {
+        let of_level = TargetSums { sums, target, n_targets }.difference_means();
+        for c in 0..COMPONENTS {
+            means[c] += of_level[c];
+        }
+    }
+    means
+}

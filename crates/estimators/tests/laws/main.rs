@@ -1,0 +1,14 @@
+//! Properties of the estimators, through their public interface.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::unnecessary_wraps,
+    clippy::trivially_copy_pass_by_ref,
+    reason = "a failed test may panic; exact values are exact; signatures are those of the interface"
+)]
+
+mod control;
+mod cube;
+mod multifidelity;
+mod multilevel;

@@ -1,0 +1,175 @@
+//! How often nominal intervals of 95 % hold, for each estimator.
+
+use estimators::{
+    Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, Sampling, Statistic,
+    Surrogate, Target, UnitCube,
+};
+use figures::ErrorKind;
+use fpk_sph::systems::GeometricBrownianMotion;
+use sde_integrators::{EulerMaruyama, Noise, Purpose};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::estimators::multilevel::GROWTH;
+use crate::cases::estimators::sensitivity::{EXACT, ishigami};
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "estimators/coverage",
+    title: "200 repetitions of each estimator: how often its interval of 95 % holds the true value",
+    source: "closed forms: geometric Brownian motion, lognormal moments, Ishigami's function",
+    cost: Profile::Quick,
+    schedule: Schedule::Together,
+    run,
+};
+
+const REPETITIONS: u64 = 200;
+
+/// Half widths of intervals of 95 % in standard errors: normal, and Student's with 31 degrees of freedom.
+const NORMAL: f64 = 1.96;
+const STUDENT_31: f64 = 2.04;
+
+/// Replicas of points of the unit cube, so that the second applies.
+const REPLICAS: u64 = 32;
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = Vec::new();
+    context.progress("multilevel");
+    claims.extend(repeat(context, "multilevel", ["mean", "variance", "probability"], multilevel)?);
+    context.progress("control variates");
+    claims.extend(repeat(context, "control-variates", ["mean", "variance"], controlled)?);
+    context.progress("multifidelity");
+    claims.extend(repeat(context, "multifidelity", ["mean"], multifidelity)?);
+    context.progress("points of the unit cube");
+    for (name, sampling) in
+        [("pseudo-random", Sampling::PseudoRandom), ("scrambled-sobol", Sampling::ScrambledSobol)]
+    {
+        let moments = |seed| cube(sampling, seed);
+        claims.extend(repeat(context, name, ["mean", "variance"], moments)?);
+        let indices = |seed| sensitivity(sampling, seed);
+        let names = ["first-0", "first-1", "total-0", "total-2", "total-sum"];
+        claims.extend(repeat(context, name, names, indices)?);
+    }
+    Ok(claims)
+}
+
+/// One interval of a repetition: the distance to the true value and the half width.
+type Miss = (f64, f64);
+
+fn miss(estimate: Estimate, exact: f64, quantile: f64) -> Miss {
+    (estimate.value - exact, quantile * estimate.standard_error().unwrap_or(f64::NAN))
+}
+
+fn repeat<const N: usize>(
+    context: &Context<'_>,
+    name: &str,
+    quantities: [&str; N],
+    run: impl Fn(u64) -> Result<[Miss; N], CaseError>,
+) -> Result<Vec<Claim>, CaseError> {
+    let mut hits = [0_u32; N];
+    for repetition in 0..REPETITIONS {
+        for (hits, (error, half_width)) in hits.iter_mut().zip(run(1000 + repetition)?) {
+            *hits += u32::from(error.abs() <= half_width);
+        }
+    }
+    let claim = |(quantity, hits): (&str, u32)| {
+        let subject = context.subject(
+            &format!("{name}/{quantity}"),
+            "part of the intervals of 95 % that hold the true value",
+            "",
+            &format!("{REPETITIONS} repetitions"),
+        );
+        let part = f64::from(hits) / REPETITIONS as f64;
+        let reason = "statistics: from 90 to 99 %; the deviation of 200 repetitions is 1.5 %";
+        Claim::within(subject, ErrorKind::Absolute, (part, 0.945), 0.0451, reason)
+    };
+    Ok(quantities.into_iter().zip(hits).map(claim).collect())
+}
+
+/// Mean, variance and the probability of exceeding 3 of a geometric Brownian motion, by Euler-Maruyama.
+fn multilevel(seed: u64) -> Result<[Miss; 3], CaseError> {
+    let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
+    let ladder = PathLadder::<_, _, _, _, 1, 1> {
+        system: &system,
+        integrator: &EulerMaruyama,
+        law: &[1.0],
+        seed,
+        end: 1.0,
+        coarsest_steps: 1,
+        n_levels: 12,
+        n_responses: 1,
+        responses: |x: &[f64; 1], y: &mut [f64]| y[0] = x[0],
+    };
+    let square = (GROWTH[1] * GROWTH[1]).exp();
+    // The last is the normal distribution function at -(ln 3 - 1 + 0.125) / 0.5.
+    let exact = [GROWTH[0].exp(), (2.0 * GROWTH[0]).exp() * (square - 1.0), 0.327_356_458_8];
+    let target = |statistic, tolerance| Target { response: 0, statistic, tolerance };
+    let targets = [
+        target(Statistic::Mean, 0.06),
+        target(Statistic::Variance, 0.25),
+        target(Statistic::SmoothedExceedance { threshold: 3.0, width: 0.5 }, 0.02),
+    ];
+    let study = Multilevel {
+        name: "coverage",
+        targets: &targets,
+        bias: Bias::Order(1.0),
+        block_length: 64,
+        pilot_blocks: 4,
+        budget: 1e9,
+    };
+    let found = study.run(&ladder)?.targets;
+    Ok(std::array::from_fn(|k| {
+        (found[k].estimate.value - exact[k], NORMAL * found[k].root_mean_square_error())
+    }))
+}
+
+/// Mean and variance of `exp(x)`, `x ~ N(0, 0.3^2)`, with `x` and `x^2` as control variates.
+fn controlled(seed: u64) -> Result<[Miss; 2], CaseError> {
+    let v = 0.09_f64;
+    let mut normals = [0.0; 250];
+    Noise::new(seed).stream(Purpose::Field, 0).fill_normal(&mut normals);
+    let row = |t: &f64| [(0.3 * t).exp(), 0.3 * t, 0.09 * t * t];
+    let samples: Vec<f64> = normals.iter().flat_map(row).collect();
+    let surrogates = [
+        Surrogate { mean: 0.0, variance: Some(v) },
+        Surrogate { mean: v, variance: Some(2.0 * v * v) },
+    ];
+    let found =
+        ControlledSamples { samples: &samples, surrogates: &surrogates, seed }.estimate()?;
+    let exact = [(0.5 * v).exp(), v.exp() * (v.exp() - 1.0)];
+    Ok([miss(found.mean, exact[0], NORMAL), miss(found.variance, exact[1], NORMAL)])
+}
+
+/// Mean of `exp(u / 2)`, `u` uniform, with polynomials of degree 1 and 2 as surrogates of unknown mean.
+fn multifidelity(seed: u64) -> Result<[Miss; 1], CaseError> {
+    let run = |model: usize, sample: u64| {
+        let v = 0.5 * Noise::new(seed).stream(Purpose::Field, sample).next_uniform();
+        Ok([v.exp(), 1.0 + v + 0.5 * v * v, v][model])
+    };
+    let study =
+        Multifidelity { costs: &[1.0, 0.05, 1e-3], tolerance: 3e-3, pilot: 60, budget: 1e6 };
+    Ok([miss(study.run(run)?.mean, 2.0 * (0.5_f64.exp() - 1.0), NORMAL)])
+}
+
+fn of_ishigami(sampling: Sampling, seed: u64, n_points: u64) -> UnitCube {
+    UnitCube { dimension: 3, sampling, seed, n_points, n_replicas: REPLICAS }
+}
+
+fn cube(sampling: Sampling, seed: u64) -> Result<[Miss; 2], CaseError> {
+    let found = of_ishigami(sampling, seed, 256).moments(1, ishigami)?[0];
+    Ok([
+        miss(found.mean, EXACT.mean, STUDENT_31),
+        miss(found.variance, EXACT.variance(), STUDENT_31),
+    ])
+}
+
+fn sensitivity(sampling: Sampling, seed: u64) -> Result<[Miss; 5], CaseError> {
+    let found = &of_ishigami(sampling, seed, 256).sobol_indices(1, ishigami)?[0];
+    let (first, total) = (EXACT.first(), EXACT.total());
+    Ok([
+        miss(found.first[0], first[0], STUDENT_31),
+        miss(found.first[1], first[1], STUDENT_31),
+        miss(found.total[0], total[0], STUDENT_31),
+        miss(found.total[2], total[2], STUDENT_31),
+        miss(found.total_sum, total.iter().sum(), STUDENT_31),
+    ])
+}

@@ -1,0 +1,266 @@
+//! Multilevel Monte Carlo: cost against tolerance, ladders that do not pay, same bits.
+
+use estimators::{
+    Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
+    Target,
+};
+use figures::{ErrorKind, Measured, Reference};
+use fpk_sph::systems::GeometricBrownianMotion;
+use sde_integrators::{
+    EnsembleConfig, EulerMaruyama, Noise, Observable, Purpose, StateSpace, StrangOscillator,
+    simulate,
+};
+use work_precision::order;
+use work_precision::problems::sde::damper::viscous_damper_at_rest;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::claim::Criterion;
+use crate::report::Claim;
+
+pub(crate) const COST: Case = Case {
+    id: "estimators/multilevel-cost",
+    title: "cost of multilevel Monte Carlo against its tolerance, in steps, beside plain Monte Carlo",
+    source: "closed form of geometric Brownian motion; the damped oscillator by Strang's splitting; Giles 2008, theorem 3.1",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: run_cost,
+};
+
+pub(crate) const LADDERS: Case = Case {
+    id: "estimators/ladders",
+    title: "ladders whose coarse levels do not pay; blocks apart and threads",
+    source: "responses of a uniform number with known means",
+    cost: Profile::Quick,
+    schedule: Schedule::Together,
+    run: run_ladders,
+};
+
+/// Growth and volatility of the geometric Brownian motion, from 1 to time 1.
+pub(super) const GROWTH: [f64; 2] = [1.0, 0.5];
+
+fn study(targets: &[Target]) -> Multilevel<'_> {
+    let bias = Bias::Order(1.0);
+    Multilevel { name: "case", targets, bias, block_length: 64, pilot_blocks: 4, budget: 1e11 }
+}
+
+fn mean_to(tolerance: f64) -> [Target; 1] {
+    [Target { response: 0, statistic: Statistic::Mean, tolerance }]
+}
+
+fn run_cost(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = growth_claims(context)?;
+    claims.extend(damper_claims(context)?);
+    Ok(claims)
+}
+
+fn growth_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
+    let ladder = PathLadder::<_, _, _, _, 1, 1> {
+        system: &system,
+        integrator: &EulerMaruyama,
+        law: &[1.0],
+        seed: 61,
+        end: 1.0,
+        coarsest_steps: 1,
+        n_levels: 14,
+        n_responses: 1,
+        responses: |x: &[f64; 1], y: &mut [f64]| y[0] = x[0],
+    };
+    let exact = GROWTH[0].exp();
+    let tolerances = [1.6e-2, 8e-3, 4e-3, 2e-3, 1e-3].map(|relative| relative * exact);
+    let results = refine(context, "growth", &ladder, &tolerances)?;
+    let mut claims = slopes(context, "growth", &tolerances, &results)?;
+    claims.push(value(context, "growth", &tolerances, &results, Reference::exact(exact)));
+    if let Some(finest) = results.last() {
+        let subject = context.subject(
+            "growth/speed-up",
+            "steps of plain over multilevel Monte Carlo at a relative error of 1e-3",
+            "",
+            "Euler-Maruyama, steps doubling from 1",
+        );
+        let ratio = finest.single_level_cost / finest.cost;
+        let reason = "at least 10 is asked; variances of a pilot move it by a few per cent";
+        claims.push(Claim::as_measured(subject, Measured::exact(ratio), 25.0, 60.0, reason));
+    }
+    Ok(claims)
+}
+
+fn damper_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let (system, end) = (viscous_damper_at_rest()?, 2.0);
+    let ladder = PathLadder::<_, _, _, _, 2, 1> {
+        system: &StateSpace(system.clone()),
+        integrator: &EulerMaruyama,
+        law: &[0.0; 2],
+        seed: 62,
+        end,
+        coarsest_steps: 16,
+        n_levels: 12,
+        n_responses: 1,
+        responses: |x: &[f64; 2], y: &mut [f64]| y[0] = x[0] * x[0],
+    };
+    context.progress("damper: reference");
+    let config = EnsembleConfig { seed: 63, n_paths: 131_072, dt: 0.01, times: vec![end] };
+    let square = [Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0])];
+    let strang = simulate(&system, &StrangOscillator, &[0.0; 2], &config, &square)?;
+    let strang = strang.estimates[0][0];
+    let error = strang.standard_error().ok_or("no standard error")?;
+    let tolerances = [3.2e-2, 1.6e-2, 8e-3, 4e-3].map(|relative| relative * strang.value);
+    let results = refine(context, "damper", &ladder, &tolerances)?;
+    let mut claims = slopes(context, "damper", &tolerances, &results)?;
+    let reference = Reference::uncertain(strang.value, error);
+    claims.push(value(context, "damper", &tolerances, &results, reference));
+    Ok(claims)
+}
+
+fn refine(
+    context: &Context<'_>,
+    name: &str,
+    ladder: &impl Ladder,
+    tolerances: &[f64],
+) -> Result<Vec<MultilevelResult>, CaseError> {
+    let mut results = Vec::new();
+    for tolerance in tolerances {
+        context.progress(&format!("{name}: tolerance {tolerance:.1e}"));
+        results.push(study(&mean_to(*tolerance)).run(ladder)?);
+    }
+    Ok(results)
+}
+
+/// Slopes of the cost against the tolerance.
+fn slopes(
+    context: &Context<'_>,
+    name: &str,
+    tolerances: &[f64],
+    results: &[MultilevelResult],
+) -> Result<Vec<Claim>, CaseError> {
+    let claim = |id: &str, cost: &dyn Fn(&MultilevelResult) -> f64, expected: f64| {
+        let levels: Vec<(f64, f64)> =
+            tolerances.iter().zip(results).map(|(eps, found)| (*eps, cost(found))).collect();
+        let subject = context.subject(
+            &format!("{name}/{id}"),
+            "slope of the steps against the tolerance",
+            "",
+            "tolerances halved, costs in steps, the pilot included",
+        );
+        let reason = "statistics: a whole number of levels, sampled variances, the logarithm in the cost, the pilot";
+        let criterion = Criterion::Within { tolerance: 0.35, reason };
+        let (kind, expected) = (ErrorKind::Order, Reference::exact(expected));
+        order::fit(&levels).map(|found| Claim::judge(subject, kind, found, expected, criterion))
+    };
+    Ok(vec![
+        claim("multilevel-slope", &|found| found.cost, -2.0)?,
+        claim("plain-slope", &|found| found.single_level_cost, -3.0)?,
+    ])
+}
+
+/// The mean at the smallest tolerance.
+fn value(
+    context: &Context<'_>,
+    name: &str,
+    tolerances: &[f64],
+    results: &[MultilevelResult],
+    reference: Reference,
+) -> Claim {
+    let (found, tolerance) = match (results.last(), tolerances.last()) {
+        (Some(result), Some(tolerance)) => (result.targets[0], *tolerance),
+        _ => return Claim::case_error(name, "no tolerances"),
+    };
+    let standard_error = found.estimate.standard_error().unwrap_or(f64::NAN);
+    let method = format!("tolerance {tolerance:.1e}, reached: {}", found.is_reached);
+    let subject = context.subject(&format!("{name}/mean"), "mean of the response", "", &method);
+    let measured = Measured::sampled(found.estimate.value, standard_error);
+    let bias_bound = tolerance * std::f64::consts::FRAC_1_SQRT_2;
+    let reason = "half of the squared tolerance is for the bias";
+    let criterion = Criterion::MonteCarlo { bias_bound, reason };
+    Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion)
+}
+
+fn run_ladders(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    Ok(vec![without_gain(context)?, one_unrelated(context)?, same_bits(context)?])
+}
+
+fn uniform(realisation: u64) -> f64 {
+    Noise::new(64).stream(Purpose::Field, realisation).next_uniform()
+}
+
+/// Number of the coarsest level that a ladder of three uses; only the last is exact.
+fn coarsest(unrelated: usize) -> Result<MultilevelResult, CaseError> {
+    let run = |level: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
+        let u = uniform(realisation);
+        y[0] = if level < unrelated {
+            (f64::from(u8::try_from(level)?) * 40.0 + 50.0 * u).sin()
+        } else {
+            u + 0.01 * (2.0 - level as f64) * u * u
+        };
+        Ok(())
+    };
+    let ladder = Levels { costs: &[1.0, 2.0, 10.0], n_responses: 1, run };
+    let targets = mean_to(2e-3);
+    Ok(Multilevel { bias: Bias::FinestIsExact, ..study(&targets) }.run(&ladder)?)
+}
+
+fn count(context: &Context<'_>, id: &str, what: &str, (found, expected): (f64, f64)) -> Claim {
+    let subject = context.subject(id, what, "", "three levels, 256 samples of the pilot each");
+    let reason = "a count; by the variances in the pilot the choice is not close";
+    Claim::within(subject, ErrorKind::Absolute, (found, expected), 0.0, reason)
+}
+
+fn without_gain(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let found = coarsest(2)?;
+    let what = "coarsest level used where both coarse levels are unrelated to the finest: multilevel does not pay";
+    let number = if found.pays() { f64::NAN } else { found.coarsest as f64 };
+    Ok(count(context, "does-not-pay", what, (number, 2.0)))
+}
+
+fn one_unrelated(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let found = coarsest(1)?;
+    let what = "coarsest level used where the first is unrelated to the others";
+    Ok(count(context, "one-dropped", what, (found.coarsest as f64, 1.0)))
+}
+
+/// Bits of a result on 1, 2 and 8 threads, and from blocks that were computed apart and in reverse.
+fn same_bits(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
+    let ladder = PathLadder::<_, _, _, _, 1, 1> {
+        system: &system,
+        integrator: &EulerMaruyama,
+        law: &[1.0],
+        seed: 65,
+        end: 1.0,
+        coarsest_steps: 1,
+        n_levels: 10,
+        n_responses: 1,
+        responses: |x: &[f64; 1], y: &mut [f64]| y[0] = x[0],
+    };
+    let targets = mean_to(2e-2);
+    let study = study(&targets);
+    let bits = |found: &MultilevelResult| {
+        let [target] = [found.targets[0]];
+        let error = target.estimate.standard_error().unwrap_or(f64::NAN);
+        [target.estimate.value, error, target.bias.value, found.cost].map(f64::to_bits)
+    };
+    let on = |n_threads: usize| -> Result<[u64; 4], CaseError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build()?;
+        Ok(bits(&pool.install(|| study.run(&ladder))?))
+    };
+    let whole = on(1)?;
+    let mut progress: Progress = study.begin(&ladder)?;
+    while study.advance(&ladder, &mut progress)? {
+        for id in progress.missing().into_iter().rev() {
+            let block = study.block(&ladder, &progress, id)?;
+            progress.insert(block)?;
+        }
+    }
+    let apart = bits(&study.finish(&ladder, &progress)?);
+    let others = [on(2)?, on(8)?, apart];
+    let differ = |other: &[u64; 4]| whole.iter().zip(other).filter(|(a, b)| a != b).count();
+    let subject = context.subject(
+        "same-bits",
+        "values that differ",
+        "",
+        "1, 2 and 8 threads; blocks apart, in reverse",
+    );
+    let reason =
+        "samples are addressed, blocks are merged in order, the plan depends on them alone";
+    Ok(Claim::same_bits(subject, others.iter().map(differ).sum(), 12, reason))
+}

@@ -312,10 +312,10 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
                 resolved: true,
             };
             for (p, &j) in stencil.members.iter().enumerate() {
-                let (j, hessian) = (j as usize, &stencil.weights.hessian[p]);
+                let (j, gradient, hessian) = (j as usize, stencil.gradient(p), stencil.hessian(p));
                 for k in 0..D {
                     for l in 0..D {
-                        map.edges[k][l] += cloud.positions[j][k] * stencil.weights.gradient[p][l];
+                        map.edges[k][l] += cloud.positions[j][k] * gradient[l];
                         map.bend[k][l] += log_mass[j] * hessian[k][l];
                         for m in 0..D {
                             map.curvature[m][k][l] += cloud.positions[j][m] * hessian[k][l];

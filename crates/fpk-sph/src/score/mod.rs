@@ -7,6 +7,7 @@
 //! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
 mod aligned;
+mod arrangement;
 mod cell_geometry;
 mod cells;
 mod fit_points;
@@ -18,6 +19,7 @@ mod log_density_fit;
 mod moment_sums;
 mod monomials;
 mod normal_equations;
+mod pattern;
 mod polynomial_fit;
 mod runs;
 mod small_matrices;

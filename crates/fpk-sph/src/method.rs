@@ -9,6 +9,7 @@ use crate::scheme::Scheme;
 use crate::score::{
     Degree, FlowMapFit, LogDensityFit, ScoreEstimator, SummationDensity, VolumeEstimate,
 };
+use crate::settling::Settling;
 
 /// A named combination of estimator, metric, smoothing lengths and time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,6 +80,8 @@ pub enum Estimator {
         degree: Degree,
         /// The thinnest cell that is resolved, in spacings.
         thinnest: f64,
+        /// How fast positions lose what the fit does not see.
+        settling: Settling,
     },
 }
 
@@ -146,7 +149,11 @@ impl Method {
                 Combination { support_over_spacing: 3.2, ..self.combination() }
             }
             Self::FlowMapFit if dimension >= 5 => Combination {
-                estimator: Estimator::FlowMapFit { degree: Degree::Quadratic, thinnest: 0.2 },
+                estimator: Estimator::FlowMapFit {
+                    degree: Degree::Quadratic,
+                    thinnest: 0.2,
+                    settling: Settling::UNIFORM,
+                },
                 support_over_spacing: 2.3,
                 ..self.combination()
             },
@@ -182,7 +189,11 @@ impl Method {
                 negligible: 0.0,
             },
             Self::FlowMapFit => Combination {
-                estimator: Estimator::FlowMapFit { degree: Degree::Cubic, thinnest: 0.2 },
+                estimator: Estimator::FlowMapFit {
+                    degree: Degree::Cubic,
+                    thinnest: 0.2,
+                    settling: Settling::UNIFORM,
+                },
                 metric: Metric::Whitened,
                 support_over_spacing: 2.8,
                 initial_smoothing: InitialSmoothing::Uniform,
@@ -234,7 +245,9 @@ impl Estimator {
             Self::LogDensityFit { volume, degree } => {
                 Box::new(LogDensityFit { kernel: Lucy, volume, degree })
             }
-            Self::FlowMapFit { degree, thinnest } => Box::new(FlowMapFit::new(degree, thinnest)),
+            Self::FlowMapFit { degree, thinnest, settling } => {
+                Box::new(FlowMapFit::with_settling(degree, thinnest, settling))
+            }
         }
     }
 }

@@ -9,14 +9,10 @@ use crate::remap::Remapped;
 use crate::report::StepReport;
 use crate::scheme::Scheme;
 use crate::score::Unresolved;
+use crate::settling::Settling;
 use crate::solver::Solver;
 use crate::step_length::StepLength;
 use crate::time_schemes::Begin;
-
-/// Reference periods in which an estimator's [`settle`](crate::ScoreEstimator::settle) takes out all but `1/e` of what it
-/// does not see. Measured on the damper: E[v^2] at t = 6 is 0.8 % high without, 0.02 % at 0.6, and the same within 0.1 %
-/// from 0.3 to 1.3.
-const SETTLING_PERIODS: f64 = 0.3;
 
 /// The most probability that unresolved cells may hold. Runs whose claims hold were seen with up to 0.014: the damper at
 /// t = 10, one cell at the centre of a cloud that has collapsed onto its slow manifold; Bouc-Wen with up to 4e-4.
@@ -71,7 +67,7 @@ impl<const D: usize> Solver<D> {
         })?;
         check_finite(&stages.x, &[], (state.n_steps, t_0 + dt))?;
         // What the estimator does not see would stay for ever: it is taken out at its own rate.
-        let part = 1.0 - (-dt / (SETTLING_PERIODS * self.reference_period)).exp();
+        let part = 1.0 - (-dt / (Settling::UNIFORM.inside * self.reference_period)).exp();
         let [first, .., scratch] = &mut stages.k;
         discretisation.estimator.settle(&mut stages.x, scratch, part);
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;

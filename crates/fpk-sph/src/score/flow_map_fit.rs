@@ -16,6 +16,7 @@ use super::{Carried, Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator}
 use crate::cloud::Cloud;
 use crate::error::Error;
 use crate::parallel::for_each_part;
+use crate::settling::Settling;
 
 /// Density and score from the flow map `y(X)`, where `X` are places on the lattice of the start. With the deformation
 /// gradient `F = dy/dX`, in spacings, and masses that never change,
@@ -43,6 +44,9 @@ pub struct FlowMapFit<const D: usize> {
     /// Square of the length that the diffusion limit holds against, in spacings.
     resolved: f64,
     thinnest: f64,
+    settling: Settling,
+    /// Rate of settling of each particle over the uniform one; none where all are uniform.
+    settling_rates: Vec<f64>,
     stencils: Stencils<D>,
     sums: LatticeSums<D>,
     level: Level,
@@ -72,10 +76,16 @@ struct Taken<const D: usize> {
 const WAVE_DAMPING: f64 = 10.4;
 
 impl<const D: usize> FlowMapFit<D> {
-    /// An estimator of the given degree that resolves cells down to `thinnest` spacings.
+    /// An estimator of the given degree that resolves cells down to `thinnest` spacings, with uniform settling.
     #[must_use]
     pub fn new(degree: Degree, thinnest: f64) -> Self {
-        Self { degree: degree.value(), thinnest, ..Self::default() }
+        Self::with_settling(degree, thinnest, Settling::UNIFORM)
+    }
+
+    /// As [`Self::new`], with the given time constants of settling.
+    #[must_use]
+    pub fn with_settling(degree: Degree, thinnest: f64, settling: Settling) -> Self {
+        Self { degree: degree.value(), thinnest, settling, ..Self::default() }
     }
 
     fn lattice(&self) -> Lattice<'_, D> {
@@ -253,10 +263,12 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
     }
 
     fn start(&mut self, lattice: &LatticePlaces<'_, D>) -> Result<(), Error> {
+        self.settling.check()?;
         self.spacing = lattice.spacing;
         self.stencils =
             Stencils::new(lattice.places, lattice.neighbours, lattice.reach, self.degree)?;
         self.sums = LatticeSums::new(&self.stencils, lattice.places.len());
+        self.settling_rates = self.settling.relative_rates(lattice.places, lattice.spacing);
         let steepest = self.stencils.steepest_wave(lattice.places);
         self.resolved = lattice.reach.powi(2).min(WAVE_DAMPING / steepest.powi(2));
         Ok(())
@@ -294,9 +306,9 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
 
     fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], share: f64) {
         before.copy_from_slice(x);
-        let (lattice, before) = (self.lattice(), &*before);
+        let (lattice, before, rates) = (self.lattice(), &*before, &self.settling_rates[..]);
         for_each_part(x, PART, &|part, x| {
-            self.level.0.run(Settle { lattice, part, before, share, x });
+            self.level.0.run(Settle { lattice, part, before, share, rates, x });
         });
     }
 
@@ -312,10 +324,10 @@ impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {
                 resolved: true,
             };
             for (p, &j) in stencil.members.iter().enumerate() {
-                let (j, hessian) = (j as usize, &stencil.weights.hessian[p]);
+                let (j, gradient, hessian) = (j as usize, stencil.gradient(p), stencil.hessian(p));
                 for k in 0..D {
                     for l in 0..D {
-                        map.edges[k][l] += cloud.positions[j][k] * stencil.weights.gradient[p][l];
+                        map.edges[k][l] += cloud.positions[j][k] * gradient[l];
                         map.bend[k][l] += log_mass[j] * hessian[k][l];
                         for m in 0..D {
                             map.curvature[m][k][l] += cloud.positions[j][m] * hessian[k][l];
@@ -374,6 +386,10 @@ mod tests {
             let mut out = Estimates::new(n);
             fit.estimate(&cloud, &mut out).unwrap();
             let (mut x, mut before) = (positions.clone(), positions.clone());
+            fit.settle(&mut x, &mut before, 0.3);
+            out.score.extend(x);
+            fit.settling_rates = Settling::GRADED.relative_rates(places, spacing);
+            let mut x = positions.clone();
             fit.settle(&mut x, &mut before, 0.3);
             out.score.extend(x);
             out

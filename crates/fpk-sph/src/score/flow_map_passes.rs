@@ -234,6 +234,8 @@ pub(crate) struct Settle<'a, const D: usize> {
     /// Positions of all particles before.
     pub(crate) before: &'a [[f64; D]],
     pub(crate) share: f64,
+    /// Rate of each particle over that of the share; empty where all are 1.
+    pub(crate) rates: &'a [f64],
     /// Of the part.
     pub(crate) x: &'a mut [[f64; D]],
 }
@@ -243,11 +245,25 @@ impl<const D: usize> Work<f64> for Settle<'_, D> {
 
     #[inline(always)]
     fn run<R: Registers<f64>>(self, registers: R) {
-        let Self { lattice: Lattice { stencils, sums }, part, before, share, x } = self;
+        let Self { lattice: Lattice { stencils, sums }, part, before, share, rates, x } = self;
         sums.values(registers, stencils, part, before, x);
-        let before = &before[part * PART..part * PART + x.len()];
-        for (x, before) in x.as_flattened_mut().iter_mut().zip(before.as_flattened()) {
-            *x = before + share * (*x - before);
+        let here = part * PART..part * PART + x.len();
+        let before = &before[here.clone()];
+        if rates.is_empty() {
+            for (x, before) in x.as_flattened_mut().iter_mut().zip(before.as_flattened()) {
+                *x = before + share * (*x - before);
+            }
+            return;
+        }
+        let rest = (1.0 - share).ln();
+        let mut shares = [0.0; PART];
+        for (share, rate) in shares.iter_mut().zip(&rates[here]) {
+            *share = 1.0 - lanes::exp(rate * rest);
+        }
+        for ((x, before), share) in x.iter_mut().zip(before).zip(&shares) {
+            for k in 0..D {
+                x[k] = before[k] + share * (x[k] - before[k]);
+            }
         }
     }
 }

@@ -6,12 +6,13 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use lanes::{MOST_LANES, Registers};
 
-use super::stencils::{Pattern, Stencils};
+use super::arrangement::Turn;
+use super::pattern::Pattern;
+use super::stencils::Stencils;
 
 /// Points of a lattice, each with its members in the order of its class.
 #[derive(Debug, Clone, Default)]
@@ -35,13 +36,11 @@ struct Class<const D: usize> {
     fours: Vec<[[f64; 4]; 2]>,
 }
 
-/// A point, and how its arrangement is turned into that of its class: axis `l` of the class is `sign[l]` times axis
-/// `axis[l]` of the lattice.
+/// A point, and how its arrangement is turned into that of its class.
 #[derive(Debug, Clone, Copy)]
 struct Point<const D: usize> {
     i: usize,
-    axis: [usize; D],
-    sign: [f64; D],
+    turn: Turn<D>,
 }
 
 /// Points of one class, at most [`PACK`]; the members of the last are repeated where there are fewer.
@@ -55,84 +54,36 @@ struct Pack {
 /// Most blocks of four lanes in a register.
 const MOST_FOURS: usize = MOST_LANES / 4;
 
-/// How an arrangement of members is turned into that of its class, and the members in the order of the class.
-struct Turned<const D: usize> {
-    class: usize,
-    axis: [usize; D],
-    sign: [f64; D],
-    order: Vec<usize>,
-}
-
-/// The classes of arrangements found so far.
-#[derive(Default)]
-pub(crate) struct Classes<const D: usize> {
-    of_pattern: HashMap<u32, Turned<D>>,
-    of_offsets: HashMap<Vec<[i32; D]>, usize>,
-}
-
 impl<const D: usize> Folded<D> {
+    /// No points yet, and the classes of all.
+    pub(crate) fn new(stencils: &Stencils<D>) -> Self {
+        let classes = stencils.classes().iter().map(Class::of).collect();
+        Self { classes, ..Self::default() }
+    }
+
     /// Adds points in packs of one class; returns the packs.
-    pub(crate) fn add(
-        &mut self,
-        stencils: &Stencils<D>,
-        points: &[usize],
-        known: &mut Classes<D>,
-    ) -> Range<usize> {
+    pub(crate) fn add(&mut self, stencils: &Stencils<D>, points: &[usize]) -> Range<usize> {
         let first = self.packs.len();
-        let Classes { of_pattern, of_offsets } = known;
-        let mut of_class: Vec<(usize, usize)> = Vec::with_capacity(points.len());
-        for &i in points {
-            let pattern = stencils.pattern_of(i);
-            let turned = of_pattern
-                .entry(pattern)
-                .or_insert_with(|| self.turned(stencils.pattern(pattern), of_offsets));
-            of_class.push((turned.class, i));
-        }
+        let mut of_class: Vec<_> = points.iter().map(|&i| (stencils.class_of(i), i)).collect();
         of_class.sort_unstable();
         let same_class = of_class.chunk_by(|a, b| a.0 == b.0);
         for pack in same_class.flat_map(|points| points.chunks(PACK)) {
-            let turned = |i: usize| &of_pattern[&stencils.pattern_of(i)];
             let (class, points, members) = (pack[0].0, self.points.len(), self.members.len());
-            for &(_, i) in pack {
-                let Turned { axis, sign, .. } = turned(i);
-                self.points.push(Point { i, axis: *axis, sign: *sign });
-            }
-            for t in 0..self.classes[class].value.len() {
-                self.members.push(std::array::from_fn(|p| {
-                    let (_, i) = pack[p.min(pack.len() - 1)];
-                    stencils.of(i).members[turned(i).order[t]]
-                }));
-            }
+            let in_pack = |p: usize| stencils.of(pack[p.min(pack.len() - 1)].1);
+            self.points.extend(pack.iter().map(|&(_, i)| Point { i, turn: *stencils.of(i).turn }));
+            let of_points: [&[u32]; PACK] = std::array::from_fn(|p| in_pack(p).members);
+            let n_members = of_points[0].len();
+            self.members.extend((0..n_members).map(|t| of_points.map(|members| members[t])));
             let (points, members) = (points..self.points.len(), members..self.members.len());
             self.packs.push(Pack { class, points, members });
         }
         first..self.packs.len()
     }
 
-    /// The class of a pattern, which is made of it where there is none.
-    fn turned(
-        &mut self,
-        pattern: &Pattern<D>,
-        of_offsets: &mut HashMap<Vec<[i32; D]>, usize>,
-    ) -> Turned<D> {
-        let (axis, sign) = orientation(&pattern.offsets);
-        let turn =
-            |offset: &[i32; D]| -> [i32; D] { std::array::from_fn(|l| sign[l] * offset[axis[l]]) };
-        let mut order: Vec<usize> = (0..pattern.offsets.len()).collect();
-        order.sort_by_key(|&t| turn(&pattern.offsets[t]));
-        let offsets: Vec<[i32; D]> = order.iter().map(|&t| turn(&pattern.offsets[t])).collect();
-        let sign = sign.map(f64::from);
-        let class = *of_offsets.entry(offsets).or_insert_with(|| {
-            self.classes.push(Class::of(pattern, &order, axis, sign));
-            self.classes.len() - 1
-        });
-        Turned { class, axis, sign, order }
-    }
-
-    /// Number of classes.
+    /// Number of classes among the points added.
     #[cfg(test)]
     pub(crate) fn n_classes(&self) -> usize {
-        self.classes.len()
+        self.packs.iter().map(|pack| pack.class).collect::<std::collections::BTreeSet<_>>().len()
     }
 
     /// Blocks of four components of each point, for [`Self::gradients`]: `ceil(D / 4)` for each.
@@ -163,7 +114,7 @@ impl<const D: usize> Folded<D> {
                 let mut turned = [[0.0; D]; D];
                 for l in 0..D {
                     for k in 0..D {
-                        turned[point.axis[l]][k] = point.sign[l] * sums[l][k];
+                        turned[point.turn.axis[l]][k] = point.turn.sign[l] * sums[l][k];
                     }
                 }
                 found(point.i, turned);
@@ -259,54 +210,34 @@ impl<const D: usize> Folded<D> {
                     }
                 }
             }
-            for (at, Point { i, axis, sign }) in self.points[points.clone()].iter().enumerate() {
+            for (at, Point { i, turn }) in self.points[points.clone()].iter().enumerate() {
                 let mut fours = [[0.0; 4]; 2];
                 for block in 0..D.div_ceil(3) {
                     fours[block] = registers.four(sums[at / wide][block], at % wide);
                 }
-                let mut gradient = [0.0; D];
-                for l in 0..D {
-                    gradient[axis[l]] = sign[l] * fours[l / 3][l % 3];
-                }
-                found(*i, gradient, fours[0][3]);
+                let of_class = lanes::from_fn(|l| fours[l / 3][l % 3]);
+                found(*i, turn.back(&of_class), fours[0][3]);
             }
         }
     }
 }
 
 impl<const D: usize> Class<D> {
-    fn of(pattern: &Pattern<D>, order: &[usize], axis: [usize; D], sign: [f64; D]) -> Self {
-        let gradient = |t: usize| -> [f64; D] {
-            std::array::from_fn(|l| sign[l] * pattern.gradient[t][axis[l]])
-        };
-        let fours = |t: usize| {
-            let (gradient, mut fours) = (gradient(t), [[0.0; 4]; 2]);
+    fn of(pattern: &Pattern<D>) -> Self {
+        let four = |(gradient, mean): (&[f64; D], &f64)| {
+            let mut fours = [[0.0; 4]; 2];
             for l in 0..D {
                 fours[l / 3][l % 3] = gradient[l];
             }
-            fours[0][3] = pattern.mean[t];
+            fours[0][3] = *mean;
             fours
         };
         Self {
-            gradient: order.iter().map(|&t| gradient(t)).collect(),
-            value: order.iter().map(|&t| [pattern.value[t]]).collect(),
-            fours: order.iter().map(|&t| fours(t)).collect(),
+            gradient: pattern.gradient.clone(),
+            value: pattern.value.iter().map(|&value| [value]).collect(),
+            fours: pattern.gradient.iter().zip(&pattern.mean).map(four).collect(),
         }
     }
-}
-
-/// The order of the axes and their signs in which the first moments of the offsets do not increase and are not negative;
-/// among equal ones the second moments do not increase. Arrangements that a turn brings together have the same after it,
-/// unless moments of different axes are equal: such arrangements may have several classes.
-fn orientation<const D: usize>(offsets: &[[i32; D]]) -> ([usize; D], [i32; D]) {
-    let moment = |k: usize, power: u32| offsets.iter().map(|o| o[k].pow(power)).sum::<i32>();
-    let mut axis: [usize; D] = std::array::from_fn(|k| k);
-    axis.sort_by_key(|&k| std::cmp::Reverse((moment(k, 1).abs(), moment(k, 2))));
-    let sign = axis.map(|k| {
-        let odd = (moment(k, 1), moment(k, 3));
-        if odd < (0, 0) { -1 } else { 1 }
-    });
-    (axis, sign)
 }
 
 /// The components of the last point that do not fill a block of four lanes, and zeros.

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use lanes::Registers;
 
-use super::folded::{Classes, Folded};
+use super::folded::Folded;
 use super::runs::{self, Run, runs_of};
 use super::stencils::Stencils;
 
@@ -43,7 +43,7 @@ impl<const D: usize> LatticeSums<D> {
     /// The plan for the points of a lattice.
     pub(crate) fn new(stencils: &Stencils<D>, n: usize) -> Self {
         let shortest = if D == 1 { 1 } else { SHORTEST_RUN };
-        let (mut sums, mut classes) = (Self::default(), Classes::default());
+        let mut sums = Self { folded: Folded::new(stencils), ..Self::default() };
         for first in (0..n).step_by(PART) {
             let start = sums.runs.len();
             let mut single = Vec::new();
@@ -54,7 +54,7 @@ impl<const D: usize> LatticeSums<D> {
                     single.extend(run.first..run.first + run.len);
                 }
             }
-            let packs = sums.folded.add(stencils, &single, &mut classes);
+            let packs = sums.folded.add(stencils, &single);
             sums.parts.push(Part { first, runs: start..sums.runs.len(), packs });
         }
         sums
@@ -202,7 +202,7 @@ mod tests {
     }
 
     /// Compares all sums at all levels with sums over the members, one by one; returns the share of points in runs and the
-    /// number of patterns and classes of the others.
+    /// number of arrangements and classes of the others.
     fn sums_agree<const D: usize>(lattice: &Lattice<D>, reach: f64, degree: usize) -> Plan {
         let places: Vec<[f64; D]> = lattice.indices.iter().map(|i| i.map(f64::from)).collect();
         let mut list = NeighbourList::new();
@@ -253,10 +253,10 @@ mod tests {
         let weights = stencil.weights;
         for l in 0..D {
             for k in 0..D {
-                let expected = over_members(&|t| weights.gradient[t][l], &|j| numbers.f[j][k]);
+                let expected = over_members(&|t| stencil.gradient(t)[l], &|j| numbers.f[j][k]);
                 near(found.columns[l][p][k], expected, "gradient of a component");
             }
-            let expected = over_members(&|t| weights.gradient[t][l], &|j| numbers.d[j]);
+            let expected = over_members(&|t| stencil.gradient(t)[l], &|j| numbers.d[j]);
             near(found.gradient[l][p], expected, "gradient");
             let expected = over_members(&|t| weights.value[t], &|j| numbers.f[j][l]);
             near(found.fitted[p][l], expected, "value");
@@ -268,7 +268,7 @@ mod tests {
     #[derive(Debug)]
     struct Plan {
         share_in_runs: f64,
-        n_patterns: usize,
+        n_arrangements: usize,
         n_classes: usize,
     }
 
@@ -279,11 +279,13 @@ mod tests {
                 sums.runs.iter().any(|run| (run.first..run.first + run.len).contains(&i))
             };
             let single = (0..n).filter(|&i| !run_of(i));
-            let patterns: std::collections::BTreeSet<u32> =
-                single.map(|i| stencils.pattern_of(i)).collect();
+            let arrangements: std::collections::BTreeSet<_> = single
+                .map(|i| (stencils.class_of(i), stencils.of(i).turn))
+                .map(|(class, turn)| (class, turn.axis, turn.sign.map(|sign| sign < 0.0)))
+                .collect();
             Self {
                 share_in_runs: in_runs as f64 / n as f64,
-                n_patterns: patterns.len(),
+                n_arrangements: arrangements.len(),
                 n_classes: sums.folded.n_classes(),
             }
         }
@@ -295,11 +297,14 @@ mod tests {
         assert!(line.share_in_runs > 0.999 && line.n_classes == 0, "{line:?}");
         let plane = sums_agree(&Lattice::box_lattice([1.0; 2], [21, 21]).unwrap(), 2.8, 3);
         // The corners and sides of a square of 4 sides and 2 diagonals.
-        assert!(plane.share_in_runs > 0.8 && plane.n_classes < plane.n_patterns / 3, "{plane:?}");
+        assert!(
+            plane.share_in_runs > 0.8 && plane.n_classes < plane.n_arrangements / 3,
+            "{plane:?}"
+        );
         sums_agree(&Lattice::<2>::ball_lattice(5.0, 0.37).unwrap(), 2.8, 3);
         let ball = sums_agree(&Lattice::<3>::ball_lattice(5.0, 0.6).unwrap(), 2.8, 3);
         // 48 turns bring a ball onto itself.
-        assert!(ball.share_in_runs > 0.2 && ball.n_classes < ball.n_patterns / 8, "{ball:?}");
+        assert!(ball.share_in_runs > 0.2 && ball.n_classes < ball.n_arrangements / 8, "{ball:?}");
         sums_agree(&Lattice::<4>::ball_lattice(3.0, 1.0).unwrap(), 2.8, 3);
         sums_agree(&Lattice::<5>::ball_lattice(2.5, 1.0).unwrap(), 2.3, 2);
         sums_agree(&Lattice::<6>::ball_lattice(2.3, 1.0).unwrap(), 2.3, 2);

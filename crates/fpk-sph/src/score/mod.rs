@@ -7,6 +7,7 @@
 //! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
 mod aligned;
+mod arrangement;
 mod cell_geometry;
 mod cells;
 mod fit_points;
@@ -18,6 +19,7 @@ mod log_density_fit;
 mod moment_sums;
 mod monomials;
 mod normal_equations;
+mod pattern;
 mod polynomial_fit;
 mod runs;
 mod small_matrices;
@@ -334,8 +336,9 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         rates.clear();
     }
 
-    /// Takes out of the positions what the estimator does not see, by the given part in `[0, 1]`; `before` is scratch of
-    /// the same length. Provided: nothing is taken out.
+    /// Takes out of the positions what the estimator does not see, by the given part in `[0, 1]`: that of a step with the
+    /// time constant of [`Settling::UNIFORM`](crate::Settling::UNIFORM). `before` is scratch of the same length. Provided:
+    /// nothing is taken out.
     fn settle(&self, x: &mut [[f64; D]], before: &mut [[f64; D]], part: f64) {
         let _ = (x, before, part);
     }

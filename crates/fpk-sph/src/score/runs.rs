@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use lanes::{MOST_LANES, Registers};
 
+use super::arrangement::Turn;
 use super::stencils::{Stencil, Stencils};
 
 /// Consecutive points with one pattern, whose members advance by one from point to point.
@@ -48,21 +49,15 @@ pub(crate) fn gradient<R: Registers<f64>, const D: usize, const C: usize>(
         match length {
             4 => {
                 let sums = gradient_at::<R, D, C, 4>(registers, stencil, f, from);
-                for l in 0..D {
-                    store(registers, sums[l], out[l], from);
-                }
+                store_turned(registers, stencil.turn, sums, out, from);
             }
             2 => {
                 let sums = gradient_at::<R, D, C, 2>(registers, stencil, f, from);
-                for l in 0..D {
-                    store(registers, sums[l], out[l], from);
-                }
+                store_turned(registers, stencil.turn, sums, out, from);
             }
             _ => {
                 let sums = gradient_at::<R, D, C, 1>(registers, stencil, f, from);
-                for l in 0..D {
-                    store(registers, sums[l], out[l], from);
-                }
+                store_turned(registers, stencil.turn, sums, out, from);
             }
         }
         at = from + length * R::N;
@@ -131,7 +126,7 @@ pub(crate) fn mean<R: Registers<f64>, const D: usize, const C: usize>(
 #[inline(always)]
 fn gradient_at<R: Registers<f64>, const D: usize, const C: usize, const K: usize>(
     registers: R,
-    Stencil { members, weights }: Stencil<'_, D>,
+    Stencil { members, weights, .. }: Stencil<'_, D>,
     f: &[f64],
     at: usize,
 ) -> [[R::Vector; K]; D] {
@@ -226,6 +221,24 @@ fn padded(f: &[f64], at: usize) -> [f64; MOST_LANES] {
     let rest = &f[at.min(f.len())..f.len().min(at + MOST_LANES)];
     lanes[..rest.len()].copy_from_slice(rest);
     lanes
+}
+
+/// Stores sums along the axes of a class in the slices of the axes of the lattice.
+#[inline(always)]
+fn store_turned<R: Registers<f64>, const D: usize, const K: usize>(
+    registers: R,
+    turn: &Turn<D>,
+    sums: [[R::Vector; K]; D],
+    out: &mut [&mut [f64]; D],
+    at: usize,
+) {
+    for l in 0..D {
+        let (sign, mut turned) = (registers.splat(turn.sign[l]), sums[l]);
+        for k in 0..K {
+            turned[k] = sign * turned[k];
+        }
+        store(registers, turned, out[turn.axis[l]], at);
+    }
 }
 
 /// Stores registers in a run of numbers, or as many as there are where a register is longer than the run.

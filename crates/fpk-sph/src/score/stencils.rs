@@ -1,26 +1,25 @@
-//! Stencils and constant weights of local polynomials over a lattice.
+//! Stencils of local polynomials over a lattice.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use neighbour_search::NeighbourList;
-use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::Fits;
-use super::fit_points::Points;
-use super::monomials::{Monomials, unknowns};
-use super::polynomial_fit::LeastSquares;
+use super::arrangement::{Turn, Turned};
+use super::pattern::Pattern;
 use crate::error::Error;
 
-/// The local polynomials of all lattice points. Points with the same neighbours share their weights: inside a lattice all
-/// do.
+/// The local polynomials of all lattice points. Points whose neighbours are arranged alike, but for reflections and
+/// permutations of the axes, share their weights: inside a lattice all do.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stencils<const D: usize> {
-    /// Members of point `i`, itself included: `members[start[i]..start[i + 1]]`.
+    /// Members of point `i`, itself included, in the order of its class: `members[start[i]..start[i + 1]]`.
     start: Vec<usize>,
     members: Vec<u32>,
-    pattern_of: Vec<u32>,
-    patterns: Vec<Pattern<D>>,
+    /// The class of each point, and how its arrangement is turned into that of the class.
+    of_point: Vec<(u32, Turn<D>)>,
+    classes: Vec<Pattern<D>>,
     /// Points at the rim, in an order in which each has a member inside or before it.
     rim: Vec<Rim>,
     /// What the points at the rim take from members before them, with weights that sum to 1.
@@ -38,34 +37,13 @@ struct Rim {
     links: Range<usize>,
 }
 
-/// The weights of one arrangement of neighbours; one entry per member.
-#[derive(Debug, Clone)]
-pub(crate) struct Pattern<const D: usize> {
-    /// Places of the members against the point, in spacings.
-    pub(crate) offsets: Vec<[i32; D]>,
-    /// Whether the first member is opposite to the last, the second to the last but one, and so on.
-    pub(crate) is_symmetric: bool,
-    /// Positive weights that sum to 1: a local mean.
-    pub(crate) mean: Vec<f64>,
-    /// The polynomial's value at the point.
-    pub(crate) value: Vec<f64>,
-    /// Its gradient, per spacing.
-    pub(crate) gradient: Vec<[f64; D]>,
-    /// Its second derivatives, per spacing squared; zero where it is linear.
-    pub(crate) hessian: Vec<[[f64; D]; D]>,
-    /// How well the arrangement determines the polynomial.
-    fits: Fits,
-}
-
-/// The members of a point with their weights.
+/// The members of a point with their weights, which are along the axes of its class.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stencil<'a, const D: usize> {
     pub(crate) members: &'a [u32],
     pub(crate) weights: &'a Pattern<D>,
+    pub(crate) turn: &'a Turn<D>,
 }
-
-/// Points per unknown of a local polynomial: fewer, and its degree is lowered.
-const POINTS_PER_UNKNOWN: f64 = 1.5;
 
 /// A point with fewer than this part of the members of a point inside lies at the rim. By the eigenvalues of the
 /// linearised diffusion on balls in 2-D: from 0.65 to 1 no mode grows, while one-sided gradients of every point of the rim
@@ -87,33 +65,39 @@ impl<const D: usize> Stencils<D> {
         let n = places.len();
         let mut stencils = Self { start: vec![0], ..Self::default() };
         let mut known: HashMap<Vec<[i32; D]>, u32> = HashMap::new();
+        // The arrangement of the point before; inside the lattice it is that of the next point too.
+        let (mut offsets, mut turned, mut class) = (Vec::new(), Turned::of(&[]), 0);
+        let mut members = Vec::new();
         for (i, row) in neighbours.rows().enumerate() {
             let own = u32::try_from(i).map_err(|_| too_many(n))?;
             let at = row.partition_point(|&j| j < own);
-            stencils.members.extend_from_slice(&row[..at]);
-            stencils.members.push(own);
-            stencils.members.extend_from_slice(&row[at..]);
-            let members = &stencils.members[stencils.start[i]..];
-            let offsets: Vec<[i32; D]> = members
-                .iter()
-                .map(|&j| {
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        reason = "whole numbers within the reach"
-                    )]
-                    std::array::from_fn(|k| (places[j as usize][k] - places[i][k]).round() as i32)
-                })
-                .collect();
-            let pattern = if let Some(&pattern) = known.get(&offsets) {
-                pattern
-            } else {
-                let fresh = u32::try_from(stencils.patterns.len()).map_err(|_| too_many(n))?;
-                stencils.patterns.push(Pattern::new(&offsets, reach, degree, i)?);
-                known.insert(offsets, fresh);
-                fresh
+            members.clear();
+            members.extend_from_slice(&row[..at]);
+            members.push(own);
+            members.extend_from_slice(&row[at..]);
+            let offset = |&j: &u32| -> [i32; D] {
+                #[allow(
+                    clippy::cast_possible_truncation,
+                    reason = "whole numbers within the reach"
+                )]
+                std::array::from_fn(|k| (places[j as usize][k] - places[i][k]) as i32)
             };
-            stencils.fits = stencils.fits.and(stencils.patterns[pattern as usize].fits);
-            stencils.pattern_of.push(pattern);
+            if i == 0 || !members.iter().map(offset).eq(offsets.iter().copied()) {
+                offsets.clear();
+                offsets.extend(members.iter().map(offset));
+                turned = Turned::of(&offsets);
+                class = if let Some(&class) = known.get(&turned.offsets) {
+                    class
+                } else {
+                    let fresh = u32::try_from(stencils.classes.len()).map_err(|_| too_many(n))?;
+                    stencils.classes.push(Pattern::new(&turned.offsets, reach, degree, i)?);
+                    known.insert(turned.offsets.clone(), fresh);
+                    fresh
+                };
+            }
+            stencils.members.extend(turned.order.iter().map(|&t| members[t as usize]));
+            stencils.fits = stencils.fits.and(stencils.classes[class as usize].fits);
+            stencils.of_point.push((class, turned.turn));
             stencils.start.push(stencils.members.len());
         }
         stencils.find_rim()?;
@@ -122,7 +106,7 @@ impl<const D: usize> Stencils<D> {
 
     /// Orders the points of the rim from the inside outward.
     fn find_rim(&mut self) -> Result<(), Error> {
-        let n = self.pattern_of.len();
+        let n = self.of_point.len();
         let full = (0..n).map(|i| self.start[i + 1] - self.start[i]).max().unwrap_or(0);
         let inside = |i: usize| (self.start[i + 1] - self.start[i]) as f64 >= RIM * full as f64;
         let mut rank: Vec<u32> = (0..n).map(|i| if inside(i) { 0 } else { u32::MAX }).collect();
@@ -152,7 +136,7 @@ impl<const D: usize> Stencils<D> {
     /// Links a point to those of its members that are known before it.
     fn link(&mut self, i: usize, is_before: impl Fn(usize) -> bool) -> Range<usize> {
         let (start, members) = (self.links.len(), self.start[i]..self.start[i + 1]);
-        let weights = &self.patterns[self.pattern_of[i] as usize].mean;
+        let weights = &self.classes[self.of_point[i].0 as usize].mean;
         let all = self.members[members].iter().zip(weights);
         self.links.extend(all.filter(|(j, _)| is_before(**j as usize)).map(|(&j, &w)| (j, w)));
         let links = &mut self.links[start..];
@@ -174,10 +158,11 @@ impl<const D: usize> Stencils<D> {
             for step in 1..=WAVES {
                 let theta = std::f64::consts::PI * step as f64 / WAVES as f64;
                 let (mut real, mut imaginary) = (0.0, 0.0);
-                for (&j, weight) in stencil.members.iter().zip(&stencil.weights.gradient) {
+                for (t, &j) in stencil.members.iter().enumerate() {
                     let (sin, cos) = (theta * (places[j as usize][k] - places[i][k])).sin_cos();
-                    real += weight[k] * cos;
-                    imaginary += weight[k] * sin;
+                    let weight = stencil.gradient(t)[k];
+                    real += weight * cos;
+                    imaginary += weight * sin;
                 }
                 steepest = steepest.max(real.hypot(imaginary));
             }
@@ -188,26 +173,28 @@ impl<const D: usize> Stencils<D> {
     /// Stencil of the local fit of a point, with its weights.
     #[inline]
     pub(crate) fn of(&self, i: usize) -> Stencil<'_, D> {
+        let (class, turn) = &self.of_point[i];
         Stencil {
             members: &self.members[self.start[i]..self.start[i + 1]],
-            weights: &self.patterns[self.pattern_of[i] as usize],
+            weights: &self.classes[*class as usize],
+            turn,
         }
     }
 
-    /// The pattern of a point, by its number.
-    pub(crate) fn pattern_of(&self, i: usize) -> u32 {
-        self.pattern_of[i]
+    /// The class of a point, by its number.
+    pub(crate) fn class_of(&self, i: usize) -> usize {
+        self.of_point[i].0 as usize
     }
 
-    /// A pattern by its number.
-    pub(crate) fn pattern(&self, number: u32) -> &Pattern<D> {
-        &self.patterns[number as usize]
+    /// All classes, by their numbers.
+    pub(crate) fn classes(&self) -> &[Pattern<D>] {
+        &self.classes
     }
 
     /// Whether the members of point `i + 1` are those of point `i`, each one further on.
     pub(crate) fn advances(&self, i: usize) -> bool {
         let [members, next] = [i, i + 1].map(|i| self.of(i).members);
-        self.pattern_of[i] == self.pattern_of[i + 1]
+        self.of_point[i] == self.of_point[i + 1]
             && members.iter().zip(next).all(|(j, next)| j + 1 == *next)
     }
 
@@ -234,8 +221,17 @@ impl<const D: usize> Stencils<D> {
 }
 
 impl<const D: usize> Stencil<'_, D> {
-    /// `sum_j gradient_j f_j`.
-    #[inline]
+    /// The weights of member `t` in the gradient, along the axes of the lattice.
+    pub(crate) fn gradient(&self, t: usize) -> [f64; D] {
+        self.turn.back(&self.weights.gradient[t])
+    }
+
+    /// The weights of member `t` in the second derivatives, along the axes of the lattice.
+    pub(crate) fn hessian(&self, t: usize) -> [[f64; D]; D] {
+        self.turn.back_matrix(&self.weights.hessian[t])
+    }
+
+    /// `sum_j gradient_j f_j`, along the axes of the lattice.
     pub(crate) fn gradient_of(&self, f: &[f64]) -> [f64; D] {
         let mut gradient = [0.0; D];
         for (&j, weight) in self.members.iter().zip(&self.weights.gradient) {
@@ -244,113 +240,8 @@ impl<const D: usize> Stencil<'_, D> {
                 gradient[k] += weight[k] * f_j;
             }
         }
-        gradient
+        self.turn.back(&gradient)
     }
-}
-
-impl<const D: usize> Pattern<D> {
-    fn new(
-        offsets: &[[i32; D]],
-        reach: f64,
-        degree: usize,
-        particle: usize,
-    ) -> Result<Self, Error> {
-        let count = offsets.len();
-        let tables = Monomials::carried_by::<D>(count, degree, POINTS_PER_UNKNOWN)
-            .ok_or(Error::TooFewNeighbours { step: 0, time: 0.0, particle, count, limit: D + 2 })?;
-        let n = tables.n_unknowns;
-        let mut fit = LeastSquares::new(tables);
-        let points: Vec<_> = offsets.iter().map(|offset| weighted(offset, reach)).collect();
-        fit.sum_in_all(&Points::of(&points));
-        let asked = unknowns(D, degree);
-        let fits = Fits::of(n, asked, fit.factorise()[0]);
-        // Value, gradient, second derivatives.
-        let mut weights = fit.weights(&points, 1 + D + D * (D + 1) / 2).into_iter();
-        let mut next = || weights.next().unwrap_or_default();
-        let mut pattern = Self {
-            offsets: offsets.to_vec(),
-            is_symmetric: false,
-            mean: Vec::with_capacity(count),
-            value: next(),
-            gradient: vec![[0.0; D]; count],
-            hessian: vec![[[0.0; D]; D]; count],
-            fits,
-        };
-        let total: f64 = points.iter().map(|(_, w)| w).sum();
-        pattern.mean.extend(points.iter().map(|(_, w)| w / total));
-        for k in 0..D {
-            for (entry, weight) in pattern.gradient.iter_mut().zip(next()) {
-                entry[k] = weight / reach;
-            }
-        }
-        for k in 0..D {
-            for l in k..D {
-                let factor = if k == l { 2.0 } else { 1.0 } / power::<2>(reach);
-                for (entry, weight) in pattern.hessian.iter_mut().zip(next()) {
-                    entry[k][l] = factor * weight;
-                    entry[l][k] = factor * weight;
-                }
-            }
-        }
-        pattern.make_symmetric();
-        Ok(pattern)
-    }
-
-    /// Gives the weights the symmetries of the offsets, which roundoff of the fit has broken: those of reflections along
-    /// an axis, and that of opposite members.
-    fn make_symmetric(&mut self) {
-        for axis in 0..D {
-            if let Some(mirror) = self.mirror(|k| k == axis) {
-                self.symmetrise(&mirror, |k| k == axis);
-            }
-        }
-        let last = self.offsets.len() - 1;
-        if let Some(mirror) = self.mirror(|_| true) {
-            self.symmetrise(&mirror, |_| true);
-            self.is_symmetric =
-                mirror.iter().enumerate().all(|(t, &opposite)| opposite == last - t);
-        }
-    }
-
-    /// For each member the one with the given components of its offset reversed; none where one of them is missing.
-    fn mirror(&self, is_reversed: impl Fn(usize) -> bool) -> Option<Vec<usize>> {
-        let reversed = |offset: &[i32; D]| -> [i32; D] {
-            std::array::from_fn(|k| if is_reversed(k) { -offset[k] } else { offset[k] })
-        };
-        let place = |offset| self.offsets.iter().position(|other| *other == reversed(offset));
-        self.offsets.iter().map(place).collect()
-    }
-
-    /// Replaces the weights of members and their mirror images by the mean of both.
-    fn symmetrise(&mut self, mirror: &[usize], is_reversed: impl Fn(usize) -> bool) {
-        let mean = |weights: &mut [f64], t: usize, image: usize| {
-            let both = 0.5 * (weights[t] + weights[image]);
-            (weights[t], weights[image]) = (both, both);
-        };
-        let sign = |k: usize| if is_reversed(k) { -1.0 } else { 1.0 };
-        for (t, &image) in mirror.iter().enumerate().filter(|(t, image)| t <= image) {
-            mean(&mut self.mean, t, image);
-            mean(&mut self.value, t, image);
-            for k in 0..D {
-                let both = 0.5 * (self.gradient[t][k] + sign(k) * self.gradient[image][k]);
-                self.gradient[t][k] = both;
-                self.gradient[image][k] = sign(k) * both;
-                for l in 0..D {
-                    let sign = sign(k) * sign(l);
-                    let both = 0.5 * (self.hessian[t][k][l] + sign * self.hessian[image][k][l]);
-                    self.hessian[t][k][l] = both;
-                    self.hessian[image][k][l] = sign * both;
-                }
-            }
-        }
-    }
-}
-
-/// A place in units of the reach, with Lucy's weight.
-fn weighted<const D: usize>(offset: &[i32; D], reach: f64) -> ([f64; D], f64) {
-    let u = offset.map(|k| f64::from(k) / reach);
-    let q = u.iter().map(|c| c * c).sum::<f64>().sqrt();
-    (u, <Lucy as Kernel<D>>::shape(&Lucy, q * <Lucy as Kernel<D>>::support(&Lucy)))
 }
 
 fn too_many(n: usize) -> Error {
@@ -386,17 +277,30 @@ mod tests {
             let expected = [1.0 + 0.2 * x * y, -2.0 + 0.1 * x * x - 0.15 * y * y];
             // Roundoff of values up to 10 times weights whose size is about 1.
             assert!((g_x - expected[0]).abs() < 1e-12 && (g_y - expected[1]).abs() < 1e-12);
+            let mut hessian = [[0.0; 2]; 2];
+            for (t, &j) in stencils.of(i).members.iter().enumerate() {
+                let weight = stencils.of(i).hessian(t);
+                for (sum, weight) in
+                    hessian.as_flattened_mut().iter_mut().zip(weight.as_flattened())
+                {
+                    *sum += weight * values[j as usize];
+                }
+            }
+            let expected = [[0.2 * y, 0.2 * x], [0.2 * x, -0.3 * y]];
+            for (sum, expected) in hessian.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((sum - expected).abs() < 1e-12, "point {i}: {sum} against {expected}");
+            }
         }
     }
 
     #[test]
-    fn points_inside_share_one_pattern_and_every_point_of_the_rim_has_one_before_it() {
+    fn points_inside_share_one_class_and_turn_and_every_point_of_the_rim_has_one_before_it() {
         let lattice = Lattice::<3>::ball_lattice(6.0, 1.0).unwrap();
         let stencils = stencils(&lattice, 2.8, 3);
         let full = (0..lattice.points.len()).map(|i| stencils.of(i).members.len()).max().unwrap();
         let inside = (0..lattice.points.len()).filter(|&i| stencils.of(i).members.len() == full);
-        let patterns: Vec<u32> = inside.map(|i| stencils.pattern_of[i]).collect();
-        assert!(patterns.len() > 100 && patterns.iter().all(|p| *p == patterns[0]));
+        let of_inside: Vec<_> = inside.map(|i| stencils.of_point[i]).collect();
+        assert!(of_inside.len() > 100 && of_inside.iter().all(|p| *p == of_inside[0]));
         for Rim { i, links } in &stencils.rim {
             assert!(!links.is_empty(), "point {i}");
             let total: f64 = stencils.links[links.clone()].iter().map(|link| link.1).sum();

@@ -2,7 +2,7 @@
 
 use fpk_sph::score::Degree;
 use fpk_sph::{
-    Combination, Estimator, InitialLattice, MOST_NEGLIGIBLE, Method, Remapping, StepRule,
+    Combination, Estimator, InitialLattice, MOST_NEGLIGIBLE, Method, Remapping, Settling, StepRule,
     ball_reach, box_reach,
 };
 use schemars::JsonSchema;
@@ -47,6 +47,10 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 0))]
     pub negligible: Option<f64>,
+    /// How fast positions lose the waves that the flow-map fit does not resolve; not of the log-density fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = SettlingScene::Uniform))]
+    pub settling: Option<SettlingScene>,
     /// Degree of the local polynomials.
     ///
     /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
@@ -84,7 +88,35 @@ impl DegreeScene {
         match estimator {
             Estimator::SummationDensity => estimator,
             Estimator::LogDensityFit { volume, .. } => Estimator::LogDensityFit { volume, degree },
-            Estimator::FlowMapFit { thinnest, .. } => Estimator::FlowMapFit { degree, thinnest },
+            Estimator::FlowMapFit { thinnest, settling, .. } => {
+                Estimator::FlowMapFit { degree, thinnest, settling }
+            }
+        }
+    }
+}
+
+/// How fast positions lose the waves that the flow-map fit does not resolve, in reference periods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SettlingScene {
+    /// By the time constant 0.3 everywhere.
+    Uniform,
+    /// By 0.6 within 2.5 initial standard deviations and 0.1 beyond 4: for hysteresis, fewer inverted cells at the rim.
+    Graded,
+}
+
+impl SettlingScene {
+    /// The estimator with this settling; others than the flow-map fit have none.
+    const fn of(self, estimator: Estimator) -> Estimator {
+        let settling = match self {
+            Self::Uniform => Settling::UNIFORM,
+            Self::Graded => Settling::GRADED,
+        };
+        match estimator {
+            Estimator::FlowMapFit { degree, thinnest, .. } => {
+                Estimator::FlowMapFit { degree, thinnest, settling }
+            }
+            _ => estimator,
         }
     }
 }
@@ -109,11 +141,12 @@ impl Default for FreshLatticesScene {
 }
 
 impl LatticeScene {
-    /// The method with the requested remeshing, steps, scheme and degree.
+    /// The method with the requested remeshing, steps, scheme, settling and degree.
     pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
-        let Self { fresh_lattices, steps_per_period, scheme, negligible, degree, .. } = self;
-        let is_plain = fresh_lattices.is_none() && steps_per_period.is_none();
-        if is_plain && scheme.is_none() && negligible.is_none() && degree.is_none() {
+        let Self { fresh_lattices, steps_per_period, scheme, negligible, settling, degree, .. } =
+            self;
+        let is_plain = fresh_lattices.is_none() && steps_per_period.is_none() && scheme.is_none();
+        if is_plain && negligible.is_none() && settling.is_none() && degree.is_none() {
             return method;
         }
         let combination = method.combination_in(D);
@@ -127,6 +160,7 @@ impl LatticeScene {
         let scheme = scheme.map_or(combination.scheme, SchemeScene::scheme);
         let estimator =
             degree.map_or(combination.estimator, |degree| degree.of(combination.estimator));
+        let estimator = settling.map_or(estimator, |settling| settling.of(estimator));
         let negligible = negligible.unwrap_or(combination.negligible);
         Method::Custom(Combination {
             estimator,
@@ -200,6 +234,16 @@ impl LatticeScene {
         Err(Objection::new(path, "runge_kutta_chebyshev must be stable in every cell").with_help(
             "leave it out, or use lawson_adams_bashforth_2, lawson_runge_kutta_4 or runge_kutta_4",
         ))
+    }
+
+    /// Rejects settling, which the log-density fit does not have.
+    pub(super) fn refuse_settling(&self, path: &str) -> Result<(), Objection> {
+        if self.settling.is_none() {
+            return Ok(());
+        }
+        let path = format!("{path}.settling");
+        Err(Objection::new(path, "the log-density fit moves particles by the flow alone")
+            .with_help("leave it out, or use flow_map_fit"))
     }
 
     /// Rejects a reach or a smallest probability out of its range, and both.
@@ -281,6 +325,19 @@ mod tests {
             let error = objection(keys).unwrap();
             assert!(error.contains("method.flow_map_fit.negligible"), "{error}");
         }
+    }
+
+    #[test]
+    fn settling_is_that_of_the_flow_map_fit_and_refused_for_the_log_density_fit() {
+        let text = r#"{ "spacing": 0.6, "reach": 6, "settling": "graded" }"#;
+        let lattice: LatticeScene = serde_json::from_str(text).unwrap();
+        let combination = lattice.method::<3>(Method::FlowMapFit).combination_in(3);
+        let Estimator::FlowMapFit { settling, .. } = combination.estimator else {
+            panic!("another estimator: {combination:?}");
+        };
+        assert_eq!(settling, Settling::GRADED);
+        let error = lattice.refuse_settling("method.log_density_fit").unwrap_err().to_string();
+        assert!(error.contains("method.log_density_fit.settling"), "{error}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::checks::{check_length, must};
 use super::integrator_scene::IntegratorScene;
 use super::lattice_scene::{
-    DegreeScene, FreshLatticesScene, LatticeScene, check_counts, scaled_counts,
+    DegreeScene, FreshLatticesScene, LatticeScene, SettlingScene, check_counts, scaled_counts,
 };
 use super::law_scene::LawScene;
 use super::scheme_scene::SchemeScene;
@@ -176,6 +176,7 @@ impl MethodScene {
             steps_per_period: Some(80.0),
             scheme: Some(SchemeScene::Heun),
             negligible: Some(1e-4),
+            settling: Some(SettlingScene::Graded),
             degree: Some(DegreeScene::Quadratic),
         })
     }
@@ -234,7 +235,10 @@ impl MethodScene {
         }
         let states = system.states();
         match self {
-            Self::LogDensityFit(lattice) => lattice.check("method.log_density_fit", states),
+            Self::LogDensityFit(lattice) => {
+                lattice.refuse_settling("method.log_density_fit")?;
+                lattice.check("method.log_density_fit", states)
+            }
             Self::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
             Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, .. } => {
                 let path = "method.canor_denoel_2013";

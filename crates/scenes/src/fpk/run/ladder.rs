@@ -102,6 +102,7 @@ fn default_lattice(states: usize) -> LatticeScene {
         steps_per_period: None,
         scheme: None,
         negligible: None,
+        settling: None,
         degree: None,
     };
     if states <= 2 {

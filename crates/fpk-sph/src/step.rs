@@ -16,7 +16,7 @@ use crate::time_schemes::Begin;
 /// Reference periods in which an estimator's [`settle`](crate::ScoreEstimator::settle) takes out all but `1/e` of what it
 /// does not see. Measured on the damper: E[v^2] at t = 6 is 0.8 % high without, 0.02 % at 0.6, and the same within 0.1 %
 /// from 0.3 to 1.3.
-const SETTLING_PERIODS: f64 = 0.3;
+pub(crate) const SETTLING_PERIODS: f64 = 0.3;
 
 /// The most probability that unresolved cells may hold. Runs whose claims hold were seen with up to 0.014: the damper at
 /// t = 10, one cell at the centre of a cloud that has collapsed onto its slow manifold; Bouc-Wen with up to 4e-4.
@@ -89,7 +89,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// Refuses an end that does not lie ahead, and a step beyond the limit of the work.
-    fn check_end(&self, end: f64) -> Result<(), Error> {
+    pub(crate) fn check_end(&self, end: f64) -> Result<(), Error> {
         let t = self.state.time;
         if end.is_nan() || end <= t {
             return Err(Error::TimeInThePast { value: end, now: t });
@@ -128,7 +128,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// Refuses a step where unresolved particles hold too much probability.
-    fn check_resolved(&self) -> Result<(), Error> {
+    pub(crate) fn check_resolved(&self) -> Result<(), Error> {
         let Unresolved { particles, mass, heaviest } = self.evaluation.estimates.unresolved;
         if mass <= MOST_UNRESOLVED {
             return Ok(());
@@ -139,7 +139,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The report of a step of the given length, from its first stage.
-    fn report(&self, length: &StepLength) -> StepReport {
+    pub(crate) fn report(&self, length: &StepLength) -> StepReport {
         let Self { discretisation, state, evaluation, stages, .. } = self;
         let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
         let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);

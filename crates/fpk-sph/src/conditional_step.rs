@@ -177,7 +177,7 @@ impl<const D: usize> Solver<D> {
             share_of_limit: dt / length.diffusion_limit,
         };
         let mut k = 0;
-        stages.advance(Scheme::RungeKutta4, &begin, |t, x, v| {
+        stages.runge_kutta_4(&begin, |t, x, v| {
             k += 1;
             let stage = Stage { t, x, smoothing_lengths: &smoothing.lengths };
             let of_state = (&mut *evaluation, &*discretisation, &*state);

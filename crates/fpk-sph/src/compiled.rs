@@ -8,6 +8,7 @@ use std::io::{Read, Write};
 use sde_integrators::GaussianMixture;
 
 use crate::coefficients::Coefficients;
+use crate::conditional_step::Conditional;
 use crate::config::Config;
 use crate::error::Error;
 use crate::observables::{CellIntegral, DensityField};
@@ -22,6 +23,7 @@ pub(crate) struct Passes<const D: usize> {
     pub(crate) step_towards:
         fn(&mut Solver<D>, &dyn Coefficients<D>, f64) -> Result<StepReport, Error>,
     pub(crate) advance_to: fn(&mut Solver<D>, &dyn Coefficients<D>, f64) -> Result<(), Error>,
+    pub(crate) conditional_step: ConditionalStep<D>,
     pub(crate) remap: fn(&mut Solver<D>, &Remapping) -> Result<Remapped, Error>,
     pub(crate) snapshot: fn(&Solver<D>, &mut dyn Write) -> Result<(), Error>,
     pub(crate) restore: fn(&mut Solver<D>, &mut dyn Read) -> Result<(), Error>,
@@ -36,6 +38,10 @@ type Start<const D: usize> = fn(
     Option<Box<dyn ScoreEstimator<D> + Sync>>,
 ) -> Result<Solver<D>, Error>;
 
+/// A step, not beyond a time, of a structure whose filter states are conditioned out.
+type ConditionalStep<const D: usize> =
+    fn(&mut Solver<D>, &mut Conditional<D>, &dyn Coefficients<D>, f64) -> Result<StepReport, Error>;
+
 impl<const D: usize> Passes<D> {
     const HERE: Self = Self {
         start: |law, config, estimator| {
@@ -44,6 +50,7 @@ impl<const D: usize> Passes<D> {
         },
         step_towards: Solver::step_towards,
         advance_to: Solver::advance_to,
+        conditional_step: Solver::conditional_step,
         remap: Solver::remap,
         snapshot: Solver::snapshot,
         restore: Solver::restore,

@@ -366,6 +366,35 @@ pub enum Error {
         /// The most that is allowed.
         limit: f64,
     },
+    /// Filter states are conditioned out by some methods only.
+    #[error("filter states are conditioned out with {must}; the method has {found}")]
+    NotConditioned {
+        /// What it has in place of it.
+        found: String,
+        /// What it must have, in words.
+        must: &'static str,
+    },
+    /// Filter states are conditioned out of one normal distribution.
+    #[error(
+        "filter states are conditioned out of a single normal distribution at the start; this one has {count} components"
+    )]
+    ConditionedMixture {
+        /// Components of the distribution.
+        count: usize,
+    },
+    /// The filter's output has no variance left, given the structure's states.
+    #[error(
+        "t = {time}: given the structure's states, the filter's output has the variance {value:e} of {whole:e} in all; it must \
+         not be negative: use more particles, or the density of all states"
+    )]
+    NoConditionalVariance {
+        /// Time.
+        time: f64,
+        /// The variance given the structure's states.
+        value: f64,
+        /// The variance in all.
+        whole: f64,
+    },
     /// A snapshot is of another simulation.
     #[error("the snapshot holds {found} particles, the simulation {expected}")]
     ForeignSnapshot {

@@ -31,6 +31,11 @@ impl Settling {
         positive("settling outside", self.outside)
     }
 
+    /// The part of what is settled at the uniform rate that a step takes out.
+    pub(crate) fn part_of_a_step(dt: f64, reference_period: f64) -> f64 {
+        1.0 - (-dt / (Self::UNIFORM.inside * reference_period)).exp()
+    }
+
     /// For each place, the rate of settling over that of [`Self::UNIFORM`]; none where they are the same. `spacing` in
     /// initial standard deviations.
     pub(crate) fn relative_rates<const D: usize>(

@@ -12,6 +12,12 @@ use crate::state::{Previous, State};
 impl<const D: usize> Solver<D> {
     /// Writes state and lattice.
     pub(crate) fn snapshot(&self, writer: &mut dyn Write) -> Result<(), Error> {
+        self.store()?.snapshot(writer)?;
+        Ok(())
+    }
+
+    /// State and lattice as columns and attributes.
+    pub(crate) fn store(&self) -> Result<ParticleStore<D>, Error> {
         let mut store = ParticleStore::<D>::new(self.n_particles());
         let state = &self.state;
         store.add("position", state.positions.clone())?;
@@ -28,15 +34,18 @@ impl<const D: usize> Solver<D> {
         }
         store.set_attribute("n_remaps", Attribute::Count(state.n_remaps));
         store.set_attribute("n_start", Attribute::Count(self.n_start as u64));
-        store.snapshot(writer)?;
-        Ok(())
+        Ok(store)
     }
 
     /// Takes state and lattice from a snapshot; after an error all is as it was.
     pub(crate) fn restore(&mut self, reader: &mut dyn Read) -> Result<(), Error> {
-        let store = ParticleStore::<D>::restore(reader)?;
+        self.take(&ParticleStore::<D>::restore(reader)?)
+    }
+
+    /// Takes state and lattice from columns and attributes; after an error all is as it was.
+    pub(crate) fn take(&mut self, store: &ParticleStore<D>) -> Result<(), Error> {
         let memory = self.discretisation.combination.scheme.remembers();
-        let state = read_state(&store, self.n_start, memory)?;
+        let state = read_state(store, self.n_start, memory)?;
         let places = store.get(store.handle::<[f64; D]>("place")?)?;
         state.check_restored(places)?;
         let lattice = &self.discretisation.lattice;

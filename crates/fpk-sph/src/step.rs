@@ -67,7 +67,7 @@ impl<const D: usize> Solver<D> {
         })?;
         check_finite(&stages.x, &[], (state.n_steps, t_0 + dt))?;
         // What the estimator does not see would stay for ever: it is taken out at its own rate.
-        let part = 1.0 - (-dt / (Settling::UNIFORM.inside * self.reference_period)).exp();
+        let part = Settling::part_of_a_step(dt, self.reference_period);
         let [first, .., scratch] = &mut stages.k;
         discretisation.estimator.settle(&mut stages.x, scratch, part);
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;
@@ -85,7 +85,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// Refuses an end that does not lie ahead, and a step beyond the limit of the work.
-    fn check_end(&self, end: f64) -> Result<(), Error> {
+    pub(crate) fn check_end(&self, end: f64) -> Result<(), Error> {
         let t = self.state.time;
         if end.is_nan() || end <= t {
             return Err(Error::TimeInThePast { value: end, now: t });
@@ -124,7 +124,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// Refuses a step where unresolved particles hold too much probability.
-    fn check_resolved(&self) -> Result<(), Error> {
+    pub(crate) fn check_resolved(&self) -> Result<(), Error> {
         let Unresolved { particles, mass, heaviest } = self.evaluation.estimates.unresolved;
         if mass <= MOST_UNRESOLVED {
             return Ok(());
@@ -135,7 +135,7 @@ impl<const D: usize> Solver<D> {
     }
 
     /// The report of a step of the given length, from its first stage.
-    fn report(&self, length: &StepLength) -> StepReport {
+    pub(crate) fn report(&self, length: &StepLength) -> StepReport {
         let Self { discretisation, state, evaluation, stages, .. } = self;
         let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
         let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);

@@ -21,9 +21,18 @@ impl<const D: usize> Solver<D> {
         system: &dyn Coefficients<D>,
         end: f64,
     ) -> Result<StepLength, Error> {
+        let limit = self.diffusion_limit(system);
+        self.length_within(limit, end)
+    }
+
+    /// `dt` by the rule, not beyond `end`, within a limit of stability, which comes with the particle that sets it.
+    pub(crate) fn length_within(
+        &self,
+        (spreading, diffusion_limit): (usize, f64),
+        end: f64,
+    ) -> Result<StepLength, Error> {
         let (step, time, rule) =
             (self.state.n_steps, self.state.time, self.discretisation.combination.step);
-        let (spreading, diffusion_limit) = self.diffusion_limit(system);
         let (asked, particle) = match rule {
             StepRule::Courant { number } => {
                 let h = &self.state.smoothing_lengths;

@@ -73,7 +73,7 @@ struct Taken<const D: usize> {
 /// Trace of the diffusion matrix on the lattice times step times the steepest gradient's square is at most this times the
 /// scheme's diffusion limit: 2.6 for Runge-Kutta 4, whose interval ends at 2.785. The cubic over 2.8 spacings in 2-D would
 /// have 3.7 with its reach alone.
-const WAVE_DAMPING: f64 = 10.4;
+pub(crate) const WAVE_DAMPING: f64 = 10.4;
 
 impl<const D: usize> FlowMapFit<D> {
     /// An estimator of the given degree that resolves cells down to `thinnest` spacings, with uniform settling.

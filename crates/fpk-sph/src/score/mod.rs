@@ -27,6 +27,7 @@ mod stencils;
 mod summation_density;
 
 pub use flow_map_fit::FlowMapFit;
+pub(crate) use flow_map_fit::WAVE_DAMPING;
 pub use flow_map_passes::SMALLEST_CELL;
 pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::{Criterion, NeighbourList};
@@ -39,6 +40,7 @@ use normal_equations::Determined;
 pub(crate) use polynomial_fit::LeastSquares;
 use polynomial_fit::Scratch;
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
+pub(crate) use stencils::RIM;
 
 use crate::cloud::Cloud;
 use crate::error::Error;

@@ -48,7 +48,7 @@ pub(crate) struct Stencil<'a, const D: usize> {
 /// A point with fewer than this part of the members of a point inside lies at the rim. By the eigenvalues of the
 /// linearised diffusion on balls in 2-D: from 0.65 to 1 no mode grows, while one-sided gradients of every point of the rim
 /// give growth rates up to 9 per unit of whitened time.
-const RIM: f64 = 0.65;
+pub(crate) const RIM: f64 = 0.65;
 
 /// Wavelengths at which the gradient is looked at.
 const WAVES: usize = 64;

@@ -9,9 +9,9 @@ use crate::matrix::Matrix;
 /// $$ \dot y = A y + b W, \qquad u = c \cdot y . $$
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Filter<const F: usize> {
-    pub(super) matrix: Matrix<F>,
-    pub(super) noise: [f64; F],
-    pub(super) output: [f64; F],
+    pub(crate) matrix: Matrix<F>,
+    pub(crate) noise: [f64; F],
+    pub(crate) output: [f64; F],
     period: f64,
     stationary_covariance: Matrix<F>,
 }

@@ -104,6 +104,11 @@ where
         &self.filter
     }
 
+    /// The modulating function `w` of the white noise below the filter.
+    pub fn noise_window(&self) -> &Window {
+        &self.noise_window
+    }
+
     /// The filter in its stationary law, the structure in independent normals with the given means and standard
     /// deviations.
     ///

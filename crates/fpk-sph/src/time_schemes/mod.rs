@@ -25,6 +25,15 @@ impl<const D: usize> Stages<D> {
         Self { x: vec![[0.0; D]; n], k: std::array::from_fn(|_| vec![[0.0; D]; n]) }
     }
 
+    /// As [`Self::advance`] by the classical method of order 4, without compiling the others for its velocity.
+    pub(crate) fn runge_kutta_4(
+        &mut self,
+        begin: &Begin<'_, D>,
+        velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        classical::runge_kutta_4(&mut self.x, &mut self.k, begin, velocity)
+    }
+
     /// `x(t + dt)` from `x_0 = x(t)` and `k_1 = v(t, x_0)`, by the scheme.
     pub(crate) fn advance(
         &mut self,

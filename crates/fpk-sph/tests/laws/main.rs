@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
+mod conditioned;
 mod custom_estimator;
 mod custom_system;
 mod first_passage;

@@ -34,6 +34,7 @@ pub const ALL: &[Case] = &[
     fpk::bouc_wen_paper::CASE,
     fpk::filtered::DAMPER,
     fpk::filtered::BOUC_WEN,
+    fpk::conditioned::CASE,
     fpk::linear_systems::CASE,
     fpk::linear_systems::KANAI_TAJIMI,
     fpk::known_densities::CASE,

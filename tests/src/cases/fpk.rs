@@ -3,6 +3,7 @@
 pub(crate) mod bouc_wen;
 pub(crate) mod bouc_wen_paper;
 pub(crate) mod canor_denoel;
+pub(crate) mod conditioned;
 pub(crate) mod effectivity;
 pub(crate) mod failures;
 pub(crate) mod filtered;

@@ -1,8 +1,8 @@
 //! A run of the density solver, observed at given times.
 
 use fpk_sph::observables::{CellIntegral, Support};
-use fpk_sph::{Config, Error, Simulation, Work};
-use sde_integrators::{GaussianMixture, NoiseClass, Sde};
+use fpk_sph::{ConditionedSimulation, Config, Error, Simulation, Work};
+use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::clock::CpuClock;
@@ -132,11 +132,81 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     asked: &Asked<D>,
     mut look: impl FnMut(&Simulation<S, D, M>, &Row),
 ) -> Result<DensityRun, Error> {
-    run_from(system, law, config, asked, Reached::default(), |at| {
-        if let Some(row) = at.rows.last() {
-            look(at.simulation, row);
-        }
-    })
+    run_from(
+        || Simulation::new(system, law, config),
+        asked,
+        Reached::default(),
+        |at| {
+            if let Some(row) = at.rows.last() {
+                look(at.simulation, row);
+            }
+        },
+    )
+}
+
+/// A simulation whose density a run observes.
+pub trait DensitySimulation<S, const D: usize, const M: usize> {
+    /// The density.
+    fn density(&self) -> &Simulation<S, D, M>;
+
+    /// As [`Simulation::advance_to`].
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    fn advance_to(&mut self, time: f64) -> Result<(), Error>;
+
+    /// As [`Simulation::snapshot`], at the end of a list of bytes.
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    fn snapshot(&self, bytes: &mut Vec<u8>) -> Result<(), Error>;
+
+    /// As [`Simulation::restore`].
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), Error>;
+}
+
+impl<S: Sde<D, M>, const D: usize, const M: usize> DensitySimulation<S, D, M>
+    for Simulation<S, D, M>
+{
+    fn density(&self) -> &Simulation<S, D, M> {
+        self
+    }
+
+    fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        Self::advance_to(self, time)
+    }
+
+    fn snapshot(&self, bytes: &mut Vec<u8>) -> Result<(), Error> {
+        Self::snapshot(self, bytes)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        Self::restore(self, bytes)
+    }
+}
+
+/// The density of the structure, whose filter is conditioned out.
+impl<S: Sde<DS, 1, Noise = Additive>, const DS: usize, const DF: usize> DensitySimulation<S, DS, 1>
+    for ConditionedSimulation<S, DS, DF>
+{
+    fn density(&self) -> &Simulation<S, DS, 1> {
+        self.structure()
+    }
+
+    fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        Self::advance_to(self, time)
+    }
+
+    fn snapshot(&self, bytes: &mut Vec<u8>) -> Result<(), Error> {
+        Self::snapshot(self, bytes)
+    }
+
+    fn restore(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        Self::restore(self, bytes)
+    }
 }
 
 /// State from which a run resumes.
@@ -151,13 +221,19 @@ pub struct Reached {
 }
 
 /// A run at a time of observation.
-#[derive(Debug)]
 pub struct Standing<'a, S, const D: usize, const M: usize> {
-    /// The simulation.
+    /// The density.
     pub simulation: &'a Simulation<S, D, M>,
     /// Results so far; the last row is for this time.
     pub rows: &'a [Row],
+    whole: &'a dyn DensitySimulation<S, D, M>,
     work: Work,
+}
+
+impl<S, const D: usize, const M: usize> std::fmt::Debug for Standing<'_, S, D, M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Standing").field("rows", &self.rows).finish_non_exhaustive()
+    }
 }
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
@@ -167,7 +243,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
     /// Those of [`Simulation::snapshot`].
     pub fn reached(&self) -> Result<Reached, Error> {
         let mut snapshot = Vec::new();
-        self.simulation.snapshot(&mut snapshot)?;
+        self.whole.snapshot(&mut snapshot)?;
         let Work { evaluations, neighbour_visits, .. } = self.work;
         let cpu_seconds = self.rows.last().map_or(0.0, |row| row.cpu_seconds);
         Ok(Reached {
@@ -186,23 +262,21 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
 ///
 /// # Errors
 /// As [`run_on`], and those of [`Simulation::restore`].
-pub fn run_from<S: Sde<D, M>, const D: usize, const M: usize>(
-    system: S,
-    law: &GaussianMixture<D>,
-    config: &Config<D>,
+pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, const M: usize>(
+    start: impl FnOnce() -> Result<O, Error>,
     asked: &Asked<D>,
     past: Reached,
     mut look: impl FnMut(Standing<'_, S, D, M>),
 ) -> Result<DensityRun, Error> {
-    let start = CpuClock::start();
-    let mut simulation = Simulation::new(system, law, config)?;
-    let n_particles = simulation.n_particles();
+    let clock = CpuClock::start();
+    let mut simulation = start()?;
+    let n_particles = simulation.density().n_particles();
     if !past.snapshot.is_empty() {
         simulation.restore(past.snapshot.as_slice())?;
     }
-    let mut cpu_seconds = past.cpu_seconds + start.seconds();
+    let mut cpu_seconds = past.cpu_seconds + clock.seconds();
     // The work of the start is already counted in the past.
-    let before = if past.rows.is_empty() { Work::default() } else { simulation.work() };
+    let before = if past.rows.is_empty() { Work::default() } else { simulation.density().work() };
     let work = |simulation: &Simulation<S, D, M>| {
         let Work { steps, evaluations, neighbour_visits } = simulation.work();
         Work {
@@ -218,14 +292,15 @@ pub fn run_from<S: Sde<D, M>, const D: usize, const M: usize>(
         let start = CpuClock::start();
         let outcome = simulation.advance_to(t);
         cpu_seconds += start.seconds();
-        let row = outcome.and_then(|()| observe(&simulation, asked, cpu_seconds));
+        let row = outcome.and_then(|()| observe(simulation.density(), asked, cpu_seconds));
         match row {
             Ok(row) => {
                 run.rows.push(row);
                 look(Standing {
-                    simulation: &simulation,
+                    simulation: simulation.density(),
                     rows: &run.rows,
-                    work: work(&simulation),
+                    whole: &simulation,
+                    work: work(simulation.density()),
                 });
             }
             Err(error) => {
@@ -234,7 +309,7 @@ pub fn run_from<S: Sde<D, M>, const D: usize, const M: usize>(
             }
         }
     }
-    run.work = work(&simulation);
+    run.work = work(simulation.density());
     Ok(run)
 }
 
@@ -286,6 +361,7 @@ fn note(support: Support) -> Option<String> {
 /// A system behind a reference.
 ///
 /// With it the solver is compiled once for each dimension and class of noise, not for each system of a scene.
+#[derive(Clone, Copy)]
 pub struct Erased<'a, N: NoiseClass, const D: usize, const M: usize>(
     pub &'a dyn Sde<D, M, Noise = N>,
 );

@@ -56,6 +56,21 @@ pub struct LatticeScene {
     /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degree: Option<DegreeScene>,
+    /// Where a filter's states are carried. Conditioned out they need no axis of the lattice: `count` then has an entry for each
+    /// state of the structure. Flow-map fit alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = FilterScene::Lattice))]
+    pub filter: Option<FilterScene>,
+}
+
+/// Where the states of a filter are carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FilterScene {
+    /// On the lattice, as those of the structure.
+    Lattice,
+    /// As their mean given the structure's states, with one covariance for all: moments and thresholds of the structure.
+    Conditioned,
 }
 
 /// Smallest probability of interest where a scene names neither it nor a reach.

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::checks::{check_length, must};
 use super::integrator_scene::IntegratorScene;
 use super::lattice_scene::{
-    DegreeScene, FreshLatticesScene, LatticeScene, SettlingScene, check_counts, scaled_counts,
+    DegreeScene, FilterScene, FreshLatticesScene, LatticeScene, SettlingScene, check_counts,
+    scaled_counts,
 };
 use super::law_scene::LawScene;
 use super::scheme_scene::SchemeScene;
@@ -178,6 +179,7 @@ impl MethodScene {
             negligible: Some(1e-4),
             settling: Some(SettlingScene::Graded),
             degree: Some(DegreeScene::Quadratic),
+            filter: None,
         })
     }
 }
@@ -213,6 +215,12 @@ impl MethodScene {
         Some(Config { method, lattice, reference_period: period, most_steps: DEFAULT_MOST_STEPS })
     }
 
+    /// Whether the states of a filter are conditioned out.
+    #[must_use]
+    pub fn conditions_filter(&self) -> bool {
+        matches!(self, Self::FlowMapFit(lattice) if lattice.filter == Some(FilterScene::Conditioned))
+    }
+
     /// Scheme named by the scene, and name of the method.
     fn scheme(&self) -> Option<(&'static str, SchemeScene)> {
         match self {
@@ -237,7 +245,16 @@ impl MethodScene {
         match self {
             Self::LogDensityFit(lattice) => {
                 lattice.refuse_settling("method.log_density_fit")?;
+                if let Some(FilterScene::Conditioned) = lattice.filter {
+                    let message = "filter states are conditioned out by the flow-map fit alone";
+                    return Err(Objection::new("method.log_density_fit.filter", message)
+                        .with_help("use `flow_map_fit`, or leave out `filter`"));
+                }
                 lattice.check("method.log_density_fit", states)
+            }
+            Self::FlowMapFit(lattice) if self.conditions_filter() => {
+                let of_structure = check_conditioned(lattice, system, initial)?;
+                lattice.check("method.flow_map_fit", of_structure)
             }
             Self::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
             Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, .. } => {
@@ -307,6 +324,33 @@ impl MethodScene {
             "use `log_density_fit` or `flow_map_fit` for the density, `statistical_linearisation` for moments",
         ))
     }
+}
+
+/// Rejects what conditioning a filter out does not serve; returns the states of the structure.
+fn check_conditioned<'a>(
+    lattice: &LatticeScene,
+    system: &System,
+    initial: &LawScene,
+) -> Result<&'a [&'static str], Objection> {
+    let path = |key: &str| format!("method.flow_map_fit.{key}");
+    let Some(of_structure) = system.structure_states() else {
+        return Err(Objection::new(path("filter"), "the system has no filter")
+            .with_help("leave out `filter`"));
+    };
+    if lattice.scheme.is_some_and(|scheme| scheme != SchemeScene::RungeKutta4) {
+        let message = "filter states are conditioned out with the scheme runge_kutta_4 alone";
+        return Err(Objection::new(path("scheme"), message).with_help("leave it out"));
+    }
+    if lattice.fresh_lattices.is_some() {
+        let message = "filter states are conditioned out on one lattice, without remeshing";
+        return Err(Objection::new(path("fresh_lattices"), message).with_help("leave it out"));
+    }
+    if matches!(initial, LawScene::Mixture(components) if components.len() > 1) {
+        let message = "filter states are conditioned out of one normal distribution at the start";
+        return Err(Objection::new("initial.mixture", message)
+            .with_help("use `gaussian`, `stationary_filter` or a mixture of one component"));
+    }
+    Ok(of_structure)
 }
 
 /// Rejects noise that depends on the state.

@@ -18,17 +18,21 @@ mod two_resolutions;
 use std::path::PathBuf;
 
 use figures::{Drawing, Line, Scale, TimeSeries, Words};
+use fpk_sph::systems::Filtered;
+use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
-use sde_integrators::{GaussianMixture, NoiseClass, Sde};
+use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
-use crate::fpk::density::{self, Asked, DensityRun, Erased, Reached, Row, Standing};
+use crate::fpk::density::{
+    self, Asked, DensityRun, DensitySimulation, Erased, Reached, Row, Standing,
+};
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
-use crate::fpk::system::{System, Visitor};
+use crate::fpk::system::{FilteredVisitor, System, Visitor};
 use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
@@ -119,7 +123,10 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
         _ => {
             run.no_shards()?;
             let checkpoint = run.checkpoint(&inputs, &["/title", "/times/until"])?;
-            system.visit(Solved { scene, system, run, checkpoint })
+            let solved = || Solved { scene, system, run, checkpoint };
+            let conditioned = scene.method.conditions_filter();
+            let outcome = conditioned.then(|| system.visit_filtered(solved())).flatten();
+            outcome.unwrap_or_else(|| system.visit(solved()))
         }
     }
 }
@@ -171,13 +178,13 @@ struct Kept {
 
 impl Solved<'_> {
     /// Resumes a run from a part of the checkpoint; returns the run and its pictures.
-    fn density<S: Sde<D, M>, const D: usize, const M: usize>(
+    fn density<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, const M: usize>(
         &self,
         part: &str,
-        density: Density<'_, S, D>,
+        density: Density<'_, D, impl FnOnce() -> Result<O, fpk_sph::Error>>,
         mut pictures: Option<&mut Pictures<'_>>,
     ) -> Result<Result<DensityRun, fpk_sph::Error>, RunError> {
-        let Density { system, law, config, asked, past } = density;
+        let Density { start, asked, past } = density;
         let n_times = asked.times.len();
         let mut failure = None;
         let look = |standing: Standing<'_, S, D, M>| {
@@ -195,7 +202,7 @@ impl Solved<'_> {
                 };
             }
         };
-        let run = density::run_from(system, law, config, asked, past, look);
+        let run = density::run_from(start, asked, past, look);
         failure.map_or(Ok(run), Err)
     }
 
@@ -212,10 +219,8 @@ impl Solved<'_> {
 }
 
 /// Inputs of a density run.
-struct Density<'a, S, const D: usize> {
-    system: S,
-    law: &'a GaussianMixture<D>,
-    config: &'a fpk_sph::Config<D>,
+struct Density<'a, const D: usize, F> {
+    start: F,
     asked: &'a Asked<D>,
     past: Reached,
 }
@@ -228,17 +233,51 @@ impl Visitor for Solved<'_> {
     }
 }
 
+impl FilteredVisitor for Solved<'_> {
+    type Output = Result<Outcome, RunError>;
+
+    /// The density of the structure, whose filter is conditioned out.
+    fn visit<S, const DS: usize, const DF: usize, const D: usize>(
+        self,
+        system: &Filtered<S, DS, DF>,
+    ) -> Self::Output
+    where
+        S: Sde<DS, 1, Noise = Additive>,
+    {
+        let law: GaussianMixture<D> = law(self.scene, self.system)?;
+        let structure = Erased(system.structure() as &dyn Sde<DS, 1, Noise = Additive>);
+        let erased = Filtered::new(structure, *system.filter(), system.noise_window().clone());
+        let erased = erased.map_err(RunError::solver)?;
+        let period =
+            self.system.structure_period().unwrap_or_else(|| self.system.reference_period());
+        self.at_two_resolutions(period, |config| ConditionedSimulation::new(&erased, &law, config))
+    }
+}
+
 impl Solved<'_> {
     /// The density at two resolutions, compiled once for each dimension and class of noise.
     fn solved<N: NoiseClass, const D: usize, const M: usize>(
         self,
         system: &dyn Sde<D, M, Noise = N>,
     ) -> Result<Outcome, RunError> {
+        let law: GaussianMixture<D> = law(self.scene, self.system)?;
+        let period = self.system.reference_period();
+        self.at_two_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
+    }
+
+    /// The density of a simulation that `start` returns, at two resolutions.
+    fn at_two_resolutions<S, O, const D: usize, const M: usize>(
+        self,
+        period: f64,
+        start: impl Fn(&Config<D>) -> Result<O, fpk_sph::Error>,
+    ) -> Result<Outcome, RunError>
+    where
+        S: Sde<D, M>,
+        O: DensitySimulation<S, D, M>,
+    {
         let Self { scene, system: named, run, .. } = self;
-        let law = law::<D>(scene, named)?;
         let no_cells = no_cells(&scene.method, D);
         let asked = asked::<D>(scene, named, no_cells.is_none())?;
-        let period = named.reference_period();
         let config = |part: f64| scene.method.density_config::<D>(period, part);
         let Some(whole) = config(1.0) else {
             return Err(RunError::solver(OtherDimension { states: D }));
@@ -247,11 +286,11 @@ impl Solved<'_> {
         let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
         let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
         let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), seen);
-        let (law, asked) = (&law, &asked);
+        let (asked, start) = (&asked, &start);
         let fine = self
             .density(
                 "density",
-                Density { system: Erased(system), law, config: &whole, asked, past: kept.reached },
+                Density { start: || start(&whole), asked, past: kept.reached },
                 Some(&mut pictures),
             )?
             .map_err(RunError::solver)?;
@@ -259,7 +298,7 @@ impl Solved<'_> {
         let both = TwoResolutions::new(fine, config, |part, config| {
             let name = format!("density at {part:.3} of the resolution");
             let Kept { reached, .. } = self.checkpoint.part(&name)?.unwrap_or_default();
-            let density = Density { system: Erased(system), law, config, asked, past: reached };
+            let density = Density { start: || start(config), asked, past: reached };
             self.density(&name, density, None)
         })?;
         let quantities = series(&both, scene, named);

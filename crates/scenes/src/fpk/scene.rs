@@ -235,7 +235,8 @@ impl Scene for FpkScene {
                 "of order 1 to 8",
             )?;
         }
-        self.check_questions(states)?;
+        let n_structure = system.structure_states().map_or(states.len(), <[_]>::len);
+        self.check_questions(states, n_structure)?;
         Ok(system)
     }
 
@@ -252,7 +253,7 @@ impl Scene for FpkScene {
 
 impl FpkScene {
     /// Rejects quantities that the method does not compute.
-    fn check_questions(&self, states: &[&str]) -> Result<(), Objection> {
+    fn check_questions(&self, states: &[&str], n_structure: usize) -> Result<(), Objection> {
         match &self.method {
             MethodScene::ConservativeGrid { .. } => {
                 for (k, powers) in self.moments.iter().enumerate() {
@@ -267,6 +268,9 @@ impl FpkScene {
                     format!("the grid knows exceedances of the state {} alone", states[0]);
                 Err(Objection::new("demand", message).with_help("leave out `demand`"))
             }
+            MethodScene::FlowMapFit(_) if self.method.conditions_filter() => {
+                self.check_without_filter(states, n_structure)
+            }
             MethodScene::GuidedPaths { .. }
             | MethodScene::ImportanceSampling { .. }
             | MethodScene::SubsetSimulation { .. }
@@ -277,6 +281,32 @@ impl FpkScene {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Rejects questions about the states of a filter that is conditioned out, which come last.
+    fn check_without_filter(&self, states: &[&str], n_structure: usize) -> Result<(), Objection> {
+        let refuse = |path: String| {
+            let message = format!(
+                "the states {} are conditioned out: the run knows those of the structure",
+                states[n_structure..].join(", ")
+            );
+            Err(Objection::new(path, message)
+                .with_help("leave this out, or `filter` of the method"))
+        };
+        for (k, powers) in self.moments.iter().enumerate() {
+            if powers[n_structure..].iter().any(|power| *power > 0) {
+                return refuse(format!("moments[{k}]"));
+            }
+        }
+        if self.demand(states)?.weights[n_structure..].iter().any(|weight| *weight != 0.0) {
+            return refuse("demand".to_owned());
+        }
+        for (k, plane) in self.plane_states(states)?.iter().enumerate() {
+            if plane.iter().any(|state| *state >= n_structure) {
+                return refuse(format!("planes.states[{k}]"));
+            }
+        }
+        Ok(())
     }
 
     fn check_planes(&self, states: &[&str]) -> Result<(), Objection> {

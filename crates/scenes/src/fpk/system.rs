@@ -66,6 +66,20 @@ pub trait Visitor {
         S: Paths<D, M>;
 }
 
+/// A function of a structure behind a filter, of any type.
+pub trait FilteredVisitor {
+    /// Return type.
+    type Output;
+
+    /// Evaluates the function; `D = DS + DF`.
+    fn visit<S, const DS: usize, const DF: usize, const D: usize>(
+        self,
+        system: &Filtered<S, DS, DF>,
+    ) -> Self::Output
+    where
+        S: Sde<DS, 1, Noise = Additive>;
+}
+
 impl System {
     /// Calls a visitor with the system as its own type.
     pub fn visit<V: Visitor>(&self, visitor: V) -> V::Output {
@@ -170,6 +184,41 @@ impl System {
         }
     }
 
+    /// Names of the states of the structure, if it stands behind a filter; those of the filter follow.
+    #[must_use]
+    pub fn structure_states(&self) -> Option<&'static [&'static str]> {
+        let n_filter_states = self.filter_covariance()?.len();
+        let states = self.states();
+        Some(&states[..states.len() - n_filter_states])
+    }
+
+    /// Calls a visitor with the structure and its filter, if it stands behind one.
+    pub fn visit_filtered<V: FilteredVisitor>(&self, visitor: V) -> Option<V::Output> {
+        Some(match self {
+            Self::KanaiTajimiLinear(system) => visitor.visit::<_, 2, 2, 4>(system),
+            Self::KanaiTajimiDamper(system) => visitor.visit::<_, 2, 2, 4>(system),
+            Self::KanaiTajimiBoucWen(system) => visitor.visit::<_, 3, 2, 5>(system),
+            Self::KanaiTajimiTwoStorey(system) => visitor.visit::<_, 4, 2, 6>(system),
+            Self::CloughPenzienLinear(system) => visitor.visit::<_, 2, 4, 6>(system),
+            Self::CloughPenzienDamper(system) => visitor.visit::<_, 2, 4, 6>(system),
+            _ => return None,
+        })
+    }
+
+    /// Reference time of the steps of the structure alone, if it stands behind a filter (s).
+    #[must_use]
+    pub fn structure_period(&self) -> Option<f64> {
+        Some(match self {
+            Self::KanaiTajimiLinear(system) => system.structure().period(),
+            Self::KanaiTajimiDamper(system) => system.structure().period(),
+            Self::KanaiTajimiBoucWen(system) => system.structure().period(),
+            Self::KanaiTajimiTwoStorey(system) => frame_period(system.structure()),
+            Self::CloughPenzienLinear(system) => system.structure().period(),
+            Self::CloughPenzienDamper(system) => system.structure().period(),
+            _ => return None,
+        })
+    }
+
     /// Integrators of its paths.
     #[must_use]
     pub fn integrators(&self) -> &'static [IntegratorScene] {
@@ -179,14 +228,13 @@ impl System {
     /// Reference time of the steps: the shortest period of an oscillation, else a relaxation time (s).
     #[must_use]
     pub fn reference_period(&self) -> f64 {
-        let frame = |system: &TwoStorey| std::f64::consts::TAU / system.natural_frequencies()[1];
         match self {
             Self::LinearOscillator(system) => system.period(),
             Self::ViscousDamper(system) => system.period(),
             Self::BoucWen(system) => system.period(),
             Self::Duffing(system) => system.period(),
             Self::VanDerPol(system) => system.period(),
-            Self::TwoStorey(system) => frame(system),
+            Self::TwoStorey(system) => frame_period(system),
             Self::KanaiTajimiLinear(system) => {
                 system.structure().period().min(system.filter().period())
             }
@@ -197,7 +245,7 @@ impl System {
                 system.structure().period().min(system.filter().period())
             }
             Self::KanaiTajimiTwoStorey(system) => {
-                frame(system.structure()).min(system.filter().period())
+                frame_period(system.structure()).min(system.filter().period())
             }
             Self::CloughPenzienLinear(system) => {
                 system.structure().period().min(system.filter().period())
@@ -232,6 +280,11 @@ impl System {
             _ => return None,
         })
     }
+}
+
+/// The shortest natural period of a building (s).
+fn frame_period(system: &TwoStorey) -> f64 {
+    std::f64::consts::TAU / system.natural_frequencies()[1]
 }
 
 /// Returns the integrators of a system.

@@ -7,16 +7,18 @@ use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
 use crate::kind::RunError;
 
-/// Requested results of the scene, in the dimension of its system.
+/// Requested results of the scene, in the dimension of its system or in that of a structure whose filter is conditioned out.
 ///
-/// The scene has been checked: its lists have as many entries as the system has states.
+/// The scene has been checked: its lists have as many entries as the system has states, and nothing is asked of states
+/// that are conditioned out.
 pub(super) fn asked<const D: usize>(
     scene: &FpkScene,
     system: &System,
     cells: bool,
 ) -> Result<Asked<D>, RunError> {
     let powers = |powers: &Vec<u32>| {
-        powers.as_slice().try_into().map_err(|_| RunError::solver(OtherDimension { states: D }))
+        let of_states = powers.get(..D).and_then(|powers| powers.try_into().ok());
+        of_states.ok_or_else(|| RunError::solver(OtherDimension { states: D }))
     };
     Ok(Asked {
         times: scene.times.list(),

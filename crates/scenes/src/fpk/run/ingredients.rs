@@ -1,6 +1,6 @@
 //! Ingredients that can be left out of a density scene.
 
-use crate::fpk::lattice_scene::{DegreeScene, LatticeScene};
+use crate::fpk::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
 use crate::fpk::law_scene::LawScene;
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::scene::{DemandScene, FpkScene};
@@ -100,7 +100,11 @@ fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
     let states =
         scene.system.build().map_or(0, |system| system.states().len()).saturating_sub(lost);
     if let Some(lattice) = lattice(&mut scene.method) {
-        if let Some(count) = &mut lattice.count {
+        // A filter that was conditioned out has no axis.
+        let had_axes = lattice.filter.take() != Some(FilterScene::Conditioned);
+        if let Some(count) = &mut lattice.count
+            && had_axes
+        {
             shorten(count, lost);
         }
         let reach = lattice.reach_in(states);

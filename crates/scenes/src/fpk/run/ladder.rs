@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::fpk::integrator_scene::IntegratorScene;
-use crate::fpk::lattice_scene::LatticeScene;
+use crate::fpk::lattice_scene::{FilterScene, LatticeScene};
 use crate::fpk::law_scene::LawScene;
 use crate::fpk::method_scene::{FEWEST_STEPS_PER_PERIOD, MOST_CELLS, MethodScene};
 use crate::fpk::scene::{FpkScene, Times};
@@ -33,7 +33,8 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let scene = Arc::new(scene);
     let states = system.states().len();
     let mut methods = Vec::new();
-    let own = own_lattice(&scene.method);
+    methods.extend(conditioned(&scene, &system));
+    let own = own_lattice(&scene.method).filter(|_| !scene.method.conditions_filter());
     let lattice = own.cloned().unwrap_or_else(|| default_lattice(states));
     for (name, fit) in FITS {
         methods
@@ -91,6 +92,22 @@ fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
     }
 }
 
+/// The flow-map fit with the states of a filter conditioned out, where the scene asks for the structure alone.
+fn conditioned(scene: &Arc<FpkScene>, system: &System) -> Option<(MethodScene, Method)> {
+    let states = system.structure_states()?.len();
+    let default = || default_lattice(states);
+    let own = own_lattice(&scene.method).filter(|_| scene.method.conditions_filter());
+    let lattice = LatticeScene {
+        filter: Some(FilterScene::Conditioned),
+        ..own.cloned().unwrap_or_else(default)
+    };
+    let method = MethodScene::FlowMapFit(lattice.clone());
+    let asked = FpkScene { method: method.clone(), ..FpkScene::clone(scene) };
+    asked.check().ok()?;
+    let name = "flow-map fit, filter conditioned out";
+    Some((method, by_lattice(scene, name, lattice, MethodScene::FlowMapFit, states)))
+}
+
 /// A box in two dimensions, where corners are cheap; a ball in higher dimensions.
 fn default_lattice(states: usize) -> LatticeScene {
     let mut lattice = LatticeScene {
@@ -104,6 +121,7 @@ fn default_lattice(states: usize) -> LatticeScene {
         negligible: None,
         settling: None,
         degree: None,
+        filter: None,
     };
     if states <= 2 {
         lattice.count = Some(vec![21; states]);

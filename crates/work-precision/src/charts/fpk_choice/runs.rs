@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use figures::Reference;
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, StepRule};
+use fpk_sph::{
+    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Scheme, Settling,
+    StepRule,
+};
 use random_vibration::{
     GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
 };
@@ -17,8 +20,8 @@ use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};
 
-/// A scheme, its fewest steps per period, and the part of the second moments whose cells its limit leaves out.
-type Steps = (Scheme, f64, f64);
+/// A scheme, its fewest steps per period, the part of the second moments whose cells its limit leaves out, and settling.
+type Steps = (Scheme, f64, f64, Settling);
 
 /// Methods of the density solver for every scene, with their steps if these are not those of the method: a new one is one line.
 const METHODS: &[(&str, Method, Option<Steps>)] = &[
@@ -27,25 +30,34 @@ const METHODS: &[(&str, Method, Option<Steps>)] = &[
     (
         "particles, flow-map fit, one evaluation",
         Method::FlowMapFit,
-        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.0)),
+        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.0, Settling::UNIFORM)),
     ),
     (
         "particles, flow-map fit, one evaluation, 1 % negligible",
         Method::FlowMapFit,
-        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.01)),
+        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.01, Settling::UNIFORM)),
+    ),
+    (
+        "particles, flow-map fit, one evaluation, 1 % negligible, graded",
+        Method::FlowMapFit,
+        Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.01, Settling::GRADED)),
     ),
     (
         "particles, flow-map fit, Lawson-Runge-Kutta 4",
         Method::FlowMapFit,
-        Some((Scheme::LawsonRungeKutta4, 20.0, 0.0)),
+        Some((Scheme::LawsonRungeKutta4, 20.0, 0.0, Settling::UNIFORM)),
     ),
 ];
 
 /// A method with other steps, if they are given.
 fn with_steps<const D: usize>(method: Method, steps: Option<Steps>) -> Method {
-    steps.map_or(method, |(scheme, steps_per_period, negligible)| {
+    steps.map_or(method, |(scheme, steps_per_period, negligible, graded)| {
         let step = StepRule::PeriodFraction { steps_per_period };
-        Method::Custom(Combination { scheme, step, negligible, ..method.combination_in(D) })
+        let mut all = Combination { scheme, step, negligible, ..method.combination_in(D) };
+        if let Estimator::FlowMapFit { settling, .. } = &mut all.estimator {
+            *settling = graded;
+        }
+        Method::Custom(all)
     })
 }
 

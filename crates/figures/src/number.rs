@@ -29,6 +29,12 @@ pub fn exact(value: f64) -> String {
     }
 }
 
+/// As [`exact`], without the last six digits, which are roundoff of a product or a difference.
+#[must_use]
+pub fn tidy(value: f64) -> String {
+    exact(format!("{value:.9e}").parse().unwrap_or(value))
+}
+
 /// Three significant digits; `-` for none.
 #[must_use]
 pub fn short(value: Option<f64>) -> String {
@@ -91,6 +97,11 @@ mod tests {
         assert_eq!(long(1700.0), "1700");
         assert_eq!(long(123456.7), "123457");
         assert_eq!(short(Some(2e-4)), "2.00e-4");
+        assert_eq!(
+            ["1e-300", "0.25", "-3"].map(|text| exact(text.parse().unwrap())),
+            ["1e-300", "0.25", "-3"]
+        );
+        assert_eq!([tidy(3.0 * 0.1), tidy(3.2 - 2.0), tidy(0.0)], ["0.3", "1.2", "0"]);
         assert_eq!(short(None), "-");
         assert_eq!(with_uncertainty(Some(0.5), Some(0.00123)), "0.500000 ± 1.2e-3");
     }

@@ -1,6 +1,6 @@
 //! A density scene as written in its JSON file.
 
-use figures::number::{exact, long};
+use figures::number::{exact, tidy};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -119,7 +119,7 @@ impl Times {
             n <= MOST_TIMES,
             "such that there are at most 10000 times",
         )?;
-        let [below, above] = [n.floor(), n.ceil()].map(|n| long(n * self.every));
+        let [below, above] = [n.floor(), n.ceil()].map(|n| tidy(n * self.every));
         let limit = format!(
             "a multiple of `every`, {}, so that the end is observed: {below} or {above}",
             exact(self.every)

@@ -208,7 +208,7 @@ fn two_variants_of_one_value_are_named() {
     let from = "\"viscous_damper\": { \"intensity\": 0.2 }";
     let to = format!("{from}, \"linear_oscillator\": {{ \"frequency\": 2 }}");
     let message = "one key is expected; 2 are given: `viscous_damper`, `linear_oscillator`";
-    mistake(from, &to, (3, 54), "system", message);
+    mistake(from, &to, (3, 55), "system", message);
     mistake(from, "", (3, 13), "system", "one key is expected; none is given");
 }
 

@@ -1,8 +1,8 @@
-//! Checks of the bodies of a scene, before anything is computed: names, overlaps, detonations; and how their sizes were rounded.
+//! Checks of the bodies of a scene, before anything is computed: names, overlaps, detonations; and how sizes are rounded.
 
 use std::collections::BTreeSet;
 
-use figures::number::long;
+use figures::number::tidy;
 use smpm::Fill;
 
 use super::coordinates::point;
@@ -14,13 +14,14 @@ use crate::scene::Objection;
 const ROUNDOFF: f64 = 1e-6;
 
 impl SmpmScene {
-    /// Rejects names that occur twice, bodies without particles, bodies that overlap, and detonations outside of their charge.
-    ///
-    /// # Errors
-    /// An [`Objection`] with the place.
-    pub(super) fn check_bodies<const D: usize>(&self) -> Result<(), Objection> {
+    /// Rejects names that occur twice.
+    pub(super) fn check_names(&self) -> Result<(), Objection> {
         distinct("bodies", "body", self.bodies.iter().map(|body| body.name.as_str()))?;
-        distinct("gauges", "gauge", self.gauges.iter().map(|gauge| gauge.name.as_str()))?;
+        distinct("gauges", "gauge", self.gauges.iter().map(|gauge| gauge.name.as_str()))
+    }
+
+    /// Rejects bodies without particles, bodies that overlap, and detonations outside of their charge.
+    pub(super) fn check_bodies<const D: usize>(&self) -> Result<(), Objection> {
         let (mut regions, mut fills) = (Vec::new(), Vec::new());
         for (i, body) in self.bodies.iter().enumerate() {
             let fill = self.fill::<D>(i)?;
@@ -108,9 +109,9 @@ impl SmpmScene {
                     notes.push(format!(
                         "body `{}` is {} along axis {}, not {}: particles fill whole boxes of {spacing}",
                         body.name,
-                        long(filled),
+                        tidy(filled),
                         axis + 1,
-                        long(asked),
+                        tidy(asked),
                     ));
                 }
             }

@@ -355,6 +355,7 @@ impl Scene for SmpmScene {
 impl SmpmScene {
     /// Checks that depend on the dimension: points, gauges, and every material by itself.
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
+        self.check_names()?;
         self.inputs::<MOST_RANDOM>()?;
         self.plan::<D>()?;
         let numbers = self.numbers()?;

@@ -348,7 +348,7 @@ fn a_size_off_the_lattice_is_noted_in_the_result() {
         assert_eq!(noted.len(), notes);
         if notes > 0 {
             let text = noted[0].as_str().unwrap();
-            assert!(text.contains("`plate` is 1.25000 along axis 1, not 1.20000"), "{text}");
+            assert!(text.contains("`plate` is 1.25 along axis 1, not 1.2"), "{text}");
         }
         std::fs::remove_dir_all(&folder).unwrap();
     }

@@ -285,7 +285,7 @@ fn one_probability_needs_a_threshold_a_normal_start_and_an_integrator_of_the_sys
     assert_eq!(message, "the integrator ShARK does not apply to this system");
     assert_eq!(help.as_deref(), Some("available: forward Euler, Strang with hysteresis"));
     let (message, ..) = mistake(FIT, &method("strang_oscillator", "1e-6"));
-    assert_eq!(message, "0.000001 was given; it must be such that a path has at most 100000 steps");
+    assert_eq!(message, "1e-6 was given; it must be such that a path has at most 100000 steps");
     let scene = SCENE.replacen(FIT, &method("strang_oscillator", "0.01"), 1);
     let (message, line, ..) = mistake_in(&scene, "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]", "[]");
     assert!(message.contains("there is no threshold") && line == 22, "{message} {line}");

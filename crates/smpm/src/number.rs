@@ -106,8 +106,8 @@ pub(crate) const fn is_plain<S>() -> bool {
     size_of::<S>() == size_of::<f64>()
 }
 
-/// Runs work on one particle after the other: compiled for the registers of this machine where a number fills them. Plain numbers are
-/// in lanes, but those of a few particles.
+/// Runs work on one particle after the other: compiled for the registers of this machine where a number fills them. Those of `f64` are
+/// in lanes, except for the few particles of a small body.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
 pub(crate) fn one_by_one<S>(mut work: impl FnMut()) {

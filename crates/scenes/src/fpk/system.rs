@@ -184,7 +184,7 @@ impl System {
         }
     }
 
-    /// Names of the states of the structure, if it stands behind a filter; those of the filter follow.
+    /// Names of the states of the structure, if it is behind a filter; those of the filter follow.
     #[must_use]
     pub fn structure_states(&self) -> Option<&'static [&'static str]> {
         let n_filter_states = self.filter_covariance()?.len();
@@ -192,7 +192,7 @@ impl System {
         Some(&states[..states.len() - n_filter_states])
     }
 
-    /// Calls a visitor with the structure and its filter, if it stands behind one.
+    /// Calls a visitor with the structure and its filter, if it is behind one.
     pub fn visit_filtered<V: FilteredVisitor>(&self, visitor: V) -> Option<V::Output> {
         Some(match self {
             Self::KanaiTajimiLinear(system) => visitor.visit::<_, 2, 2, 4>(system),
@@ -205,7 +205,7 @@ impl System {
         })
     }
 
-    /// Reference time of the steps of the structure alone, if it stands behind a filter (s).
+    /// Reference time of the steps of the structure alone, if it is behind a filter (s).
     #[must_use]
     pub fn structure_period(&self) -> Option<f64> {
         Some(match self {

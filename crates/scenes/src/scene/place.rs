@@ -50,7 +50,7 @@ fn what_to_write(rest: &str) -> Option<&'static str> {
             &["NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"],
             "only finite numbers are values; without a key its default applies",
         ),
-        (&["'"], "a text stands between double quotes"),
+        (&["'"], "a text is written in double quotes"),
         (&["True", "False", "TRUE", "FALSE"], "write `true` or `false`"),
     ];
     let starts = |words: &[&str]| words.iter().any(|word| rest.starts_with(word));

@@ -37,7 +37,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
 #[derive(Debug, Serialize)]
 struct Content {
     work: WorkRecord,
-    /// How the scene was read where it was not taken as it stands.
+    /// Where the bodies differ from those of the scene.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
     /// Samples that failed, and why.

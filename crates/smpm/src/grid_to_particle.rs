@@ -48,17 +48,14 @@ impl<const D: usize> GridToParticle<D> {
         chunk: &mut Chunk<'_, S, D>,
         gradients: &mut VelocityGradients<S>,
     ) {
-        // A constant, so that loops which no particle enters are not compiled.
-        if const { S::ORDER > 0 && NODES != Shape::Gimp.n_nodes() } {
+        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
             GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
-        } else if const { S::ORDER > 0 } && self.shape != Shape::Gimp {
-            GridToJet::<_, D, NODES> { transfer: *self, grid, chunk, gradients }.find_all();
-        } else {
-            one_by_one::<S>(
-                #[inline(always)]
-                || self.particles::<S, NODES>(grid, chunk, gradients),
-            );
+            return;
         }
+        one_by_one::<S>(
+            #[inline(always)]
+            || self.particles::<S, NODES>(grid, chunk, gradients),
+        );
     }
 
     #[inline(always)]
@@ -75,7 +72,7 @@ impl<const D: usize> GridToParticle<D> {
             let nodes = &grid.from(chunk.node[p])[..nodes_spanned::<NODES, D>()];
             self.sum::<S, NODES>(&axes, nodes, &mut sums);
             let mut gradient = [[S::constant(0.0); 3]; 3];
-            self.apply::<S, NODES>(chunk, p, &mut sums, &mut gradient);
+            self.apply::<S, NODES>(chunk, p, &sums, &mut gradient);
             gradients.set(p, &gradient);
         }
     }

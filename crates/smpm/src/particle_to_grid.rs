@@ -74,20 +74,16 @@ impl<const D: usize> ParticleToGrid<D> {
         slot: usize,
         block: &mut Block<'_, S, D>,
     ) {
-        let (transfer, first) = (*self, block.first);
-        let (nodes, masses) = (&mut *block.nodes, &mut *block.masses);
-        let jets = JetToGrid::<_, D, NODES> { transfer, body, slot, first, nodes, masses };
-        // A constant, so that loops which no particle enters are not compiled.
-        if const { S::ORDER > 0 && NODES != Shape::Gimp.n_nodes() } {
-            jets.add_all();
-        } else if const { S::ORDER > 0 } && self.shape != Shape::Gimp {
-            jets.add_all();
-        } else {
-            one_by_one::<S>(
-                #[inline(always)]
-                || self.particles::<S, NODES>(body, slot, block),
-            );
+        if const { S::ORDER > 0 } && (NODES != Shape::Gimp.n_nodes() || self.shape != Shape::Gimp) {
+            let (transfer, first) = (*self, block.first);
+            let (nodes, masses) = (&mut *block.nodes, &mut *block.masses);
+            JetToGrid::<_, D, NODES> { transfer, body, slot, first, nodes, masses }.add_all();
+            return;
         }
+        one_by_one::<S>(
+            #[inline(always)]
+            || self.particles::<S, NODES>(body, slot, block),
+        );
     }
 
     #[inline(always)]

@@ -251,14 +251,23 @@ impl LatticeScene {
         ))
     }
 
-    /// Rejects settling, which the log-density fit does not have.
-    pub(super) fn refuse_settling(&self, path: &str) -> Result<(), Objection> {
-        if self.settling.is_none() {
-            return Ok(());
+    /// Rejects what the flow-map fit alone knows, in a method at this path.
+    pub(super) fn refuse_keys_of_flow_map_fit(&self, path: &str) -> Result<(), Objection> {
+        let conditions = self.filter == Some(FilterScene::Conditioned);
+        for (is_given, key, message) in [
+            (
+                self.settling.is_some(),
+                "settling",
+                "the log-density fit moves particles by the flow alone",
+            ),
+            (conditions, "filter", "filter states are conditioned out by the flow-map fit alone"),
+        ] {
+            if is_given {
+                return Err(Objection::new(format!("{path}.{key}"), message)
+                    .with_help("leave it out, or use flow_map_fit"));
+            }
         }
-        let path = format!("{path}.settling");
-        Err(Objection::new(path, "the log-density fit moves particles by the flow alone")
-            .with_help("leave it out, or use flow_map_fit"))
+        Ok(())
     }
 
     /// Rejects a reach or a smallest probability out of its range, and both.
@@ -351,7 +360,8 @@ mod tests {
             panic!("another estimator: {combination:?}");
         };
         assert_eq!(settling, Settling::GRADED);
-        let error = lattice.refuse_settling("method.log_density_fit").unwrap_err().to_string();
+        let error =
+            lattice.refuse_keys_of_flow_map_fit("method.log_density_fit").unwrap_err().to_string();
         assert!(error.contains("method.log_density_fit.settling"), "{error}");
     }
 

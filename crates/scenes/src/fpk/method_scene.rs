@@ -244,12 +244,7 @@ impl MethodScene {
         let states = system.states();
         match self {
             Self::LogDensityFit(lattice) => {
-                lattice.refuse_settling("method.log_density_fit")?;
-                if let Some(FilterScene::Conditioned) = lattice.filter {
-                    let message = "filter states are conditioned out by the flow-map fit alone";
-                    return Err(Objection::new("method.log_density_fit.filter", message)
-                        .with_help("use `flow_map_fit`, or leave out `filter`"));
-                }
+                lattice.refuse_keys_of_flow_map_fit("method.log_density_fit")?;
                 lattice.check("method.log_density_fit", states)
             }
             Self::FlowMapFit(lattice) if self.conditions_filter() => {

@@ -98,7 +98,9 @@ fn run_in<const D: usize>(
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
     let notes = scene.rounded_sizes();
-    notes.iter().for_each(|note| run.progress.stage(&format!("note: {note}")));
+    for note in &notes {
+        run.progress.stage(&format!("note: {note}"));
+    }
     let mut fields = Fields::new(scene, plan.stops(), run.out());
     // A scene with fewer parameters has more lanes for probes.
     let answer = match scene.random.len() {

@@ -1,8 +1,11 @@
 //! Structures behind a Kanai-Tajimi soil whose states are conditioned out: two and three states in place of four and five.
 
 use figures::{ErrorKind, Reference};
+use fpk_sph::observables::Exceedance;
 use fpk_sph::systems::{Filter, Filtered, KanaiTajimiParameters, Window};
-use fpk_sph::{ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use fpk_sph::{
+    ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation,
+};
 use scenes::fpk::system::System;
 use sde_integrators::{Additive, GaussianMixture, Sde};
 use serde::Deserialize;
@@ -45,7 +48,10 @@ struct Row {
     exceedance: Vec<[f64; 2]>,
 }
 
-const NAMES: [(&str, &str, &str); 3] = [
+/// Id, quantity and unit of a moment.
+type Name = (&'static str, &'static str, &'static str);
+
+const NAMES: [Name; 3] = [
     ("second-moment-q", "E[q^2]", "m^2"),
     ("second-moment-v", "E[v^2]", "m^2/s^2"),
     ("second-moment-z", "E[z^2]", "m^2"),
@@ -88,41 +94,17 @@ where
         let mut families: Vec<Vec<Claim>> = self.moments.iter().map(|_| Vec::new()).collect();
         let mut tail = Vec::new();
         for row in &self.paths.rows {
-            let part = self.moments.iter().position(|&(until, ..)| row.t <= until);
-            let Some(part) = part else { break };
+            let Some(part) = self.moments.iter().position(|&(until, ..)| row.t <= until) else {
+                break;
+            };
             simulation.advance_to(row.t)?;
-            let structure = simulation.structure();
             let (_, tolerance, reason) = self.moments[part];
-            for (k, (&(name, quantity, unit), &[value, error])) in
-                NAMES.iter().zip(&row.second_moments).enumerate()
-            {
-                let powers = std::array::from_fn(|l| if l == k { 2 } else { 0 });
-                let (name, found) = (format!("{name}/t{}", row.t), structure.raw_moment(powers));
-                let reference = Reference::uncertain(value, error);
-                let criterion = Criterion::Within { tolerance, reason };
-                let what = (name.as_str(), quantity, unit);
-                families[part].push(lines.judge(
-                    what,
-                    ErrorKind::Relative,
-                    found,
-                    reference,
-                    criterion,
-                ));
-            }
-            let Some((least, tolerance, reason)) = self.tail else { continue };
-            let known: Vec<[f64; 2]> =
-                row.exceedance.iter().copied().filter(|&[_, p]| p >= least).collect();
-            let thresholds: Vec<f64> = known.iter().map(|&[threshold, _]| threshold).collect();
-            let found = structure.cell_integral()?.exceedances(|s| s[0].abs(), &thresholds)?;
-            for ([threshold, p], found) in known.into_iter().zip(found) {
-                let error = (p * (1.0 - p) / self.paths.paths).sqrt();
-                let name = format!("exceedance-cell/threshold-{threshold}/t{}", row.t);
-                let quantity = format!("P(|q| > {threshold})");
-                let what = (name.as_str(), quantity.as_str(), "");
-                let reference = Reference::uncertain(p, error);
-                let criterion = Criterion::Within { tolerance, reason };
-                let value = found.probability;
-                tail.push(lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+            let within = Criterion::Within { tolerance, reason };
+            families[part].extend(moments(&lines, row, simulation.structure(), within));
+            if let Some((least, tolerance, reason)) = self.tail {
+                let within = Criterion::Within { tolerance, reason };
+                let known = (least, self.paths.paths);
+                tail.extend(exceedances(&lines, row, simulation.structure(), known, within)?);
             }
         }
         let mut claims = Vec::new();
@@ -136,6 +118,43 @@ where
         }
         Ok(claims)
     }
+}
+
+/// Second moments of the structure at a time.
+fn moments<S: Sde<D, 1>, const D: usize>(
+    lines: &Lines<'_>,
+    row: &Row,
+    structure: &Simulation<S, D, 1>,
+    within: Criterion<'_>,
+) -> Vec<Claim> {
+    let claim = |(k, (&(name, quantity, unit), &[value, error])): (usize, (&Name, &[f64; 2]))| {
+        let found = structure.raw_moment(std::array::from_fn(|l| if l == k { 2 } else { 0 }));
+        let name = format!("{name}/t{}", row.t);
+        let reference = Reference::uncertain(value, error);
+        lines.judge((&name, quantity, unit), ErrorKind::Relative, found, reference, within)
+    };
+    NAMES.iter().zip(&row.second_moments).enumerate().map(claim).collect()
+}
+
+/// `P(|q| > T)` by cells at a time, of those at least `least` that `n` paths give.
+fn exceedances<S: Sde<D, 1>, const D: usize>(
+    lines: &Lines<'_>,
+    row: &Row,
+    structure: &Simulation<S, D, 1>,
+    (least, n): (f64, f64),
+    within: Criterion<'_>,
+) -> Result<Vec<Claim>, CaseError> {
+    let known: Vec<_> = row.exceedance.iter().filter(|[_, p]| *p >= least).collect();
+    let thresholds: Vec<f64> = known.iter().map(|[threshold, _]| *threshold).collect();
+    let found = structure.cell_integral()?.exceedances(|s| s[0].abs(), &thresholds)?;
+    let claim = |(&&[threshold, p], found): (&&[f64; 2], &Exceedance)| {
+        let name = format!("exceedance-cell/threshold-{threshold}/t{}", row.t);
+        let quantity = format!("P(|q| > {threshold})");
+        let reference = Reference::uncertain(p, (p * (1.0 - p) / n).sqrt());
+        let what = (name.as_str(), quantity.as_str(), "");
+        lines.judge(what, ErrorKind::Log10, found.probability, reference, within)
+    };
+    Ok(known.iter().zip(&found).map(claim).collect())
 }
 
 /// A cubic spring and a quadratic damper: `q'' + 0.04 pi q' + 0.5 |q'| q' + pi^2 (q + 5 q^3) = a(t) u`.

@@ -59,7 +59,7 @@ pub struct LatticeScene {
     /// Where a filter's states are carried. Conditioned out they need no axis of the lattice: `count` then has an entry for each
     /// state of the structure. Flow-map fit alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = FilterScene::Lattice))]
+    #[schemars(extend("default" = FilterScene::Lattice), example = FilterScene::Conditioned)]
     pub filter: Option<FilterScene>,
 }
 

@@ -95,7 +95,8 @@ fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
 /// The flow-map fit with the states of a filter conditioned out, where the scene asks for the structure alone.
 fn conditioned(scene: &Arc<FpkScene>, system: &System) -> Option<(MethodScene, Method)> {
     let states = system.structure_states()?.len();
-    let default = || default_lattice(states);
+    // A ball: waves grow in the corners of a fine box.
+    let default = || LatticeScene { count: None, spacing: Some(1.0), ..default_lattice(states) };
     let own = own_lattice(&scene.method).filter(|_| scene.method.conditions_filter());
     let lattice = LatticeScene {
         filter: Some(FilterScene::Conditioned),

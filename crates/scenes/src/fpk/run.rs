@@ -3,6 +3,7 @@
 mod asked;
 mod ingredients;
 mod ladder;
+mod ladder_quantities;
 mod linearised;
 pub(crate) mod observed;
 mod on_grid;
@@ -55,7 +56,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     check: |file| file.parse::<FpkScene>().map(drop),
     run,
     ladder: ladder::ladder,
-    quantities: ladder::quantities,
+    quantities: ladder_quantities::quantities,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 

@@ -77,18 +77,7 @@ fn paper() -> Damper {
 type Building = Simulation<BoucWen, 3, 1>;
 
 fn building(method: Method) -> Building {
-    let system = BoucWen::new(BoucWenParameters {
-        natural_frequency: PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
-        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-    })
-    .unwrap();
+    let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
     let at_rest = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
     let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.5 };
     let reference_period = system.period();

@@ -12,23 +12,13 @@
 //! Each error is the difference to a run with wider spacing: an estimate, no bound.
 
 use fpk_sph::observables::FirstPassage;
-use fpk_sph::systems::{BoucWen, BoucWenParameters, Window};
+use fpk_sph::systems::{BoucWen, BoucWenParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
 
 /// `P` that each of the three demands passes its thresholds within 3 s.
 fn passages(spacing: f64) -> Result<[Vec<f64>; 3], Error> {
-    let building = BoucWen::new(BoucWenParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
-        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-    })?;
+    let building = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013)?;
     let z_limit = building.z_limit();
     let yielding = z_limit / building.parameters().initial_slope;
     let at_rest = GaussianMixture::independent([0.0; 3], [0.05; 3])?;

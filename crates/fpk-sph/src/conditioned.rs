@@ -10,7 +10,7 @@ use crate::compiled::passes;
 use crate::conditional_step::Conditional;
 use crate::config::Config;
 use crate::error::Error;
-use crate::linear_filter::{FilterMoments, LinearFilter};
+use crate::linear_filter::{FilterMoments, LinearFilter, MOST_FILTER_STATES};
 use crate::method::StepRule;
 use crate::parallel::in_pool;
 use crate::report::StepReport;
@@ -101,6 +101,7 @@ where
         S: Clone,
     {
         const { assert!(D == DS + DF, "the law needs the states of structure and filter") };
+        const { assert!(DF <= MOST_FILTER_STATES, "a state has six entries at most") };
         check(config)?;
         let count = law.components().len();
         let (1, Some(normal)) = (count, law.components().next()) else {

@@ -54,18 +54,7 @@ fn damper(method: Method) -> Simulation<ViscousDamper, 2, 1> {
 }
 
 fn hysteresis(method: Method) -> Simulation<BoucWen, 3, 1> {
-    let system = BoucWen::new(BoucWenParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
-        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-    })
-    .unwrap();
+    let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
     let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
     let reference_period = system.period();
     let lattice = InitialLattice::Ball { reach: 4.0, spacing: 0.7 };

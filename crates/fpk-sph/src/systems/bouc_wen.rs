@@ -31,6 +31,21 @@ pub struct BoucWenParameters {
     pub window: Window,
 }
 
+impl BoucWenParameters {
+    /// The oscillator of Canor & Denoël 2013, section 4.2.
+    pub const CANOR_DENOEL_2013: Self = Self {
+        natural_frequency: std::f64::consts::PI,
+        damping_ratio: 0.05,
+        hardening: 0.5,
+        initial_slope: 1.0,
+        beta: 0.5,
+        gamma: 0.5,
+        exponent: 1.0,
+        noise_intensity: 1.0,
+        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
+    };
+}
+
 /// The Bouc-Wen oscillator (Canor & Denoël 2013, eq 28):
 ///
 /// $$ \ddot q + 2\xi\omega_0\dot q + \omega_0^2(\alpha q + (1 - \alpha) z) = a(t) W(t), $$
@@ -219,21 +234,6 @@ mod tests {
 
     use super::*;
 
-    /// The oscillator of section 4.2 of the paper.
-    fn printed() -> BoucWenParameters {
-        BoucWenParameters {
-            natural_frequency: std::f64::consts::PI,
-            damping_ratio: 0.05,
-            hardening: 0.5,
-            initial_slope: 1.0,
-            beta: 0.5,
-            gamma: 0.5,
-            exponent: 1.0,
-            noise_intensity: 1.0,
-            window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-        }
-    }
-
     #[test]
     fn the_drift_is_that_of_equation_28() {
         let parameters = BoucWenParameters {
@@ -241,7 +241,7 @@ mod tests {
             initial_slope: 1.2,
             gamma: 0.2,
             exponent: 2.0,
-            ..printed()
+            ..BoucWenParameters::CANOR_DENOEL_2013
         };
         let system = BoucWen::new(parameters).unwrap();
         for [q, v, z] in [[0.3, -0.7, 0.4], [0.1, 0.5, 0.6], [-0.2, 0.4, -0.9], [0.2, 0.0, 0.1]] {
@@ -264,8 +264,13 @@ mod tests {
         for (initial_slope, beta, gamma, exponent) in
             [(1.0, 0.5, 0.5, 1.0), (1.5, 0.9, 0.3, 2.0), (2.0, 0.3, 0.7, 1.3)]
         {
-            let parameters =
-                BoucWenParameters { initial_slope, beta, gamma, exponent, ..printed() };
+            let parameters = BoucWenParameters {
+                initial_slope,
+                beta,
+                gamma,
+                exponent,
+                ..BoucWenParameters::CANOR_DENOEL_2013
+            };
             let system = BoucWen::new(parameters).unwrap();
             let limit = system.z_limit();
             let (mut z, mut largest) = (0.0, 0.0_f64);
@@ -282,7 +287,7 @@ mod tests {
     #[test]
     fn the_flow_of_the_loop_is_the_exponential_on_its_loading_branch() {
         // n = 1, v z > 0: dz/dq = A - (beta + gamma) z, so that z(q) = 1 - exp(-q) here. Error of the step q^5/120.
-        let system = BoucWen::new(printed()).unwrap();
+        let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
         let z = flow_of_loop(&system, 2.0, 0.0, 0.05);
         assert!((z - (1.0 - (-0.1_f64).exp())).abs() < 1e-7, "{z}");
     }
@@ -290,7 +295,7 @@ mod tests {
     #[test]
     fn the_splitting_gives_the_moments_of_the_reference() {
         // bouc_wen.json at t = 2, from 6e7 paths: E[q^2] = 0.104791, E[q'^2] = 0.896908, E[z^2] = 0.0661953.
-        let system = BoucWen::new(printed()).unwrap();
+        let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
         let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
         let config = EnsembleConfig { seed: 5, n_paths: 40_000, dt: 0.02, times: vec![2.0] };
         let squares = [0, 1, 2].map(|k| move |_: f64, x: &[f64; 3]| x[k] * x[k]);
@@ -308,7 +313,7 @@ mod tests {
     #[test]
     fn parameters_outside_their_range_are_refused_by_name() {
         let message = |change: &dyn Fn(&mut BoucWenParameters)| {
-            let mut parameters = printed();
+            let mut parameters = BoucWenParameters::CANOR_DENOEL_2013;
             change(&mut parameters);
             BoucWen::new(parameters).unwrap_err().to_string()
         };

@@ -188,20 +188,13 @@ fn a_users_structure_with_a_cubic_spring_and_a_quadratic_damper_has_the_moments_
 
 fn hysteresis() -> Filtered<BoucWen, 3, 2> {
     let structure = BoucWen::new(BoucWenParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
         window: Window::RisePlateauDecay {
             rise_exponent: 2.0,
             rise_end: 2.0,
             decay_rate: 0.268,
             decay_start: 4.0,
         },
+        ..BoucWenParameters::CANOR_DENOEL_2013
     })
     .unwrap();
     let soil = KanaiTajimiParameters { ground_frequency: 15.56, ground_damping: 0.64 };

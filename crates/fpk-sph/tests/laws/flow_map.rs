@@ -338,18 +338,7 @@ fn a_run_whose_unresolved_cells_hold_too_much_ends_with_the_heaviest_of_them() {
 /// Largest unresolved mass up to t = 4 of the hysteretic oscillator of Canor & Denoël 2013, section 4.2, and the errors of
 /// its second moments there.
 fn hysteresis(settling: Settling) -> (f64, [f64; 3]) {
-    let system = BoucWen::new(BoucWenParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
-        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-    })
-    .unwrap();
+    let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
     let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
     let config = Config {
         method: Method::Custom(Combination {

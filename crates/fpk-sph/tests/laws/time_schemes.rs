@@ -220,17 +220,7 @@ fn the_limit_of_each_scheme_holds_and_is_not_far_from_where_it_fails() {
 
 /// A building that yields, in a ball of 5 sigma with a spacing of 0.8.
 fn hysteresis(scheme: Scheme, negligible: f64) -> Result<Simulation<BoucWen, 3, 1>, Error> {
-    let system = BoucWen::new(BoucWenParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.05,
-        hardening: 0.5,
-        initial_slope: 1.0,
-        beta: 0.5,
-        gamma: 0.5,
-        exponent: 1.0,
-        noise_intensity: 1.0,
-        window: Window::CANOR_DENOEL_2013_HYSTERETIC,
-    })?;
+    let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013)?;
     let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
     let combination = Combination { scheme, negligible, ..Method::FlowMapFit.combination() };
     let config = Config {

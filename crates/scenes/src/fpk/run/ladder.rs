@@ -196,8 +196,10 @@ struct Choice<'a> {
     method: &'a MethodScene,
 }
 
+/// The rung of a method at a size; none if no scene may have it, such as a lattice of too many particles.
 fn of_method(scene: &FpkScene, size: f64, label: String, method: MethodScene) -> Option<Rung> {
     let scene = FpkScene { method, ..scene.clone() };
+    scene.check().ok()?;
     Rung::new((size, label), &scene, &bare(&scene), &Choice { method: &scene.method })
 }
 

@@ -199,7 +199,7 @@ struct Half {
 ///
 /// The equations of normal form by elimination in order, `A = L D L^T`; a pivot within roundoff takes the coefficient
 /// zero.
-fn coefficients(rows: &[f64], centre: &[f64], used: impl Fn(usize) -> bool) -> Vec<f64> {
+pub(crate) fn coefficients(rows: &[f64], centre: &[f64], used: impl Fn(usize) -> bool) -> Vec<f64> {
     let width = centre.len();
     let n = width - 1;
     let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);

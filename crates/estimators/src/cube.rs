@@ -7,7 +7,7 @@ use crate::error::{Error, require_at_least, require_finite_responses};
 use crate::ladder::Failure;
 use crate::parallel::map_in_order;
 use crate::points::{Replica, Sampling, check_points};
-use crate::rates::with_error;
+use crate::rates::{mean_square, of_replicas};
 
 /// Means and variances of responses of a point of the unit cube, by randomised quasi-Monte Carlo.
 ///
@@ -86,11 +86,7 @@ impl UnitCube {
                     let between = (sums[response].mean() - means.mean()).powi(2);
                     variances.push(square + n / (n - 1.0) * between);
                 }
-                let estimate = |sum: &Accumulator| {
-                    let variance = sum.variance().unwrap_or(f64::INFINITY);
-                    with_error(sum.mean(), (variance / n).sqrt())
-                };
-                SampledMoments { mean: estimate(&means), variance: estimate(&variances) }
+                SampledMoments { mean: of_replicas(&means), variance: of_replicas(&variances) }
             })
             .collect())
     }
@@ -163,10 +159,4 @@ pub(crate) fn evaluate(
         message: failure.to_string(),
     })?;
     require_finite_responses(&MODEL, index, y)
-}
-
-/// Mean square about the mean.
-fn mean_square(sum: &Accumulator) -> f64 {
-    let n = sum.count() as f64;
-    sum.variance().unwrap_or(f64::INFINITY) * ((n - 1.0) / n)
 }

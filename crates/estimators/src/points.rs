@@ -133,6 +133,7 @@ const fn hash(key: u64, counter: u64) -> u64 {
 }
 
 /// Points of one replica.
+#[derive(Debug)]
 pub(crate) enum Replica {
     /// Seed and number of the replica.
     PseudoRandom(Noise, u64),

@@ -1,6 +1,6 @@
 //! Rates over the levels: of variances, and of means for the bias.
 
-use sde_integrators::{Estimate, Uncertainty};
+use sde_integrators::{Accumulator, Estimate, Uncertainty};
 
 /// What is known of the bias of the finest level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +16,26 @@ pub enum Bias {
 
 pub(crate) const fn with_error(value: f64, standard_error: f64) -> Estimate {
     Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) }
+}
+
+/// Mean square about the mean.
+pub(crate) fn mean_square(sum: &Accumulator) -> f64 {
+    let n = sum.count() as f64;
+    sum.variance().unwrap_or(f64::INFINITY) * ((n - 1.0) / n)
+}
+
+/// Mean over independent replicas, with the standard error from their scatter.
+pub(crate) fn of_replicas(sum: &Accumulator) -> Estimate {
+    let variance = sum.variance().unwrap_or(f64::INFINITY);
+    with_error(sum.mean(), (variance / sum.count() as f64).sqrt())
+}
+
+/// An estimate from all of the data and without each part of it: the delete-one jackknife, which removes the bias of first order.
+pub(crate) fn jackknife(whole: f64, left_out: &[f64]) -> Estimate {
+    let n = left_out.len() as f64;
+    let mean = left_out.iter().sum::<f64>() / n;
+    let squares: f64 = left_out.iter().map(|value| (value - mean).powi(2)).sum();
+    with_error(n * whole - (n - 1.0) * mean, (squares * (n - 1.0) / n).sqrt())
 }
 
 /// Smallest rate that is taken from a fit, per level and in powers of two: Giles 2015, section 3.

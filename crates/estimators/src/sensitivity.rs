@@ -7,7 +7,7 @@ use crate::cube::{UnitCube, evaluate};
 use crate::error::{Error, require_at_least};
 use crate::ladder::Failure;
 use crate::points::Replica;
-use crate::rates::with_error;
+use crate::rates::jackknife;
 
 /// Sobol' indices of one response, each with its standard error.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,14 +107,18 @@ impl UnitCube {
         (0..n_responses)
             .map(|r| {
                 let of_response: Vec<&Comoments> = replicas.iter().map(|sums| &sums[r]).collect();
-                indices(r, p, &of_response)
+                indices_of_sums(r, p, &of_response)
             })
             .collect()
     }
 }
 
 /// Indices from the sums of the replicas.
-fn indices(response: usize, p: usize, replicas: &[&Comoments]) -> Result<SobolIndices, Error> {
+pub(crate) fn indices_of_sums(
+    response: usize,
+    p: usize,
+    replicas: &[&Comoments],
+) -> Result<SobolIndices, Error> {
     let pooled = |without: Option<usize>| {
         let mut sums = Comoments::new(p + 2);
         for (k, replica) in replicas.iter().enumerate() {
@@ -134,13 +138,10 @@ fn indices(response: usize, p: usize, replicas: &[&Comoments]) -> Result<SobolIn
     let whole = quantities(&all, p);
     let left_out: Vec<Vec<f64>> =
         (0..replicas.len()).map(|k| quantities(&pooled(Some(k)), p)).collect();
-    let n = replicas.len() as f64;
     let estimates: Vec<Estimate> = (0..whole.len())
         .map(|q| {
-            let mean = left_out.iter().map(|values| values[q]).sum::<f64>() / n;
-            let squares: f64 = left_out.iter().map(|values| (values[q] - mean).powi(2)).sum();
-            let value = n * whole[q] - (n - 1.0) * mean;
-            with_error(value, (squares * (n - 1.0) / n).sqrt())
+            let without: Vec<f64> = left_out.iter().map(|values| values[q]).collect();
+            jackknife(whole[q], &without)
         })
         .collect();
     Ok(SobolIndices {

@@ -175,7 +175,7 @@ impl Marginal {
 }
 
 /// `Phi(z)`.
-pub(crate) fn below(z: f64) -> f64 {
+fn below(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 

@@ -35,6 +35,7 @@ mod milstein;
 mod noise;
 mod noise_factor;
 mod normal;
+mod normal_distribution;
 mod rare;
 mod samples;
 mod schedule;
@@ -82,6 +83,7 @@ pub use maximum::{Between, Response, Side, maxima};
 pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
 pub use noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
+pub use normal_distribution::{normal_probability, normal_quantile};
 pub use rare::{
     DesignPoint, DrivenPath, NormalResponse, SubsetConfig, design_point, importance_sampling,
     subset_simulation,

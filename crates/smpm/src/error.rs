@@ -269,6 +269,24 @@ pub enum Error {
     /// Samples from which moments cannot be estimated.
     #[error(transparent)]
     Sampling(#[from] estimators::Error),
+    /// A run of a quasi-random design failed: without it the others are no net.
+    #[error(
+        "sample {sample} of a quasi-random design failed: {reason}; all samples are needed: use independent samples (monte_carlo), or parameters that stay in range"
+    )]
+    SampleOfDesign {
+        /// The lowest sample that failed.
+        sample: u64,
+        /// Why.
+        reason: String,
+    },
+    /// Some samples of a quasi-random design are not there.
+    #[error("{value} samples of a quasi-random design, {expected} needed")]
+    SamplesMissing {
+        /// How many there are.
+        value: usize,
+        /// How many the design has.
+        expected: u64,
+    },
     /// A material was driven out of its range.
     #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]
     Material {

@@ -3,6 +3,7 @@
 //! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
 
 mod built_in_scenes;
+mod estimators;
 pub mod fpk;
 mod fpk_choice;
 mod kernels;
@@ -28,6 +29,7 @@ pub const ALL: &[ChartKind] = &[
     smpm::CHART,
     smpm_scheme::CHART,
     smpm_fields::CHART,
+    estimators::CHART,
     papers::CHART,
     peridyn::CHART,
     mpi::CHART,

@@ -10,5 +10,7 @@
 
 mod control;
 mod cube;
+mod designed;
 mod multifidelity;
 mod multilevel;
+mod polynomial;

@@ -3,7 +3,8 @@
 //! Vehtari, Gelman, Simpson, Carpenter and Bürkner 2021, Rank-normalization, folding, and localization: an improved R-hat for
 //! assessing convergence of MCMC, Bayesian Analysis 16. Equations are those of the paper.
 
-use super::normal_quantile::normal_quantile;
+use sde_integrators::normal_quantile;
+
 use super::summaries::same_count;
 use crate::error::{Error, at_least, finite, positive};
 

@@ -62,7 +62,6 @@ mod factor;
 mod gaussian;
 mod lack_of_fit;
 mod mixture;
-mod normal_quantile;
 mod parameter;
 mod parameter_space;
 mod polynomial;

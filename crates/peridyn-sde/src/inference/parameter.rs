@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::normal_quantile::normal_quantile;
+use sde_integrators::{normal_probability, normal_quantile};
+
 use crate::error::{Error, between, positive};
-use crate::marginal::below;
 
 /// A normal prior flatter than this is a uniform one, less the digits that its cut-off costs.
 const FLATTEST: f64 = 100.0;
@@ -116,7 +116,8 @@ impl Parameter {
         match self.normal() {
             None => 2.0 * uniform - 1.0,
             Some((mean, deviation)) => {
-                let [from, to] = [-1.0, 1.0].map(|end| below((end - mean) / deviation));
+                let [from, to] =
+                    [-1.0, 1.0].map(|end| normal_probability((end - mean) / deviation));
                 // Only roundoff of Phi leads beyond the ends.
                 let p = from + uniform * (to - from);
                 (mean + deviation * normal_quantile(p)).clamp(-1.0, 1.0)
@@ -132,7 +133,7 @@ impl Parameter {
         // Johnson, Kotz and Balakrishnan 1994, Continuous univariate distributions 1, section 13.10.
         let density = |z: f64| lanes::exp(-0.5 * z * z) / (2.0 * PI).sqrt();
         let (a, b) = ((-1.0 - mean) / deviation, (1.0 - mean) / deviation);
-        let mass = below(b) - below(a);
+        let mass = normal_probability(b) - normal_probability(a);
         let shift = (density(a) - density(b)) / mass;
         let square = 1.0 + (a * density(a) - b * density(b)) / mass - shift * shift;
         deviation * deviation * square

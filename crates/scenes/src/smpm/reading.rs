@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use estimators::{Error as SamplingError, SobolPoints};
 use perturbation_moments::{Marginal, RandomVector};
 use serde_json::Value;
 use smpm::{
@@ -333,6 +334,7 @@ impl Scene for SmpmScene {
             let message = format!("{samples} samples; a variance needs at least 2");
             return Err(Objection::new("method.monte_carlo.samples", message));
         }
+        self.check_design()?;
         match self.dimension {
             1 => self.check_in::<1>(),
             2 => self.check_in::<2>(),
@@ -345,14 +347,40 @@ impl Scene for SmpmScene {
     }
 
     fn seed(&mut self) -> Option<&mut u64> {
-        match &mut self.method {
-            MethodScene::MonteCarlo { seed, .. } => Some(seed),
-            _ => None,
-        }
+        self.method.seed_mut()
     }
 }
 
 impl SmpmScene {
+    /// Replicas of Sobol' points, of which there are only certain numbers.
+    fn check_design(&self) -> Result<(), Objection> {
+        let (name, points) = match self.method {
+            MethodScene::QuasiMonteCarlo { points, .. } => ("quasi_monte_carlo", points),
+            MethodScene::SobolIndices { points, .. } => ("sobol_indices", points),
+            _ => return Ok(()),
+        };
+        let path = format!("method.{name}");
+        if self.random.is_empty() {
+            let message = "there are no random parameters to sample";
+            return Err(Objection::new(path, message).with_help("add some under `random`"));
+        }
+        let Some(Err(error)) = self.design().map(|design| design.n_runs()) else {
+            return Ok(());
+        };
+        let objection = |key: &str| Objection::new(format!("{path}.{key}"), error.to_string());
+        Err(match error {
+            smpm::Error::Sampling(
+                SamplingError::TooFew { quantity: "replicas", .. }
+                | SamplingError::TooMany { quantity: "replicas", .. },
+            ) => objection("replicas"),
+            _ => {
+                // The powers of two around it.
+                let above = points.clamp(3, SobolPoints::MOST_POINTS).next_power_of_two();
+                objection("points").with_help(format!("write {} or {above}", above / 2))
+            }
+        })
+    }
+
     /// Checks that depend on the dimension: points, gauges, and every material by itself.
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
         self.check_names()?;

@@ -4,6 +4,7 @@ mod fields;
 mod ingredients;
 mod kept;
 mod ladder;
+mod response;
 mod solve;
 
 use std::path::PathBuf;
@@ -13,7 +14,8 @@ use serde::Serialize;
 use smpm::{Plan, Quantity};
 
 use self::fields::Fields;
-use self::solve::{Answer, Response, SolveError, Solved};
+use self::response::{Response, Shares};
+use self::solve::{Answer, SolveError, Solved};
 use crate::kind::{Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
@@ -21,7 +23,7 @@ use crate::output::write_drawing;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "smpm",
@@ -79,7 +81,7 @@ struct QuantityResult {
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let (scene, ()) = run.build::<SmpmScene>(file)?;
-    if !matches!(scene.method, MethodScene::MonteCarlo { .. }) {
+    if scene.design().is_none() {
         run.no_shards()?;
     }
     match scene.dimension {
@@ -115,9 +117,13 @@ fn run_in<const D: usize>(
         Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
         Err(SolveError::Run(error)) => return Err(error),
     };
+    for line in ranking(&plan, &answer) {
+        run.progress.stage(&line);
+    }
     let mut written = fields.finish().map_err(RunError::Solver)?;
     let gauges = by_gauge(scene, &plan, &answer);
-    for drawing in drawings(scene, &plan, &gauges)? {
+    let drawn = drawings(scene, &plan, &gauges)?;
+    for drawing in drawn.into_iter().chain(index_drawings(scene, &gauges)?) {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
     }
     let failure =
@@ -164,6 +170,27 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
         }
         _ => RunError::solver(error),
     }
+}
+
+/// The parameters of each response at the last time, the one with the largest total index first.
+fn ranking<const D: usize>(plan: &Plan<D>, answer: &Answer) -> Vec<String> {
+    let last = plan.windows.len().saturating_sub(1);
+    let of = |(i, response): (usize, &Response)| {
+        let (gauge, quantity, window) = plan.parts(i);
+        if window != last || response.sobol_indices.is_empty() {
+            return None;
+        }
+        let mut shares: Vec<&Shares> = response.sobol_indices.iter().collect();
+        shares.sort_by(|a, b| b.total.total_cmp(&a.total));
+        let word = |share: &&Shares| {
+            let [index, error] = [share.total, share.total_standard_error].map(|part| 100.0 * part);
+            format!("{} {index:.1} % (± {error:.1} %)", share.parameter)
+        };
+        let words: Vec<String> = shares.iter().map(word).collect();
+        let (name, quantity) = (&plan.gauges[gauge].name, plan.quantities[quantity]);
+        Some(format!("total Sobol' indices of {quantity} at {name}: {}", words.join(", ")))
+    };
+    answer.responses.iter().enumerate().filter_map(of).collect()
 }
 
 fn by_gauge<const D: usize>(
@@ -230,6 +257,53 @@ fn drawings<const D: usize>(
     (0..plan.quantities.len()).map(draw).collect()
 }
 
+/// One chart for each quantity at each gauge: total Sobol' indices over time with a band of one standard error.
+fn index_drawings(scene: &SmpmScene, gauges: &[GaugeResult]) -> Result<Vec<Drawing>, RunError> {
+    let mut all = Vec::new();
+    for gauge in gauges {
+        for quantity in &gauge.quantities {
+            let shares = |k: usize| {
+                let of = move |value: &Response| {
+                    value.sobol_indices.get(k).map(|share| (value.time(), share.clone()))
+                };
+                quantity.values.iter().filter_map(of)
+            };
+            if shares(0).count() < 2 {
+                continue;
+            }
+            let line = |(k, random): (usize, &RandomScene)| Line {
+                name: random.parameter.clone(),
+                points: shares(k).map(|(time, share)| (time, Some(share.total))).collect(),
+            };
+            let band = |k: usize| Band {
+                points: shares(k)
+                    .map(|(time, Shares { total, total_standard_error: error, .. })| {
+                        (time, total - error, total + error)
+                    })
+                    .collect(),
+            };
+            let [_, time, ..] = scene.units.names();
+            let name = quantity.name.replace('_', " ");
+            let chart = TimeSeries {
+                words: Words {
+                    title: scene.title.clone(),
+                    subtitle: format!("Total Sobol' indices of {name} at {}", gauge.name),
+                    x_label: format!("time ({time})"),
+                    y_label: "part of the variance that remains if all others are fixed".to_owned(),
+                    caption: vec![Machine::read().caption()],
+                },
+                scale: Scale::Linear,
+                lines: scene.random.iter().enumerate().map(line).collect(),
+                bands: (0..scene.random.len()).map(band).collect(),
+                references: Vec::new(),
+            };
+            let file = format!("sobol_{}_{}", gauge.name, quantity.name);
+            all.push(Drawing::time_series(&file, &chart).map_err(RunError::solver)?);
+        }
+    }
+    Ok(all)
+}
+
 fn method_words(method: MethodScene) -> String {
     match method {
         MethodScene::Deterministic => "One run at the centre of the parameters".to_owned(),
@@ -249,6 +323,12 @@ fn method_words(method: MethodScene) -> String {
         MethodScene::SigmaPoints => "Mean and deviation by sigma points".to_owned(),
         MethodScene::MonteCarlo { samples, .. } => {
             format!("Mean and deviation of {samples} sampled runs")
+        }
+        MethodScene::QuasiMonteCarlo { points, replicas, .. } => {
+            format!("Mean and deviation of runs at {replicas} x {points} Sobol' points")
+        }
+        MethodScene::SobolIndices { points, replicas, .. } => {
+            format!("Mean and deviation of runs for Sobol' indices at {replicas} x {points} points")
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Random material parameters: mean and variance of every response, by six methods on the same scene.
+//! Random material parameters: mean and variance of every response, by eight methods on the same scene.
 //!
 //! | method | runs for `N` parameters | what it is |
 //! |---|---|---|
@@ -7,13 +7,16 @@
 //! | [`Study::finite_difference`] | `2N + 1` | central differences of whole runs |
 //! | [`Study::forward_difference`] | `N + 1` | one-sided differences of whole runs: the variance by the fewest runs, no second-order mean |
 //! | [`Study::sigma_points`] | `2N + 1` | three deviations wide: notices a switch |
-//! | [`Study::monte_carlo`] | as many as asked for | the judge, raw and with a Taylor surrogate as control variate |
+//! | [`Study::monte_carlo`] | as many as asked for | independent samples, raw and with a Taylor surrogate as control variate |
+//! | [`Study::sampled`] by [`Design::QuasiRandom`] | as many as asked for | replicas of scrambled Sobol' points, raw and with the same control variate: a smaller error where the response is smooth |
+//! | [`Study::sampled`] by [`Design::SobolIndices`] | `n R (N + 2)` | which parameter causes how much of the variance |
 //!
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
 //! A study that is [kept](Study::kept_by) resumes after an interruption, bitwise identically, where each of its runs was last kept.
 
+mod design;
 mod experiment;
 mod frozen;
 mod keep;
@@ -22,6 +25,7 @@ mod sampled;
 mod study;
 mod switch;
 
+pub use design::Design;
 pub use experiment::Experiment;
 pub use frozen::{FrozenForm, FrozenMoments};
 pub use keep::{Keep, Standing};

@@ -1,12 +1,12 @@
-//! The judge: whole runs at sampled parameters.
+//! Complete runs at sampled parameters.
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 use std::ops::Range;
 
-use estimators::{ControlledSamples, SampledMoments, Surrogate};
+use estimators::{ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate};
 use perturbation_moments::{Estimate, Moments, MonteCarlo};
 
+use super::design::Design;
 use super::experiment::Experiment;
 use super::range::upper_tail;
 use super::study::Study;
@@ -16,7 +16,7 @@ use crate::parallel::map_in_order;
 /// Responses at sampled parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampled<const N: usize> {
-    seed: u64,
+    design: Design,
     /// Those that could be run, in order.
     samples: Vec<Sample<N>>,
     /// Samples that could not be run and why: parameters out of range, or a run that left its own. They are not in any
@@ -33,38 +33,47 @@ struct Sample<const N: usize> {
 }
 
 impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
-    /// Runs the samples of a judge, on all threads; the same for any number of them.
-    #[must_use]
-    pub fn monte_carlo(&self, judge: MonteCarlo) -> Sampled<N> {
-        let (all, known) = (0..judge.n_samples, BTreeMap::new());
-        let Ok(sampled) = self
-            .monte_carlo_from(judge, all, &known, judge.n_samples, |_, _| Ok::<(), Infallible>(()));
-        sampled
+    /// Runs independent samples, on all threads; the same for any number of them.
+    ///
+    /// # Errors
+    /// As [`sampled`](Self::sampled).
+    pub fn monte_carlo(&self, judge: MonteCarlo) -> Result<Sampled<N>, Error> {
+        self.sampled(Design::Random(judge))
     }
 
-    /// As [`monte_carlo`](Self::monte_carlo), for a range of the samples, `each` at a time, and without those whose responses are known
+    /// Runs the samples of a design, on all threads; the same for any number of them.
+    ///
+    /// # Errors
+    /// [`Error::Sampling`] for the fields of a quasi-random design.
+    pub fn sampled(&self, design: Design) -> Result<Sampled<N>, Error> {
+        let n = design.n_runs()?;
+        self.sampled_from(design, 0..n, &BTreeMap::new(), n, |_, _| Ok(()))
+    }
+
+    /// As [`sampled`](Self::sampled), for a range of the samples, `each` at a time, and without those whose responses are known
     /// from [`Sampled::responses`] of another run: bitwise identical. `seen` is shown what has come so far, with the number of samples
     /// that were tried, and may end the run.
     ///
     /// # Errors
-    /// Those of `seen`.
-    pub fn monte_carlo_from<E>(
+    /// As [`sampled`](Self::sampled), and those of `seen`.
+    pub fn sampled_from<E: From<Error>>(
         &self,
-        judge: MonteCarlo,
+        design: Design,
         range: Range<u64>,
         known: &BTreeMap<u64, Vec<f64>>,
         each: u64,
         mut seen: impl FnMut(&Sampled<N>, u64) -> Result<(), E>,
     ) -> Result<Sampled<N>, E> {
+        let points = design.normals()?;
         let run = |&realisation: &u64| {
-            let normals = judge.normals::<N>(realisation);
+            let normals = points.of::<N>(realisation);
             let responses = match known.get(&realisation) {
                 Some(responses) => Ok(responses.clone()),
                 None => self.run(&normals),
             };
             responses.map(|responses| Sample { realisation, normals, responses })
         };
-        let mut sampled = Sampled { seed: judge.seed, samples: vec![], failures: vec![] };
+        let mut sampled = Sampled { design, samples: vec![], failures: vec![] };
         let mut from = range.start;
         while from < range.end {
             let end = range.end.min(from.saturating_add(each.max(1)));
@@ -102,7 +111,7 @@ impl<const N: usize> Sampled<N> {
     #[must_use]
     pub fn first(&self, n: usize) -> Self {
         Self {
-            seed: self.seed,
+            design: self.design,
             samples: self.samples.iter().take(n).cloned().collect(),
             failures: self.failures.clone(),
         }
@@ -111,14 +120,29 @@ impl<const N: usize> Sampled<N> {
     /// Mean and variance of a response without a control variate.
     ///
     /// # Errors
-    /// [`Error::NoSuchResponse`]; too few samples or one that is not finite, as [`ControlledSamples::raw`].
+    /// [`Error::NoSuchResponse`]; too few samples or one that is not finite, as [`ControlledSamples::raw`];
+    /// [`Error::SampleOfDesign`], [`Error::SamplesMissing`] for a quasi-random design that is not whole.
     pub fn raw(&self, response: usize) -> Result<SampledMoments, Error> {
-        let (samples, surrogates, seed) = (&self.values(response)?, &[], self.seed);
-        Ok(ControlledSamples { samples, surrogates, seed }.raw()?)
+        let values = self.values(response)?;
+        match self.design {
+            Design::Random(judge) => {
+                let (samples, surrogates, seed) = (&values, &[], judge.seed);
+                Ok(ControlledSamples { samples, surrogates, seed }.raw()?)
+            }
+            Design::QuasiRandom(cube) => {
+                self.require_whole()?;
+                Ok(cube.moments_of_runs(&values, &[])?)
+            }
+            Design::SobolIndices(_) => {
+                let indices = self.sobol_indices(response)?;
+                Ok(SampledMoments { mean: indices.mean, variance: indices.variance })
+            }
+        }
     }
 
-    /// Mean and variance of a response with its Taylor surrogate, under the same law, as control variate; each half of the
-    /// samples takes the coefficient of the other, errors are by bootstrap.
+    /// Mean and variance of a response with its Taylor surrogate, under the same distribution, as control variate. Independent
+    /// samples: each half takes the coefficient of the other, errors are by bootstrap. Replicas: each takes that of the others.
+    /// The runs for Sobol' indices serve without it.
     ///
     /// # Errors
     /// As [`raw`](Self::raw).
@@ -132,8 +156,60 @@ impl<const N: usize> Sampled<N> {
         let pairs: Vec<[f64; 2]> = values.iter().zip(&self.samples).map(pair).collect();
         let (mean, variance) = (surrogate.surrogate_mean(), surrogate.surrogate_variance());
         let surrogates = &[Surrogate { mean, variance: Some(variance) }];
-        let (samples, seed) = (pairs.as_flattened(), self.seed);
-        Ok(ControlledSamples { samples, surrogates, seed }.estimate()?)
+        let samples = pairs.as_flattened();
+        match self.design {
+            Design::Random(judge) => {
+                Ok(ControlledSamples { samples, surrogates, seed: judge.seed }.estimate()?)
+            }
+            Design::QuasiRandom(cube) => {
+                self.require_whole()?;
+                Ok(cube.moments_of_runs(samples, surrogates)?)
+            }
+            Design::SobolIndices(_) => self.raw(response),
+        }
+    }
+
+    /// Polynomials of the parameters of a quasi-random design, to be fitted to its responses: [`PolynomialControl::moments`] of
+    /// [`values`](Self::values) gives mean, variance and Sobol' indices without further runs.
+    ///
+    /// # Errors
+    /// As [`raw`](Self::raw); [`Error::SamplesMissing`] for another design.
+    pub fn polynomial_control(&self) -> Result<PolynomialControl, Error> {
+        let Design::QuasiRandom(cube) = self.design else {
+            return Err(Error::SamplesMissing { value: self.samples.len(), expected: 0 });
+        };
+        self.require_whole()?;
+        let normals = |sample: &Sample<N>| sample.normals.into_iter().take(cube.dimension);
+        let inputs: Vec<f64> = self.samples.iter().flat_map(normals).collect();
+        let n_folds = usize::try_from(cube.n_replicas).unwrap_or(usize::MAX);
+        Ok(PolynomialControl::new(&inputs, cube.dimension, n_folds)?)
+    }
+
+    /// Sobol' indices of a response, of the parameters that vary.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchResponse`]; [`Error::SampleOfDesign`], [`Error::SamplesMissing`]; [`Error::Sampling`] for a response that does
+    /// not vary, and where the design is another one.
+    pub fn sobol_indices(&self, response: usize) -> Result<SobolIndices, Error> {
+        let values = self.values(response)?;
+        let Design::SobolIndices(cube) = self.design else {
+            let (value, expected) = (values.len(), 0);
+            return Err(Error::SamplesMissing { value, expected });
+        };
+        self.require_whole()?;
+        Ok(cube.sobol_indices_of_runs(&values)?)
+    }
+
+    /// Whether all runs of a quasi-random design are there.
+    fn require_whole(&self) -> Result<(), Error> {
+        if let Some((sample, reason)) = self.failures.first() {
+            return Err(Error::SampleOfDesign { sample: *sample, reason: reason.to_string() });
+        }
+        let (value, expected) = (self.samples.len(), self.design.n_runs()?);
+        if value as u64 == expected {
+            return Ok(());
+        }
+        Err(Error::SamplesMissing { value, expected })
     }
 
     /// A response of every sample.
@@ -148,16 +224,35 @@ impl<const N: usize> Sampled<N> {
         Ok(self.samples.iter().map(|sample| sample.responses[response]).collect())
     }
 
-    /// The share of samples in which a response exceeds a level; see [`Estimate::probability`] for its error.
+    /// The share of samples in which a response exceeds a level; of the runs for Sobol' indices, of those at independent
+    /// points. Its error follows from the replicas; that of independent samples, and of no or only hits, is that of
+    /// [`Estimate::probability`].
     ///
     /// # Errors
-    /// [`Error::NoSuchResponse`], also where no sample could be run.
+    /// As [`raw`](Self::raw), also where no sample could be run.
     pub fn exceedance(&self, response: usize, level: f64) -> Result<Estimate, Error> {
-        let values = self.values(response)?;
-        let hits = values.iter().filter(|&&y| y > level).count() as u64;
-        let (value, limit) = (response, 0);
-        Estimate::probability(hits, values.len() as u64)
-            .map_err(|_| Error::NoSuchResponse { value, limit })
+        let mut values = self.values(response)?;
+        let cube = match self.design {
+            Design::Random(_) => None,
+            Design::QuasiRandom(cube) => Some(cube),
+            Design::SobolIndices(cube) => {
+                values = values.into_iter().step_by(cube.dimension + 2).collect();
+                Some(cube)
+            }
+        };
+        let hits: Vec<f64> = values.iter().map(|&y| f64::from(u8::from(y > level))).collect();
+        let n_hits = values.iter().filter(|&&y| y > level).count();
+        match cube {
+            Some(cube) if n_hits > 0 && n_hits < hits.len() => {
+                self.require_whole()?;
+                Ok(cube.mean_of_runs(&hits)?)
+            }
+            _ => {
+                let (value, limit) = (response, 0);
+                Estimate::probability(n_hits as u64, hits.len() as u64)
+                    .map_err(|_| Error::NoSuchResponse { value, limit })
+            }
+        }
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use estimators::{Sampling, UnitCube};
 use perturbation_moments::{Marginal, MonteCarlo, RandomVector};
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};
-use smpm::uncertainty::{Exceedance, Experiment, FrozenForm, Study};
+use smpm::uncertainty::{Design, Exceedance, Experiment, FrozenForm, Study};
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan,
     Quantity, Shape, Side, Simulation, Transfer, Window,
@@ -156,8 +157,8 @@ fn sampling_agrees_with_the_jets_and_repeats() {
     let study = Study::new(&experiment, inputs(0.02), plan()).unwrap();
     let propagated = study.propagated().unwrap();
     let judge = MonteCarlo { seed: 3, n_samples: 60 };
-    let sampled = study.monte_carlo(judge);
-    assert_eq!(sampled, study.monte_carlo(judge));
+    let sampled = study.monte_carlo(judge).unwrap();
+    assert_eq!(sampled, study.monte_carlo(judge).unwrap());
     assert!(sampled.failures.is_empty());
     assert_eq!(sampled.first(20).n_samples(), 20);
     for (response, moments) in propagated.moments.iter().enumerate() {
@@ -179,6 +180,46 @@ fn sampling_agrees_with_the_jets_and_repeats() {
     // The sigma points see the same here: nothing is curved.
     let points = study.sigma_points().unwrap();
     assert!((points[0].variance() / moments.variance_first_order() - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn quasi_random_runs_are_sharper_and_their_indices_are_shares_of_the_variance() {
+    let experiment = PlateImpact { speed: 0.1 };
+    let study = Study::new(&experiment, inputs(0.02), plan()).unwrap();
+    let moments = &study.propagated().unwrap().moments[0];
+    // The third parameter, which has no effect, is left at its centre.
+    let cube = UnitCube {
+        dimension: 2,
+        sampling: Sampling::ScrambledSobol,
+        seed: 3,
+        n_points: 8,
+        n_replicas: 8,
+    };
+    let sampled = study.sampled(Design::QuasiRandom(cube)).unwrap();
+    assert_eq!(sampled.n_samples(), 64);
+    let independent = study.monte_carlo(MonteCarlo { seed: 3, n_samples: 64 }).unwrap();
+    let error = |e: perturbation_moments::Estimate| e.standard_error().unwrap();
+    let (quasi, plain) = (sampled.raw(0).unwrap(), independent.raw(0).unwrap());
+    assert!(error(quasi.mean) < 0.3 * error(plain.mean), "{quasi:?} {plain:?}");
+    let controlled = sampled.controlled(0, moments).unwrap();
+    assert!(error(controlled.variance) < 0.1 * error(quasi.variance), "{controlled:?} {quasi:?}");
+    for found in [quasi, controlled] {
+        let off = (found.mean.value - moments.mean_second_order().unwrap()).abs();
+        // Third and fourth derivatives at 2 %.
+        assert!(off < 4.0 * error(found.mean) + 1e-7, "{found:?}");
+    }
+    let sampled = study.sampled(Design::SobolIndices(cube)).unwrap();
+    assert_eq!(sampled.n_samples(), 256);
+    let indices = sampled.sobol_indices(0).unwrap();
+    let factors = moments.importance_factors().unwrap();
+    for (k, factor) in factors.iter().take(2).enumerate() {
+        let (first, total) = (indices.first[k], indices.total[k]);
+        assert!((first.value - factor).abs() < 4.0 * error(first), "{indices:?} {factors:?}");
+        assert!((total.value - factor).abs() < 4.0 * error(total), "{indices:?} {factors:?}");
+    }
+    assert_eq!(independent.sobol_indices(0), Err(Error::SamplesMissing { value: 64, expected: 0 }));
+    let three = UnitCube { n_points: 3, ..cube };
+    assert!(matches!(study.sampled(Design::QuasiRandom(three)), Err(Error::Sampling(_))));
 }
 
 #[test]

@@ -95,7 +95,7 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
     let study = Study::new(&experiment, scene.inputs::<5>()?, plan)?;
     let n_samples = if context.profile == Profile::Quick { 60 } else { 1000 };
     context.progress("explosion: reference samples");
-    let judge = study.monte_carlo(MonteCarlo { seed: SEEDS[1], n_samples });
+    let judge = study.monte_carlo(MonteCarlo { seed: SEEDS[1], n_samples })?;
     let mut drawings = Vec::new();
     for (q, (_, id, letter)) in quantities.into_iter().enumerate() {
         let plan = study.plan();

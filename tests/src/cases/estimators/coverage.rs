@@ -1,8 +1,8 @@
 //! How often nominal intervals of 95 % hold, for each estimator.
 
 use estimators::{
-    Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, Sampling, Statistic,
-    Surrogate, Target, UnitCube,
+    Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
+    Sampling, Statistic, Surrogate, Target, UnitCube,
 };
 use figures::ErrorKind;
 use fpk_sph::systems::GeometricBrownianMotion;
@@ -30,6 +30,7 @@ const STUDENT_31: f64 = 2.04;
 
 /// Replicas of points of the unit cube, so that the second applies.
 const REPLICAS: u64 = 32;
+const FOLDS: usize = 32;
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
@@ -39,6 +40,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(repeat(context, "control-variates", ["mean", "variance"], controlled)?);
     context.progress("multifidelity");
     claims.extend(repeat(context, "multifidelity", ["mean"], multifidelity)?);
+    context.progress("polynomials");
+    claims.extend(repeat(context, "polynomial", ["mean", "variance", "total-1"], polynomial)?);
     context.progress("points of the unit cube");
     for (name, sampling) in
         [("pseudo-random", Sampling::PseudoRandom), ("scrambled-sobol", Sampling::ScrambledSobol)]
@@ -148,6 +151,34 @@ fn multifidelity(seed: u64) -> Result<[Miss; 1], CaseError> {
     let study =
         Multifidelity { costs: &[1.0, 0.05, 1e-3], tolerance: 3e-3, pilot: 60, budget: 1e6 };
     Ok([miss(study.run(run)?.mean, 2.0 * (0.5_f64.exp() - 1.0), NORMAL)])
+}
+
+/// Moments of `exp(w z)`, and the total index of the input with the largest weight, by polynomials of eight points a fold.
+fn polynomial(seed: u64) -> Result<[Miss; 3], CaseError> {
+    const WEIGHTS: [f64; 3] = [0.1, 0.2, -0.1];
+    let cube = UnitCube {
+        dimension: 3,
+        sampling: Sampling::ScrambledSobol,
+        seed,
+        n_points: 8,
+        n_replicas: REPLICAS,
+    };
+    let runs = cube.runs()?;
+    let mut inputs = vec![0.0; 3 * 8 * FOLDS];
+    inputs.chunks_exact_mut(3).zip(0..).for_each(|(z, run)| runs.normals(run, z));
+    let response = |z: &[f64]| z.iter().zip(WEIGHTS).map(|(z, w)| w * z).sum::<f64>().exp();
+    let values: Vec<f64> = inputs.chunks_exact(3).map(response).collect();
+    let found = PolynomialControl::new(&inputs, 3, FOLDS)?.moments(&values)?;
+    let s: f64 = WEIGHTS.iter().map(|w| w * w).sum();
+    let variance = s.exp() * s.exp_m1();
+    // One less what remains if the input is fixed.
+    let total = 1.0 - s.exp() * (s - WEIGHTS[1] * WEIGHTS[1]).exp_m1() / variance;
+    let (error, half_width) = miss(found.total[1], total, STUDENT_31);
+    Ok([
+        miss(found.moments.mean, (0.5 * s).exp(), STUDENT_31),
+        miss(found.moments.variance, variance, STUDENT_31),
+        (error, half_width + found.unexplained),
+    ])
 }
 
 fn of_ishigami(sampling: Sampling, seed: u64, n_points: u64) -> UnitCube {

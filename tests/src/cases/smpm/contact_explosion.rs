@@ -75,7 +75,7 @@ pub(crate) fn solved(
         let propagated = study.propagated()?;
         let frozen = study.frozen(FrozenForm::Corrected)?;
         context.progress(&format!("{problem:?} at {coefficient_of_variation}: samples"));
-        let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples });
+        let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples })?;
         Ok(Solved { plan: study.plan().clone(), propagated, frozen, sampled })
     })
 }

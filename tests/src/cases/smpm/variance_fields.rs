@@ -64,7 +64,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let propagated = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };
     context.progress("samples");
-    let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples });
+    let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples })?;
     let mut claims = Vec::new();
     for (q, (_, id, symbol, [of_median, of_worst])) in QUANTITIES.into_iter().enumerate() {
         let (mut worst, mut errors, mut n_warned) = (Worst::of_errors(), Vec::new(), 0);

@@ -38,6 +38,8 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             ),
             ("Monte Carlo", sampled(false)),
             ("Monte Carlo with control variate", sampled(true)),
+            ("quasi-Monte Carlo", quasi_sampled(false)),
+            ("quasi-Monte Carlo with control variate", quasi_sampled(true)),
         ];
     }
     if let Some(own) = methods.iter_mut().find(|(_, method)| is_alike(method, &scene.method)) {
@@ -67,11 +69,24 @@ const fn sampled(control: bool) -> MethodScene {
     MethodScene::MonteCarlo { samples: 2, seed: SEED, control }
 }
 
+/// Smallest number of points of a replica, and the number of replicas.
+const FIRST_POINTS: u64 = 2;
+const REPLICAS: u64 = 8;
+
+const fn quasi_sampled(control: bool) -> MethodScene {
+    let (points, replicas, seed) = (FIRST_POINTS, REPLICAS, SEED);
+    MethodScene::QuasiMonteCarlo { points, replicas, seed, control }
+}
+
 fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
     match (a, b) {
         (
             MethodScene::MonteCarlo { control: a, .. },
             MethodScene::MonteCarlo { control: b, .. },
+        )
+        | (
+            MethodScene::QuasiMonteCarlo { control: a, .. },
+            MethodScene::QuasiMonteCarlo { control: b, .. },
         ) => a == b,
         (MethodScene::Frozen { .. }, MethodScene::Frozen { .. }) => a == b,
         _ => std::mem::discriminant(a) == std::mem::discriminant(b),
@@ -81,6 +96,9 @@ fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
 fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
     let (growth, standing, first) = match method {
         MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_SAMPLES),
+        MethodScene::QuasiMonteCarlo { replicas, .. } => {
+            (Growth::Samples, Standing::Judge, (FIRST_POINTS * replicas) as f64)
+        }
         _ => (Growth::Fixed, Standing::Judged, 1.0),
     };
     let scene = scene.clone();
@@ -90,6 +108,12 @@ fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
             let method = MethodScene::MonteCarlo { samples, seed, control };
             let size = (samples as f64, format!("{samples} samples"));
             return rung(&scene, method, size);
+        }
+        if let MethodScene::QuasiMonteCarlo { replicas, seed, control, .. } = method {
+            let points = whole(size / replicas as f64).max(FIRST_POINTS).next_power_of_two();
+            let method = MethodScene::QuasiMonteCarlo { points, replicas, seed, control };
+            let label = format!("{replicas} x {points} points");
+            return rung(&scene, method, ((points * replicas) as f64, label));
         }
         (size <= 1.0).then(|| rung(&scene, method, (1.0, String::new())))?
     };

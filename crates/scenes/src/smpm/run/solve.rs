@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use figures::number::with_uncertainty;
-use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
+use perturbation_moments::Jet;
 use sde_integrators::Accumulator;
-use serde::Serialize;
-use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
-use smpm::{Error, Plan, Simulation, Window};
+use smpm::uncertainty::{Design, FrozenForm, Sampled, Study};
+use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
+use super::response::{Control, Response, Table};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError};
@@ -43,66 +43,6 @@ pub(super) struct Answer {
     pub(super) failures: Vec<(u64, String)>,
 }
 
-/// A response with its moments.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Response {
-    /// Start and end of the window; equal for an instant.
-    pub(super) window: [f64; 2],
-    /// Value at the centre of the parameters.
-    pub(super) centre: f64,
-    pub(super) mean: f64,
-    /// Standard error of the mean, if sampled.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) mean_standard_error: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) variance: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) variance_standard_error: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) standard_deviation: Option<f64>,
-    /// Trust in a Taylor series.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) trust: Option<Indicators>,
-    /// Levels and their exceedance probabilities.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(super) exceedance: Vec<Chance>,
-}
-
-impl Response {
-    /// The end of its window.
-    pub(super) const fn time(&self) -> f64 {
-        self.window[1]
-    }
-}
-
-/// Trust indicators of a Taylor series.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Indicators {
-    /// Square root of the variance by curvature over that by slope.
-    ///
-    /// Below 0.03 the variance is mostly accurate within one per cent.
-    ///
-    /// Unknown without mixed derivatives or where nothing varies.
-    curvature_ratio: Option<f64>,
-    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
-    ///
-    /// None without yielding at the gauge.
-    switch_distance: Option<f64>,
-    /// The distance is below two.
-    switch_within_two_deviations: bool,
-}
-
-/// A level and its exceedance probability.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Chance {
-    level: f64,
-    probability: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    standard_error: Option<f64>,
-    /// `normal_law` from the moments, or `count` of samples.
-    by: &'static str,
-}
-
 /// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
 pub(super) fn solve<const D: usize, const N: usize>(
     scene: &SmpmScene,
@@ -122,9 +62,9 @@ fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Chec
     if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
         return Ok(None);
     }
-    let (seed, aside) = match scene.method {
-        MethodScene::MonteCarlo { seed, .. } => (Some(seed), ASIDE_OF_SAMPLES.as_slice()),
-        _ => (None, ASIDE.as_slice()),
+    let (seed, aside) = match scene.design() {
+        Some(design) => (Some(design.seed()), ASIDE_OF_SAMPLES.as_slice()),
+        None => (None, ASIDE.as_slice()),
     };
     run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
 }
@@ -147,11 +87,11 @@ fn solve_kept<const D: usize, const N: usize>(
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
     let differences = 2 * scene.random.len() as u64;
-    let responses = if let MethodScene::MonteCarlo { samples, seed, control } = scene.method {
-        n_runs += samples + if control { differences } else { 0 };
+    let responses = if let Some(design) = scene.design() {
+        let control = scene.method.has_taylor_control();
+        n_runs += design.n_runs()? + if control { differences } else { 0 };
         run.progress.stage("samples");
-        let judge = MonteCarlo { seed, n_samples: samples };
-        let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
+        let sampled = match sampled(&study, design, scene, run, kept, shards)? {
             Samples::All(sampled, elsewhere) => {
                 seconds_elsewhere = elsewhere;
                 sampled
@@ -159,16 +99,25 @@ fn solve_kept<const D: usize, const N: usize>(
             Samples::Shard(file) => return Ok(Solved::Shard(file)),
             Samples::Elsewhere => return Ok(Solved::Elsewhere),
         };
-        let surrogate = if control {
+        let surrogates = if control {
             run.progress.stage("differences of whole runs, for the control variate");
-            Some(study.finite_difference(DIFFERENCE)?)
+            study.finite_difference(DIFFERENCE)?
         } else {
-            None
+            Vec::new()
+        };
+        let polynomial = match scene.method {
+            MethodScene::QuasiMonteCarlo { control: true, .. } => {
+                Some(sampled.polynomial_control()?)
+            }
+            _ => None,
         };
         failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
         table.each(|i, response| {
-            let surrogate = surrogate.as_ref().map(|moments| &moments[i]);
-            table.sampled(i, response, &sampled, surrogate)
+            let control = match &polynomial {
+                Some(polynomial) => Control::Polynomial(polynomial),
+                None => surrogates.get(i).map_or(Control::None, Control::Taylor),
+            };
+            table.sampled(i, response, &sampled, control)
         })?
     } else {
         let (responses, more_runs) = expanded(&study, &table, fields, run)?;
@@ -188,7 +137,10 @@ fn expanded<const D: usize, const N: usize>(
     run: &Run<'_>,
 ) -> Result<(Vec<Response>, u64), Error> {
     Ok(match table.scene.method {
-        MethodScene::Deterministic | MethodScene::MonteCarlo { .. } => {
+        MethodScene::Deterministic
+        | MethodScene::MonteCarlo { .. }
+        | MethodScene::QuasiMonteCarlo { .. }
+        | MethodScene::SobolIndices { .. } => {
             fields.of_numbers(study)?;
             (table.each(|_, response| Ok(response))?, 0)
         }
@@ -252,6 +204,12 @@ impl From<Error> for SolveError {
     }
 }
 
+impl From<Error> for RunError {
+    fn from(error: Error) -> Self {
+        Self::solver(error)
+    }
+}
+
 impl From<RunError> for SolveError {
     fn from(error: RunError) -> Self {
         Self::Run(error)
@@ -261,7 +219,15 @@ impl From<RunError> for SolveError {
 /// Name of the samples in a checkpoint.
 const SAMPLES: &str = "samples";
 /// Keys that do not affect samples.
-const ASIDE_OF_SAMPLES: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
+///
+/// More points of a quasi-random design continue it.
+const ASIDE_OF_SAMPLES: [&str; 5] = [
+    "/title",
+    "/levels",
+    "/method/monte_carlo/samples",
+    "/method/quasi_monte_carlo/points",
+    "/method/sobol_indices/points",
+];
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
 /// Samples per block of a rank.
@@ -275,11 +241,10 @@ fn shards<const D: usize>(
     plan: &Plan<D>,
     run: &Run<'_>,
 ) -> Result<Option<Responses>, RunError> {
-    let (Part::Merged(files), MethodScene::MonteCarlo { seed, .. }) = (run.part(), &scene.method)
-    else {
+    let (Part::Merged(files), Some(design)) = (run.part(), scene.design()) else {
         return Ok(None);
     };
-    let inputs = &Inputs { scene, seed: Some(*seed), files: &[] };
+    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
     let shards: Vec<Responses> = run.read_shards(inputs, files)?;
     let samples: Responses = shards.into_iter().flatten().collect();
     for responses in samples.values() {
@@ -301,31 +266,32 @@ enum Samples<const N: usize> {
 /// All requested samples: computed, from a checkpoint, from shards, or from blocks of ranks.
 fn sampled<const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
-    judge: MonteCarlo,
+    design: Design,
     scene: &SmpmScene,
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
     shards: Option<Responses>,
 ) -> Result<Samples<N>, RunError> {
-    let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
+    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
-    let range = run.range(judge.n_samples);
+    let n_runs = design.n_runs()?;
+    let range = run.range(n_runs);
     let joined = |known: Responses, seconds: f64| {
         let all = study
-            .monte_carlo_from(judge, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
+            .sampled_from(design, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
         Ok(Samples::All(all, seconds))
     };
     if let Some(shards) = shards {
         return joined(shards, 0.0);
     }
     if let Some(ranks) = run.ranks() {
-        let blocks = Cut { n: judge.n_samples, unit: SAMPLES_OF_BLOCK };
+        let blocks = Cut { n: n_runs, unit: SAMPLES_OF_BLOCK };
         // The clock of this process counts its own blocks.
         let is_here = ranks.rank() == 0;
         let compute = |block: u64| {
             let (clock, none) = (CpuClock::start(), Responses::new());
             let look = |_: &Sampled<N>, _: u64| Ok::<(), RunError>(());
-            let of_block = study.monte_carlo_from(judge, blocks.range(block), &none, each, look)?;
+            let of_block = study.sampled_from(design, blocks.range(block), &none, each, look)?;
             let seconds = if is_here { 0.0 } else { clock.seconds() };
             Ok((of_block.responses(), seconds))
         };
@@ -344,7 +310,7 @@ fn sampled<const D: usize, const N: usize>(
     };
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
-    let sampled = study.monte_carlo_from(judge, range.clone(), &known, each, |so_far, tried| {
+    let sampled = study.sampled_from(design, range.clone(), &known, each, |so_far, tried| {
         run.progress.at((tried, n), || words(study, so_far.responses().values()));
         if tried == n || checkpoint.is_due() {
             keep(checkpoint, &known, so_far.responses())?;
@@ -391,101 +357,4 @@ fn words<'a, const D: usize, const N: usize>(
     let (gauge, quantity, _) = plan.parts(last);
     let mean = with_uncertainty(Some(mean.value), mean.standard_error());
     format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
-}
-
-fn error_of(estimate: &Estimate) -> Option<f64> {
-    match estimate.uncertainty {
-        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
-        Uncertainty::Unknown => None,
-    }
-}
-
-/// Responses of a plan at the centre.
-struct Table<'a, const D: usize> {
-    scene: &'a SmpmScene,
-    plan: &'a Plan<D>,
-    centre: &'a [f64],
-}
-
-impl<const D: usize> Table<'_, D> {
-    fn each(
-        &self,
-        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
-    ) -> Result<Vec<Response>, Error> {
-        let start = |(i, &centre): (usize, &f64)| {
-            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
-            let response = Response {
-                window: [from, to],
-                centre,
-                mean: centre,
-                mean_standard_error: None,
-                variance: None,
-                variance_standard_error: None,
-                standard_deviation: None,
-                trust: None,
-                exceedance: Vec::new(),
-            };
-            fill(i, response)
-        };
-        self.centre.iter().enumerate().map(start).collect()
-    }
-
-    fn levels(&self, response: usize) -> &[f64] {
-        let (_, quantity, _) = self.plan.parts(response);
-        let name = self.plan.quantities[quantity].to_string();
-        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
-    }
-
-    fn sampled<const N: usize>(
-        &self,
-        i: usize,
-        response: Response,
-        sampled: &Sampled<N>,
-        surrogate: Option<&Moments<N>>,
-    ) -> Result<Response, Error> {
-        let found = match surrogate {
-            Some(moments) => sampled.controlled(i, moments)?,
-            None => sampled.raw(i)?,
-        };
-        let mut response = response.with_moments(found.mean.value, found.variance.value);
-        response.mean_standard_error = error_of(&found.mean);
-        response.variance_standard_error = error_of(&found.variance);
-        for &level in self.levels(i) {
-            let chance = sampled.exceedance(i, level)?;
-            let (probability, standard_error) = (chance.value, error_of(&chance));
-            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
-        }
-        Ok(response)
-    }
-
-    fn taylor<const N: usize>(
-        &self,
-        i: usize,
-        response: Response,
-        moments: &Moments<N>,
-        switch: Option<&Switch>,
-    ) -> Result<Response, Error> {
-        // Without curvature the mean is that of first order.
-        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        let mut response = response.with_moments(mean, moments.variance_first_order());
-        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
-        response.trust = Some(Indicators {
-            curvature_ratio: curvature.map(f64::sqrt),
-            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
-            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
-        });
-        for &level in self.levels(i) {
-            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
-            let (standard_error, by) = (None, "normal_law");
-            response.exceedance.push(Chance { level, probability, standard_error, by });
-        }
-        Ok(response)
-    }
-}
-
-impl Response {
-    fn with_moments(self, mean: f64, variance: f64) -> Self {
-        let standard_deviation = Some(variance.max(0.0).sqrt());
-        Self { mean, variance: Some(variance), standard_deviation, ..self }
-    }
 }

@@ -154,7 +154,7 @@ impl Solved {
         let study = Study::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
         let frozen = study.frozen(FrozenForm::Corrected)?.into_iter().flatten().collect();
         let propagated = study.propagated()?.moments;
-        let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples });
+        let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples })?;
         Ok(Self { plan: study.plan().clone(), frozen, propagated, sampled })
     }
 

@@ -147,7 +147,7 @@ impl Judged {
         let experiment = experiment::<D>(scene)?;
         let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
         let propagated = study.propagated()?;
-        let sampled = study.monte_carlo(MonteCarlo { seed: 2020, n_samples });
+        let sampled = study.monte_carlo(MonteCarlo { seed: 2020, n_samples })?;
         let plan = study.plan();
         let name = |response| {
             let (gauge, quantity, window) = plan.parts(response);

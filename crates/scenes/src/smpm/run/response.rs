@@ -1,0 +1,226 @@
+//! Responses of a scene, as written into its result.
+
+use estimators::PolynomialControl;
+use perturbation_moments::{Estimate, Moments, Uncertainty};
+use serde::Serialize;
+use smpm::uncertainty::{Exceedance, Sampled, Switch};
+use smpm::{Error, Plan, Window};
+
+use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
+
+/// A response with its moments.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Response {
+    /// Start and end of the window; equal for an instant.
+    pub(super) window: [f64; 2],
+    /// Value at the centre of the parameters.
+    pub(super) centre: f64,
+    pub(super) mean: f64,
+    /// Standard error of the mean, if sampled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation: Option<f64>,
+    /// Trust in a Taylor series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) trust: Option<Indicators>,
+    /// Parts of the variance, if they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) sobol_indices: Vec<Shares>,
+    /// Levels and their exceedance probabilities.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) exceedance: Vec<Chance>,
+}
+
+impl Response {
+    /// The end of its window.
+    pub(super) const fn time(&self) -> f64 {
+        self.window[1]
+    }
+}
+
+/// Trust indicators of a Taylor series.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Indicators {
+    /// Square root of the variance by curvature over that by slope.
+    ///
+    /// Below 0.03 the variance is mostly accurate within one per cent.
+    ///
+    /// Unknown without mixed derivatives or where nothing varies.
+    curvature_ratio: Option<f64>,
+    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
+    ///
+    /// None without yielding at the gauge.
+    switch_distance: Option<f64>,
+    /// The distance is below two.
+    switch_within_two_deviations: bool,
+}
+
+/// Parts of the variance of a response that a parameter causes.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Shares {
+    pub(super) parameter: String,
+    /// First-order index: what it causes alone.
+    pub(super) first: f64,
+    pub(super) first_standard_error: f64,
+    /// Total index: what would remain if all others were fixed.
+    pub(super) total: f64,
+    pub(super) total_standard_error: f64,
+    /// Part of the variance that a fitted polynomial leaves: an index may be off by it, besides its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) unexplained: Option<f64>,
+}
+
+/// Control variate of sampled responses.
+pub(super) enum Control<'a, const N: usize> {
+    None,
+    /// A Taylor series from differences of complete runs.
+    Taylor(&'a Moments<N>),
+    /// Polynomials fitted to the samples.
+    Polynomial(&'a PolynomialControl),
+}
+
+/// A level and its exceedance probability.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chance {
+    level: f64,
+    probability: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    standard_error: Option<f64>,
+    /// `normal_law` from the moments, or `count` of samples.
+    by: &'static str,
+}
+
+/// Responses of a plan at the centre.
+pub(super) struct Table<'a, const D: usize> {
+    pub(super) scene: &'a SmpmScene,
+    pub(super) plan: &'a Plan<D>,
+    pub(super) centre: &'a [f64],
+}
+
+impl<const D: usize> Table<'_, D> {
+    pub(super) fn each(
+        &self,
+        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
+    ) -> Result<Vec<Response>, Error> {
+        let start = |(i, &centre): (usize, &f64)| {
+            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
+            let response = Response {
+                window: [from, to],
+                centre,
+                mean: centre,
+                mean_standard_error: None,
+                variance: None,
+                variance_standard_error: None,
+                standard_deviation: None,
+                trust: None,
+                sobol_indices: Vec::new(),
+                exceedance: Vec::new(),
+            };
+            fill(i, response)
+        };
+        self.centre.iter().enumerate().map(start).collect()
+    }
+
+    fn levels(&self, response: usize) -> &[f64] {
+        let (_, quantity, _) = self.plan.parts(response);
+        let name = self.plan.quantities[quantity].to_string();
+        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    pub(super) fn sampled<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        sampled: &Sampled<N>,
+        control: Control<'_, N>,
+    ) -> Result<Response, Error> {
+        let mut shares = Vec::new();
+        let found = match control {
+            Control::Taylor(moments) => sampled.controlled(i, moments)?,
+            Control::None => sampled.raw(i)?,
+            Control::Polynomial(polynomial) => {
+                let found = polynomial.moments(&sampled.values(i)?)?;
+                shares = self.shares(&found.first, &found.total, Some(found.unexplained));
+                found.moments
+            }
+        };
+        if matches!(self.scene.method, MethodScene::SobolIndices { .. })
+            && found.variance.value > 0.0
+        {
+            let indices = sampled.sobol_indices(i)?;
+            shares = self.shares(&indices.first, &indices.total, None);
+        }
+        let mut response = response.with_moments(found.mean.value, found.variance.value);
+        response.mean_standard_error = error_of(&found.mean);
+        response.variance_standard_error = error_of(&found.variance);
+        response.sobol_indices = shares;
+        for &level in self.levels(i) {
+            let chance = sampled.exceedance(i, level)?;
+            let (probability, standard_error) = (chance.value, error_of(&chance));
+            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
+        }
+        Ok(response)
+    }
+
+    /// Sobol' indices by parameter; those of a polynomial leave a part of the variance unexplained.
+    fn shares(
+        &self,
+        first: &[Estimate],
+        total: &[Estimate],
+        unexplained: Option<f64>,
+    ) -> Vec<Shares> {
+        let error = |estimate: &Estimate| error_of(estimate).unwrap_or(f64::INFINITY);
+        let of = |(random, (first, total)): (&RandomScene, (&Estimate, &Estimate))| Shares {
+            parameter: random.parameter.clone(),
+            first: first.value,
+            first_standard_error: error(first),
+            total: total.value,
+            total_standard_error: error(total),
+            unexplained,
+        };
+        self.scene.random.iter().zip(first.iter().zip(total)).map(of).collect()
+    }
+
+    pub(super) fn taylor<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        moments: &Moments<N>,
+        switch: Option<&Switch>,
+    ) -> Result<Response, Error> {
+        // Without curvature the mean is that of first order.
+        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
+        let mut response = response.with_moments(mean, moments.variance_first_order());
+        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        response.trust = Some(Indicators {
+            curvature_ratio: curvature.map(f64::sqrt),
+            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
+            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
+        });
+        for &level in self.levels(i) {
+            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
+            let (standard_error, by) = (None, "normal_law");
+            response.exceedance.push(Chance { level, probability, standard_error, by });
+        }
+        Ok(response)
+    }
+}
+
+impl Response {
+    pub(super) fn with_moments(self, mean: f64, variance: f64) -> Self {
+        let standard_deviation = Some(variance.max(0.0).sqrt());
+        Self { mean, variance: Some(variance), standard_deviation, ..self }
+    }
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
+}

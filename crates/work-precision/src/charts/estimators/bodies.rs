@@ -1,0 +1,199 @@
+//! Random parameters of bodies: samples, Sobol' points, and what corrects them.
+
+use estimators::{Sampling, UnitCube};
+use figures::{Drawing, Words};
+use perturbation_moments::MonteCarlo;
+use scenes::smpm::scene::SmpmScene;
+use smpm::uncertainty::{Design, Study};
+
+use super::{Size, drawing, method};
+use crate::context::{CaseError, Context, Profile};
+use crate::problems::smpm::problems::{Problem, experiment};
+use crate::problems::smpm::schemes::Shock;
+use crate::quantile::quantile;
+
+/// Step of the differences of a Taylor series, in standard deviations.
+const DIFFERENCE: f64 = 0.1;
+/// Replicas of Sobol' points.
+const REPLICAS: u64 = 8;
+/// Coefficient of variation of the steel behind the explosion.
+const STRENGTH: f64 = 0.15;
+
+pub(super) fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
+    Ok(vec![shock(context)?, explosion(context)?, bar(context)?])
+}
+
+/// Reference variance of each response.
+enum Truth {
+    Exact(Vec<f64>),
+    /// By polynomials on that many points of 16 replicas.
+    Reference(u64),
+}
+
+struct Question<'a> {
+    name: &'a str,
+    title: &'a str,
+    subtitle: String,
+    letter: &'a str,
+    truth: Truth,
+    n_seeds: u64,
+    /// Points of a replica: at most so many.
+    most_points: u64,
+}
+
+fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
+    let shock = Shock::USUAL;
+    let mut scene = Problem::PlateImpact.scene()?;
+    let strength = scene.random[0].coefficient_of_variation;
+    scene = shock.scene(&scene.scheme, scene.grid.cell)?;
+    scene.times.truncate(1);
+    let question = Question {
+        name: "estimators-shock",
+        title: "Variance of the pressure behind a plane shock in steel, against cost",
+        subtitle: format!("S1, gamma0 and a normal, coefficient of variation {strength}"),
+        letter: "p",
+        truth: Truth::Exact(vec![shock.variance(strength)]),
+        n_seeds: 8,
+        most_points: 64,
+    };
+    chart::<1, 3>(context, &scene, question)
+}
+
+fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
+    let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &[9.0, 10.0, 11.0, 12.0])?;
+    scene.quantities = vec!["flow_stress".to_owned()];
+    let question = Question {
+        name: "estimators-explosion",
+        title: "Variance of the flow stress behind a contact explosion, against cost",
+        subtitle: format!(
+            "4340 steel, A, B, n, C, m normal, coefficient of variation {STRENGTH}; four gauges at 9, 10, 11, 12 us"
+        ),
+        letter: "sigma_y",
+        truth: Truth::Reference(256),
+        n_seeds: 8,
+        most_points: 64,
+    };
+    chart::<2, 5>(context, &scene, question)
+}
+
+fn bar(context: &Context<'_>) -> Result<Drawing, CaseError> {
+    let mut scene = Problem::TaylorBar.scene()?;
+    let last = scene.times.pop();
+    scene.times = last.into_iter().collect();
+    let quantities = scene.quantities.join(", ");
+    let question = Question {
+        name: "estimators-taylor-bar",
+        title: "Variance of the responses of a Taylor bar, against cost",
+        subtitle: format!(
+            "copper, {} random parameters; {quantities} at the end",
+            scene.random.len()
+        ),
+        letter: "the responses",
+        truth: Truth::Reference(16),
+        n_seeds: 2,
+        most_points: 8,
+    };
+    chart::<2, 5>(context, &scene, question)
+}
+
+fn chart<const D: usize, const N: usize>(
+    context: &Context<'_>,
+    scene: &SmpmScene,
+    question: Question<'_>,
+) -> Result<Drawing, CaseError> {
+    context.progress(question.name);
+    let experiment = experiment::<D>(scene)?;
+    let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
+    let dimension = scene.random.len();
+    let is_quick = context.profile == Profile::Quick;
+    let cube = |n_points, n_replicas, seed| UnitCube {
+        dimension,
+        sampling: Sampling::ScrambledSobol,
+        seed,
+        n_points,
+        n_replicas,
+    };
+    let (truth, truth_error) = match question.truth {
+        Truth::Exact(variances) => (variances, 0.0),
+        Truth::Reference(points) => {
+            let points = if is_quick { 2 } else { points };
+            let sampled = study.sampled(Design::QuasiRandom(cube(points, 16, 7)))?;
+            let polynomial = sampled.polynomial_control()?;
+            let (mut values, mut errors) = (Vec::new(), Vec::new());
+            for response in 0..study.plan().n_responses() {
+                let found = polynomial.moments(&sampled.values(response)?)?.moments.variance;
+                values.push(found.value);
+                errors.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
+            }
+            (values, quantile(&errors, 0.5))
+        }
+    };
+    let errors = |of: &dyn Fn(usize) -> Result<f64, CaseError>| -> Result<Vec<f64>, CaseError> {
+        truth.iter().enumerate().map(|(i, truth)| Ok(of(i)? / truth - 1.0)).collect()
+    };
+    let points = || {
+        let n = if is_quick { 1 } else { question.most_points.trailing_zeros() };
+        (1..=n).map(|k| 1_u64 << k)
+    };
+    let samples = |with_series: bool| -> Vec<Size<'_>> {
+        let of = |n: u64| {
+            let (study, errors) = (&study, &errors);
+            let run = move |seed| {
+                let judge = MonteCarlo { seed, n_samples: n * REPLICAS };
+                let sampled = study.monte_carlo(judge)?;
+                let series =
+                    if with_series { study.finite_difference(DIFFERENCE)? } else { vec![] };
+                errors(&|i| {
+                    let found = match series.get(i) {
+                        Some(series) => sampled.controlled(i, series)?,
+                        None => sampled.raw(i)?,
+                    };
+                    Ok(found.variance.value)
+                })
+            };
+            Size { label: (n * REPLICAS).to_string(), run: Box::new(run) }
+        };
+        points().map(of).collect()
+    };
+    let quasi = |with_polynomial: bool| -> Vec<Size<'_>> {
+        let of = |n: u64| {
+            let (study, errors) = (&study, &errors);
+            let run = move |seed| {
+                let sampled = study.sampled(Design::QuasiRandom(cube(n, REPLICAS, seed)))?;
+                let polynomial = sampled.polynomial_control()?;
+                errors(&|i| {
+                    let found = if with_polynomial {
+                        polynomial.moments(&sampled.values(i)?)?.moments
+                    } else {
+                        sampled.raw(i)?
+                    };
+                    Ok(found.variance.value)
+                })
+            };
+            Size { label: format!("{REPLICAS} x {n}"), run: Box::new(run) }
+        };
+        points().map(of).collect()
+    };
+    let seeds = if is_quick { 2 } else { question.n_seeds };
+    let series = vec![
+        method("Monte Carlo (samples)", &samples(false), seeds),
+        method("Monte Carlo, Taylor series as control variate (samples)", &samples(true), seeds),
+        method("quasi-Monte Carlo (replicas x points)", &quasi(false), seeds),
+        method("quasi-Monte Carlo, fitted polynomial as control variate", &quasi(true), seeds),
+    ];
+    let caption = if truth_error > 0.0 {
+        vec![format!(
+            "Against other runs at Sobol' points with a polynomial, whose own standard error is {truth_error:.1e} (median)."
+        )]
+    } else {
+        vec!["Against the exact variance: what remains at the right is the grid error.".to_owned()]
+    };
+    let words = Words {
+        title: question.title.into(),
+        subtitle: question.subtitle,
+        x_label: String::new(),
+        y_label: format!("relative error of Var {}", question.letter),
+        caption,
+    };
+    drawing(question.name, words, series, (truth_error, seeds))
+}

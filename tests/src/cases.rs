@@ -73,6 +73,7 @@ pub const ALL: &[Case] = &[
     smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,
+    smpm::sobol_points::CASE,
     smpm::variance_fields::CASE,
     smpm::trust::CASE,
     smpm::refinement::CASE,

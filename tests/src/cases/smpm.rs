@@ -15,6 +15,7 @@ pub(crate) mod published_tables;
 pub(crate) mod refinement;
 pub(crate) mod return_mapping;
 pub(crate) mod shock_tubes;
+pub(crate) mod sobol_points;
 pub(crate) mod taylor_bar;
 pub(crate) mod trust;
 pub(crate) mod variance_fields;

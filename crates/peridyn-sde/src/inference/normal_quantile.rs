@@ -1,8 +1,11 @@
-//! The quantile function of the standard normal law.
+//! The distribution function of the standard normal law and its inverse.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::marginal::below;
+/// `Phi(z)`.
+pub(super) fn below(z: f64) -> f64 {
+    0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
+}
 
 /// `z` with `Phi(z) = p`, for `0 < p < 1`; to 1e-13 of a deviation for `p` above 1e-300 in the lower and 1e-4 in the upper tail,
 /// where `1 - p` itself is exact.

@@ -2,9 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::normal_quantile::normal_quantile;
+use super::normal_quantile::{below, normal_quantile};
 use crate::error::{Error, between, positive};
-use crate::marginal::below;
 
 /// A normal prior flatter than this is a uniform one, less the digits that its cut-off costs.
 const FLATTEST: f64 = 100.0;

@@ -1,9 +1,7 @@
 //! The mobility: its factor, its free nodes, and its distance from the exact matrix.
 
-use peridyn_sde::{
-    CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, DisplacementNoise,
-    Error, Mobility,
-};
+use peridyn_sde::{CompactMobility, CorrelatedMobility, DisplacementNoise, Error, Mobility};
+use random_fields::{Correlation, CorrelationFunction};
 use sde_integrators::{Noise, NoiseFactor, Purpose};
 
 const M: f64 = 0.7;

@@ -2,12 +2,13 @@
 
 use random_fields::{Error, Marginal};
 
-const LAWS: [Marginal; 5] = [
+const LAWS: [Marginal; 6] = [
     Marginal::Uniform { low: -1.0, high: 3.0 },
     Marginal::Lognormal { mean: 2.0, coefficient_of_variation: 0.3 },
     Marginal::Weibull { mean: 0.01, shape: 5.0 },
     Marginal::Weibull { mean: 3.0, shape: 1.0 },
     Marginal::Normal { mean: 1.0, standard_deviation: 0.1 },
+    Marginal::Weibull { mean: 1.0, shape: 0.4 },
 ];
 
 /// `E[g(z)]` by the trapezoidal rule, whose error for these is below 1e-10.

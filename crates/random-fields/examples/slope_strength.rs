@@ -1,6 +1,9 @@
 //! Undrained strength of a slope along a vertical line, given one measured value.
 
-use random_fields::*;
+use random_fields::{
+    ConditionedField, Correlation, CorrelationFunction, Error, Marginal, Measurement, RandomField,
+    SpatialCorrelation, Truncation,
+};
 use sde_integrators::Noise;
 
 #[allow(clippy::print_stdout, reason = "an example")]

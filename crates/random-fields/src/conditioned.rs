@@ -3,6 +3,7 @@
 use sde_integrators::Noise;
 
 use crate::cholesky::Cholesky;
+use crate::correlation::distance;
 use crate::error::{Error, finite, same_length};
 use crate::random_field::RandomField;
 use crate::symmetric_eigen::symmetric_eigen;
@@ -217,7 +218,8 @@ fn check<const D: usize>(measurements: &[Measurement<D>]) -> Result<(), Error> {
             });
         }
         let both = |other: &Measurement<D>| value == 0.0 && other.standard_deviation == 0.0;
-        let same = |other: &Measurement<D>| both(other) && other.position == one.position;
+        let same =
+            |other: &Measurement<D>| both(other) && distance(&other.position, &one.position) == 0.0;
         if let Some(second) = measurements[..first].iter().position(same) {
             return Err(Error::CoincidentMeasurements {
                 first: second,

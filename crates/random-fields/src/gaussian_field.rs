@@ -14,7 +14,7 @@ const OFF_LATTICE: f64 = 1e-6;
 const WORDS_OF_FIELD: u32 = 36;
 
 /// The normals of field `number` of a realisation: `2^35` of them.
-pub(crate) fn normals_of(noise: &Noise, realisation: u64, number: u32) -> Stream {
+pub(crate) fn normals_of(noise: Noise, realisation: u64, number: u32) -> Stream {
     let mut stream = noise.stream(Purpose::Field, realisation);
     stream.seek(u128::from(number) << WORDS_OF_FIELD);
     stream
@@ -120,7 +120,7 @@ impl GaussianField {
         out: &mut [f64],
     ) -> Result<(), Error> {
         same_length("the field", out.len(), self.n_nodes)?;
-        let mut stream = normals_of(noise, realisation, number);
+        let mut stream = normals_of(*noise, realisation, number);
         match &self.sampler {
             Sampler::Factor(factor) => {
                 let mut normals = vec![0.0; factor.n_motions()];

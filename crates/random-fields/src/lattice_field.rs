@@ -44,7 +44,8 @@ impl LatticeField {
     ) -> Result<Self, Error> {
         let extents = extents(correlation);
         // About inclined axes the point half a period away has two correlations: the lattice must not reach it.
-        let is_inclined = correlation.axes().iter().flatten().any(|&e| e != 0.0 && e != 1.0);
+        let is_inclined =
+            correlation.axes().iter().flatten().any(|e| e.abs() > 0.0 && e.abs() < 1.0);
         let beyond = |count: usize| count + usize::from(is_inclined && count > 1);
         let counts = counts.map(beyond);
         let mut refused = None;
@@ -116,10 +117,9 @@ fn extents<const D: usize>(correlation: &SpatialCorrelation<D>) -> [f64; 3] {
     let (axes, lengths) = (correlation.axes(), correlation.lengths());
     let mut extents = [0.0; 3];
     for k in 0..D {
-        // Along an axis of the correlation this is its length, to the last bit.
-        extents[k] = match (0..D).find(|&m| axes[m][k] == 1.0) {
-            Some(m) => lengths[m],
-            None => (0..D).map(|m| (axes[m][k] * lengths[m]).powi(2)).sum::<f64>().sqrt(),
+        extents[k] = match correlation {
+            SpatialCorrelation::Isotropic(correlation) => correlation.length,
+            _ => (0..D).map(|m| (axes[m][k] * lengths[m]).powi(2)).sum::<f64>().sqrt(),
         };
     }
     extents

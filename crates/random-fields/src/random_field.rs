@@ -235,7 +235,7 @@ impl<const D: usize> RandomField<D> {
         out: &mut [f64],
     ) -> Result<(), Error> {
         same_length("the coefficients", out.len(), self.n_terms())?;
-        normals_of(noise, realisation, number).fill_normal(out);
+        normals_of(*noise, realisation, number).fill_normal(out);
         Ok(())
     }
 
@@ -257,7 +257,7 @@ impl<const D: usize> RandomField<D> {
         self.terms_at(point, x, scratch, out)?;
         if self.has_unit_variance {
             let square: f64 = out.iter().map(|mode| mode * mode).sum();
-            if !(square > f64::MIN_POSITIVE) {
+            if square <= f64::MIN_POSITIVE {
                 let must = "where the terms of the field have a variance";
                 return Err(Error::Point { name: "a coordinate", point, value: x[0], must });
             }

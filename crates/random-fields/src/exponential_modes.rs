@@ -37,9 +37,9 @@ impl ExponentialModes {
         while self.modes.len() <= m {
             let m = self.modes.len();
             let theta = root(m, b);
-            let ripple = libm::sin(2.0 * theta) / (2.0 * theta);
-            let norm = if m.is_multiple_of(2) { 1.0 + ripple } else { 1.0 - ripple };
-            // lambda/(a (1 +- ripple))
+            let overlap = libm::sin(2.0 * theta) / (2.0 * theta);
+            let norm = if m.is_multiple_of(2) { 1.0 + overlap } else { 1.0 - overlap };
+            // lambda/(a (1 +- overlap))
             self.modes.push([theta, (2.0 * share(theta) / norm).sqrt()]);
         }
         share(self.modes[m][0])

@@ -137,7 +137,7 @@ fn correlation_of_the_normals_is_the_inverse_and_ends_where_no_translation_reach
 fn weibull_of_a_coefficient_of_variation_has_it_and_one_out_of_range_is_refused() {
     for v in [0.0013, 0.05, 0.3, 1.0, 15.0] {
         let law = Marginal::weibull(2.0, v).unwrap();
-        // Near the shape 1000 the logarithms of the gamma functions cancel to 1e-6 of themselves.
+        // Near the shape 1000 the logarithms of the gamma functions cancel to a millionth.
         assert!((law.standard_deviation() / (2.0 * v) - 1.0).abs() < 1e-9, "{v}: {law:?}");
     }
     for v in [0.001, 16.0, 0.0, -1.0, f64::NAN] {

@@ -28,10 +28,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 /// The root between two values of opposite sign, by bisection.
 fn bisection(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let sign = f(low).signum();
+    let is_positive = f(low) > 0.0;
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if f(middle).signum() == sign { low = middle } else { high = middle }
+        if (f(middle) > 0.0) == is_positive { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -78,7 +78,7 @@ fn trace(context: &Context<'_>) -> Result<Claim, CaseError> {
     );
     let reason = "the next term of the asymptotic sum, of order 1/n^2";
     let values = (field.mean_left_out_variance(), tail);
-    Ok(Claim::within(subject, ErrorKind::Relative, values, 2e-6, reason))
+    Ok(Claim::within(subject, ErrorKind::Relative, values, 1e-6, reason))
 }
 
 /// Terms by points against all eigenvalues of the covariance of these points.
@@ -99,7 +99,7 @@ fn dense(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     );
     let reason = "roundoff: of an eigenvalue a thousandth of the largest";
     let mut claims =
-        vec![Claim::within(subject, ErrorKind::Absolute, (largest(errors), 0.0), 1e-11, reason)];
+        vec![Claim::within(subject, ErrorKind::Absolute, (largest(errors), 0.0), 2e-13, reason)];
     let few = RandomField::on_points(&points, soil(), Truncation::Terms(20))?;
     let least = 1.0 - exact[..20].iter().sum::<f64>();
     let subject = context.subject(
@@ -110,7 +110,7 @@ fn dense(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     );
     let reason = "what 80 pivots leave of the first 20 modes";
     let values = (few.mean_left_out_variance(), least);
-    claims.push(Claim::within(subject, ErrorKind::Relative, values, 0.05, reason));
+    claims.push(Claim::within(subject, ErrorKind::Relative, values, 0.06, reason));
     Ok(claims)
 }
 
@@ -125,14 +125,12 @@ fn truncation(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     for (name, field) in &fields {
         let pairs = lattice([0.05, 0.05], [8, 10], [0.4, 0.4]);
-        let mut reached = Vec::new();
         let mut over = Vec::new();
         let left: Vec<f64> =
             pairs.iter().map(|x| field.left_out_variance(x)).collect::<Result<_, _>>()?;
         for (i, a) in pairs.iter().enumerate() {
             for (j, b) in pairs.iter().enumerate().filter(|&(j, _)| j != i) {
                 let error = (soil().between(a, b) - field.covariance(a, b)?).abs();
-                reached.push(error / largest(left.iter().copied()));
                 over.push(error / (left[i] * left[j]).sqrt());
             }
         }
@@ -154,9 +152,16 @@ fn truncation(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "",
             &method,
         );
-        let reason = "other points than those of the stated mean";
+        // The stated mean is that over the box, or over the points that made the field.
+        let (tolerance, reason) = match *name {
+            "box" => (0.02, "a mean over 1,200 points for one over the box"),
+            _ => (
+                0.35,
+                "a rough field has more left out between the points that made it, a tenth of a length apart",
+            ),
+        };
         let values = (mean, field.mean_left_out_variance());
-        claims.push(Claim::within(subject, ErrorKind::Relative, values, 0.05, reason));
+        claims.push(Claim::within(subject, ErrorKind::Relative, values, tolerance, reason));
     }
     Ok(claims)
 }

@@ -63,11 +63,7 @@ fn quadrature(context: &Context<'_>, name: &str, marginal: &Marginal) -> Result<
         "",
         "closed form or Mehler's series of 40 terms; trapezoidal rule in both normals",
     );
-    // Weibull's value is not smooth in z only where z goes to minus infinity, so its series converges, slowly.
-    let (tolerance, reason) = match marginal {
-        Marginal::Weibull { .. } => (1e-6, "40 terms of the series"),
-        _ => (1e-11, "roundoff: of a sum of 400,000 products"),
-    };
+    let (tolerance, reason) = (2e-13, "roundoff: of a sum of 400,000 products");
     Ok(Claim::within(subject, ErrorKind::Absolute, (largest(errors), 0.0), tolerance, reason))
 }
 
@@ -132,5 +128,11 @@ fn opposed_exponentials(context: &Context<'_>) -> Result<Claim, CaseError> {
     );
     let exact = 1.0 - std::f64::consts::PI.powi(2) / 6.0;
     let values = (marginal.translated_correlation(-1.0)?, exact);
-    Ok(Claim::within(subject, ErrorKind::Absolute, values, 1e-6, "40 terms of the series"))
+    Ok(Claim::within(
+        subject,
+        ErrorKind::Absolute,
+        values,
+        1e-13,
+        "roundoff: of 40 terms of the series",
+    ))
 }

@@ -254,8 +254,8 @@ impl Marginal {
     /// \frac{6}{\pi} \arcsin \frac{\rho}{2} \quad \text{(uniform)} . $$
     ///
     /// Weibull's by Mehler's series in Hermite polynomials
-    /// $\sum_k a_k^2 \rho^k / \sum_k a_k^2$ with $a_k = \int x He_k \phi dz / \sqrt{k!}$, of 40 terms,
-    /// within 1e-12 for all shapes. Between -0.3 and 1, and for a scatter up to 30 %, lognormal and Weibull differ from `rho` by less than 0.02.
+    /// $\sum_k a_k^2 \rho^k / \sum_k a_k^2$ with $a_k = \int x He_k \phi dz / \sqrt{k!}$, of 40 terms, within 1e-12 for
+    /// all shapes. Between -0.3 and 1, and for a scatter up to 30 %, lognormal and Weibull differ from `rho` by less than 0.02.
     ///
     /// Source: Grigoriu 1995, Applied non-Gaussian processes, section 3.1; Liu and Der Kiureghian 1986, tables 5 and 6.
     ///

@@ -32,8 +32,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         context.progress(name);
         claims.push(quadrature(context, name, marginal)?);
         claims.push(inverse(context, name, marginal)?);
-        for rho in [-0.7, 0.5] {
-            claims.push(sampled(context, name, marginal, rho)?);
+        for (sign, rho) in [("negative", -0.7), ("positive", 0.5)] {
+            claims.push(sampled(context, &format!("{name}/sampled/{sign}"), marginal, rho)?);
         }
     }
     claims.push(opposed_exponentials(context)?);
@@ -86,7 +86,7 @@ fn inverse(context: &Context<'_>, name: &str, marginal: &Marginal) -> Result<Cla
 
 fn sampled(
     context: &Context<'_>,
-    name: &str,
+    id: &str,
     marginal: &Marginal,
     rho: f64,
 ) -> Result<Claim, CaseError> {
@@ -106,10 +106,10 @@ fn sampled(
     let value = sums[0] / n;
     let error = ((sums[1] / n - value * value) / n).sqrt();
     let subject = context.subject(
-        &format!("{name}/sampled/{rho}"),
+        id,
         "correlation of two values",
         "",
-        "200,000 pairs of values",
+        &format!("200,000 pairs of values, whose normals have {rho}"),
     );
     let measured = Measured { value, standard_error: Some(error) };
     let reference = Reference::exact(marginal.translated_correlation(rho)?);

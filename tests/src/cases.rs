@@ -10,6 +10,7 @@ mod neighbour_search;
 mod particle_store;
 mod peridyn;
 mod perturbation_moments;
+mod random_fields;
 mod ranks;
 mod resume;
 mod sde;
@@ -106,6 +107,10 @@ pub const ALL: &[Case] = &[
     estimators::multilevel::LADDERS,
     estimators::coverage::CASE,
     estimators::sensitivity::CASE,
+    random_fields::expansion::CASE,
+    random_fields::covariance::CASE,
+    random_fields::conditioning::CASE,
+    random_fields::translation::CASE,
     perturbation_moments::reference::CASE,
     perturbation_moments::trust::CASE,
     perturbation_moments::judge::CASE,

@@ -11,7 +11,7 @@ use folder::files;
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
-const CRATES: [&str; 11] = [
+const CRATES: [&str; 12] = [
     "estimators",
     "fpk-sph",
     "mpi-ensembles",
@@ -19,6 +19,7 @@ const CRATES: [&str; 11] = [
     "particle-store",
     "peridyn-sde",
     "perturbation-moments",
+    "random-fields",
     "random-vibration",
     "sde-integrators",
     "smoothing-kernels",

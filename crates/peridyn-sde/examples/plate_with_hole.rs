@@ -6,12 +6,12 @@
 //! ```
 
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
-    CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence, Loading,
-    Marginal, Nodes, Notch, PathConfig, Program, SimulationConfig, Stiffness, Strain, Strength,
-    SurfaceCorrection, VolumeCorrection, critical_stretch,
+    BondConfig, BondValue, Bonds, Breaking, Condition, CrackStudy, DisorderField, Dynamics, Error,
+    Horizon, Influence, Loading, Nodes, Notch, PathConfig, Program, SimulationConfig, Stiffness,
+    Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
     statistics::{Bootstrap, CrackEnsemble},
 };
+use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
 
 /// Edge of the plate and distance of its nodes (m).
@@ -79,7 +79,7 @@ fn main() -> Result<(), Error> {
 
     // docs: study
     let correlation = Correlation { function: CorrelationFunction::Matern32, length: 0.009 };
-    let gaussian = GaussianField::by_circulant_embedding(nodes.positions(), SPACING, &correlation)?;
+    let gaussian = GaussianField::by_circulant_embedding(nodes.positions(), SPACING, correlation)?;
     let law = Marginal::Lognormal { mean: stretch, coefficient_of_variation: 0.2 };
     let strength = DisorderField::new(gaussian, law, 0)?;
     let study = CrackStudy {

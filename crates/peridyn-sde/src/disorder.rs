@@ -1,11 +1,10 @@
 //! Disorder with a physical length: strengths and stiffnesses that vary from place to place.
 
+use random_fields::{GaussianField, Marginal};
 use sde_integrators::Noise;
 
 use crate::bonds::Bonds;
 use crate::error::Error;
-use crate::gaussian_field::GaussianField;
-use crate::marginal::Marginal;
 
 /// A random field of something positive, as a critical stretch or a modulus, at the nodes of a body.
 ///
@@ -13,24 +12,25 @@ use crate::marginal::Marginal;
 ///
 /// with `F` the law at one place ([`Marginal`]) and `z` a standard Gaussian field ([`GaussianField`]): a translation field.
 /// The law at every node is exact. The correlation that was given is that of `z`; that of `x` is
-/// [`Marginal::correlation`] of it, a little below.
+/// [`Marginal::translated_correlation`] of it, a little below.
 ///
 /// Source: Grigoriu 1995, Applied non-Gaussian processes, section 3.1.
 ///
 /// ```
-/// use peridyn_sde::{Correlation, CorrelationFunction, DisorderField, GaussianField, Marginal};
+/// use peridyn_sde::DisorderField;
+/// use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 /// use sde_integrators::Noise;
 ///
 /// // Nodes 1 mm apart, a length of 5 mm, a critical stretch of one per mille that scatters by a fifth.
 /// let positions: Vec<[f64; 1]> = (0..100).map(|k| [1e-3 * f64::from(k)]).collect();
 /// let correlation = Correlation { function: CorrelationFunction::Matern32, length: 5e-3 };
-/// let gaussian = GaussianField::by_circulant_embedding(&positions, 1e-3, &correlation)?;
+/// let gaussian = GaussianField::by_circulant_embedding(&positions, 1e-3, correlation)?;
 /// let marginal = Marginal::Lognormal { mean: 1e-3, coefficient_of_variation: 0.2 };
 /// let field = DisorderField::new(gaussian, marginal, 0)?;
 /// let mut strengths = vec![0.0; 100];
 /// field.sample(&Noise::new(7), 0, &mut strengths)?;
 /// assert!(strengths.iter().all(|&s0| s0 > 2e-4 && s0 < 3e-3));
-/// # Ok::<(), peridyn_sde::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisorderField {
@@ -44,9 +44,9 @@ impl DisorderField {
     /// stiffness vary each for itself has two.
     ///
     /// # Errors
-    /// Those of [`Marginal::check`].
+    /// [`Error::Field`] with that of [`Marginal::check_positive`].
     pub fn new(gaussian: GaussianField, marginal: Marginal, number: u32) -> Result<Self, Error> {
-        marginal.check()?;
+        marginal.check_positive()?;
         Ok(Self { gaussian, marginal, number })
     }
 
@@ -65,7 +65,8 @@ impl DisorderField {
     /// The values of a realisation into `out`, one per node.
     ///
     /// # Errors
-    /// [`Error::Length`]; [`Error::Node`] for a value that is not positive and finite, as a law of extreme scatter may have.
+    /// [`Error::Field`] for a length; [`Error::Node`] for a value that is not positive and finite, as a law of extreme scatter may
+    /// have.
     pub fn sample(&self, noise: &Noise, realisation: u64, out: &mut [f64]) -> Result<(), Error> {
         self.gaussian.sample(noise, realisation, self.number, out)?;
         for value in &mut *out {

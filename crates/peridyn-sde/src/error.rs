@@ -304,55 +304,6 @@ pub enum Error {
         /// How many there are.
         n_nodes: usize,
     },
-    /// A field without a point.
-    #[error("a random field needs at least one point")]
-    NoPoints,
-    /// A low-rank factor that would not fit into memory.
-    #[error(
-        "{n_columns} columns of {n_nodes} nodes do not reach the tolerance, and more than {limit} numbers are not kept: \
-         take a longer correlation length, a larger tolerance or a lattice"
-    )]
-    TooManyColumns {
-        /// Columns so far.
-        n_columns: usize,
-        /// Nodes.
-        n_nodes: usize,
-        /// Most numbers that are kept.
-        limit: usize,
-    },
-    /// A correlation that has no circulant embedding on a lattice of a reasonable size.
-    #[error(
-        "the correlation of length {length} has no circulant embedding on up to {points} points: its most negative \
-         eigenvalue is {eigenvalue:e} and all of them together would change the covariance by {change:e}, more than \
-         {limit:e}; take Wendland's function, a pivoted factor or a shorter length"
-    )]
-    NoEmbedding {
-        /// The correlation length.
-        length: f64,
-        /// How many points the largest embedding that was tried has.
-        points: usize,
-        /// The most negative eigenvalue; that of white noise is 1.
-        eigenvalue: f64,
-        /// By how much the covariance would change without the negative ones.
-        change: f64,
-        /// By how much it may.
-        limit: f64,
-    },
-    /// A random field of something positive that could go negative.
-    #[error(
-        "a normal field of mean {mean} and standard deviation {standard_deviation} lies below 0 with the probability \
-         {probability:e}, more than {limit:e}: take a lognormal or a Weibull field"
-    )]
-    NegativeField {
-        /// The mean.
-        mean: f64,
-        /// The standard deviation.
-        standard_deviation: f64,
-        /// How probable a negative value is.
-        probability: f64,
-        /// How probable it may be.
-        limit: f64,
-    },
     /// A list of another length than those it goes with.
     #[error("{value} numbers in {name}; there must be {expected}")]
     Count {
@@ -398,6 +349,9 @@ pub enum Error {
     /// A factor of a covariance could not be made.
     #[error(transparent)]
     Factor(#[from] sde_integrators::Error),
+    /// A random field, or its correlation.
+    #[error(transparent)]
+    Field(#[from] random_fields::Error),
 }
 
 pub(crate) fn same_length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {

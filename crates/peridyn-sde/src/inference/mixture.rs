@@ -1,13 +1,13 @@
 //! A likelihood that does not take the noise of its ensembles for information.
 
 use lanes::{exp, ln};
+use random_fields::{Enough, LowRank, pivoted_cholesky};
 use sde_integrators::{Noise, Purpose};
 
 use super::emulator::Emulator;
 use super::gaussian::Observations;
 use super::regressions::Regressions;
 use crate::error::{Error, at_least};
-use crate::pivoted_cholesky::{Enough, LowRank, pivoted_cholesky};
 
 /// Part of the variances that is left out of a draw.
 const LEFT_OUT: f64 = 1e-10;
@@ -32,7 +32,7 @@ impl EmulatorMixture {
     /// their number: some 30 where log-likelihoods have standard errors near one.
     ///
     /// # Errors
-    /// [`Error::TooFew`]; [`Error::NotPositiveDefinite`] for covariances that are none but for roundoff, which the emulator's are
+    /// [`Error::TooFew`]; [`Error::Field`] for covariances that are none but for roundoff, which the emulator's are
     /// not.
     pub fn new(emulator: &Emulator, n_draws: usize, noise: &Noise) -> Result<Self, Error> {
         at_least("draws of a mixture", n_draws, 8)?;
@@ -88,5 +88,5 @@ fn errors(ensemble: &Regressions) -> Result<LowRank, Error> {
         let scale = (covariance(i, i) * covariance(j, j)).sqrt();
         if scale > 0.0 { covariance(i, j) / scale } else { 0.0 }
     };
-    pivoted_cholesky(width, correlation, Enough::Trace(LEFT_OUT))
+    Ok(pivoted_cholesky(width, correlation, Enough::Trace(LEFT_OUT))?)
 }

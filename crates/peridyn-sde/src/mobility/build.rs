@@ -1,12 +1,11 @@
 //! How a mobility is made.
 
 use neighbour_search::{CellGrid, MAX_RADIUS, MIN_RADIUS, NeighbourList, NeighbourSearch, Radii};
+use random_fields::{Correlation, Enough, pivoted_cholesky};
 use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, SparseFactor};
 
 use super::{Factor, Mobility, expect};
-use crate::correlation::{Correlation, check_positions, distance};
 use crate::error::{Error, between, finite, positive};
-use crate::pivoted_cholesky::{Enough, pivoted_cholesky};
 
 /// Most nodes of a full matrix: 2 GB of it.
 const MOST_DENSE: usize = 16_384;
@@ -67,7 +66,7 @@ impl Mobility {
     ///
     /// # Errors
     /// [`Error::NotPositive`], [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`], [`Error::TooManyNodes`];
-    /// [`Error::OutOfRange`] for a negative nugget; [`Error::NotPositiveDefinite`] for a smooth correlation without one.
+    /// [`Error::Field`] for the correlation; [`Error::OutOfRange`] for a negative nugget; [`Error::NotPositiveDefinite`] for a smooth correlation without one.
     pub fn dense<const D: usize>(
         positions: &[[f64; D]],
         free: &[bool],
@@ -193,6 +192,19 @@ impl CorrelatedMobility {
         }
         check_nodes(positions, free)
     }
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
+}
+
+fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<(), Error> {
+    for (node, place) in positions.iter().enumerate() {
+        if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
+            return Err(Error::Node { name: "a coordinate", node, value, must: "finite" });
+        }
+    }
+    Ok(())
 }
 
 /// A motion for each node, which moves it where it is free.

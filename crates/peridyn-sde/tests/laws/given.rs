@@ -1,11 +1,11 @@
 //! Strength and stiffness that are given at the nodes.
 
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction, CrackRun,
-    CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence, Loading,
-    Marginal, Mobility, Nodes, Notch, PathConfig, Program, Scheme, SimulationConfig, Stiffness,
-    Strain, Strength, SurfaceCorrection, VolumeCorrection,
+    BondConfig, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy, DisorderField,
+    Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch, PathConfig, Program,
+    Scheme, SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection, VolumeCorrection,
 };
+use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
 
 const N: usize = 16;
@@ -100,7 +100,7 @@ impl Plate {
     fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {
         let correlation = Correlation { function: CorrelationFunction::Matern32, length: 4.0 };
         let gaussian =
-            GaussianField::by_circulant_embedding(self.nodes.positions(), 1.0, &correlation);
+            GaussianField::by_circulant_embedding(self.nodes.positions(), 1.0, correlation);
         let law = Marginal::Lognormal { mean, coefficient_of_variation: 0.3 };
         let field = DisorderField::new(gaussian.unwrap(), law, number).unwrap();
         let mut values = vec![0.0; self.nodes.positions().len()];

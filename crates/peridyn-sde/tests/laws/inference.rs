@@ -336,8 +336,8 @@ fn likelihoods_and_configurations_that_cannot_be_are_refused() {
         never.to_string(),
         "0 points of the prior at which the data are possible; at least 10 are needed"
     );
-    let failed = Posterior::sample(&space, &|_| Err(Error::NoPoints), &config);
-    assert_eq!(failed, Err(Error::NoPoints));
+    let failed = Posterior::sample(&space, &|_| Err(Error::NotchOutsideBody), &config);
+    assert_eq!(failed, Err(Error::NotchOutsideBody));
     for (config, name) in [
         (SamplerConfig { n_chains: 3, ..config }, "chains"),
         (SamplerConfig { n_draws: 99, ..config }, "draws of a chain"),

@@ -1,9 +1,7 @@
 //! The mobility: its factor, its free nodes, and its distance from the exact matrix.
 
-use peridyn_sde::{
-    CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, DisplacementNoise,
-    Error, Mobility,
-};
+use peridyn_sde::{CompactMobility, CorrelatedMobility, DisplacementNoise, Error, Mobility};
+use random_fields::{Correlation, CorrelationFunction};
 use sde_integrators::{Noise, NoiseFactor, Purpose};
 
 const M: f64 = 0.7;
@@ -244,7 +242,8 @@ fn input_that_cannot_be_is_refused() {
     assert!(matches!(negative, Err(Error::OutOfRange { name: "nugget", .. })));
     let still = dense(CorrelatedMobility { mobility: 0.0, ..smooth(1.0) });
     assert!(matches!(still, Err(Error::NotPositive { name: "mobility", .. })));
-    assert!(matches!(dense(smooth(f64::NAN)), Err(Error::NotPositive { .. })));
+    let nan = dense(smooth(f64::NAN));
+    assert!(matches!(nan, Err(Error::Field(random_fields::Error::NotPositive { .. }))));
     let short = Mobility::dense(&places, &free[..8], &smooth(1.0));
     assert!(matches!(short, Err(Error::Length { value: 8, expected: 9, .. })));
     let fixed = Mobility::identity(&[false; 3], 1.0);

@@ -1,6 +1,7 @@
 //! Spatial variation in a crack scene.
 
-use peridyn_sde::{BondValue, Correlation, CorrelationFunction, Marginal};
+use peridyn_sde::BondValue;
+use random_fields::{Correlation, CorrelationFunction, Marginal};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

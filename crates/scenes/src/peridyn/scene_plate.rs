@@ -1,9 +1,10 @@
 //! The plate of a crack scene: nodes from a lattice or a file, and their bonds.
 
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Condition, Correlation, DisorderField, Error, GaussianField,
-    Horizon, Nodes, Stiffness, Strain, Strength, critical_stretch,
+    BondConfig, BondValue, Bonds, Condition, DisorderField, Error, Horizon, Nodes, Stiffness,
+    Strain, Strength, critical_stretch,
 };
+use random_fields::{Correlation, GaussianField};
 
 use super::points::Cloud;
 use super::positive::positive;
@@ -205,17 +206,20 @@ fn field(
         let path = format!("{path}.marginal.{}", marginal.key());
         Objection::new(path, error.to_string())
     };
-    law.check().map_err(of_law)?;
-    let gaussian = gaussian(nodes, &correlation.into())
+    law.check_positive().map_err(|error| of_law(error.into()))?;
+    let gaussian = gaussian(nodes, correlation.into())
         .map_err(|error| Objection::new(format!("{path}.correlation.length"), error.to_string()))?;
     DisorderField::new(gaussian, law, number).map_err(of_law)
 }
 
 /// Circulant embedding on a lattice, also with missing nodes; a pivoted Cholesky factor on other points.
-fn gaussian(nodes: &Nodes<2>, correlation: &Correlation) -> Result<GaussianField, Error> {
+fn gaussian(
+    nodes: &Nodes<2>,
+    correlation: Correlation,
+) -> Result<GaussianField, random_fields::Error> {
     let positions = nodes.positions();
     match GaussianField::by_circulant_embedding(positions, nodes.spacing(), correlation) {
-        Err(Error::Node { .. }) => {
+        Err(random_fields::Error::Point { .. }) => {
             GaussianField::by_pivoted_cholesky(positions, correlation, LEFT_OUT)
         }
         made => made,

@@ -3,9 +3,10 @@
 use figures::{ErrorKind, Measured, Reference};
 use nalgebra::{DMatrix, SymmetricEigen};
 use peridyn_sde::{
-    Breaking, CompactMobility, CorrelatedMobility, Correlation, CorrelationFunction, Error,
-    Mobility, Scheme, Simulation, SimulationConfig,
+    Breaking, CompactMobility, CorrelatedMobility, Error, Mobility, Scheme, Simulation,
+    SimulationConfig,
 };
+use random_fields::{Correlation, CorrelationFunction};
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::network::{
     Network, distance, foster, lanes, rate, stationary,

@@ -5,12 +5,12 @@
 
 use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
-    BondConfig, BondList, BondValue, Bonds, Breaking, Condition, Correlation, CorrelationFunction,
-    CrackRun, CrackStudy, DisorderField, Dynamics, Error, GaussianField, Horizon, Influence,
-    Loading, Marginal, Mobility, Nodes, Notch, PathConfig, Program, Real, Scheme, Simulation,
-    SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection, VolumeCorrection,
-    critical_stretch, merge_shards,
+    BondConfig, BondList, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
+    DisorderField, Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch,
+    PathConfig, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain, Strength,
+    SurfaceCorrection, VolumeCorrection, critical_stretch, merge_shards,
 };
+use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
 
 use crate::context::CaseError;
@@ -176,7 +176,8 @@ impl NotchedPlate {
     ) -> Result<DisorderField, CaseError> {
         let correlation = Correlation { function: CorrelationFunction::Gaussian, length };
         let gaussian =
-            GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), &correlation)?;
+            GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), correlation)
+                .map_err(Error::from)?;
         let law = Marginal::Lognormal { mean, coefficient_of_variation };
         Ok(DisorderField::new(gaussian, law, 0)?)
     }

@@ -2,7 +2,8 @@
 
 use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use nalgebra::DVector;
-use peridyn_sde::{CorrelatedMobility, Correlation, CorrelationFunction, Error, Mobility, Scheme};
+use peridyn_sde::{CorrelatedMobility, Error, Mobility, Scheme};
+use random_fields::{Correlation, CorrelationFunction};
 use scenes::causes::with_causes;
 use sde_integrators::Noise;
 

@@ -1,11 +1,11 @@
 //! Standard Gaussian fields with a correlation, on any points and on lattices.
 
-use sde_integrators::{LowRankFactor, Noise, NoiseFactor, Purpose};
+use sde_integrators::{LowRankFactor, Noise, NoiseFactor, Purpose, Stream};
 
-use crate::correlation::{Correlation, check_positions};
-use crate::error::{Error, between, positive};
+use crate::error::{Error, between, positive, same_length};
 use crate::lattice_field::LatticeField;
 use crate::pivoted_cholesky::{Enough, pivoted_cholesky};
+use crate::spatial_correlation::{SpatialCorrelation, bounds};
 
 /// Largest distance of a node from its lattice point, in spacings.
 const OFF_LATTICE: f64 = 1e-6;
@@ -13,7 +13,16 @@ const OFF_LATTICE: f64 = 1e-6;
 /// Words of 32 bits that are set aside for one field of a realisation, as a power of two.
 const WORDS_OF_FIELD: u32 = 36;
 
-/// A Gaussian field of mean zero, variance one and a given correlation, at the nodes of a body.
+/// The normals of field `number` of a realisation: `2^35` of them.
+pub(crate) fn normals_of(noise: Noise, realisation: u64, number: u32) -> Stream {
+    let mut stream = noise.stream(Purpose::Field, realisation);
+    stream.seek(u128::from(number) << WORDS_OF_FIELD);
+    stream
+}
+
+/// A Gaussian field of mean zero, variance one and a given correlation, at given points alone, such as the nodes of a body.
+///
+/// For a field that is the same function on every mesh take a [`RandomField`](crate::RandomField).
 ///
 /// | made by | where | cost of a sample |
 /// |---|---|---|
@@ -41,15 +50,14 @@ impl GaussianField {
     /// are then brought to unit variance. No entry of the covariance is wrong by more than about twice the tolerance.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the correlation length, [`Error::OutOfRange`] for a tolerance not between 0 and 1,
-    /// [`Error::Node`] for a coordinate, [`Error::NoPoints`], [`Error::TooManyColumns`] where too many are
-    /// needed.
+    /// Those of [`SpatialCorrelation::check`], [`Error::LengthBeyondBody`], [`Error::OutOfRange`] for a tolerance not between 0
+    /// and 1, [`Error::Point`] for a coordinate, [`Error::NoPoints`], [`Error::TooManyColumns`] where too many are needed.
     pub fn by_pivoted_cholesky<const D: usize>(
         positions: &[[f64; D]],
-        correlation: &Correlation,
+        correlation: impl Into<SpatialCorrelation<D>>,
         tolerance: f64,
     ) -> Result<Self, Error> {
-        check(positions, correlation)?;
+        let correlation = checked(positions, correlation.into())?;
         between("tolerance of the field", tolerance, 0.0, 1.0)?;
         let n_nodes = positions.len();
         let entry = |i: usize, j: usize| correlation.between(&positions[i], &positions[j]);
@@ -74,21 +82,21 @@ impl GaussianField {
     /// is a large part of the lattice.
     ///
     /// # Errors
-    /// As [`GaussianField::by_pivoted_cholesky`]; [`Error::Node`] for a node off the lattice; [`Error::TooManyNodes`];
+    /// As [`GaussianField::by_pivoted_cholesky`]; [`Error::Point`] for a node off the lattice; [`Error::TooManyPoints`];
     /// [`Error::NoEmbedding`] where no period up to 16 million points is long enough. Wendland's function has one from twice
     /// three lengths on; of 64 points a side in three dimensions, the exponential and Matern's have none at 16 spacings.
     pub fn by_circulant_embedding<const D: usize>(
         positions: &[[f64; D]],
         spacing: f64,
-        correlation: &Correlation,
+        correlation: impl Into<SpatialCorrelation<D>>,
     ) -> Result<Self, Error> {
-        check(positions, correlation)?;
+        let correlation = checked(positions, correlation.into())?;
         positive("spacing of the nodes", spacing)?;
         let indices = lattice_indices(positions, spacing)?;
         let counts = indices.iter().fold([1; 3], |most: [usize; 3], index| {
             std::array::from_fn(|k| most[k].max(index[k].saturating_add(1)))
         });
-        let field = LatticeField::new(counts, spacing, correlation)?;
+        let field = LatticeField::new(counts, spacing, &correlation)?;
         let places = indices.iter().map(|&index| field.place(index)).collect();
         Ok(Self { sampler: Sampler::Lattice { field, places }, n_nodes: positions.len() })
     }
@@ -111,12 +119,8 @@ impl GaussianField {
         number: u32,
         out: &mut [f64],
     ) -> Result<(), Error> {
-        if out.len() != self.n_nodes {
-            let (value, expected) = (out.len(), self.n_nodes);
-            return Err(Error::Length { name: "the field", value, expected });
-        }
-        let mut stream = noise.stream(Purpose::Field, realisation);
-        stream.seek(u128::from(number) << WORDS_OF_FIELD);
+        same_length("the field", out.len(), self.n_nodes)?;
+        let mut stream = normals_of(*noise, realisation, number);
         match &self.sampler {
             Sampler::Factor(factor) => {
                 let mut normals = vec![0.0; factor.n_motions()];
@@ -129,12 +133,13 @@ impl GaussianField {
     }
 }
 
-fn check<const D: usize>(positions: &[[f64; D]], correlation: &Correlation) -> Result<(), Error> {
-    correlation.check()?;
-    if positions.is_empty() {
-        return Err(Error::NoPoints);
-    }
-    check_positions(positions)
+fn checked<const D: usize>(
+    positions: &[[f64; D]],
+    correlation: SpatialCorrelation<D>,
+) -> Result<SpatialCorrelation<D>, Error> {
+    let [low, high] = bounds(positions)?;
+    correlation.check_within(&low, &high)?;
+    Ok(correlation)
 }
 
 /// Lattice indices of the nodes, from the lowest coordinate along each axis.
@@ -146,14 +151,14 @@ fn lattice_indices<const D: usize>(
         .iter()
         .fold([f64::INFINITY; D], |low: [f64; D], x| std::array::from_fn(|k| low[k].min(x[k])));
     let mut indices = vec![[0; 3]; positions.len()];
-    for (node, (x, index)) in positions.iter().zip(&mut indices).enumerate() {
+    for (point, (x, index)) in positions.iter().zip(&mut indices).enumerate() {
         for k in 0..D {
             let along = (x[k] - low[k]) / spacing;
             let whole = along.round();
             let off = (along - whole).abs();
             if off.is_nan() || off > OFF_LATTICE {
                 let must = "a whole number of spacings from the lowest";
-                return Err(Error::Node { name: "a coordinate", node, value: x[k], must });
+                return Err(Error::Point { name: "a coordinate", point, value: x[k], must });
             }
             #[allow(
                 clippy::cast_possible_truncation,
@@ -172,7 +177,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use super::*;
-    use crate::correlation::CorrelationFunction;
+    use crate::correlation::{Correlation, CorrelationFunction};
 
     const CORRELATION: Correlation =
         Correlation { function: CorrelationFunction::Matern32, length: 2.0 };
@@ -184,7 +189,7 @@ mod tests {
     #[test]
     fn factor_has_unit_rows_and_the_correlation_to_its_tolerance() {
         let positions = line(40).into_iter().map(|[x]| [0.25 * x]).collect::<Vec<_>>();
-        let field = GaussianField::by_pivoted_cholesky(&positions, &CORRELATION, 1e-2).unwrap();
+        let field = GaussianField::by_pivoted_cholesky(&positions, CORRELATION, 1e-2).unwrap();
         let Sampler::Factor(factor) = field.sampler else { unreachable!("it is a factor") };
         assert!(factor.n_motions() < 40, "{}", factor.n_motions());
         for i in 0..40 {
@@ -201,8 +206,8 @@ mod tests {
     fn same_seed_gives_the_same_bits_and_every_other_address_another_field() {
         let positions = line(30);
         for field in [
-            GaussianField::by_pivoted_cholesky(&positions, &CORRELATION, 1e-6).unwrap(),
-            GaussianField::by_circulant_embedding(&positions, 1.0, &CORRELATION).unwrap(),
+            GaussianField::by_pivoted_cholesky(&positions, CORRELATION, 1e-6).unwrap(),
+            GaussianField::by_circulant_embedding(&positions, 1.0, CORRELATION).unwrap(),
         ] {
             let sample = |seed, realisation, number| {
                 let mut out = vec![0.0; 30];
@@ -222,8 +227,7 @@ mod tests {
             (0..20).map(|k| [0.3 * f64::from(k % 5) - 7.0, 0.3 * f64::from(k / 5)]).collect();
         let some: Vec<usize> = vec![19, 0, 3, 4, 12];
         let sample = |positions: &[[f64; 2]]| {
-            let field =
-                GaussianField::by_circulant_embedding(positions, 0.3, &CORRELATION).unwrap();
+            let field = GaussianField::by_circulant_embedding(positions, 0.3, CORRELATION).unwrap();
             let mut out = vec![0.0; positions.len()];
             field.sample(&Noise::new(5), 0, 0, &mut out).unwrap();
             out
@@ -236,24 +240,24 @@ mod tests {
     #[test]
     fn node_off_the_lattice_is_refused_by_its_number() {
         let refused =
-            GaussianField::by_circulant_embedding(&[[0.0], [1.0], [2.4]], 1.0, &CORRELATION);
-        assert!(matches!(refused, Err(Error::Node { node: 2, .. })), "{refused:?}");
+            GaussianField::by_circulant_embedding(&[[0.0], [1.0], [2.4]], 1.0, CORRELATION);
+        assert!(matches!(refused, Err(Error::Point { point: 2, .. })), "{refused:?}");
     }
 
     #[test]
     fn column_of_another_length_is_refused() {
-        let field = GaussianField::by_pivoted_cholesky(&line(3), &CORRELATION, 1e-6).unwrap();
+        let field = GaussianField::by_pivoted_cholesky(&line(3), CORRELATION, 1e-6).unwrap();
         let refused = field.sample(&Noise::new(1), 0, 0, &mut [0.0; 4]);
         assert!(matches!(refused, Err(Error::Length { value: 4, expected: 3, .. })));
     }
 
     #[test]
     fn points_and_tolerances_that_cannot_be_are_refused() {
-        let none = GaussianField::by_pivoted_cholesky::<2>(&[], &CORRELATION, 1e-6);
+        let none = GaussianField::by_pivoted_cholesky::<2>(&[], CORRELATION, 1e-6);
         assert!(matches!(none, Err(Error::NoPoints)));
-        let nowhere = GaussianField::by_pivoted_cholesky(&[[f64::NAN]], &CORRELATION, 1e-6);
-        assert!(matches!(nowhere, Err(Error::Node { node: 0, .. })));
-        let all = GaussianField::by_pivoted_cholesky(&line(3), &CORRELATION, 1.0);
+        let nowhere = GaussianField::by_pivoted_cholesky(&[[f64::NAN]], CORRELATION, 1e-6);
+        assert!(matches!(nowhere, Err(Error::Point { point: 0, .. })));
+        let all = GaussianField::by_pivoted_cholesky(&line(3), CORRELATION, 1.0);
         assert!(matches!(all, Err(Error::OutOfRange { .. })));
     }
 }

@@ -7,20 +7,24 @@ const MOST_NUMBERS: usize = 1 << 28;
 
 /// When enough columns are there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Enough {
+pub enum Enough {
     /// What is left of the trace is at most this part of it.
     Trace(f64),
     /// What is left of any entry of the diagonal is at most this.
     Largest(f64),
+    /// What is left of the trace is at most this part of it, or so many columns are there.
+    TraceOrColumns(f64, usize),
 }
 
 /// Columns `U` with `A = U U^T + R`, where the remainder `R` is positive semidefinite.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct LowRank {
+pub struct LowRank {
     /// Column after column, of `n` entries each.
-    pub(crate) columns: Vec<f64>,
+    pub columns: Vec<f64>,
     /// The diagonal of the remainder.
-    pub(crate) rest: Vec<f64>,
+    pub rest: Vec<f64>,
+    /// The row of the pivot of each column.
+    pub pivots: Vec<usize>,
 }
 
 /// Cholesky's factorisation with the largest diagonal entry of the remainder as the next pivot, of which the first of equals
@@ -34,7 +38,7 @@ pub(crate) struct LowRank {
 /// # Errors
 /// [`Error::NotPositiveDefinite`] for a diagonal entry of the remainder below zero by more than roundoff,
 /// [`Error::TooManyColumns`].
-pub(crate) fn pivoted_cholesky(
+pub fn pivoted_cholesky(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
     enough: Enough,
@@ -42,12 +46,15 @@ pub(crate) fn pivoted_cholesky(
     let mut rest: Vec<f64> = (0..n).map(|i| entry(i, i)).collect();
     let trace: f64 = rest.iter().sum();
     let limit = n as f64 * f64::EPSILON * largest(&rest).1;
-    let mut columns: Vec<f64> = vec![];
+    let (mut columns, mut pivots): (Vec<f64>, Vec<usize>) = (vec![], vec![]);
     while columns.len() < n * n {
         let (pivot, value) = largest(&rest);
         let is_enough = match enough {
             Enough::Trace(part) => rest.iter().sum::<f64>() <= part * trace,
             Enough::Largest(most) => value <= most,
+            Enough::TraceOrColumns(part, n_columns) => {
+                pivots.len() >= n_columns || rest.iter().sum::<f64>() <= part * trace
+            }
         };
         if is_enough || value <= limit {
             break;
@@ -70,10 +77,11 @@ pub(crate) fn pivoted_cholesky(
         }
         rest[pivot] = 0.0;
         columns.append(&mut next);
+        pivots.push(pivot);
     }
     match rest.iter().position(|&value| value < -limit) {
         Some(row) => Err(Error::NotPositiveDefinite { row, limit: -limit }),
-        None => Ok(LowRank { columns, rest }),
+        None => Ok(LowRank { columns, rest, pivots }),
     }
 }
 
@@ -102,7 +110,7 @@ mod tests {
     #[test]
     fn all_columns_make_up_the_whole_matrix() {
         let n = 12;
-        let LowRank { columns, rest } = pivoted_cholesky(n, walk, Enough::Trace(0.0)).unwrap();
+        let LowRank { columns, rest, .. } = pivoted_cholesky(n, walk, Enough::Trace(0.0)).unwrap();
         assert_eq!(columns.len(), n * n);
         assert!(rest.iter().all(|rest| rest.abs() < 1e-14));
         for i in 0..n {
@@ -117,7 +125,7 @@ mod tests {
     #[test]
     fn remainder_of_the_trace_is_within_the_tolerance_and_not_far_below() {
         let n = 60;
-        let LowRank { columns, rest } = pivoted_cholesky(n, walk, Enough::Trace(0.05)).unwrap();
+        let LowRank { columns, rest, .. } = pivoted_cholesky(n, walk, Enough::Trace(0.05)).unwrap();
         let trace: f64 = (1..=n).map(|i| i as f64).sum();
         let left = rest.iter().sum::<f64>() / trace;
         assert!(left <= 0.05 && left > 0.01, "{left}");

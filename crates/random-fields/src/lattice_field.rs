@@ -4,8 +4,8 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use sde_integrators::Stream;
 
-use crate::correlation::Correlation;
 use crate::error::Error;
+use crate::spatial_correlation::SpatialCorrelation;
 
 /// Most points of an embedding: 400 MB of it.
 pub(crate) const MOST_POINTS: usize = 1 << 24;
@@ -36,16 +36,22 @@ pub(crate) struct LatticeField {
 }
 
 impl LatticeField {
-    /// On `counts` points along each axis.
-    pub(crate) fn new(
+    /// On `counts` points along each axis; those beyond the dimension are one.
+    pub(crate) fn new<const D: usize>(
         counts: [usize; 3],
         spacing: f64,
-        correlation: &Correlation,
+        correlation: &SpatialCorrelation<D>,
     ) -> Result<Self, Error> {
+        let extents = extents(correlation);
+        // About inclined axes the point half a period away has two correlations: the lattice must not reach it.
+        let is_inclined =
+            correlation.axes().iter().flatten().any(|e| e.abs() > 0.0 && e.abs() < 1.0);
+        let beyond = |count: usize| count + usize::from(is_inclined && count > 1);
+        let counts = counts.map(beyond);
         let mut refused = None;
         for lengths in LENGTHS {
-            let least = lengths * correlation.length / spacing;
-            let sizes = counts.map(|count| period(count, least));
+            let least = extents.map(|extent| lengths * extent / spacing);
+            let sizes = std::array::from_fn(|k| period(counts[k], least[k]));
             let points = product(sizes);
             if points > MOST_POINTS {
                 break;
@@ -56,29 +62,24 @@ impl LatticeField {
             }
         }
         let value = product(counts.map(|count| period(count, 0.0)));
-        Err(refused.unwrap_or(Error::TooManyNodes { value, limit: MOST_POINTS }))
+        Err(refused.unwrap_or(Error::TooManyPoints { value, limit: MOST_POINTS }))
     }
 
-    fn with_period(
+    fn with_period<const D: usize>(
         sizes: [usize; 3],
         spacing: f64,
-        correlation: &Correlation,
+        correlation: &SpatialCorrelation<D>,
     ) -> Result<Self, Error> {
         let n = product(sizes);
         let mut row: Vec<Complex<f64>> = (0..n)
-            .map(|point| {
-                let lag = coordinates(point, sizes);
-                let square: f64 =
-                    (0..3).map(|k| (lag[k].min(sizes[k] - lag[k]) as f64 * spacing).powi(2)).sum();
-                Complex::new(correlation.at(square.sqrt()), 0.0)
-            })
+            .map(|point| Complex::new(periodic(point, sizes, spacing, correlation), 0.0))
             .collect();
         transform(&mut row, sizes);
         let negative = || row.iter().map(|lambda| lambda.re).filter(|&lambda| lambda < 0.0);
         let change = -negative().sum::<f64>() / n as f64;
         if change > MOST_CHANGE {
             return Err(Error::NoEmbedding {
-                length: correlation.length,
+                length: correlation.lengths().into_iter().fold(0.0, f64::max),
                 points: n,
                 eigenvalue: negative().fold(0.0, f64::min),
                 change,
@@ -109,6 +110,42 @@ impl LatticeField {
             *out = field[place].re;
         }
     }
+}
+
+/// The correlation length along each axis of the lattice.
+fn extents<const D: usize>(correlation: &SpatialCorrelation<D>) -> [f64; 3] {
+    let (axes, lengths) = (correlation.axes(), correlation.lengths());
+    let mut extents = [0.0; 3];
+    for k in 0..D {
+        extents[k] = match correlation {
+            SpatialCorrelation::Isotropic(correlation) => correlation.length,
+            _ => (0..D).map(|m| (axes[m][k] * lengths[m]).powi(2)).sum::<f64>().sqrt(),
+        };
+    }
+    extents
+}
+
+/// The correlation of a point of the period with the first, by the shorter way round. Half a period away both ways are as
+/// long; their mean is taken, so that the matrix is symmetric where axes are inclined.
+fn periodic<const D: usize>(
+    point: usize,
+    sizes: [usize; 3],
+    spacing: f64,
+    correlation: &SpatialCorrelation<D>,
+) -> f64 {
+    let at = coordinates(point, sizes);
+    let mut ways = [[0.0; D]; 2];
+    let mut is_half = false;
+    for k in 0..D {
+        let (lag, is_back) = (at[k].min(sizes[k] - at[k]), 2 * at[k] > sizes[k]);
+        let along = lag as f64 * spacing;
+        ways[0][k] = if is_back { -along } else { along };
+        is_half |= lag > 0 && 2 * lag == sizes[k];
+        ways[1][k] = if lag > 0 && 2 * lag == sizes[k] { -along } else { ways[0][k] };
+    }
+    let [there, back] = ways.map(|way| if is_half { way } else { ways[0] });
+    let first = correlation.between(&there, &[0.0; D]);
+    if is_half { 0.5 * (first + correlation.between(&back, &[0.0; D])) } else { first }
 }
 
 fn product(sizes: [usize; 3]) -> usize {
@@ -185,7 +222,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use super::*;
-    use crate::correlation::CorrelationFunction;
+    use crate::correlation::{Correlation, CorrelationFunction};
 
     #[test]
     fn transform_of_a_wave_is_one_amplitude() {
@@ -211,24 +248,48 @@ mod tests {
         assert_eq!(period(3, 6.5), 16);
     }
 
+    fn covariance_is_that_of<const D: usize>(
+        counts: [usize; 3],
+        spacing: f64,
+        correlation: &SpatialCorrelation<D>,
+    ) {
+        // The covariance of a field of independent amplitudes is the transform of their squares.
+        let field = LatticeField::new(counts, spacing, correlation).unwrap();
+        let square = |a: &f64| Complex::new(a * a, 0.0);
+        let mut covariance: Vec<_> = field.amplitudes.iter().map(square).collect();
+        transform(&mut covariance, field.sizes);
+        for point in 0..product(counts) {
+            let lag = coordinates(point, counts);
+            let x = std::array::from_fn(|k| lag[k] as f64 * spacing);
+            let found = covariance[field.place(lag)].re;
+            // The limit of what is left out, and as much for the transforms.
+            let difference = (found - correlation.between(&x, &[0.0; D])).abs();
+            assert!(difference < 2e-12, "{correlation:?} {lag:?}: {difference:e}");
+        }
+    }
+
     #[test]
     fn covariance_of_the_embedding_is_the_correlation_at_every_lag_of_the_lattice() {
-        // The covariance of a field of independent amplitudes is the transform of their squares.
         for function in CorrelationFunction::ALL {
-            for (counts, spacing) in [([40, 1, 1], 0.3), ([9, 14, 1], 0.5), ([5, 4, 6], 0.7)] {
-                let correlation = Correlation { function, length: 1.0 };
-                let field = LatticeField::new(counts, spacing, &correlation).unwrap();
-                let square = |a: &f64| Complex::new(a * a, 0.0);
-                let mut covariance: Vec<_> = field.amplitudes.iter().map(square).collect();
-                transform(&mut covariance, field.sizes);
-                for point in 0..product(counts) {
-                    let lag = coordinates(point, counts);
-                    let r = lag.map(|k| (k as f64 * spacing).powi(2)).iter().sum::<f64>().sqrt();
-                    let found = covariance[field.place(lag)].re;
-                    // The limit of what is left out, and as much for the transforms.
-                    let difference = (found - correlation.at(r)).abs();
-                    assert!(difference < 2e-12, "{function:?} {lag:?}: {difference:e}");
-                }
+            let correlation = Correlation { function, length: 1.0 };
+            covariance_is_that_of::<1>([40, 1, 1], 0.3, &correlation.into());
+            covariance_is_that_of::<2>([9, 14, 1], 0.5, &correlation.into());
+            covariance_is_that_of::<3>([5, 4, 6], 0.7, &correlation.into());
+        }
+    }
+
+    #[test]
+    fn covariance_has_a_length_for_each_axis_also_about_inclined_ones() {
+        let (sine, cosine) = (0.6, 0.8);
+        let inclined = [[cosine, sine], [-sine, cosine]];
+        for function in [CorrelationFunction::Exponential, CorrelationFunction::Matern32] {
+            let along = |length| Correlation { function, length };
+            for correlation in [
+                SpatialCorrelation::elliptic(function, [2.0, 0.5]),
+                SpatialCorrelation::separable([along(0.4), along(1.5)]),
+            ] {
+                covariance_is_that_of([12, 9, 1], 0.5, &correlation);
+                covariance_is_that_of([12, 9, 1], 0.5, &correlation.with_axes(inclined));
             }
         }
     }
@@ -236,7 +297,7 @@ mod tests {
     #[test]
     fn correlation_that_would_need_too_long_a_period_is_refused_with_its_eigenvalue() {
         let function = CorrelationFunction::Gaussian;
-        let correlation = Correlation { function, length: 100.0 };
+        let correlation = SpatialCorrelation::<3>::from(Correlation { function, length: 100.0 });
         let refused = LatticeField::new([60, 60, 60], 1.0, &correlation);
         let Err(Error::NoEmbedding { eigenvalue, change, limit, .. }) = refused else {
             unreachable!("{refused:?}")
@@ -246,8 +307,9 @@ mod tests {
 
     #[test]
     fn lattice_that_is_too_large_is_refused() {
-        let correlation = Correlation { function: CorrelationFunction::Exponential, length: 1.0 };
+        let function = CorrelationFunction::Exponential;
+        let correlation = SpatialCorrelation::<3>::from(Correlation { function, length: 1.0 });
         let refused = LatticeField::new([300, 300, 300], 1.0, &correlation);
-        assert!(matches!(refused, Err(Error::TooManyNodes { .. })));
+        assert!(matches!(refused, Err(Error::TooManyPoints { .. })));
     }
 }

@@ -94,6 +94,18 @@ impl<const D: usize> PivotModes<D> {
         &self.shares
     }
 
+    /// The weight of each pivot in a realisation: `B xi`.
+    pub(crate) fn pivot_weights(&self, coefficients: &[f64]) -> Vec<f64> {
+        let rows = self.weights.chunks_exact(self.shares.len());
+        rows.map(|row| row.iter().zip(coefficients).map(|(b, xi)| b * xi).sum()).collect()
+    }
+
+    /// A realisation at a point, from the weights of its pivots.
+    pub(crate) fn value(&self, pivot_weights: &[f64], x: &[f64; D]) -> f64 {
+        let pivots = self.pivots.iter().zip(pivot_weights);
+        pivots.map(|(pivot, weight)| self.correlation.between(x, pivot) * weight).sum()
+    }
+
     /// All terms at a point.
     pub(crate) fn values(&self, x: &[f64; D], out: &mut [f64]) {
         out.fill(0.0);

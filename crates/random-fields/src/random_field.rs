@@ -213,6 +213,15 @@ impl<const D: usize> RandomField<D> {
         if let Some(&value) = coefficients.iter().find(|xi| !xi.is_finite()) {
             return Err(Error::NotFinite { name: "a coefficient", value });
         }
+        if let (Modes::Pivots(modes), false) = (&self.modes, self.has_unit_variance) {
+            // The sum over terms is the same at all points.
+            let weights = modes.pivot_weights(coefficients);
+            for (point, (x, out)) in points.iter().zip(out).enumerate() {
+                require_finite(point, x)?;
+                *out = modes.value(&weights, x);
+            }
+            return Ok(());
+        }
         let (mut scratch, mut modes) = (self.scratch(), vec![0.0; self.n_terms()]);
         for (point, (x, out)) in points.iter().zip(out).enumerate() {
             self.modes_at(point, x, &mut scratch, &mut modes)?;
@@ -277,9 +286,7 @@ impl<const D: usize> RandomField<D> {
         scratch: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), Error> {
-        if let Some(&value) = x.iter().find(|x| !x.is_finite()) {
-            return Err(Error::Point { name: "a coordinate", point, value, must: "finite" });
-        }
+        require_finite(point, x)?;
         match &self.modes {
             Modes::Box(modes) => modes.values(point, x, scratch, out),
             Modes::Pivots(modes) => {
@@ -287,5 +294,12 @@ impl<const D: usize> RandomField<D> {
                 Ok(())
             }
         }
+    }
+}
+
+fn require_finite<const D: usize>(point: usize, x: &[f64; D]) -> Result<(), Error> {
+    match x.iter().find(|x| !x.is_finite()) {
+        Some(&value) => Err(Error::Point { name: "a coordinate", point, value, must: "finite" }),
+        None => Ok(()),
     }
 }

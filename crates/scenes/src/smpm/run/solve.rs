@@ -1,23 +1,22 @@
 //! Methods of a scene.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use figures::number::with_uncertainty;
-use perturbation_moments::{Estimate, Jet, Moments, MonteCarlo, Uncertainty};
-use sde_integrators::Accumulator;
-use serde::Serialize;
-use smpm::uncertainty::{Exceedance, FrozenForm, Sampled, Study, Switch};
-use smpm::{Error, Plan, Simulation, Window};
+use perturbation_moments::{Jet, MonteCarlo};
+use smpm::uncertainty::{FrozenForm, Study};
+use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::clock::CpuClock;
-use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use super::response::{Response, Table};
+use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
+use crate::checkpoint::Checkpoint;
+use crate::kind::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
+/// Keys that do not affect a run up to the first differing time, which the stored state records.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
 /// Half width of a central difference that no scene sets, in standard deviations.
 pub(super) const DIFFERENCE: f64 = 0.1;
 
@@ -43,66 +42,6 @@ pub(super) struct Answer {
     pub(super) failures: Vec<(u64, String)>,
 }
 
-/// A response with its moments.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Response {
-    /// Start and end of the window; equal for an instant.
-    pub(super) window: [f64; 2],
-    /// Value at the centre of the parameters.
-    pub(super) centre: f64,
-    pub(super) mean: f64,
-    /// Standard error of the mean, if sampled.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) mean_standard_error: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) variance: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) variance_standard_error: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) standard_deviation: Option<f64>,
-    /// Trust in a Taylor series.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) trust: Option<Indicators>,
-    /// Levels and their exceedance probabilities.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub(super) exceedance: Vec<Chance>,
-}
-
-impl Response {
-    /// The end of its window.
-    pub(super) const fn time(&self) -> f64 {
-        self.window[1]
-    }
-}
-
-/// Trust indicators of a Taylor series.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Indicators {
-    /// Square root of the variance by curvature over that by slope.
-    ///
-    /// Below 0.03 the variance is mostly accurate within one per cent.
-    ///
-    /// Unknown without mixed derivatives or where nothing varies.
-    curvature_ratio: Option<f64>,
-    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
-    ///
-    /// None without yielding at the gauge.
-    switch_distance: Option<f64>,
-    /// The distance is below two.
-    switch_within_two_deviations: bool,
-}
-
-/// A level and its exceedance probability.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct Chance {
-    level: f64,
-    probability: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    standard_error: Option<f64>,
-    /// `normal_law` from the moments, or `count` of samples.
-    by: &'static str,
-}
-
 /// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
 pub(super) fn solve<const D: usize, const N: usize>(
     scene: &SmpmScene,
@@ -118,7 +57,10 @@ pub(super) fn solve<const D: usize, const N: usize>(
 }
 
 /// Checkpoint of a scene whose samples are neither merged nor distributed over ranks.
-fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Checkpoint>, RunError> {
+pub(super) fn checkpoint<'a>(
+    scene: &SmpmScene,
+    run: &'a Run<'_>,
+) -> Result<Option<&'a Checkpoint>, RunError> {
     if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
         return Ok(None);
     }
@@ -151,7 +93,11 @@ fn solve_kept<const D: usize, const N: usize>(
         n_runs += samples + if control { differences } else { 0 };
         run.progress.stage("samples");
         let judge = MonteCarlo { seed, n_samples: samples };
-        let sampled = match sampled(&study, judge, scene, run, kept, shards)? {
+        let run_samples = |judge, range, known: &_, each, seen: &mut SeenSamples<'_>| {
+            study.monte_carlo_from(judge, range, known, each, seen)
+        };
+        let requested = Requested { scene, plan, judge, run_samples: &run_samples };
+        let sampled = match sampled(&requested, run, kept, shards)? {
             Samples::All(sampled, elsewhere) => {
                 seconds_elsewhere = elsewhere;
                 sampled
@@ -167,8 +113,11 @@ fn solve_kept<const D: usize, const N: usize>(
         };
         failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
         table.each(|i, response| {
-            let surrogate = surrogate.as_ref().map(|moments| &moments[i]);
-            table.sampled(i, response, &sampled, surrogate)
+            let found = match &surrogate {
+                Some(moments) => sampled.controlled(i, &moments[i])?,
+                None => sampled.raw(i)?,
+            };
+            table.sampled(i, response, &sampled, (&found.mean, &found.variance))
         })?
     } else {
         let (responses, more_runs) = expanded(&study, &table, fields, run)?;
@@ -255,237 +204,5 @@ impl From<Error> for SolveError {
 impl From<RunError> for SolveError {
     fn from(error: RunError) -> Self {
         Self::Run(error)
-    }
-}
-
-/// Name of the samples in a checkpoint.
-const SAMPLES: &str = "samples";
-/// Keys that do not affect samples.
-const ASIDE_OF_SAMPLES: [&str; 3] = ["/title", "/levels", "/method/monte_carlo/samples"];
-/// Keys that do not affect a run up to the first differing time, which the stored state records.
-const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
-/// Samples per block of a rank.
-const SAMPLES_OF_BLOCK: u64 = 4;
-/// Samples per thread between two reports.
-const SAMPLES_OF_THREAD: usize = 4;
-
-/// Samples of all shards, if shard files are merged.
-fn shards<const D: usize>(
-    scene: &SmpmScene,
-    plan: &Plan<D>,
-    run: &Run<'_>,
-) -> Result<Option<Responses>, RunError> {
-    let (Part::Merged(files), MethodScene::MonteCarlo { seed, .. }) = (run.part(), &scene.method)
-    else {
-        return Ok(None);
-    };
-    let inputs = &Inputs { scene, seed: Some(*seed), files: &[] };
-    let shards: Vec<Responses> = run.read_shards(inputs, files)?;
-    let samples: Responses = shards.into_iter().flatten().collect();
-    for responses in samples.values() {
-        Run::require("responses", responses.len(), plan.n_responses())?;
-    }
-    Ok(Some(samples))
-}
-
-/// Result of the requested samples.
-enum Samples<const N: usize> {
-    /// All samples, and their CPU time on other ranks or in earlier processes (s).
-    All(Sampled<N>, f64),
-    /// The file of a shard.
-    Shard(PathBuf),
-    /// Another rank holds them.
-    Elsewhere,
-}
-
-/// All requested samples: computed, from a checkpoint, from shards, or from blocks of ranks.
-fn sampled<const D: usize, const N: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, N>,
-    judge: MonteCarlo,
-    scene: &SmpmScene,
-    run: &Run<'_>,
-    kept: &KeptRuns<'_>,
-    shards: Option<Responses>,
-) -> Result<Samples<N>, RunError> {
-    let inputs = &Inputs { scene, seed: Some(judge.seed), files: &[] };
-    let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
-    let range = run.range(judge.n_samples);
-    let joined = |known: Responses, seconds: f64| {
-        let all = study
-            .monte_carlo_from(judge, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
-        Ok(Samples::All(all, seconds))
-    };
-    if let Some(shards) = shards {
-        return joined(shards, 0.0);
-    }
-    if let Some(ranks) = run.ranks() {
-        let blocks = Cut { n: judge.n_samples, unit: SAMPLES_OF_BLOCK };
-        // The clock of this process counts its own blocks.
-        let is_here = ranks.rank() == 0;
-        let compute = |block: u64| {
-            let (clock, none) = (CpuClock::start(), Responses::new());
-            let look = |_: &Sampled<N>, _: u64| Ok::<(), RunError>(());
-            let of_block = study.monte_carlo_from(judge, blocks.range(block), &none, each, look)?;
-            let seconds = if is_here { 0.0 } else { clock.seconds() };
-            Ok((of_block.responses(), seconds))
-        };
-        let words = |parts: &mut dyn Iterator<Item = &(Responses, f64)>| {
-            words(study, parts.flat_map(|(responses, _)| responses.values()))
-        };
-        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)? else {
-            return Ok(Samples::Elsewhere);
-        };
-        let seconds = parts.iter().map(|(_, seconds)| seconds).sum();
-        return joined(parts.into_iter().flat_map(|(responses, _)| responses).collect(), seconds);
-    }
-    let checkpoint = match kept.checkpoint {
-        Some(checkpoint) => checkpoint,
-        None => run.checkpoint(inputs, &ASIDE_OF_SAMPLES)?,
-    };
-    let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
-    let n = range.end - range.start;
-    let sampled = study.monte_carlo_from(judge, range.clone(), &known, each, |so_far, tried| {
-        run.progress.at((tried, n), || words(study, so_far.responses().values()));
-        if tried == n || checkpoint.is_due() {
-            keep(checkpoint, &known, so_far.responses())?;
-        }
-        Ok::<(), RunError>(())
-    })?;
-    Ok(match run.part() {
-        Part::Shard(place) => {
-            Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)
-        }
-        Part::Whole | Part::Merged(_) => Samples::All(sampled, 0.0),
-    })
-}
-
-/// Stores new samples next to the known ones, which may be more than the scene now requests.
-fn keep(
-    checkpoint: &Checkpoint,
-    known: &Responses,
-    so_far: Responses,
-) -> Result<(), CheckpointError> {
-    if so_far.keys().all(|sample| known.contains_key(sample)) {
-        return Ok(());
-    }
-    let mut all = known.clone();
-    all.extend(so_far);
-    checkpoint.keep(SAMPLES, &all)
-}
-
-/// Responses by sample number.
-type Responses = BTreeMap<u64, Vec<f64>>;
-
-/// Current mean of the last response, with its standard error.
-fn words<'a, const D: usize, const N: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, N>,
-    so_far: impl Iterator<Item = &'a Vec<f64>>,
-) -> String {
-    let plan = study.plan();
-    let last = plan.n_responses().saturating_sub(1);
-    let mut values = Accumulator::default();
-    for value in so_far.filter_map(|responses| responses.get(last)) {
-        values.push(*value);
-    }
-    let Ok(mean) = values.estimate() else { return String::new() };
-    let (gauge, quantity, _) = plan.parts(last);
-    let mean = with_uncertainty(Some(mean.value), mean.standard_error());
-    format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
-}
-
-fn error_of(estimate: &Estimate) -> Option<f64> {
-    match estimate.uncertainty {
-        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
-        Uncertainty::Unknown => None,
-    }
-}
-
-/// Responses of a plan at the centre.
-struct Table<'a, const D: usize> {
-    scene: &'a SmpmScene,
-    plan: &'a Plan<D>,
-    centre: &'a [f64],
-}
-
-impl<const D: usize> Table<'_, D> {
-    fn each(
-        &self,
-        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
-    ) -> Result<Vec<Response>, Error> {
-        let start = |(i, &centre): (usize, &f64)| {
-            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
-            let response = Response {
-                window: [from, to],
-                centre,
-                mean: centre,
-                mean_standard_error: None,
-                variance: None,
-                variance_standard_error: None,
-                standard_deviation: None,
-                trust: None,
-                exceedance: Vec::new(),
-            };
-            fill(i, response)
-        };
-        self.centre.iter().enumerate().map(start).collect()
-    }
-
-    fn levels(&self, response: usize) -> &[f64] {
-        let (_, quantity, _) = self.plan.parts(response);
-        let name = self.plan.quantities[quantity].to_string();
-        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
-    }
-
-    fn sampled<const N: usize>(
-        &self,
-        i: usize,
-        response: Response,
-        sampled: &Sampled<N>,
-        surrogate: Option<&Moments<N>>,
-    ) -> Result<Response, Error> {
-        let found = match surrogate {
-            Some(moments) => sampled.controlled(i, moments)?,
-            None => sampled.raw(i)?,
-        };
-        let mut response = response.with_moments(found.mean.value, found.variance.value);
-        response.mean_standard_error = error_of(&found.mean);
-        response.variance_standard_error = error_of(&found.variance);
-        for &level in self.levels(i) {
-            let chance = sampled.exceedance(i, level)?;
-            let (probability, standard_error) = (chance.value, error_of(&chance));
-            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
-        }
-        Ok(response)
-    }
-
-    fn taylor<const N: usize>(
-        &self,
-        i: usize,
-        response: Response,
-        moments: &Moments<N>,
-        switch: Option<&Switch>,
-    ) -> Result<Response, Error> {
-        // Without curvature the mean is that of first order.
-        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        let mut response = response.with_moments(mean, moments.variance_first_order());
-        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
-        response.trust = Some(Indicators {
-            curvature_ratio: curvature.map(f64::sqrt),
-            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
-            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
-        });
-        for &level in self.levels(i) {
-            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
-            let (standard_error, by) = (None, "normal_law");
-            response.exceedance.push(Chance { level, probability, standard_error, by });
-        }
-        Ok(response)
-    }
-}
-
-impl Response {
-    fn with_moments(self, mean: f64, variance: f64) -> Self {
-        let standard_deviation = Some(variance.max(0.0).sqrt());
-        Self { mean, variance: Some(variance), standard_deviation, ..self }
     }
 }

@@ -1,0 +1,174 @@
+//! Responses of a plan with their moments.
+
+use perturbation_moments::{Estimate, Moments, Uncertainty};
+use serde::Serialize;
+use smpm::uncertainty::{Exceedance, Sampled, Switch};
+use smpm::{Error, Plan, Window};
+
+use crate::smpm::scene::SmpmScene;
+
+/// A response with its moments.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Response {
+    /// Start and end of the window; equal for an instant.
+    pub(super) window: [f64; 2],
+    /// Value at the centre of the parameters.
+    pub(super) centre: f64,
+    pub(super) mean: f64,
+    /// Standard error of the mean, if sampled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation: Option<f64>,
+    /// Trust in a Taylor series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) trust: Option<Indicators>,
+    /// Levels and their exceedance probabilities.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) exceedance: Vec<Chance>,
+}
+
+impl Response {
+    /// The end of its window.
+    pub(super) const fn time(&self) -> f64 {
+        self.window[1]
+    }
+}
+
+/// Trust indicators of a Taylor series.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Indicators {
+    /// Square root of the variance by curvature over that by slope.
+    ///
+    /// Below 0.03 the variance is mostly accurate within one per cent.
+    ///
+    /// Unknown without mixed derivatives or where nothing varies.
+    curvature_ratio: Option<f64>,
+    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
+    ///
+    /// None without yielding at the gauge.
+    switch_distance: Option<f64>,
+    /// The distance is below two.
+    switch_within_two_deviations: bool,
+}
+
+/// A level and its exceedance probability.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chance {
+    level: f64,
+    probability: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    standard_error: Option<f64>,
+    /// `normal_law` from the moments, or `count` of samples.
+    by: &'static str,
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
+}
+
+/// Responses of a plan at the centre.
+pub(super) struct Table<'a, const D: usize> {
+    pub(super) scene: &'a SmpmScene,
+    pub(super) plan: &'a Plan<D>,
+    pub(super) centre: &'a [f64],
+}
+
+impl<const D: usize> Table<'_, D> {
+    pub(super) fn each(
+        &self,
+        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
+    ) -> Result<Vec<Response>, Error> {
+        let start = |(i, &centre): (usize, &f64)| {
+            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
+            let response = Response {
+                window: [from, to],
+                centre,
+                mean: centre,
+                mean_standard_error: None,
+                variance: None,
+                variance_standard_error: None,
+                standard_deviation: None,
+                trust: None,
+                exceedance: Vec::new(),
+            };
+            fill(i, response)
+        };
+        self.centre.iter().enumerate().map(start).collect()
+    }
+
+    pub(super) fn levels(&self, response: usize) -> &[f64] {
+        let (_, quantity, _) = self.plan.parts(response);
+        let name = self.plan.quantities[quantity].to_string();
+        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    /// With moments of samples, and the shares of them that exceed levels.
+    pub(super) fn sampled(
+        &self,
+        i: usize,
+        response: Response,
+        sampled: &Sampled,
+        (mean, variance): (&Estimate, &Estimate),
+    ) -> Result<Response, Error> {
+        let mut response = response.with_moments(mean.value, variance.value);
+        response.mean_standard_error = error_of(mean);
+        response.variance_standard_error = error_of(variance);
+        for &level in self.levels(i) {
+            let chance = sampled.exceedance(i, level)?;
+            let (probability, standard_error) = (chance.value, error_of(&chance));
+            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
+        }
+        Ok(response)
+    }
+
+    /// With the moments of a Taylor series.
+    pub(super) fn taylor<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        moments: &Moments<N>,
+        switch: Option<&Switch>,
+    ) -> Result<Response, Error> {
+        // Without curvature the mean is that of first order.
+        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
+        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        self.series(i, response, (mean, moments.variance_first_order()), (curvature, switch))
+    }
+
+    /// With mean and variance of a Taylor series, its variance by curvature over that by slope, and the distance to a switch.
+    pub(super) fn series(
+        &self,
+        i: usize,
+        response: Response,
+        (mean, variance): (f64, f64),
+        (curvature, switch): (Option<f64>, Option<&Switch>),
+    ) -> Result<Response, Error> {
+        let mut response = response.with_moments(mean, variance);
+        response.trust = Some(Indicators {
+            curvature_ratio: curvature.map(f64::sqrt),
+            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
+            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
+        });
+        for &level in self.levels(i) {
+            let Exceedance { probability, .. } = Exceedance::of_normal((mean, variance), level)?;
+            let (standard_error, by) = (None, "normal_law");
+            response.exceedance.push(Chance { level, probability, standard_error, by });
+        }
+        Ok(response)
+    }
+}
+
+impl Response {
+    pub(super) fn with_moments(self, mean: f64, variance: f64) -> Self {
+        let standard_deviation = Some(variance.max(0.0).sqrt());
+        Self { mean, variance: Some(variance), standard_deviation, ..self }
+    }
+}

@@ -64,6 +64,11 @@ impl MonteCarlo {
         normals_of(Noise::new(self.seed), realisation)
     }
 
+    /// Independent standard normals of a sample, as many as fit: the first of them are [`normals`](Self::normals).
+    pub fn fill_normals(&self, realisation: u64, normals: &mut [f64]) {
+        Noise::new(self.seed).stream(Purpose::Field, realisation).fill_normal(normals);
+    }
+
     /// Samples the response and the quadratic surrogate $s$ of `moments` together.
     ///
     /// $$ \bar y_c = \bar y - \bar s + \operatorname{E} s, \qquad V_c = S_y^2 - S_s^2 + \operatorname{Var} s $$

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::binning::Binning;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
-use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
+use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed, Varying};
 use crate::material_points::{MaterialPoints, Points};
 use crate::number::Number;
 use crate::particles::{Chunk, Particles, Row};
@@ -49,6 +49,36 @@ where
     Box::new(Points::<M, S>::at_start(material, plane, places))
 }
 
+/// The same for a material whose constants vary, by that of each particle.
+fn varying_points_of<M, S>(
+    materials: &[M],
+    plane: bool,
+    places: &[[f64; 3]],
+) -> Box<dyn MaterialPoints<S>>
+where
+    M: Material<S> + Copy + 'static,
+    S: Number,
+    M::State: 'static,
+{
+    #[cfg(not(test))]
+    if const { M::IS_COMPILED_VARYING && !S::COMPILED.is_empty() } {
+        let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
+            make.downcast_ref::<crate::compiled_points::MakeVarying<M, S>>().copied()
+        };
+        return match crate::compiled_points::varying_makers().iter().find_map(of_this_material) {
+            Some(make) => make(materials, plane, places),
+            None => unreachable!("the varying points of this material are compiled"),
+        };
+    }
+    let states = Varying::starts::<S>(materials, places);
+    Box::new(Points::<Varying<M>, S>::of_states(Varying::like(materials[0]), plane, states))
+}
+
+/// An error in the constants of a particle.
+fn at_particle<const D: usize>(particle: usize, place: &[f64; D], reason: Error) -> Error {
+    Error::AtParticle { particle, place: place.to_vec(), reason: Box::new(reason) }
+}
+
 /// Columns by the numbers of particles, made when asked for.
 #[derive(Debug)]
 struct Views<S, const D: usize> {
@@ -83,11 +113,62 @@ impl<S: Number, const D: usize> Body<S, D> {
         M::State: 'static,
     {
         let density = material.density();
-        Self::of(density, fill, velocity, |places| points_of(material, D < 3, places))
+        Self::of(&|_| density, fill, velocity, |places| points_of(material, D < 3, places))
+    }
+
+    /// Particles of a material whose constants differ from particle to particle, all with one velocity: `material` makes that of
+    /// a particle, by its number and place. Density, and so mass, may vary too.
+    ///
+    /// Bitwise [`new`](Self::new) where all particles have the same constants. Linear elasticity, and Mie-Grüneisen with von Mises
+    /// or Johnson-Cook, are computed several particles at once; others one by one, compiled for the caller.
+    ///
+    /// ```
+    /// use smpm::material::{LinearElasticParameters, LinearElasticSolid};
+    /// use smpm::{Body, Fill};
+    ///
+    /// let fill = Fill::of([0.1; 2], ([0.0; 2], [1.0, 1.0]), |_| true)?;
+    /// let graded = |_: usize, x: &[f64; 2]| {
+    ///     let young_modulus = 1.0 + 0.5 * x[0];
+    ///     let parameters = LinearElasticParameters { density: 1.0, young_modulus, poisson_ratio: 0.3 };
+    ///     LinearElasticSolid::linear_elastic(parameters)
+    /// };
+    /// let body = Body::varying(graded, &fill, [0.0; 2])?;
+    /// assert_eq!(body.n_particles(), 100);
+    /// # Ok::<(), smpm::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::AtParticle`] for constants that a particle cannot have, with the reason;
+    /// [`Error::ConstantsNotShown`] for a material that does not show all of its constants
+    /// ([`Material::visit_constants`]), as an explosive with its detonation point.
+    pub fn varying<M>(
+        mut material: impl FnMut(usize, &[f64; D]) -> Result<M, Error>,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Self, Error>
+    where
+        M: Material<S> + Copy + 'static,
+        M::State: 'static,
+    {
+        let _ = fill.checked()?;
+        let make = |(particle, place): (usize, &[f64; D])| {
+            let refused = |reason| at_particle(particle, place, reason);
+            let made = material(particle, place).map_err(refused)?;
+            positive("density", made.density().value()).map_err(refused)?;
+            Ok(made)
+        };
+        let made =
+            fill.positions.iter().enumerate().map(make).collect::<Result<Vec<M>, Error>>()?;
+        let shows_constants = |mut material: M| material.visit_constants(|_: &mut S| ());
+        if !made.first().is_some_and(|&material| shows_constants(material)) {
+            return Err(Error::ConstantsNotShown);
+        }
+        let density = |particle: usize| made[particle].density();
+        Self::of(&density, fill, velocity, |places| varying_points_of(&made, D < 3, places))
     }
 
     fn of(
-        density: S,
+        density: &dyn Fn(usize) -> S,
         fill: &Fill<D>,
         velocity: [f64; D],
         points: impl FnOnce(&[[f64; 3]]) -> Box<dyn MaterialPoints<S>>,
@@ -96,7 +177,7 @@ impl<S: Number, const D: usize> Body<S, D> {
         for &component in &velocity {
             finite("velocity", component)?;
         }
-        positive("density", density.value())?;
+        positive("density", density(0).value())?;
         Ok(Self {
             particles: Particles::of(fill, velocity, density),
             points: points(&places),
@@ -280,7 +361,7 @@ impl<const D: usize> Body<f64, D> {
         <M as Material<f64>>::State: 'static,
     {
         let density = material.density();
-        Self::of(density, fill, velocity, |places| {
+        Self::of(&|_| density, fill, velocity, |places| {
             Box::new(PointsInLanes::at_start(material, D < 3, places))
         })
     }

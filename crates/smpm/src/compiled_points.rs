@@ -7,7 +7,8 @@ use perturbation_moments::Jet;
 
 use crate::material::{
     ElasticBulk, ElasticShear, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, Material,
-    MaterialFamily, MieGruneisen, NeoHookean, Solid, StiffenedGas, TensionCutOff, VonMises,
+    MaterialFamily, MieGruneisen, NeoHookean, Solid, StiffenedGas, TensionCutOff, Varying,
+    VonMises,
 };
 use crate::material_points::{MaterialPoints, Points};
 use crate::points_in_lanes::PointsInLanes;
@@ -26,6 +27,9 @@ type BreakingMetal<S> = Solid<MieGruneisen<S>, JohnsonCookDamage<S>>;
 /// How a body's particles are made of a material: whether motion stays in the plane of the first two axes, and their places.
 pub(crate) type Make<M, S> = fn(M, bool, &[[f64; 3]]) -> Box<dyn MaterialPoints<S>>;
 
+/// The same of a material whose constants vary, by that of each particle.
+pub(crate) type MakeVarying<M, S> = fn(&[M], bool, &[[f64; 3]]) -> Box<dyn MaterialPoints<S>>;
+
 fn in_lanes<M: MaterialFamily<f64> + 'static>(
     material: M,
     plane: bool,
@@ -42,13 +46,31 @@ fn one_by_one<M: Material<Jet, State: 'static> + 'static>(
     Box::new(Points::at_start(material, plane, places))
 }
 
+fn varying_in_lanes<M: MaterialFamily<f64, State: 'static> + Copy + 'static>(
+    materials: &[M],
+    plane: bool,
+    places: &[[f64; 3]],
+) -> Box<dyn MaterialPoints<f64>> {
+    let starts = Varying::starts::<f64>(materials, places);
+    Box::new(PointsInLanes::of_states(Varying::like(materials[0]), plane, &starts))
+}
+
+fn varying_one_by_one<M: Material<Jet, State: 'static> + Copy + 'static>(
+    materials: &[M],
+    plane: bool,
+    places: &[[f64; 3]],
+) -> Box<dyn MaterialPoints<Jet>> {
+    let starts = Varying::starts::<Jet>(materials, places);
+    Box::new(Points::of_states(Varying::like(materials[0]), plane, starts))
+}
+
 macro_rules! of {
-    ($($material:ident),+ $(,)?) => {
+    ($make:ident, $in_lanes:ident, $one_by_one:ident: $($material:ident),+ $(,)?) => {
         [$(
             [
-                &(in_lanes::<$material<f64>> as Make<$material<f64>, f64>)
+                &($in_lanes::<$material<f64>> as $make<$material<f64>, f64>)
                     as &(dyn Any + Send + Sync),
-                &(one_by_one::<$material<Jet>> as Make<$material<Jet>, Jet>),
+                &($one_by_one::<$material<Jet>> as $make<$material<Jet>, Jet>),
             ]
         ),+]
     };
@@ -58,6 +80,7 @@ macro_rules! of {
 #[inline(never)]
 pub(crate) fn makers() -> &'static [&'static (dyn Any + Send + Sync)] {
     static ALL: [[&(dyn Any + Send + Sync); 2]; 11] = of![
+        Make, in_lanes, one_by_one:
         Liquid,
         CavitatingLiquid,
         Gas,
@@ -69,6 +92,18 @@ pub(crate) fn makers() -> &'static [&'static (dyn Any + Send + Sync)] {
         Metal,
         BreakingMetal,
         NeoHookean,
+    ];
+    ALL.as_flattened()
+}
+
+/// Those whose constants a scene may let vary from particle to particle.
+#[inline(never)]
+pub(crate) fn varying_makers() -> &'static [&'static (dyn Any + Send + Sync)] {
+    static ALL: [[&(dyn Any + Send + Sync); 2]; 3] = of![
+        MakeVarying, varying_in_lanes, varying_one_by_one:
+        Elastic,
+        ShockedPlastic,
+        Metal,
     ];
     ALL.as_flattened()
 }

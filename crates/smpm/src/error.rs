@@ -60,6 +60,27 @@ pub enum Error {
         /// The spacing of its particles.
         spacing: f64,
     },
+    /// Constants that a particle of a varying material cannot have.
+    #[error("particle {particle} at {place:?}: {reason}")]
+    AtParticle {
+        /// The particle.
+        particle: usize,
+        /// Its place in the reference state.
+        place: Vec<f64>,
+        /// What is wrong.
+        reason: Box<Self>,
+    },
+    /// A varying material that does not show its constants.
+    #[error("the constants of this material cannot vary: it does not show all of them")]
+    ConstantsNotShown,
+    /// Another number of coefficients than the experiment takes.
+    #[error("{value} coefficients of random fields; the experiment takes {expected}")]
+    OtherCoefficients {
+        /// How many were given.
+        value: usize,
+        /// How many it takes.
+        expected: usize,
+    },
     /// A lattice with more places than particles can have numbers.
     #[error(
         "the lattice of a body has {value} places; there must be {limit} at most: take a larger spacing"

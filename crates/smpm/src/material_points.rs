@@ -80,9 +80,14 @@ pub(crate) struct Points<M: Material<S>, S: Number> {
 
 impl<M: Material<S>, S: Number> Points<M, S> {
     /// All particles as they start, at their places.
-    #[inline(never)]
     pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
-        let states: Vec<_> = places.iter().map(|&place| material.start(place)).collect();
+        let states = places.iter().map(|&place| material.start(place)).collect();
+        Self::of_states(material, plane, states)
+    }
+
+    /// Particles in these states.
+    #[inline(never)]
+    pub(crate) fn of_states(material: M, plane: bool, states: Vec<M::State>) -> Self {
         let at_start = |state| Condition::at_start(&material, state);
         let conditions = Conditions::of(states.iter().map(at_start));
         Self { density: material.density(), material, plane, states, conditions }
@@ -145,6 +150,7 @@ pub(crate) fn next<M: Material<S>, S: Real>(
     Fault::unless(holds, volume, "V/V_0", "above 0 and finite")?;
     let rate = l[0][0] + l[1][1] + l[2][2];
     let slope = rate * (viscosity.quadratic * cell) - wave_speed * viscosity.linear;
+    let density = material.density_of(state, density);
     let q = when!(rate.less(zero), density / volume * slope * rate * cell, zero);
     let velocity_gradient = *l;
     let now = Now { velocity_gradient, dt, time, volume_before, volume, viscosity: q, cell };

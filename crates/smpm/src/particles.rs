@@ -106,8 +106,8 @@ impl<S, const D: usize> Chunk<'_, S, D> {
 
 impl<S: Number, const D: usize> Particles<S, D> {
     /// Particles at rest at the places of a fill, or all with one velocity.
-    pub(crate) fn of(fill: &Fill<D>, velocity: [f64; D], density: S) -> Self {
-        let (n, volume) = (fill.positions.len(), fill.spacing.iter().product());
+    pub(crate) fn of(fill: &Fill<D>, velocity: [f64; D], density: &dyn Fn(usize) -> S) -> Self {
+        let (n, volume) = (fill.positions.len(), fill.spacing.iter().product::<f64>());
         Self {
             position: fill.positions.iter().map(|place| place.map(S::constant)).collect(),
             velocity: vec![velocity.map(S::constant); n],
@@ -115,7 +115,7 @@ impl<S: Number, const D: usize> Particles<S, D> {
             affine: vec![],
             half_length: vec![fill.spacing.map(|length| S::constant(0.5 * length)); n],
             stretched: vec![],
-            mass: vec![density * volume; n],
+            mass: (0..n).map(|particle| density(particle) * volume).collect(),
             reference_volume: vec![volume; n],
             number: (0_u32..).take(n).collect(),
         }

@@ -107,17 +107,22 @@ impl<T: Copy> Layout<T> {
 
 impl<M: MaterialFamily<f64>> PointsInLanes<M> {
     /// All particles as they start, at their places.
-    #[inline(never)]
     pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
-        let mut blank = material.start(places.first().copied().unwrap_or_default());
+        let starts: Vec<M::State> = places.iter().map(|&place| material.start(place)).collect();
+        Self::of_states(material, plane, &starts)
+    }
+
+    /// Particles in these states; at least one.
+    #[inline(never)]
+    pub(crate) fn of_states(material: M, plane: bool, starts: &[M::State]) -> Self {
+        let mut blank = starts[0];
         let mut n_numbers = 0;
         material.visit_numbers(&mut blank, |_| n_numbers += 1);
         let layout = Layout { stride: n_numbers * BLOCK, blank };
-        let mut states = vec![0.0; places.len().div_ceil(BLOCK) * layout.stride];
-        let conditions = Conditions::of(places.iter().enumerate().map(|(particle, &place)| {
-            let state = material.start(place);
-            layout.store(&material, &mut states, (particle, state));
-            Condition::at_start(&material, &state)
+        let mut states = vec![0.0; starts.len().div_ceil(BLOCK) * layout.stride];
+        let conditions = Conditions::of(starts.iter().enumerate().map(|(particle, state)| {
+            layout.store(&material, &mut states, (particle, *state));
+            Condition::at_start(&material, state)
         }));
         let (density, level) = (material.density(), SimdLevel::best());
         Self { material, density, plane, level, states, layout, conditions }
@@ -248,7 +253,7 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
     ) -> bool {
         let l = self.velocity_gradient(registers, at);
         let before = self.before(registers, at);
-        let (mut state, first) = (M::filled(before.0), self.layout.place(at));
+        let (mut state, first) = (self.material.filled(before.0), self.layout.place(at));
         let mut place = first;
         material.visit_numbers(
             &mut state,
@@ -264,7 +269,7 @@ impl<M: MaterialFamily<f64>> Batch<'_, M> {
             return false;
         }
         place = first;
-        material.visit_numbers(
+        material.visit_changing(
             &mut state,
             #[inline(always)]
             |number| {

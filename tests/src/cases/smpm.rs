@@ -12,6 +12,7 @@ mod methods;
 pub(crate) mod paper_size;
 pub(crate) mod plate_impact;
 pub(crate) mod published_tables;
+pub(crate) mod random_fields;
 pub(crate) mod refinement;
 pub(crate) mod return_mapping;
 pub(crate) mod shock_tubes;

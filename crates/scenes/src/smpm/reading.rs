@@ -17,6 +17,7 @@ use super::scene::{
     BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, MethodScene, OrderScene,
     ShapeScene, SideScene, SmpmScene, TransferScene,
 };
+use super::unknown_name::unknown;
 use crate::nearest::nearest;
 use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
@@ -261,20 +262,6 @@ impl BoundaryScene {
     }
 }
 
-fn unknown<'a>(
-    path: &str,
-    what: &str,
-    name: &str,
-    known: impl Iterator<Item = &'a String>,
-) -> Objection {
-    let known: Vec<&str> = known.map(String::as_str).collect();
-    let hint = match nearest(name, known.iter().copied()) {
-        Some(nearest) => format!("did you mean `{nearest}`?"),
-        None => format!("available: {}", known.join(", ")),
-    };
-    Objection::new(path, format!("there is no {what} `{name}`")).with_help(hint)
-}
-
 impl SmpmScene {
     /// Parses a text; messages refer to it by name.
     ///
@@ -317,6 +304,7 @@ impl Scene for SmpmScene {
                 return Err(unknown("levels", "quantity", name, self.quantities.iter()));
             }
         }
+        self.check_field_method()?;
         for (i, random) in self.random.iter().enumerate() {
             let value = random.coefficient_of_variation;
             if !(value >= 0.0 && value.is_finite()) {
@@ -404,6 +392,7 @@ impl SmpmScene {
                 point::<D>(&body.velocity, &format!("bodies[{i}].velocity"))?;
             }
         }
-        self.check_bodies::<D>()
+        self.check_bodies::<D>()?;
+        self.check_fields::<D>()
     }
 }

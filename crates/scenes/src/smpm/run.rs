@@ -1,10 +1,12 @@
 //! Runs a scene of bodies on a grid: mean and variance of every response, with trust indicators.
 
+mod field_solve;
 mod fields;
 mod ingredients;
 mod kept;
 mod ladder;
 mod response;
+mod samples;
 mod solve;
 
 use std::path::PathBuf;
@@ -23,6 +25,7 @@ use crate::output::write_drawing;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::random_fields::PreparedField;
 use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -44,7 +47,22 @@ struct Content {
     notes: Vec<String>,
     /// Samples that failed, and why.
     failures: Vec<Failure>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    random_fields: Vec<FieldResult>,
     gauges: Vec<GaugeResult>,
+}
+
+/// Expansion of a random field.
+#[derive(Debug, Serialize)]
+struct FieldResult {
+    parameters: Vec<String>,
+    terms: usize,
+    /// Variance of the normal field that the terms leave out, mean over its box: the error of its correlation.
+    ///
+    /// The field is then scaled to unit variance, so that the distribution at one point is exact.
+    mean_left_out_variance: f64,
+    /// The largest at a particle.
+    largest_left_out_variance: f64,
 }
 
 /// Work counters.
@@ -106,6 +124,9 @@ fn run_in<const D: usize>(
     let mut fields = Fields::new(scene, plan.stops(), run.out());
     // A scene with fewer parameters has more lanes for probes.
     let answer = match scene.random.len() {
+        _ if !scene.random_fields.is_empty() => {
+            field_solve::solve_fields(scene, &experiment, &plan, &mut fields, run)
+        }
         0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
         4 | 5 => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
         _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, run),
@@ -136,11 +157,20 @@ fn run_in<const D: usize>(
             cpu_seconds: answer.cpu_seconds,
         },
         notes,
+        random_fields: experiment.fields().iter().map(FieldResult::of).collect(),
         failures: answer.failures.iter().map(failure).collect(),
         gauges,
     };
     written.insert(0, RunResult::new("response-moments/1", scene, content).write(run.out())?);
     Ok(written)
+}
+
+impl FieldResult {
+    fn of(field: &PreparedField) -> Self {
+        let [mean_left_out_variance, largest_left_out_variance] = field.left_out;
+        let (parameters, terms) = (field.parameters.clone(), field.n_terms);
+        Self { parameters, terms, mean_left_out_variance, largest_left_out_variance }
+    }
 }
 
 const OTHER_TIMES: &str = "a run resumes only from a checkpoint with the same earlier times; --overwrite starts from the beginning";
@@ -160,6 +190,7 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             Some(i) => at(format!("gauges[{i}]")),
             None => RunError::solver(error),
         },
+        smpm::Error::AtParticle { .. } => at("random_fields".to_owned()),
         smpm::Error::WindowOrder { .. } => at("times".to_owned()),
         smpm::Error::OtherWindows { .. } => {
             let objection = Objection::new("times", error.to_string());

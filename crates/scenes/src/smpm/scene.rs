@@ -12,6 +12,7 @@ use smpm::{Quantity, Window};
 
 use super::material_scene::MaterialScene;
 use super::quantity_name::QuantityName;
+use super::random_field_scene::RandomFieldScene;
 
 /// Deformable bodies on a background grid: materials, random parameters, and observed quantities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,6 +56,10 @@ pub struct SmpmScene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(example = vec![CorrelationScene::between_steel_parameters()])]
     pub correlations: Vec<CorrelationScene>,
+    /// Material constants that vary in space, instead of random parameters; none without this key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![RandomFieldScene::of_yield_stress()])]
+    pub random_fields: Vec<RandomFieldScene>,
     /// Method for mean and variance.
     pub method: MethodScene,
     /// Gauges, at least one.
@@ -69,7 +74,8 @@ pub struct SmpmScene {
     pub levels: BTreeMap<String, Vec<f64>>,
     /// Whether fields are written for ParaView at every time; false without this key.
     ///
-    /// The fields are the mean and, with `propagated`, the standard deviation.
+    /// The fields are the mean and, with `propagated`, the standard deviation. With `random_fields` they are those of one realisation: the
+    /// first sample of `monte_carlo`, else all factors at their medians; the constants that vary are written too.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fields: bool,
 }
@@ -385,7 +391,7 @@ pub enum MethodScene {
         #[serde(default)]
         as_printed: bool,
     },
-    /// Derivatives carried through the run.
+    /// Derivatives carried through the run; with `random_fields`, through one run for every eight terms.
     Propagated,
     /// Central differences of whole runs.
     FiniteDifference {
@@ -405,7 +411,8 @@ pub enum MethodScene {
         samples: u64,
         /// Seed of all random numbers (no unit).
         seed: u64,
-        /// Whether to use a Taylor series as a control variate, from differences of `2N` more runs.
+        /// Whether to use a Taylor series as a control variate, from differences of `2N` more runs; with `random_fields`, from runs
+        /// with derivatives.
         control: bool,
     },
     /// Complete runs at scrambled Sobol' points: a smaller error than by independent samples where responses are smooth.

@@ -7,3 +7,4 @@ mod established;
 mod fpk;
 mod peridyn;
 mod smpm;
+mod smpm_fields;

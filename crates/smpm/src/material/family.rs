@@ -15,14 +15,14 @@ macro_rules! family {
         $(#[$about])*
         pub trait $family<F: Scalar>: $kind<F> {
             /// The same over another number type.
-            type In<S: Real>: $kind<S>;
+            type In<S: Real>: $kind<S> + Copy;
 
             /// The same over another number type, each parameter by a function of it.
             fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> Self::In<S>;
 
             /// A state whose numbers are all the same, to be overwritten by
             /// [`visit_numbers`](Material::visit_numbers).
-            fn filled<S: Real>(number: S) -> <Self::In<S> as $kind<S>>::State;
+            fn filled<S: Real>(&self, number: S) -> <Self::In<S> as $kind<S>>::State;
         }
     };
 }

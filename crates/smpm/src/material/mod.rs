@@ -65,9 +65,27 @@ macro_rules! family_member {
             }
 
             #[inline(always)]
-            fn filled<S: Real>($filled: S) -> <$name<S> as $kind<S>>::State {
+            fn filled<S: Real>(&self, $filled: S) -> <$name<S> as $kind<S>>::State {
                 $state
             }
+        }
+    };
+}
+
+/// Shows the parameters of a material, and the numbers that follow from them.
+macro_rules! shows_constants {
+    ($($number:ident),*) => {
+        #[inline(always)]
+        fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
+            self.parameters = self.parameters.map(
+                #[inline(always)]
+                |_, mut number| {
+                    visit(&mut number);
+                    number
+                },
+            );
+            $(visit(&mut self.$number);)*
+            true
         }
     };
 }
@@ -80,6 +98,7 @@ mod neo_hookean;
 mod solid;
 mod strength;
 mod units;
+mod varying;
 
 use perturbation_moments::{Real, Scalar};
 
@@ -98,6 +117,7 @@ pub use strength::{
     Strength, StrengthKind, VonMises, VonMisesParameters, VonMisesState,
 };
 pub use units::Units;
+pub use varying::{Varying, VaryingState};
 
 use crate::error::Fault;
 use crate::tensor::Symmetric;
@@ -134,8 +154,19 @@ pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     #[doc(hidden)]
     const IS_COMPILED: bool = false;
 
+    /// The same where its constants vary from particle to particle.
+    #[doc(hidden)]
+    const IS_COMPILED_VARYING: bool = false;
+
     /// `rho_0 > 0`, the density of the reference state (mass per volume).
     fn density(&self) -> S;
+
+    /// The density of a particle with this state, where `usual` is that of the material.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn density_of(&self, _state: &Self::State, usual: S) -> S {
+        usual
+    }
 
     /// The state of a particle at `t = 0`; `position` has zeros beyond the dimension.
     fn start(&self, position: [f64; 3]) -> Self::State
@@ -189,6 +220,21 @@ pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     #[inline(always)]
     fn visit_numbers(&self, _state: &mut Self::State, _visit: impl FnMut(&mut S)) -> bool {
         size_of::<Self::State>() == 0
+    }
+
+    /// The same for those numbers of a state that a step may change: the first of them.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn visit_changing(&self, state: &mut Self::State, visit: impl FnMut(&mut S)) {
+        let _ = self.visit_numbers(state, visit);
+    }
+
+    /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
+    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// between particles is shown.
+    #[inline(always)]
+    fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {
+        false
     }
 }
 

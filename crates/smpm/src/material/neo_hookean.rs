@@ -150,6 +150,8 @@ impl<S: Real> Material<S> for NeoHookean<S> {
         visit(heat);
         true
     }
+
+    shows_constants!(lambda);
 }
 
 family_member!(MaterialFamily, Material: NeoHookean { lambda }, number => NeoHookeanState {

@@ -45,6 +45,8 @@ impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y>
 
     const IS_COMPILED: bool = Y::KIND.is_in(E::COMPILED_WITH);
 
+    const IS_COMPILED_VARYING: bool = Y::KIND.is_in(E::COMPILED_VARYING_WITH);
+
     fn density(&self) -> S {
         self.equation.density()
     }
@@ -150,6 +152,11 @@ impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y>
         self.equation.visit_numbers(&mut state.equation, &mut visit)
             && self.strength.visit_numbers(&mut state.strength, &mut visit)
     }
+
+    #[inline(always)]
+    fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
+        self.equation.visit_constants(&mut visit) && self.strength.visit_constants(&mut visit)
+    }
 }
 
 impl<F: Scalar, E: EquationFamily<F>, Y: StrengthFamily<F>> MaterialFamily<F> for Solid<E, Y> {
@@ -161,12 +168,12 @@ impl<F: Scalar, E: EquationFamily<F>, Y: StrengthFamily<F>> MaterialFamily<F> fo
     }
 
     #[inline(always)]
-    fn filled<S: Real>(number: S) -> <Self::In<S> as Material<S>>::State {
+    fn filled<S: Real>(&self, number: S) -> <Self::In<S> as Material<S>>::State {
         SolidState {
             energy: number,
             pressure: number,
-            equation: E::filled(number),
-            strength: Y::filled(number),
+            equation: self.equation.filled(number),
+            strength: self.strength.filled(number),
         }
     }
 }

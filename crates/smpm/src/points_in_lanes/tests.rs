@@ -7,7 +7,8 @@ use crate::config::BulkViscosity;
 use crate::error::Fault;
 use crate::material::{
     Detonation, Fluid, JohnsonCookDamage, Jwl, Material, MaterialFamily, MieGruneisen, NeoHookean,
-    NeoHookeanParameters, Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
+    NeoHookeanParameters, Solid, TensionCutOff, Units, Varying, VonMises, VonMisesParameters,
+    library,
 };
 use crate::material_points::{MaterialPoints, Points, Strain};
 use crate::velocity_gradients::VelocityGradients;
@@ -163,4 +164,63 @@ fn a_plastic_metal_and_rubber() {
         each_lane_has_the_bits_of_its_particle(|| NeoHookean::new(rubber).unwrap(), gradient),
         []
     );
+}
+
+/// Particles of one material, each with constants of its own.
+fn varying_lanes_have_the_bits_of_their_particles<M: MaterialFamily<f64> + Copy + 'static>(
+    make: impl Fn(f64) -> M,
+) where
+    <M as Material<f64>>::State: 'static,
+{
+    for n in SIZES {
+        let places: Vec<_> = (0..n).map(|p| [0.1 * p as f64, 0.0, 0.0]).collect();
+        let materials: Vec<M> = (0..n).map(|p| make(1.0 + 0.4 * (1.7 * p as f64).sin())).collect();
+        let of_one = Varying::like(materials[0]);
+        let along = |particle: usize, step: usize| gradient(particle, step, false);
+        let states = Varying::starts::<f64>(&materials, &places);
+        let mut alone = Points::of_states(of_one, false, states.clone());
+        let expected = driven(&mut alone, n, along);
+        for level in SimdLevel::available() {
+            let mut points = PointsInLanes::of_states(of_one, false, &states);
+            points.level = level;
+            assert_eq!(driven(&mut points, n, along), expected, "{n} particles, {level}");
+        }
+        // Each is the plain material with its constants.
+        for (p, material) in materials.iter().enumerate() {
+            let mut plain = Points::at_start(*material, false, &places[..1]);
+            let of_p = |_: usize, step: usize| gradient(p, step, false);
+            let (bits, _) = driven(&mut plain, 1, of_p);
+            let mut found = vec![];
+            assert!(alone.show_numbers(p, &mut |number| found.push(number.to_bits())));
+            // The constants are behind the numbers of the plain state.
+            assert_eq!(found[..bits.len()], bits);
+            assert!(found.len() > bits.len());
+        }
+    }
+}
+
+#[test]
+fn constants_of_each_lane_are_those_of_its_particle() {
+    varying_lanes_have_the_bits_of_their_particles(|factor| {
+        let mut flow = library::steel_strength(UNITS);
+        (flow.a, flow.n, flow.c) = (flow.a * factor, flow.n * factor, flow.c * factor);
+        let mut equation = library::steel_equation(UNITS);
+        equation.density *= factor;
+        let equation = MieGruneisen::new(equation).unwrap();
+        Solid {
+            equation,
+            strength: JohnsonCookDamage::new(flow, library::steel_damage(UNITS)).unwrap(),
+        }
+    });
+    varying_lanes_have_the_bits_of_their_particles(|factor| {
+        let mut hardening = library::copper_linear_hardening(UNITS);
+        hardening.yield_stress *= factor;
+        let equation = MieGruneisen::new(library::copper_equation(UNITS)).unwrap();
+        Solid { equation, strength: VonMises::new(hardening).unwrap() }
+    });
+    varying_lanes_have_the_bits_of_their_particles(|factor| {
+        let parameters =
+            NeoHookeanParameters { density: 1.0, shear_modulus: factor, bulk_modulus: 3.0 };
+        NeoHookean::new(parameters).unwrap()
+    });
 }

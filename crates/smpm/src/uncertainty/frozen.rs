@@ -111,7 +111,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
         for pass in 0..N.div_ceil(LANES).max(1) {
             let of_jets = self.experiment.simulation(&self.inputs.jets_of_pass(pass, &[]))?;
             let mut run = self.experiment.simulation(&self.inputs.centre())?;
-            for gauge in &self.plan.gauges {
+            for gauge in &self.runs.plan.gauges {
                 let formulas = run.bodies().get(gauge.body).zip(of_jets.bodies().get(gauge.body));
                 if formulas.is_some_and(|(b, f)| f.at_local_state(&b.local_state(0)).is_none()) {
                     return Err(Error::NoLocalFormulas { name: gauge.name.clone() });
@@ -119,12 +119,12 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
             }
             let reader = FrozenReader { form, of_jets: &of_jets };
             let name = format!("{form:?} local formulas {pass}").to_lowercase();
-            passes.push(self.follow(name, &mut run, &reader, ())?.0);
+            passes.push(self.runs.follow(name, &mut run, &reader, ())?.0);
         }
         let moments = self.moments_of(&passes, 0)?;
         let keep = |(response, moments)| {
-            let (_, quantity, _) = self.plan.parts(response);
-            has_form(self.plan.quantities[quantity]).then_some(moments)
+            let (_, quantity, _) = self.runs.plan.parts(response);
+            has_form(self.runs.plan.quantities[quantity]).then_some(moments)
         };
         Ok(moments.into_iter().enumerate().map(keep).collect())
     }

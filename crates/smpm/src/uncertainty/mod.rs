@@ -14,19 +14,29 @@
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
+//! A constant that varies in space has any number of random coefficients. [`FieldStudy`] samples them, or computes the gradient of every
+//! response by all of them, eight in each run of jets.
+//!
 //! A study that is [kept](Study::kept_by) resumes after an interruption, bitwise identically, where each of its runs was last kept.
 
 mod design;
 mod experiment;
+mod field_moments;
+mod field_study;
+mod field_subspace;
 mod frozen;
 mod keep;
 mod range;
+mod runs;
 mod sampled;
 mod study;
 mod switch;
 
 pub use design::Design;
 pub use experiment::Experiment;
+pub use field_moments::FieldMoments;
+pub use field_study::{AlongFields, FieldExperiment, FieldGradient, FieldStudy};
+pub use field_subspace::{CapturedVariance, SubspaceVariance};
 pub use frozen::{FrozenForm, FrozenMoments};
 pub use keep::{Keep, Standing};
 pub use range::MOST_CHANCE_OUT_OF_RANGE;

@@ -15,10 +15,10 @@ use crate::parallel::map_in_order;
 
 /// Responses at sampled parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sampled<const N: usize> {
-    design: Design,
+pub struct Sampled {
+    pub(super) design: Design,
     /// Those that could be run, in order.
-    samples: Vec<Sample<N>>,
+    samples: Vec<Sample>,
     /// Samples that could not be run and why: parameters out of range, or a run that left its own. They are not in any
     /// moment.
     pub failures: Vec<(u64, Error)>,
@@ -26,9 +26,8 @@ pub struct Sampled<const N: usize> {
 
 /// A sample that could be run.
 #[derive(Debug, Clone, PartialEq)]
-struct Sample<const N: usize> {
+struct Sample {
     realisation: u64,
-    normals: [f64; N],
     responses: Vec<f64>,
 }
 
@@ -37,7 +36,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
     ///
     /// # Errors
     /// As [`sampled`](Self::sampled).
-    pub fn monte_carlo(&self, judge: MonteCarlo) -> Result<Sampled<N>, Error> {
+    pub fn monte_carlo(&self, judge: MonteCarlo) -> Result<Sampled, Error> {
         self.sampled(Design::Random(judge))
     }
 
@@ -45,7 +44,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
     ///
     /// # Errors
     /// [`Error::Sampling`] for the fields of a quasi-random design.
-    pub fn sampled(&self, design: Design) -> Result<Sampled<N>, Error> {
+    pub fn sampled(&self, design: Design) -> Result<Sampled, Error> {
         let n = design.n_runs()?;
         self.sampled_from(design, 0..n, &BTreeMap::new(), n, |_, _| Ok(()))
     }
@@ -62,18 +61,31 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
         range: Range<u64>,
         known: &BTreeMap<u64, Vec<f64>>,
         each: u64,
-        mut seen: impl FnMut(&Sampled<N>, u64) -> Result<(), E>,
-    ) -> Result<Sampled<N>, E> {
-        let points = design.normals()?;
+        mut seen: impl FnMut(&Sampled, u64) -> Result<(), E>,
+    ) -> Result<Sampled, E> {
+        let normals = design.normals()?;
+        let run = |realisation| self.run(&normals.of::<N>(realisation));
+        Sampled::by(&run, design, (range, each), known, &mut seen)
+    }
+}
+
+impl Sampled {
+    /// Runs a range of samples, `each` at a time, but not those that are known.
+    pub(super) fn by<E>(
+        run: &(dyn Fn(u64) -> Result<Vec<f64>, Error> + Sync),
+        design: Design,
+        (range, each): (Range<u64>, u64),
+        known: &BTreeMap<u64, Vec<f64>>,
+        seen: &mut dyn FnMut(&Self, u64) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let run = |&realisation: &u64| {
-            let normals = points.of::<N>(realisation);
             let responses = match known.get(&realisation) {
                 Some(responses) => Ok(responses.clone()),
-                None => self.run(&normals),
+                None => run(realisation),
             };
-            responses.map(|responses| Sample { realisation, normals, responses })
+            responses.map(|responses| Sample { realisation, responses })
         };
-        let mut sampled = Sampled { design, samples: vec![], failures: vec![] };
+        let mut sampled = Self { design, samples: vec![], failures: vec![] };
         let mut from = range.start;
         while from < range.end {
             let end = range.end.min(from.saturating_add(each.max(1)));
@@ -91,9 +103,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
         }
         Ok(sampled)
     }
-}
 
-impl<const N: usize> Sampled<N> {
     /// How many samples could be run.
     #[must_use]
     pub fn n_samples(&self) -> usize {
@@ -103,7 +113,7 @@ impl<const N: usize> Sampled<N> {
     /// The responses of each sample that could be run, by its number.
     #[must_use]
     pub fn responses(&self) -> BTreeMap<u64, Vec<f64>> {
-        let of = |sample: &Sample<N>| (sample.realisation, sample.responses.clone());
+        let of = |sample: &Sample| (sample.realisation, sample.responses.clone());
         self.samples.iter().map(of).collect()
     }
 
@@ -146,15 +156,27 @@ impl<const N: usize> Sampled<N> {
     ///
     /// # Errors
     /// As [`raw`](Self::raw).
-    pub fn controlled(
+    pub fn controlled<const N: usize>(
         &self,
         response: usize,
         surrogate: &Moments<N>,
     ) -> Result<SampledMoments, Error> {
-        let values = self.values(response)?;
-        let pair = |(y, sample): (&f64, &Sample<N>)| [*y, surrogate.surrogate(&sample.normals)];
-        let pairs: Vec<[f64; 2]> = values.iter().zip(&self.samples).map(pair).collect();
         let (mean, variance) = (surrogate.surrogate_mean(), surrogate.surrogate_variance());
+        let normals = self.design.normals()?;
+        let of = |realisation| surrogate.surrogate(&normals.of(realisation));
+        self.controlled_by(response, (mean, variance), &of)
+    }
+
+    /// The same by a surrogate of known mean and variance, as a function of the number of a sample.
+    pub(super) fn controlled_by(
+        &self,
+        response: usize,
+        (mean, variance): (f64, f64),
+        surrogate: &dyn Fn(u64) -> f64,
+    ) -> Result<SampledMoments, Error> {
+        let values = self.values(response)?;
+        let pair = |(y, sample): (&f64, &Sample)| [*y, surrogate(sample.realisation)];
+        let pairs: Vec<[f64; 2]> = values.iter().zip(&self.samples).map(pair).collect();
         let surrogates = &[Surrogate { mean, variance: Some(variance) }];
         let samples = pairs.as_flattened();
         match self.design {
@@ -179,8 +201,11 @@ impl<const N: usize> Sampled<N> {
             return Err(Error::SamplesMissing { value: self.samples.len(), expected: 0 });
         };
         self.require_whole()?;
-        let normals = |sample: &Sample<N>| sample.normals.into_iter().take(cube.dimension);
-        let inputs: Vec<f64> = self.samples.iter().flat_map(normals).collect();
+        let (runs, n) = (cube.runs()?, cube.dimension);
+        let mut inputs = vec![0.0; self.samples.len() * n];
+        for (sample, input) in self.samples.iter().zip(inputs.chunks_exact_mut(n)) {
+            runs.normals(sample.realisation, input);
+        }
         let n_folds = usize::try_from(cube.n_replicas).unwrap_or(usize::MAX);
         Ok(PolynomialControl::new(&inputs, cube.dimension, n_folds)?)
     }
@@ -272,9 +297,16 @@ impl Exceedance {
     /// # Errors
     /// [`Error::NotFinite`] for the level.
     pub fn by_normal_law<const N: usize>(moments: &Moments<N>, level: f64) -> Result<Self, Error> {
-        crate::error::finite("level", level)?;
         let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        let variance = moments.variance_first_order();
+        Self::of_normal((mean, moments.variance_first_order()), level)
+    }
+
+    /// Of a normal response with this mean and variance.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the level.
+    pub fn of_normal((mean, variance): (f64, f64), level: f64) -> Result<Self, Error> {
+        crate::error::finite("level", level)?;
         let probability = if variance > 0.0 {
             upper_tail((level - mean) / variance.sqrt())
         } else {

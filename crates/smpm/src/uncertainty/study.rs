@@ -5,15 +5,15 @@ use perturbation_moments::{
 };
 
 use super::experiment::Experiment;
-use super::keep::{Keep, Kept};
+use super::keep::Keep;
 use super::range;
+use super::runs::Runs;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::Error;
 use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Plain, Reader, Record, Schedule, Witness};
+use crate::record::{Plain, Schedule};
 use crate::simulation::Simulation;
-use crate::snapshot::Stored;
 
 /// Which points of a star are run: `+` and `-` of each direction alternate.
 const BOTH_SIDES: usize = 1;
@@ -24,9 +24,7 @@ const ONE_SIDE: usize = 2;
 pub struct Study<'a, X, const D: usize, const N: usize> {
     pub(super) experiment: &'a X,
     pub(super) inputs: RandomVector<N>,
-    pub(super) plan: Plan<D>,
-    keep: Option<&'a dyn Keep>,
-    mean_run: Record<f64>,
+    pub(super) runs: Runs<'a, D>,
 }
 
 /// What the jets brought.
@@ -75,32 +73,13 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     ) -> Result<Self, Error> {
         let mut simulation = experiment.simulation(&inputs.centre())?;
         range::check(experiment, &inputs)?;
-        let (run, n_stops) = ("mean run".to_owned(), plan.stops().len());
-        let windows = &plan.windows;
-        let mut kept = Kept { keep, run, windows, schedule: None, n_stops, witness: () };
-        let mean_run = simulation.record_by(&plan, None, &Plain, &mut kept)?;
-        Ok(Self { experiment, inputs, plan, keep, mean_run })
-    }
-
-    /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.
-    pub(super) fn follow<S: Stored, T: Stored, W: Witness<S, T, D>>(
-        &self,
-        run: String,
-        simulation: &mut Simulation<S, D>,
-        reader: &impl Reader<S, T, D>,
-        witness: W,
-    ) -> Result<(Vec<T>, W), Error> {
-        let schedule = Some(self.schedule());
-        let (keep, windows, n_stops) =
-            (self.keep, &self.plan.windows, self.schedule().steps().len());
-        let mut kept = Kept { keep, run, windows, schedule, n_stops, witness };
-        let record = simulation.record_by(&self.plan, schedule, reader, &mut kept)?;
-        Ok((record.values, kept.witness))
+        let runs = Runs::begin(&mut simulation, plan, keep)?;
+        Ok(Self { experiment, inputs, runs })
     }
 
     /// What is looked at.
     pub const fn plan(&self) -> &Plan<D> {
-        &self.plan
+        &self.runs.plan
     }
 
     /// The law of the parameters.
@@ -111,13 +90,13 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// The responses at the centre of the parameters.
     #[must_use]
     pub fn centre(&self) -> &[f64] {
-        &self.mean_run.values
+        self.runs.centre()
     }
 
     /// The steps that all runs take.
     #[must_use]
     pub const fn schedule(&self) -> &Schedule {
-        &self.mean_run.schedule
+        self.runs.schedule()
     }
 
     /// The responses at independent standard normals `t`.
@@ -125,7 +104,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment and of the run.
     pub fn run(&self, t: &[f64; N]) -> Result<Vec<f64>, Error> {
-        self.experiment.simulation(&self.inputs.point(t))?.replay(&self.plan, self.schedule())
+        self.experiment.simulation(&self.inputs.point(t))?.replay(&self.runs.plan, self.schedule())
     }
 
     /// Repeats the reference run and shows it at the begins and ends of windows, to draw fields. Where it resumes another, it
@@ -134,15 +113,9 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     /// # Errors
     /// Those of the experiment and of the run.
     pub fn mean_run_seen(&self, look: impl FnMut(f64, &Simulation<f64, D>)) -> Result<(), Error> {
-        struct Seen<F>(F);
-        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, f64, D> for Seen<F> {
-            fn stop(&mut self, time: f64, simulation: &Simulation<f64, D>) {
-                (self.0)(time, simulation);
-            }
-        }
         let mut simulation = self.experiment.simulation(&self.inputs.centre())?;
-        let run = "mean run, shown".to_owned();
-        self.follow(run, &mut simulation, &Plain, Seen(look)).map(drop)
+        let run = "reference run, shown".to_owned();
+        self.runs.show(run, &mut simulation, look)
     }
 
     /// Moments by the derivatives that every particle and node carries: one run with jets for up to eight parameters, one
@@ -167,7 +140,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     ) -> Result<Propagated<N>, Error> {
         let n_passes = N.div_ceil(LANES).max(1);
         let probes = signs::<N>(LANES * n_passes - N);
-        let (windows, n_gauges) = (&self.plan.windows, self.plan.gauges.len());
+        let (windows, n_gauges) = (&self.runs.plan.windows, self.runs.plan.gauges.len());
         let mut switches_so_far: Option<Vec<Vec<Switch>>> = None;
         let mut passes: Vec<Vec<Jet>> = Vec::with_capacity(n_passes);
         for pass in 0..n_passes {
@@ -175,7 +148,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let mut simulation = self.experiment.simulation(&jets)?;
             let witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass, &mut look);
             let run = format!("run with derivatives {pass}");
-            let (values, witness) = self.follow(run, &mut simulation, &Plain, witness)?;
+            let (values, witness) = self.runs.follow(run, &mut simulation, &Plain, witness)?;
             passes.push(values);
             switches_so_far = Some(match switches_so_far {
                 None => witness.at_windows,
@@ -185,10 +158,10 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         let at_windows = switches_so_far.unwrap_or_default();
         let moments = self.moments_of(&passes, probes.len())?;
         let switch = |response| {
-            let (gauge, _, window) = self.plan.parts(response);
+            let (gauge, _, window) = self.runs.plan.parts(response);
             at_windows[gauge][window]
         };
-        let switches = (0..self.plan.n_responses()).map(switch).collect();
+        let switches = (0..self.runs.plan.n_responses()).map(switch).collect();
         Ok(Propagated { moments, switches, n_probes: probes.len() })
     }
 
@@ -203,7 +176,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let known = AlongDirections::from_passes(&jets, n_probes)?;
             Ok(Moments::along(&self.inputs, &known)?)
         };
-        (0..self.plan.n_responses()).map(of).collect()
+        (0..self.runs.plan.n_responses()).map(of).collect()
     }
 
     /// Moments by central differences of `2N` whole runs, `step` deviations to either side of the reference run; a parameter
@@ -218,7 +191,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let known = AlongDirections::from_star(step, &values)?;
             Ok(Moments::along(&self.inputs, &known)?)
         };
-        (0..self.plan.n_responses()).map(of).collect()
+        (0..self.runs.plan.n_responses()).map(of).collect()
     }
 
     /// First-order moments by one-sided differences of `N` whole runs, `step` deviations from the reference run: the variance by
@@ -233,7 +206,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let slopes = Slopes::from_half_star(step, &values)?;
             Ok(Moments::from_slopes(&self.inputs, &slopes)?)
         };
-        (0..self.plan.n_responses()).map(of).collect()
+        (0..self.runs.plan.n_responses()).map(of).collect()
     }
 
     /// Moments by the runs at the centre and at $\pm\sqrt3$ deviations along each direction; a parameter without deviation
@@ -247,7 +220,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             let values: Vec<f64> = table.iter().map(|run| run[response]).collect();
             Ok(SigmaPoints::from_values(&values)?)
         };
-        (0..self.plan.n_responses()).map(of).collect()
+        (0..self.runs.plan.n_responses()).map(of).collect()
     }
 
     /// All responses at every `stride`-th point of a star, the reference run first.
@@ -265,7 +238,7 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
             }
             let mut simulation = self.experiment.simulation(&parameters)?;
             let name = format!("point {point} at {distance} deviations");
-            self.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
+            self.runs.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
         };
         for run in map_in_order(&numbered, &run) {
             table.push(run?);

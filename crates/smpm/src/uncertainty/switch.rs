@@ -23,7 +23,7 @@ impl Switch {
     /// Below this many deviations a flag is raised.
     pub const LIMIT: f64 = 2.0;
 
-    const NONE: Self = Self { at_end: f64::INFINITY, so_far: f64::INFINITY };
+    pub(super) const NONE: Self = Self { at_end: f64::INFINITY, so_far: f64::INFINITY };
 
     fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut f64)) {
         visit(&mut self.at_end);

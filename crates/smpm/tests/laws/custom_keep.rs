@@ -227,7 +227,7 @@ fn standings_that_do_not_fit_are_refused_by_what_does_not() {
     let quantity = "numbers of a window";
     assert_eq!(error, Error::ForeignSnapshot { quantity, found: 6, expected: 3 });
     // What one run has come to is not where another is.
-    let mean_run = keep.kept().remove("mean run").unwrap();
+    let mean_run = keep.kept().remove("reference run").unwrap();
     keep.kept.lock().unwrap().insert("run with derivatives 0".to_owned(), mean_run);
     let error = run(&|study| study.propagated(), windows(), &keep).unwrap_err();
     assert!(matches!(error, Error::ForeignSnapshot { .. }), "{error}");
@@ -259,7 +259,7 @@ fn a_forged_standing_goes_on_or_is_refused() {
     let keep = Mortal::new(23, 1);
     let centre: Method<'_, _> = &|study| Ok(study.centre().to_vec());
     run(centre, windows(), &keep).unwrap_err();
-    let standing = serde_json::to_value(&keep.kept()["mean run"]).unwrap();
+    let standing = serde_json::to_value(&keep.kept()["reference run"]).unwrap();
     assert!(standing["steps"] != json!([]) && standing["taken"] != json!([]));
     let mut places = vec![];
     paths(&standing, "", &mut places);
@@ -272,7 +272,7 @@ fn a_forged_standing_goes_on_or_is_refused() {
             *forged.pointer_mut(place).unwrap() = forgery;
             let Ok(forged) = serde_json::from_value::<Standing>(forged) else { continue };
             let keep = Mortal::immortal();
-            keep.kept.lock().unwrap().insert("mean run".to_owned(), forged);
+            keep.kept.lock().unwrap().insert("reference run".to_owned(), forged);
             match run(centre, windows(), &keep) {
                 Ok(_) => n_accepted += 1,
                 Err(_) => n_refused += 1,

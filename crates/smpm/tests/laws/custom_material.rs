@@ -154,7 +154,7 @@ fn a_whole_material_is_five_methods() {
 
 // docs: lanes
 /// A liquid that bears no tension: `p = -K ln J` for `J < 1`, else none.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 struct Drops<S> {
     density: S,
     bulk_modulus: S,
@@ -197,7 +197,7 @@ impl EquationFamily<f64> for Drops<f64> {
         Drops { density: of(self.density), bulk_modulus: of(self.bulk_modulus) }
     }
 
-    fn filled<S: Real>(_number: S) {}
+    fn filled<S: Real>(&self, _number: S) {}
 }
 // docs: end
 

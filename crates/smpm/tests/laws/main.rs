@@ -5,6 +5,7 @@
 
 mod boundaries;
 mod contact;
+mod custom_field_experiment;
 mod custom_keep;
 mod custom_material;
 mod derivatives;
@@ -16,3 +17,4 @@ mod plate_impact;
 mod published;
 mod restart;
 mod uncertainty;
+mod varying;

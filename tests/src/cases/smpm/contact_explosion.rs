@@ -45,7 +45,7 @@ pub(crate) struct Solved {
     pub(crate) plan: Plan<2>,
     pub(crate) propagated: Propagated<5>,
     pub(crate) frozen: Vec<FrozenMoments<5>>,
-    pub(crate) sampled: Sampled<5>,
+    pub(crate) sampled: Sampled,
 }
 
 /// The study of a problem; with three parameters two more are certain.

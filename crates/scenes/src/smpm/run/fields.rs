@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use perturbation_moments::{Jet, Scalar};
-use smpm::uncertainty::{Experiment, Study};
+use smpm::uncertainty::{Experiment, FieldStudy, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
 use crate::kind::SolverError;
 use crate::output::write_to_disk;
+use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::SmpmScene;
 
 /// Quantities that are always written, besides those of the scene.
@@ -24,6 +25,8 @@ pub(super) struct Fields {
     /// Time and file of each frame.
     frames: Vec<(f64, String)>,
     are_shown: bool,
+    /// Columns that are the same in each frame.
+    constants: Vec<(String, Vec<f64>)>,
     failure: Option<SolverError>,
 }
 
@@ -42,6 +45,7 @@ impl Fields {
             folder: out.join("fields"),
             frames: times.into_iter().enumerate().map(name).collect(),
             are_shown: false,
+            constants: Vec::new(),
             failure: None,
         }
     }
@@ -66,6 +70,21 @@ impl Fields {
     ) -> Result<(), Error> {
         if self.wanted {
             study.mean_run_seen(|time, run| self.frame(time, run, |value| value, None))?;
+        }
+        self.are_shown();
+        Ok(())
+    }
+
+    /// A realisation of random fields, in `f64`, with its constants.
+    pub(super) fn of_realisation<const D: usize>(
+        &mut self,
+        study: &FieldStudy<'_, SceneExperiment<D>, D>,
+        coefficients: &[f64],
+        experiment: &SceneExperiment<D>,
+    ) -> Result<(), Error> {
+        if self.wanted {
+            self.constants = experiment.constants(coefficients);
+            study.run_seen(coefficients, |time, run| self.frame(time, run, |value| value, None))?;
         }
         self.are_shown();
         Ok(())
@@ -117,11 +136,16 @@ impl Fields {
                     values.push(quantity.of(body, particle)?);
                 }
             }
-            store.add(&format!("{quantity}_mean"), values.iter().map(|&v| mean(v)).collect())?;
+            // One realisation has no mean.
+            let of = if self.constants.is_empty() { "_mean" } else { "" };
+            store.add(&format!("{quantity}{of}"), values.iter().map(|&v| mean(v)).collect())?;
             if let Some(deviation) = deviation {
                 let column: Vec<f64> = values.iter().map(|&v| deviation(v)).collect();
                 store.add(&format!("{quantity}_standard_deviation"), column)?;
             }
+        }
+        for (name, column) in &self.constants {
+            store.add(name, column.clone())?;
         }
         store.set_attribute("time", Attribute::Real(time));
         write_to_disk(&self.folder.join(name), |out| store.write_vtu(places, out))?;

@@ -14,11 +14,22 @@ pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
             changed(scene, |scene| certain(scene, k)),
         ));
     }
+    for (k, field) in scene.random_fields.iter().enumerate() {
+        all.push(ingredient(
+            format!("the random field of {}", field.parameters.join(" and ")),
+            changed(scene, |scene| {
+                scene.random_fields.remove(k);
+                !scene.random_fields.is_empty()
+            }),
+        ));
+    }
     for name in scene.materials.keys() {
         for (key, words, take) in PARTS {
             // Random parameters of a removed part are removed too.
             let start = format!("{name}.{key}.");
-            if scene.random.iter().all(|random| !random.parameter.starts_with(&start)) {
+            let fields = scene.random_fields.iter().flat_map(|field| &field.parameters);
+            let mut random = scene.random.iter().map(|random| &random.parameter).chain(fields);
+            if random.all(|parameter| !parameter.starts_with(&start)) {
                 let scene = changed(scene, |scene| scene.materials.get_mut(name).is_some_and(take));
                 all.push(ingredient(format!("{words} of {name}"), scene));
             }

@@ -22,7 +22,7 @@ const LEFT_OUT: &str = "All trials use the cell of the scene, so the grid error 
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let scene: SmpmScene = file.parse()?;
     let mut methods = vec![("deterministic, no variance", MethodScene::Deterministic)];
-    if !scene.random.is_empty() {
+    if !(scene.random.is_empty() && scene.random_fields.is_empty()) {
         methods = vec![
             ("propagated derivatives", MethodScene::Propagated),
             ("differences of whole runs", MethodScene::FiniteDifference { step: DIFFERENCE }),
@@ -41,6 +41,9 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             ("quasi-Monte Carlo", quasi_sampled(false)),
             ("quasi-Monte Carlo with control variate", quasi_sampled(true)),
         ];
+    }
+    if !scene.random_fields.is_empty() {
+        methods.retain(|(_, method)| scene.has_for_fields(*method));
     }
     if let Some(own) = methods.iter_mut().find(|(_, method)| is_alike(method, &scene.method)) {
         // With the scene's own step or seed.

@@ -1,12 +1,11 @@
-//! Responses of a scene, as written into its result.
+//! Responses of a plan with their moments.
 
-use estimators::PolynomialControl;
 use perturbation_moments::{Estimate, Moments, Uncertainty};
 use serde::Serialize;
 use smpm::uncertainty::{Exceedance, Sampled, Switch};
 use smpm::{Error, Plan, Window};
 
-use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
+use crate::smpm::scene::{RandomScene, SmpmScene};
 
 /// A response with its moments.
 #[derive(Debug, Clone, Serialize)]
@@ -75,15 +74,6 @@ pub(super) struct Shares {
     pub(super) unexplained: Option<f64>,
 }
 
-/// Control variate of sampled responses.
-pub(super) enum Control<'a, const N: usize> {
-    None,
-    /// A Taylor series from differences of complete runs.
-    Taylor(&'a Moments<N>),
-    /// Polynomials fitted to the samples.
-    Polynomial(&'a PolynomialControl),
-}
-
 /// A level and its exceedance probability.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Chance {
@@ -93,6 +83,13 @@ pub(super) struct Chance {
     standard_error: Option<f64>,
     /// `normal_law` from the moments, or `count` of samples.
     by: &'static str,
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
 }
 
 /// Responses of a plan at the centre.
@@ -126,39 +123,23 @@ impl<const D: usize> Table<'_, D> {
         self.centre.iter().enumerate().map(start).collect()
     }
 
-    fn levels(&self, response: usize) -> &[f64] {
+    pub(super) fn levels(&self, response: usize) -> &[f64] {
         let (_, quantity, _) = self.plan.parts(response);
         let name = self.plan.quantities[quantity].to_string();
         self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
     }
 
-    pub(super) fn sampled<const N: usize>(
+    /// With moments of samples, and the shares of them that exceed levels.
+    pub(super) fn sampled(
         &self,
         i: usize,
         response: Response,
-        sampled: &Sampled<N>,
-        control: Control<'_, N>,
+        sampled: &Sampled,
+        (mean, variance): (&Estimate, &Estimate),
     ) -> Result<Response, Error> {
-        let mut shares = Vec::new();
-        let found = match control {
-            Control::Taylor(moments) => sampled.controlled(i, moments)?,
-            Control::None => sampled.raw(i)?,
-            Control::Polynomial(polynomial) => {
-                let found = polynomial.moments(&sampled.values(i)?)?;
-                shares = self.shares(&found.first, &found.total, Some(found.unexplained));
-                found.moments
-            }
-        };
-        if matches!(self.scene.method, MethodScene::SobolIndices { .. })
-            && found.variance.value > 0.0
-        {
-            let indices = sampled.sobol_indices(i)?;
-            shares = self.shares(&indices.first, &indices.total, None);
-        }
-        let mut response = response.with_moments(found.mean.value, found.variance.value);
-        response.mean_standard_error = error_of(&found.mean);
-        response.variance_standard_error = error_of(&found.variance);
-        response.sobol_indices = shares;
+        let mut response = response.with_moments(mean.value, variance.value);
+        response.mean_standard_error = error_of(mean);
+        response.variance_standard_error = error_of(variance);
         for &level in self.levels(i) {
             let chance = sampled.exceedance(i, level)?;
             let (probability, standard_error) = (chance.value, error_of(&chance));
@@ -168,7 +149,7 @@ impl<const D: usize> Table<'_, D> {
     }
 
     /// Sobol' indices by parameter; those of a polynomial leave a part of the variance unexplained.
-    fn shares(
+    pub(super) fn shares(
         &self,
         first: &[Estimate],
         total: &[Estimate],
@@ -186,6 +167,7 @@ impl<const D: usize> Table<'_, D> {
         self.scene.random.iter().zip(first.iter().zip(total)).map(of).collect()
     }
 
+    /// With the moments of a Taylor series.
     pub(super) fn taylor<const N: usize>(
         &self,
         i: usize,
@@ -195,15 +177,26 @@ impl<const D: usize> Table<'_, D> {
     ) -> Result<Response, Error> {
         // Without curvature the mean is that of first order.
         let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        let mut response = response.with_moments(mean, moments.variance_first_order());
         let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        self.series(i, response, (mean, moments.variance_first_order()), (curvature, switch))
+    }
+
+    /// With mean and variance of a Taylor series, its variance by curvature over that by slope, and the distance to a switch.
+    pub(super) fn series(
+        &self,
+        i: usize,
+        response: Response,
+        (mean, variance): (f64, f64),
+        (curvature, switch): (Option<f64>, Option<&Switch>),
+    ) -> Result<Response, Error> {
+        let mut response = response.with_moments(mean, variance);
         response.trust = Some(Indicators {
             curvature_ratio: curvature.map(f64::sqrt),
             switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
             switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
         });
         for &level in self.levels(i) {
-            let Exceedance { probability, .. } = Exceedance::by_normal_law(moments, level)?;
+            let Exceedance { probability, .. } = Exceedance::of_normal((mean, variance), level)?;
             let (standard_error, by) = (None, "normal_law");
             response.exceedance.push(Chance { level, probability, standard_error, by });
         }
@@ -215,12 +208,5 @@ impl Response {
     pub(super) fn with_moments(self, mean: f64, variance: f64) -> Self {
         let standard_deviation = Some(variance.max(0.0).sqrt());
         Self { mean, variance: Some(variance), standard_deviation, ..self }
-    }
-}
-
-fn error_of(estimate: &Estimate) -> Option<f64> {
-    match estimate.uncertainty {
-        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
-        Uncertainty::Unknown => None,
     }
 }

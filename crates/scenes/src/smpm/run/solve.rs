@@ -1,23 +1,22 @@
 //! Methods of a scene.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use figures::number::with_uncertainty;
-use perturbation_moments::Jet;
-use sde_integrators::Accumulator;
-use smpm::uncertainty::{Design, FrozenForm, Sampled, Study};
+use perturbation_moments::{Jet, Moments};
+use smpm::uncertainty::{FrozenForm, Sampled, Study};
 use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
-use super::response::{Control, Response, Table};
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::clock::CpuClock;
-use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use super::response::{Response, Table};
+use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
+use crate::checkpoint::Checkpoint;
+use crate::kind::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::{MethodScene, SmpmScene};
 
+/// Keys that do not affect a run up to the first differing time, which the stored state records.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
 /// Half width of a central difference that no scene sets, in standard deviations.
 pub(super) const DIFFERENCE: f64 = 0.1;
 
@@ -58,7 +57,10 @@ pub(super) fn solve<const D: usize, const N: usize>(
 }
 
 /// Checkpoint of a scene whose samples are neither merged nor distributed over ranks.
-fn checkpoint<'a>(scene: &SmpmScene, run: &'a Run<'_>) -> Result<Option<&'a Checkpoint>, RunError> {
+pub(super) fn checkpoint<'a>(
+    scene: &SmpmScene,
+    run: &'a Run<'_>,
+) -> Result<Option<&'a Checkpoint>, RunError> {
     if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
         return Ok(None);
     }
@@ -91,7 +93,11 @@ fn solve_kept<const D: usize, const N: usize>(
         let control = scene.method.has_taylor_control();
         n_runs += design.n_runs()? + if control { differences } else { 0 };
         run.progress.stage("samples");
-        let sampled = match sampled(&study, design, scene, run, kept, shards)? {
+        let run_samples = |design, range, known: &_, each, seen: &mut SeenSamples<'_>| {
+            study.sampled_from(design, range, known, each, seen)
+        };
+        let requested = Requested { scene, plan, design, run_samples: &run_samples };
+        let sampled = match sampled(&requested, run, kept, shards)? {
             Samples::All(sampled, elsewhere) => {
                 seconds_elsewhere = elsewhere;
                 sampled
@@ -105,20 +111,8 @@ fn solve_kept<const D: usize, const N: usize>(
         } else {
             Vec::new()
         };
-        let polynomial = match scene.method {
-            MethodScene::QuasiMonteCarlo { control: true, .. } => {
-                Some(sampled.polynomial_control()?)
-            }
-            _ => None,
-        };
         failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
-        table.each(|i, response| {
-            let control = match &polynomial {
-                Some(polynomial) => Control::Polynomial(polynomial),
-                None => surrogates.get(i).map_or(Control::None, Control::Taylor),
-            };
-            table.sampled(i, response, &sampled, control)
-        })?
+        of_samples(&table, &sampled, &surrogates)?
     } else {
         let (responses, more_runs) = expanded(&study, &table, fields, run)?;
         n_runs += more_runs;
@@ -127,6 +121,37 @@ fn solve_kept<const D: usize, const N: usize>(
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+}
+
+/// Responses from samples: with a Taylor series or a fitted polynomial as control variate, with Sobol' indices, or as they are.
+fn of_samples<const D: usize, const N: usize>(
+    table: &Table<'_, D>,
+    sampled: &Sampled,
+    surrogates: &[Moments<N>],
+) -> Result<Vec<Response>, Error> {
+    let polynomial = match table.scene.method {
+        MethodScene::QuasiMonteCarlo { control: true, .. } => Some(sampled.polynomial_control()?),
+        _ => None,
+    };
+    table.each(|i, response| {
+        let mut shares = Vec::new();
+        let found = match (&polynomial, surrogates.get(i)) {
+            (Some(polynomial), _) => {
+                let found = polynomial.moments(&sampled.values(i)?)?;
+                shares = table.shares(&found.first, &found.total, Some(found.unexplained));
+                found.moments
+            }
+            (None, Some(moments)) => sampled.controlled(i, moments)?,
+            (None, None) => sampled.raw(i)?,
+        };
+        let is_design = matches!(table.scene.method, MethodScene::SobolIndices { .. });
+        if is_design && found.variance.value > 0.0 {
+            let indices = sampled.sobol_indices(i)?;
+            shares = table.shares(&indices.first, &indices.total, None);
+        }
+        let response = table.sampled(i, response, sampled, (&found.mean, &found.variance))?;
+        Ok(Response { sobol_indices: shares, ..response })
+    })
 }
 
 /// Responses by a method without samples, and its number of runs besides the reference run.
@@ -214,147 +239,4 @@ impl From<RunError> for SolveError {
     fn from(error: RunError) -> Self {
         Self::Run(error)
     }
-}
-
-/// Name of the samples in a checkpoint.
-const SAMPLES: &str = "samples";
-/// Keys that do not affect samples.
-///
-/// More points of a quasi-random design continue it.
-const ASIDE_OF_SAMPLES: [&str; 5] = [
-    "/title",
-    "/levels",
-    "/method/monte_carlo/samples",
-    "/method/quasi_monte_carlo/points",
-    "/method/sobol_indices/points",
-];
-/// Keys that do not affect a run up to the first differing time, which the stored state records.
-const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
-/// Samples per block of a rank.
-const SAMPLES_OF_BLOCK: u64 = 4;
-/// Samples per thread between two reports.
-const SAMPLES_OF_THREAD: usize = 4;
-
-/// Samples of all shards, if shard files are merged.
-fn shards<const D: usize>(
-    scene: &SmpmScene,
-    plan: &Plan<D>,
-    run: &Run<'_>,
-) -> Result<Option<Responses>, RunError> {
-    let (Part::Merged(files), Some(design)) = (run.part(), scene.design()) else {
-        return Ok(None);
-    };
-    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
-    let shards: Vec<Responses> = run.read_shards(inputs, files)?;
-    let samples: Responses = shards.into_iter().flatten().collect();
-    for responses in samples.values() {
-        Run::require("responses", responses.len(), plan.n_responses())?;
-    }
-    Ok(Some(samples))
-}
-
-/// Result of the requested samples.
-enum Samples<const N: usize> {
-    /// All samples, and their CPU time on other ranks or in earlier processes (s).
-    All(Sampled<N>, f64),
-    /// The file of a shard.
-    Shard(PathBuf),
-    /// Another rank holds them.
-    Elsewhere,
-}
-
-/// All requested samples: computed, from a checkpoint, from shards, or from blocks of ranks.
-fn sampled<const D: usize, const N: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, N>,
-    design: Design,
-    scene: &SmpmScene,
-    run: &Run<'_>,
-    kept: &KeptRuns<'_>,
-    shards: Option<Responses>,
-) -> Result<Samples<N>, RunError> {
-    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
-    let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
-    let n_runs = design.n_runs()?;
-    let range = run.range(n_runs);
-    let joined = |known: Responses, seconds: f64| {
-        let all = study
-            .sampled_from(design, range.clone(), &known, each, |_, _| Ok::<(), RunError>(()))?;
-        Ok(Samples::All(all, seconds))
-    };
-    if let Some(shards) = shards {
-        return joined(shards, 0.0);
-    }
-    if let Some(ranks) = run.ranks() {
-        let blocks = Cut { n: n_runs, unit: SAMPLES_OF_BLOCK };
-        // The clock of this process counts its own blocks.
-        let is_here = ranks.rank() == 0;
-        let compute = |block: u64| {
-            let (clock, none) = (CpuClock::start(), Responses::new());
-            let look = |_: &Sampled<N>, _: u64| Ok::<(), RunError>(());
-            let of_block = study.sampled_from(design, blocks.range(block), &none, each, look)?;
-            let seconds = if is_here { 0.0 } else { clock.seconds() };
-            Ok((of_block.responses(), seconds))
-        };
-        let words = |parts: &mut dyn Iterator<Item = &(Responses, f64)>| {
-            words(study, parts.flat_map(|(responses, _)| responses.values()))
-        };
-        let Some(parts) = run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)? else {
-            return Ok(Samples::Elsewhere);
-        };
-        let seconds = parts.iter().map(|(_, seconds)| seconds).sum();
-        return joined(parts.into_iter().flat_map(|(responses, _)| responses).collect(), seconds);
-    }
-    let checkpoint = match kept.checkpoint {
-        Some(checkpoint) => checkpoint,
-        None => run.checkpoint(inputs, &ASIDE_OF_SAMPLES)?,
-    };
-    let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
-    let n = range.end - range.start;
-    let sampled = study.sampled_from(design, range.clone(), &known, each, |so_far, tried| {
-        run.progress.at((tried, n), || words(study, so_far.responses().values()));
-        if tried == n || checkpoint.is_due() {
-            keep(checkpoint, &known, so_far.responses())?;
-        }
-        Ok::<(), RunError>(())
-    })?;
-    Ok(match run.part() {
-        Part::Shard(place) => {
-            Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)
-        }
-        Part::Whole | Part::Merged(_) => Samples::All(sampled, 0.0),
-    })
-}
-
-/// Stores new samples next to the known ones, which may be more than the scene now requests.
-fn keep(
-    checkpoint: &Checkpoint,
-    known: &Responses,
-    so_far: Responses,
-) -> Result<(), CheckpointError> {
-    if so_far.keys().all(|sample| known.contains_key(sample)) {
-        return Ok(());
-    }
-    let mut all = known.clone();
-    all.extend(so_far);
-    checkpoint.keep(SAMPLES, &all)
-}
-
-/// Responses by sample number.
-type Responses = BTreeMap<u64, Vec<f64>>;
-
-/// Current mean of the last response, with its standard error.
-fn words<'a, const D: usize, const N: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, N>,
-    so_far: impl Iterator<Item = &'a Vec<f64>>,
-) -> String {
-    let plan = study.plan();
-    let last = plan.n_responses().saturating_sub(1);
-    let mut values = Accumulator::default();
-    for value in so_far.filter_map(|responses| responses.get(last)) {
-        values.push(*value);
-    }
-    let Ok(mean) = values.estimate() else { return String::new() };
-    let (gauge, quantity, _) = plan.parts(last);
-    let mean = with_uncertainty(Some(mean.value), mean.standard_error());
-    format!("{} at {}: {mean}", plan.quantities[quantity], plan.gauges[gauge].name)
 }

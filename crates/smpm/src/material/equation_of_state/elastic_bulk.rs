@@ -45,6 +45,8 @@ impl<S: Real> EquationOfState<S> for ElasticBulk<S> {
 
     const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Elastic, StrengthKind::VonMises];
 
+    const COMPILED_VARYING_WITH: &'static [StrengthKind] = &[StrengthKind::Elastic];
+
     #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
@@ -71,6 +73,8 @@ impl<S: Real> EquationOfState<S> for ElasticBulk<S> {
     fn bulk_modulus(&self, _volume: S, _energy: S) -> S {
         self.parameters.bulk_modulus
     }
+
+    shows_constants!();
 }
 
 family_member!(EquationFamily, EquationOfState: ElasticBulk {  }, _number => ());

@@ -114,6 +114,9 @@ impl<S: Real> EquationOfState<S> for MieGruneisen<S> {
         StrengthKind::JohnsonCookDamage,
     ];
 
+    const COMPILED_VARYING_WITH: &'static [StrengthKind] =
+        &[StrengthKind::VonMises, StrengthKind::JohnsonCook];
+
     const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
@@ -176,6 +179,8 @@ impl<S: Real> EquationOfState<S> for MieGruneisen<S> {
             "greater than 0: no shock compresses further",
         )
     }
+
+    shows_constants!(modulus);
 }
 
 family_member!(EquationFamily, EquationOfState: MieGruneisen { modulus }, _number => ());

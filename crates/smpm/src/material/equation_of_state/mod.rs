@@ -54,6 +54,10 @@ pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
     #[doc(hidden)]
     const COMPILED_WITH: &'static [StrengthKind] = &[];
 
+    /// The same where their constants vary from particle to particle.
+    #[doc(hidden)]
+    const COMPILED_VARYING_WITH: &'static [StrengthKind] = &[];
+
     /// The same under a [`TensionCutOff`].
     #[doc(hidden)]
     const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[];
@@ -83,6 +87,14 @@ pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
     #[inline(always)]
     fn visit_numbers(&self, _state: &mut Self::State, _visit: impl FnMut(&mut S)) -> bool {
         size_of::<Self::State>() == 0
+    }
+
+    /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
+    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// between particles is shown.
+    #[inline(always)]
+    fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {
+        false
     }
 
     /// The least pressure that the material bears, `None` for any.

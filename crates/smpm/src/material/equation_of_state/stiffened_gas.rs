@@ -83,6 +83,8 @@ impl<S: Real> EquationOfState<S> for StiffenedGas<S> {
         let p = &self.parameters;
         Line { a: volume.splat(0.0), b: (p.exponent * -1.0 + 1.0) / volume.squared() }
     }
+
+    shows_constants!();
 }
 
 family_member!(EquationFamily, EquationOfState: StiffenedGas {  }, _number => ());

@@ -74,6 +74,12 @@ impl<S: Real, E: EquationOfState<S>> EquationOfState<S> for TensionCutOff<E, S> 
     fn visit_numbers(&self, state: &mut Self::State, visit: impl FnMut(&mut S)) -> bool {
         self.equation.visit_numbers(state, visit)
     }
+
+    #[inline(always)]
+    fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
+        visit(&mut self.least);
+        self.equation.visit_constants(visit)
+    }
 }
 
 impl<F: Scalar, E: EquationFamily<F>> EquationFamily<F> for TensionCutOff<E, F> {
@@ -85,7 +91,7 @@ impl<F: Scalar, E: EquationFamily<F>> EquationFamily<F> for TensionCutOff<E, F> 
     }
 
     #[inline(always)]
-    fn filled<S: Real>(number: S) -> <E::In<S> as EquationOfState<S>>::State {
-        E::filled(number)
+    fn filled<S: Real>(&self, number: S) -> <E::In<S> as EquationOfState<S>>::State {
+        self.equation.filled(number)
     }
 }

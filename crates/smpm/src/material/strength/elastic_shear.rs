@@ -82,6 +82,8 @@ impl<S: Real> Strength<S> for ElasticShear<S> {
         }
         true
     }
+
+    shows_constants!();
 }
 
 family_member!(StrengthFamily, Strength: ElasticShear { }, number => Symmetric([number; 6]));

@@ -44,6 +44,11 @@ impl<S: Real> Strength<S> for Fluid {
     {
         Observed::of_energy(S::constant(0.0))
     }
+
+    #[inline(always)]
+    fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {
+        true
+    }
 }
 
 impl<F: Scalar> StrengthFamily<F> for Fluid {
@@ -55,5 +60,5 @@ impl<F: Scalar> StrengthFamily<F> for Fluid {
     }
 
     #[inline(always)]
-    fn filled<S: Real>(_number: S) {}
+    fn filled<S: Real>(&self, _number: S) {}
 }

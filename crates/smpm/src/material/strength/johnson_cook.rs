@@ -316,6 +316,8 @@ impl<S: Real> Strength<S> for JohnsonCook<S> {
         visit(softening);
         true
     }
+
+    shows_constants!(heating, log_floor);
 }
 
 family_member!(StrengthFamily, Strength: JohnsonCook { heating, log_floor }, number => JohnsonCookState {

@@ -197,6 +197,18 @@ impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
         visit(&mut state.pending);
         self.flow.visit_numbers(&mut state.flow, &mut visit)
     }
+
+    #[inline(always)]
+    fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
+        self.parameters = self.parameters.map(
+            #[inline(always)]
+            |_, mut number| {
+                visit(&mut number);
+                number
+            },
+        );
+        self.flow.visit_constants(visit)
+    }
 }
 
 impl<F: Scalar> StrengthFamily<F> for JohnsonCookDamage<F> {
@@ -212,8 +224,8 @@ impl<F: Scalar> StrengthFamily<F> for JohnsonCookDamage<F> {
     }
 
     #[inline(always)]
-    fn filled<S: Real>(number: S) -> JohnsonCookDamageState<S> {
-        let flow = JohnsonCook::<F>::filled(number);
+    fn filled<S: Real>(&self, number: S) -> JohnsonCookDamageState<S> {
+        let flow = self.flow.filled(number);
         JohnsonCookDamageState { flow, damage: number, pending: number }
     }
 }

@@ -101,6 +101,14 @@ pub trait Strength<S: Real>: std::fmt::Debug + Send + Sync {
         size_of::<Self::State>() == 0
     }
 
+    /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
+    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// between particles is shown.
+    #[inline(always)]
+    fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {
+        false
+    }
+
     /// The pressure that the material bears at the end of the step, given the one that its equation of state asks for: what
     /// has failed bears no tension.
     ///

@@ -145,6 +145,8 @@ impl<S: Real> Strength<S> for VonMises<S> {
         visit(overshoot);
         true
     }
+
+    shows_constants!();
 }
 
 family_member!(StrengthFamily, Strength: VonMises { }, number => VonMisesState {

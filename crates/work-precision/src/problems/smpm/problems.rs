@@ -18,6 +18,12 @@ pub enum Problem {
     TaylorBar,
     /// A quarter of it in three dimensions.
     TaylorBarQuarter,
+    /// A column under its weight whose stiffness is a random field.
+    RandomColumn,
+    /// The thin plate with a random field of the yield stress.
+    RandomPlate,
+    /// The cylinder with a random field of the yield stress.
+    RandomTaylorBar,
 }
 
 impl Problem {
@@ -42,6 +48,18 @@ impl Problem {
             Self::TaylorBarQuarter => (
                 "tests/scenes/smpm/taylor_bar_quarter.json",
                 include_str!("../../../../../tests/scenes/smpm/taylor_bar_quarter.json"),
+            ),
+            Self::RandomColumn => (
+                "tests/scenes/smpm/random_column.json",
+                include_str!("../../../../../tests/scenes/smpm/random_column.json"),
+            ),
+            Self::RandomPlate => (
+                "tests/scenes/smpm/random_plate.json",
+                include_str!("../../../../../tests/scenes/smpm/random_plate.json"),
+            ),
+            Self::RandomTaylorBar => (
+                "tests/scenes/smpm/random_taylor_bar.json",
+                include_str!("../../../../../tests/scenes/smpm/random_taylor_bar.json"),
             ),
         }
     }

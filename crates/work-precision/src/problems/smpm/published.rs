@@ -133,7 +133,7 @@ pub struct Solved {
     /// Taylor moments by derivatives of the whole run.
     pub propagated: Vec<Moments<5>>,
     /// Whole runs.
-    pub sampled: Sampled<5>,
+    pub sampled: Sampled,
 }
 
 /// Mean (Mbar) and variance (Mbar^2) with their standard errors, zero for a Taylor series.

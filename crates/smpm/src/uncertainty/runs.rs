@@ -1,0 +1,73 @@
+//! The runs of a plan: the reference run, and others that take its steps.
+
+use super::keep::{Keep, Kept};
+use crate::error::Error;
+use crate::observation::Plan;
+use crate::record::{Plain, Reader, Record, Schedule, Witness};
+use crate::simulation::Simulation;
+use crate::snapshot::Stored;
+
+/// A plan, who keeps its runs, and what the reference run has shown.
+#[derive(Debug)]
+pub(super) struct Runs<'a, const D: usize> {
+    pub(super) plan: Plan<D>,
+    keep: Option<&'a dyn Keep>,
+    reference: Record<f64>,
+}
+
+impl<'a, const D: usize> Runs<'a, D> {
+    /// Runs the reference, or resumes it where it was kept.
+    pub(super) fn begin(
+        simulation: &mut Simulation<f64, D>,
+        plan: Plan<D>,
+        keep: Option<&'a dyn Keep>,
+    ) -> Result<Self, Error> {
+        let (run, n_stops) = ("reference run".to_owned(), plan.stops().len());
+        let windows = &plan.windows;
+        let mut kept = Kept { keep, run, windows, schedule: None, n_stops, witness: () };
+        let reference = simulation.record_by(&plan, None, &Plain, &mut kept)?;
+        Ok(Self { plan, keep, reference })
+    }
+
+    /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.
+    pub(super) fn follow<S: Stored, T: Stored, W: Witness<S, T, D>>(
+        &self,
+        run: String,
+        simulation: &mut Simulation<S, D>,
+        reader: &impl Reader<S, T, D>,
+        witness: W,
+    ) -> Result<(Vec<T>, W), Error> {
+        let schedule = Some(self.schedule());
+        let (keep, windows, n_stops) =
+            (self.keep, &self.plan.windows, self.schedule().steps().len());
+        let mut kept = Kept { keep, run, windows, schedule, n_stops, witness };
+        let record = simulation.record_by(&self.plan, schedule, reader, &mut kept)?;
+        Ok((record.values, kept.witness))
+    }
+
+    /// A run by the steps of the reference run, shown at the begins and ends of windows.
+    pub(super) fn show(
+        &self,
+        run: String,
+        simulation: &mut Simulation<f64, D>,
+        look: impl FnMut(f64, &Simulation<f64, D>),
+    ) -> Result<(), Error> {
+        struct Seen<F>(F);
+        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, f64, D> for Seen<F> {
+            fn stop(&mut self, time: f64, simulation: &Simulation<f64, D>) {
+                (self.0)(time, simulation);
+            }
+        }
+        self.follow(run, simulation, &Plain, Seen(look)).map(drop)
+    }
+
+    /// What the reference run has shown.
+    pub(super) fn centre(&self) -> &[f64] {
+        &self.reference.values
+    }
+
+    /// The steps of the reference run.
+    pub(super) const fn schedule(&self) -> &Schedule {
+        &self.reference.schedule
+    }
+}

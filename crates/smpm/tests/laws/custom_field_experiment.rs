@@ -1,0 +1,169 @@
+//! A run as a function of the coefficients of a random field, as a user would write it: gradient, differences and samples.
+
+use std::collections::BTreeMap;
+
+use perturbation_moments::{Estimate, Jet, MonteCarlo};
+use smpm::material::{LinearElasticParameters, LinearElasticSolid};
+use smpm::uncertainty::{FieldExperiment, FieldStudy};
+use smpm::{
+    Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan,
+    Quantity, Side, Simulation, Window,
+};
+
+/// A bar that runs into a wall, whose Young's modulus is lognormal: `ln E` has the modes `cos(k pi x/L)/k`.
+struct Bar {
+    n: usize,
+}
+
+impl FieldExperiment<1> for Bar {
+    fn n_coefficients(&self) -> usize {
+        self.n
+    }
+
+    fn simulation<S: Number>(&self, coefficients: &[S]) -> Result<Simulation<S, 1>, Error> {
+        let c = S::constant;
+        let material = |_: usize, x: &[f64; 1]| {
+            let mut exponent = c(0.0);
+            for (k, &xi) in (1_i32..).zip(coefficients) {
+                let mode = (f64::from(k) * std::f64::consts::PI * x[0] / 4.0).cos() / f64::from(k);
+                exponent = exponent + xi * (0.1 * mode);
+            }
+            let young_modulus = exponent.exp() * 2.0;
+            let (density, poisson_ratio) = (c(7.8), c(0.3));
+            LinearElasticSolid::linear_elastic(LinearElasticParameters {
+                density,
+                young_modulus,
+                poisson_ratio,
+            })
+        };
+        let fill = Fill::of([0.05], ([0.0], [4.0]), |_| true)?;
+        let wall =
+            Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
+        // The bulk viscosity acts in compression alone: a kink that derivatives do not see.
+        let viscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
+        let config = Config { viscosity, boundaries: vec![wall], ..Config::with_cell(0.1) };
+        Simulation::new(config, vec![Body::varying(material, &fill, [-0.001])?])
+    }
+}
+
+fn plan() -> Plan<1> {
+    let gauge =
+        |name: &str, x: f64| Gauge { name: name.to_owned(), body: 0, place: Place::Nearest([x]) };
+    Plan {
+        gauges: vec![gauge("middle", 2.025), gauge("end", 3.975)],
+        quantities: vec![Quantity::Position(0), Quantity::Stress(0, 0)],
+        windows: vec![Window::at(6.0)],
+    }
+}
+
+#[test]
+fn the_gradient_by_any_number_of_coefficients_is_that_of_differences() {
+    let bar = Bar { n: 11 };
+    let study = FieldStudy::new(&bar, plan(), None).unwrap();
+    let found = study.gradient().unwrap();
+    assert_eq!(found.n_runs, 2);
+    for response in 0..study.plan().n_responses() {
+        let moments = &found.moments[response];
+        let (scale, step) = (moments.variance().sqrt(), 1e-3);
+        let own = moments.curvature.iter().fold(0.0_f64, |most, h| most.max(h.abs()));
+        for k in 0..11 {
+            let at = |s: f64| {
+                let mut xi = [0.0; 11];
+                xi[k] = s;
+                study.run(&xi).unwrap()[response]
+            };
+            let (above, below) = (at(step), at(-step));
+            let slope = (above - below) / (2.0 * step);
+            // Truncation, step^2 of the third derivative, and roundoff of the place over the step; seen 7e-7.
+            let error = (moments.gradient[k] - slope).abs();
+            assert!(error < 5e-6 * scale, "{response} {k}: {error:e} of {scale:e}");
+            let curvature = (above - 2.0 * moments.value + below) / (step * step);
+            // Roundoff of the values over step^2: 4e-16/1e-6 of a place of 4; seen 6e-9.
+            let error = (moments.curvature[k] - curvature).abs();
+            assert!(error < 1e-3 * own + 2e-8, "{response} {k}: {error:e} of {own:e}");
+        }
+        // Along the gradient the slope is its length.
+        let direction = moments.direction().unwrap();
+        let along = study.along("along the gradient", &[direction]).unwrap();
+        let [slope, _] = along.derivatives[response][0];
+        assert!((slope / scale - 1.0).abs() < 1e-12);
+    }
+    assert!(found.switches.iter().all(|switch| switch.so_far.is_infinite()));
+    assert!(matches!(
+        study.run(&[0.0; 3]),
+        Err(Error::OtherCoefficients { value: 3, expected: 11 })
+    ));
+}
+
+#[test]
+fn differences_are_the_gradient_and_few_directions_the_most_of_its_length() {
+    let bar = Bar { n: 11 };
+    let study = FieldStudy::new(&bar, plan(), None).unwrap();
+    let gradient = study.gradient().unwrap().moments;
+    let central = study.central_differences(1e-3, &study.units()).unwrap();
+    let one_sided = study.forward_differences(1e-3, &study.units()).unwrap();
+    // The first three modes and two random directions.
+    let subspace = study.subspace_variance(1e-3, &study.units()[..3], (2, 5)).unwrap();
+    assert_eq!(subspace.n_runs, 6);
+    for (response, series) in gradient.iter().enumerate() {
+        let (variance, scale) = (series.variance(), series.variance().sqrt());
+        for k in 0..11 {
+            // Truncation: step^2, and half the step times the curvature.
+            let error = |slope: f64| (slope - series.gradient[k]).abs() / scale;
+            assert!(error(central[response][k][0]) < 5e-6, "{response} {k}");
+            assert!(error(one_sided[response][k]) < 1e-3, "{response} {k}");
+        }
+        let first: f64 = series.gradient[..3].iter().map(|g| g * g).sum();
+        let found = subspace.of_responses[response];
+        assert!((found.captured / first - 1.0).abs() < 2e-3, "{response}");
+        // Chi squared of two: within its standard error times four.
+        assert!(
+            (found.variance() - variance).abs()
+                < 4.0 * found.rest_standard_error.max(variance - first)
+        );
+    }
+    // All directions leave nothing.
+    let all = study.subspace_variance(1e-3, &study.units(), (2, 5)).unwrap();
+    assert!(all.n_runs == 12 && all.of_responses.iter().all(|of| of.rest == 0.0));
+    assert!(study.central_differences(0.0, &study.units()).is_err());
+}
+
+#[test]
+fn samples_of_fields_agree_with_the_taylor_series_and_are_controlled_by_it() {
+    let bar = Bar { n: 5 };
+    let study = FieldStudy::new(&bar, plan(), None).unwrap();
+    let series = study.gradient().unwrap().moments;
+    let judge = MonteCarlo { seed: 3, n_samples: 200 };
+    let none = BTreeMap::new();
+    let sampled =
+        study.monte_carlo_from(judge, 0..200, &none, 50, |_, _| Ok::<(), Error>(())).unwrap();
+    assert_eq!((sampled.n_samples(), sampled.failures.len()), (200, 0));
+    // Place of the end: nearly linear in the field.
+    let (raw, controlled) =
+        (sampled.raw(2).unwrap(), sampled.controlled_by_fields(2, &series[2]).unwrap());
+    let error = |estimate: &Estimate| estimate.standard_error().unwrap();
+    assert!(error(&controlled.variance) < 0.3 * error(&raw.variance));
+    assert!((controlled.mean.value - series[2].mean()).abs() < 5.0 * error(&controlled.mean));
+    let variance = series[2].surrogate_variance();
+    assert!((controlled.variance.value / variance - 1.0).abs() < 0.05);
+    // Half of the samples in another run, known to this one: bitwise identical.
+    let half = study.monte_carlo_from(judge, 100..200, &none, 7, |_, _| Ok::<(), Error>(()));
+    let known = half.unwrap().responses();
+    let again = study.monte_carlo_from(judge, 0..200, &known, 30, |_, _| Ok::<(), Error>(()));
+    assert_eq!(again.unwrap(), sampled);
+}
+
+#[test]
+fn a_jet_without_derivatives_has_the_values_of_numbers() {
+    let bar = Bar { n: 2 };
+    let mut numbers = bar.simulation(&[0.7, -0.4]).unwrap();
+    let mut jets = bar.simulation(&[Jet::variable(0.7, 0), Jet::variable(-0.4, 1)]).unwrap();
+    let record = numbers.record(&plan()).unwrap();
+    let values = jets.replay(&plan(), &record.schedule).unwrap();
+    for (jet, value) in values.iter().zip(&record.values) {
+        // The nodes sum in another order: roundoff.
+        let error = (jet.value - value).abs();
+        assert!(error < 2e-15 * (1.0 + value.abs()), "{error:e} of {value:e}");
+        assert!(jet.first[0] != 0.0 && jet.first[1] != 0.0 && jet.first[2] == 0.0);
+    }
+}

@@ -1,0 +1,333 @@
+//! Constants that vary in space: a column under its weight against its integral, a plate beside an explosion and a Taylor bar by the
+//! gradient of all terms against sampled runs.
+
+use std::collections::BTreeMap;
+
+use perturbation_moments::{Estimate, MonteCarlo};
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::SmpmScene;
+use smpm::uncertainty::{FieldMoments, FieldStudy, Sampled};
+use smpm::{Error, Plan};
+use work_precision::problems::smpm::problems::{Problem, experiment};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
+
+pub(crate) const COLUMN: Case = Case {
+    id: "smpm/random-fields/column",
+    title: "Displacement of a column under its weight whose stiffness is a lognormal random field",
+    source: "u(x) = -int_0^x rho g (L - s)/M(s) ds; the reciprocal of a lognormal field is lognormal, so mean and variance are integrals of its covariance",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: column,
+};
+
+pub(crate) const PLATE: Case = Case {
+    id: "smpm/random-fields/plate",
+    title: "Flow stress in a plate beside an explosion whose yield stress is a random field of 100 terms",
+    source: "own whole runs, sampled",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: plate,
+};
+
+pub(crate) const TAYLOR_BAR: Case = Case {
+    id: "smpm/random-fields/taylor-bar",
+    title: "Length of a Taylor bar whose yield stress is a random field",
+    source: "own whole runs, sampled",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: taylor_bar,
+};
+
+const SEED: u64 = 2026;
+
+/// Samples of a study, controlled or not by the caller.
+fn samples<const D: usize>(
+    study: &FieldStudy<'_, SceneExperiment<D>, D>,
+    n_samples: u64,
+) -> Result<Sampled, CaseError> {
+    let judge = MonteCarlo { seed: SEED, n_samples };
+    let none = BTreeMap::new();
+    let sampled = study
+        .monte_carlo_from(judge, 0..n_samples, &none, n_samples, |_, _| Ok::<(), Error>(()))?;
+    if let Some((_, error)) = sampled.failures.first() {
+        return Err(error.clone().into());
+    }
+    Ok(sampled)
+}
+
+fn standard_error(estimate: &Estimate) -> f64 {
+    estimate.standard_error().unwrap_or(f64::INFINITY)
+}
+
+/// Numbers of the scene of the column (m, kg, s).
+struct Column {
+    length: f64,
+    density: f64,
+    gravity: f64,
+    /// `K + 4 G/3`.
+    modulus: f64,
+    coefficient_of_variation: f64,
+    correlation_length: f64,
+}
+
+const SCENE_COLUMN: Column = Column {
+    length: 10.0,
+    density: 2400.0,
+    gravity: 9.81,
+    modulus: 20e9 + 4.0 / 3.0 * 12e9,
+    coefficient_of_variation: 0.2,
+    correlation_length: 2.0,
+};
+
+/// Mean, variance and first-order variance of the displacement at a height, by the midpoint rule.
+fn column_moments(column: &Column, height: f64) -> [f64; 3] {
+    const N: usize = 1000;
+    let h = height / N as f64;
+    let weight = |k: usize| {
+        let x = (k as f64 + 0.5) * h;
+        -column.density * column.gravity * (column.length - x) / column.modulus * h
+    };
+    let square = (1.0 + column.coefficient_of_variation.powi(2)).ln();
+    let mean: f64 = (0..N).map(weight).sum::<f64>() * square.exp();
+    let (mut variance, mut first_order) = (0.0, 0.0);
+    for i in 0..N {
+        for j in 0..N {
+            let r = (i as f64 - j as f64).abs() * h / column.correlation_length;
+            let correlation = (1.0 + 2.0 * r) * (-2.0 * r).exp();
+            let both = weight(i) * weight(j);
+            variance += both * (2.0 * square).exp() * (square * correlation).exp_m1();
+            first_order += both * square * square.exp() * correlation;
+        }
+    }
+    [mean, variance, first_order]
+}
+
+fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let scene = Problem::RandomColumn.scene()?;
+    let experiment = experiment::<1>(&scene)?;
+    let plan = scene.plan::<1>()?;
+    let study = FieldStudy::new(&experiment, plan, None)?;
+    context.progress("derivatives");
+    let gradient = study.gradient()?;
+    let n_samples = if context.profile == Profile::Full { 1600 } else { 400 };
+    context.progress("samples");
+    let sampled = samples(&study, n_samples)?;
+    let (lines, mut claims) = (|method| Lines { context, id: "", method }, Vec::new());
+    let fine = refined_column(&scene)?;
+    for (g, gauge) in [(0, "middle"), (1, "top")] {
+        let start = study.centre()[study.plan().index(g, 0, 0)];
+        let response = study.plan().index(g, 0, 1);
+        let [mean, variance, first_order] = column_moments(&SCENE_COLUMN, start);
+        let series = &gradient.moments[response];
+        let found = sampled.controlled_by_fields(response, series)?;
+        let method = format!(
+            "{n_samples} samples, Taylor series of {} terms as control variate",
+            series.gradient.len()
+        );
+        claims.push(lines(method.clone()).relative(
+            (&format!("mean/{gauge}"), &format!("mean displacement, {gauge}"), "m"),
+            found.mean.value - start,
+            mean,
+            0.002,
+            "statistics: three standard errors of the samples, 6e-4 each",
+        ));
+        claims.push(lines(method).relative(
+            (
+                &format!("variance/{gauge}"),
+                &format!("variance of the displacement, {gauge}"),
+                "m^2",
+            ),
+            found.variance.value,
+            variance,
+            0.01,
+            "80 particles, terms left out, and the samples' own error",
+        ));
+        let method = format!("gradient by {} runs of jets", gradient.n_runs);
+        claims.push(lines(method).relative(
+            (&format!("first-order/{gauge}"), &format!("first-order variance, {gauge}"), "m^2"),
+            series.variance(),
+            first_order,
+            0.005,
+            "80 particles and terms left out",
+        ));
+        let coarse = study.run(&study.coefficients(SEED, 0))?[response] - start;
+        claims.push(lines("80 particles against 160, one realisation".to_owned()).relative(
+            (
+                &format!("two-grids/{gauge}"),
+                &format!("displacement of a realisation, {gauge}"),
+                "m",
+            ),
+            coarse,
+            fine[response] - start,
+            0.001,
+            "the error of the grid: the field is the same function of space",
+        ));
+    }
+    Ok(claims)
+}
+
+/// The responses of the first realisation on a grid of half the cell.
+fn refined_column(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
+    let mut scene = scene.clone();
+    scene.grid.cell *= 0.5;
+    let experiment = experiment::<1>(&scene)?;
+    let study = FieldStudy::new(&experiment, scene.plan::<1>()?, None)?;
+    Ok(study.run(&study.coefficients(SEED, 0))?)
+}
+
+/// A response by gradient and by samples.
+struct Compared {
+    /// Relative difference of the variances, and the standard error of the samples' over it.
+    variance: [f64; 2],
+    /// Difference of the means over the deviation, and the standard error of the samples' over it.
+    mean: [f64; 2],
+    /// The deviation of the samples.
+    deviation: f64,
+}
+
+fn compared(
+    sampled: &Sampled,
+    response: usize,
+    series: &FieldMoments,
+) -> Result<Compared, CaseError> {
+    let found = sampled.controlled_by_fields(response, series)?;
+    let deviation = found.variance.value.sqrt();
+    Ok(Compared {
+        variance: [
+            series.variance() / found.variance.value - 1.0,
+            standard_error(&found.variance) / found.variance.value,
+        ],
+        mean: [
+            (series.mean() - found.mean.value) / deviation,
+            standard_error(&found.mean) / deviation,
+        ],
+        deviation,
+    })
+}
+
+fn response_of<const D: usize>(
+    plan: &Plan<D>,
+    gauge: &str,
+    quantity: usize,
+    window: usize,
+) -> usize {
+    let gauge = plan.gauges.iter().position(|it| it.name == gauge).unwrap_or(0);
+    plan.index(gauge, quantity, window)
+}
+
+fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let scene = Problem::RandomPlate.scene()?;
+    let experiment = experiment::<2>(&scene)?;
+    let study = FieldStudy::new(&experiment, scene.plan::<2>()?, None)?;
+    context.progress("derivatives");
+    let gradient = study.gradient()?;
+    let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };
+    context.progress("samples");
+    let sampled = samples(&study, n_samples)?;
+    let mut claims = Vec::new();
+    let method = format!(
+        "gradient of {} terms by {} runs of jets, against {n_samples} samples with control variate",
+        gradient.moments[0].gradient.len(),
+        gradient.n_runs
+    );
+    let lines = Lines { context, id: "", method };
+    for (window, time) in [(1, "8 us"), (2, "10 us"), (3, "12 us")] {
+        let response = response_of(study.plan(), "H", 0, window);
+        let of = compared(&sampled, response, &gradient.moments[response])?;
+        let id = format!("variance/{}", time.replace(" us", ""));
+        claims.push(lines.bounded(
+            (&id, &format!("relative error of the variance of sigma_y at H, {time}"), ""),
+            of.variance[0],
+            0.001,
+            "statistics: four standard errors of the samples, 2e-4 each",
+        ));
+        let id = format!("mean/{}", time.replace(" us", ""));
+        claims.push(lines.bounded(
+            (&id, &format!("error of the mean of sigma_y at H over its deviation, {time}"), ""),
+            of.mean[0],
+            0.001,
+            "statistics: the samples' own error",
+        ));
+    }
+    claims.extend(few_runs(context, &study, &experiment, &sampled, &gradient.moments)?);
+    Ok(claims)
+}
+
+/// The variance at H from slopes along the modes at sixteen places of the plate and three random directions: twenty runs.
+fn few_runs(
+    context: &Context<'_>,
+    study: &FieldStudy<'_, SceneExperiment<2>, 2>,
+    experiment: &SceneExperiment<2>,
+    sampled: &Sampled,
+    series: &[FieldMoments],
+) -> Result<Vec<Claim>, CaseError> {
+    const PLATE: usize = 1;
+    let around = [4.25, 5.0, 5.75]
+        .into_iter()
+        .flat_map(|x| [0.1, 1.0, 2.0, 3.5, 6.0].into_iter().map(move |y| [x, y]));
+    let places = std::iter::once([4.5, 0.0]).chain(around);
+    let directions: Vec<Vec<f64>> =
+        places.map(|place| experiment.modes_near(PLATE, &place)).collect();
+    let found = study.subspace_variance(0.01, &directions, (3, SEED))?;
+    let method = format!("slopes along modes at places and random ones, {} runs", found.n_runs);
+    let lines = Lines { context, id: "", method };
+    let mut claims = Vec::new();
+    for (window, time) in [(1, "8"), (2, "10"), (3, "12")] {
+        let response = response_of(study.plan(), "H", 0, window);
+        let judge = sampled.controlled_by_fields(response, &series[response])?.variance;
+        claims.push(lines.bounded(
+            (
+                &format!("few-runs/{time}"),
+                &format!("relative error of the variance of sigma_y at H by few runs, {time} us"),
+                "",
+            ),
+            found.of_responses[response].variance() / judge.value - 1.0,
+            0.002,
+            "statistics: the rest by three random directions, and the samples' own error",
+        ));
+    }
+    Ok(claims)
+}
+
+fn taylor_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let scene = Problem::RandomTaylorBar.scene()?;
+    let experiment = experiment::<2>(&scene)?;
+    let study = FieldStudy::new(&experiment, scene.plan::<2>()?, None)?;
+    context.progress("derivatives");
+    let gradient = study.gradient()?;
+    let n_samples = if context.profile == Profile::Full { 400 } else { 100 };
+    context.progress("samples");
+    let sampled = samples(&study, n_samples)?;
+    let method = format!(
+        "gradient of {} terms by {} runs of jets, against {n_samples} samples with control variate",
+        gradient.moments[0].gradient.len(),
+        gradient.n_runs
+    );
+    let lines = Lines { context, id: "", method };
+    // The place of the rear end: the length of the bar.
+    let response = response_of(study.plan(), "rear", 1, 0);
+    let of = compared(&sampled, response, &gradient.moments[response])?;
+    Ok(vec![
+        lines.bounded(
+            ("variance", "relative error of the variance of the length", ""),
+            of.variance[0],
+            0.03,
+            "third derivatives, of the order of cv^2, and the samples' own error",
+        ),
+        lines.bounded(
+            ("mean", "error of the mean length over its deviation", ""),
+            of.mean[0],
+            0.03,
+            "fourth order, and the samples' own error",
+        ),
+        lines.measured(
+            ("deviation", "deviation of the length", "mm"),
+            of.deviation,
+            (0.2, 0.35),
+            "0.27 mm: 15 % of the yield stress, averaged over some correlation lengths",
+        ),
+    ])
+}

@@ -152,7 +152,14 @@ impl SmpmScene {
     /// Whether a method is one for random fields.
     pub(super) const fn has_for_fields(&self, method: MethodScene) -> bool {
         self.random_fields.is_empty()
-            || !matches!(method, MethodScene::Frozen { .. } | MethodScene::SigmaPoints)
+            || matches!(
+                method,
+                MethodScene::Deterministic
+                    | MethodScene::MonteCarlo { .. }
+                    | MethodScene::ForwardDifference { .. }
+                    | MethodScene::FiniteDifference { .. }
+                    | MethodScene::Propagated
+            )
     }
 
     /// Checks the fields without expanding them: constants, distributions, lengths, and the material at either end of each

@@ -6,7 +6,7 @@ use perturbation_moments::MonteCarlo;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{Design, Study};
 
-use super::{Size, drawing, method};
+use super::measured::{Size, drawing, method};
 use crate::context::{CaseError, Context, Profile};
 use crate::problems::smpm::problems::{Problem, experiment};
 use crate::problems::smpm::schemes::Shock;

@@ -7,7 +7,7 @@ use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Integrator, Observable, StateSpace, StrangOscillator, simulate,
 };
 
-use super::{Size, drawing, method};
+use super::measured::{Size, drawing, method};
 use crate::context::{CaseError, Context, Profile};
 use crate::problems::sde::damper::viscous_damper_at_rest;
 

@@ -230,7 +230,7 @@ pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     }
 
     /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
-    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// there is the new number. [`Varying`] needs it; false, the default, says that not all that may differ
     /// between particles is shown.
     #[inline(always)]
     fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {

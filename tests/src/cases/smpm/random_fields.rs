@@ -113,7 +113,6 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     context.progress("derivatives");
     let gradient = study.gradient()?;
     let n_samples = if context.profile == Profile::Full { 1600 } else { 400 };
-    context.progress("samples");
     let sampled = samples(&study, n_samples)?;
     let (lines, mut claims) = (|method| Lines { context, id: "", method }, Vec::new());
     let fine = refined_column(&scene)?;

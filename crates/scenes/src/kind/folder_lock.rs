@@ -9,7 +9,18 @@ use crate::output::OutputError;
 /// Held while a run writes into its folder. The operating system releases it with the process, however that ends.
 #[derive(Debug)]
 pub(super) struct FolderLock {
-    _folder: Option<File>,
+    folder: Option<File>,
+}
+
+/// The lock belongs to the open file: without unlocking it, a process that was started meanwhile would hold it until it runs its
+/// own program.
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        if let Some(folder) = &self.folder {
+            // One that cannot be released now ends with the process.
+            let _ = folder.unlock();
+        }
+    }
 }
 
 impl FolderLock {
@@ -20,11 +31,11 @@ impl FolderLock {
     pub(super) fn take(folder: &Path) -> Result<Self, RunError> {
         std::fs::create_dir_all(folder)
             .map_err(|source| OutputError::Io { path: folder.to_owned(), source })?;
-        let Ok(file) = File::open(folder) else { return Ok(Self { _folder: None }) };
+        let Ok(file) = File::open(folder) else { return Ok(Self { folder: None }) };
         match file.try_lock() {
-            Ok(()) => Ok(Self { _folder: Some(file) }),
+            Ok(()) => Ok(Self { folder: Some(file) }),
             Err(TryLockError::WouldBlock) => Err(RunError::Occupied { folder: folder.to_owned() }),
-            Err(TryLockError::Error(_)) => Ok(Self { _folder: None }),
+            Err(TryLockError::Error(_)) => Ok(Self { folder: None }),
         }
     }
 }
@@ -42,8 +53,11 @@ mod tests {
             let refused = FolderLock::take(&folder).unwrap_err();
             assert!(matches!(&refused, RunError::Occupied { folder: at } if *at == folder));
         }
+        // As a process that is being started holds it.
+        let inherited = held.folder.as_ref().map(|file| file.try_clone().unwrap());
         drop(held);
         FolderLock::take(&folder).unwrap();
+        drop(inherited);
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -112,7 +112,7 @@ fn variances(
         line(&left, polynomial).bounded(
             ("flow-stress/unexplained", "part of the variance that the polynomial leaves", ""),
             left.value(),
-            5e-4,
+            2e-4,
             "a smooth response of degree three at 15 %",
         ),
         line(&left_at_h, "8 replicas of 128 points").measured(

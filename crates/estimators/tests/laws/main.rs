@@ -14,3 +14,4 @@ mod designed;
 mod multifidelity;
 mod multilevel;
 mod polynomial;
+mod tails;

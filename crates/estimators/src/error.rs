@@ -24,6 +24,14 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A probability is not between zero and one.
+    #[error("{quantity} is {value}, must be above 0 and below 1")]
+    OutsideOpenInterval {
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {

@@ -24,6 +24,14 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A probability is not between zero and one.
+    #[error("{quantity} is {value}, must be above 0 and below 1")]
+    OutsideOpenInterval {
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {
@@ -168,6 +176,51 @@ pub enum Error {
         /// Roundoff level.
         limit: f64,
     },
+    /// The level of a rare event is below the response at the origin.
+    #[error(
+        "the response at the origin is {value}, above the level {level}: the event is not rare, so count it in plain samples"
+    )]
+    NotRare {
+        /// The response.
+        value: f64,
+        /// The level.
+        level: f64,
+    },
+    /// The search for a design point ended elsewhere.
+    #[error(
+        "no design point after {steps} steps: reached index {reliability_index}, {distance:e} deviations from the linearised \
+         surface, {misalignment:e} of the point across the gradient; start elsewhere, or use subset simulation"
+    )]
+    NoDesignPoint {
+        /// Number of steps.
+        steps: usize,
+        /// Length of the last point.
+        reliability_index: f64,
+        /// Its distance to the linearised surface; infinite or NaN where the gradient vanishes.
+        distance: f64,
+        /// Part of it across the gradient.
+        misalignment: f64,
+    },
+    /// The lines of a rare event have too uneven probabilities for a standard error.
+    #[error(
+        "{n_lines} lines have an effective number of {effective:.3} (at least {fewest}) and a largest share of {share:.3} in \
+         the sum (at most {most}): take more lines, another design point, or subset simulation"
+    )]
+    UnevenWeights {
+        /// Number of lines.
+        n_lines: u64,
+        /// Effective number.
+        effective: f64,
+        /// Its minimum.
+        fewest: f64,
+        /// Share of the largest probability in the sum.
+        share: f64,
+        /// Its maximum.
+        most: f64,
+    },
+    /// Subset simulation failed.
+    #[error(transparent)]
+    Subset(sde_integrators::Error),
 }
 
 pub(crate) fn require_positive(

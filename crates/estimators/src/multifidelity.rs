@@ -5,6 +5,7 @@ use sde_integrators::Estimate;
 use crate::comoments::Comoments;
 use crate::error::{Error, require_at_least, require_finite_responses, require_positive};
 use crate::ladder::Failure;
+use crate::multifidelity_progress::{ModelBlock, ModelRange, MultifidelityProgress, PILOT_START};
 use crate::parallel::map_in_order;
 use crate::rates::with_error;
 
@@ -25,6 +26,11 @@ use crate::rates::with_error;
 /// samples that they weigh, and the estimate is unbiased whatever they are. The standard error is that of the samples, not
 /// the predicted one; samples are added until it is at most the tolerance.
 ///
+/// The result depends on models and fields alone: bitwise identical for any number of threads, after an interruption, and for
+/// blocks computed apart. [`run`](Self::run) does everything; for shards and resumption use [`begin`](Self::begin),
+/// [`MultifidelityProgress::missing`], [`block`](Self::block), [`MultifidelityProgress::insert`], [`advance`](Self::advance)
+/// and [`finish`](Self::finish).
+///
 /// Source: Peherstorfer, Willcox and Gunzburger 2016, Optimal model management for multifidelity Monte Carlo estimation,
 /// eq 3.3 to 3.7, theorem 3.4 and algorithm 1.
 ///
@@ -37,19 +43,26 @@ use crate::rates::with_error;
 ///     let u = Noise::new(1).stream(Purpose::Field, sample).next_uniform();
 ///     Ok(if model == 0 { u.exp() } else { 1.0 + u + 0.5 * u * u })
 /// };
-/// let study = Multifidelity { costs: &[1.0, 1e-3], tolerance: 1e-3, pilot: 50, budget: 1e6 };
+/// let study = Multifidelity {
+///     name: "exp", costs: &[1.0, 1e-3], tolerance: 1e-3, pilot: 50, block_length: 64, budget: 1e6,
+/// };
 /// let found = study.run(run)?;
 /// assert!((found.mean.value - (1_f64.exp() - 1.0)).abs() < 4e-3 && found.cost < found.single_model_cost);
 /// # Ok::<(), estimators::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multifidelity<'a> {
+    /// Name of the study: blocks of studies with different names are not merged. It represents what cannot be compared:
+    /// the models and their seed.
+    pub name: &'a str,
     /// Cost of a run of each model, in any unit; the first is the model whose mean is estimated.
     pub costs: &'a [f64],
     /// Standard error asked for, in the unit of the response.
     pub tolerance: f64,
     /// Samples of all models that measure the correlations, at least eight.
     pub pilot: u64,
+    /// Runs per block, the unit of parallel work; one where a run takes minutes.
+    pub block_length: u64,
     /// Largest cost of all runs, in the unit of the costs.
     pub budget: f64,
 }
@@ -87,9 +100,6 @@ const FEWEST_SAMPLES: u64 = 8;
 /// Largest number of surrogates: all sets of them are compared.
 const MOST_SURROGATES: usize = 12;
 
-/// Samples are numbered below this; those of the pilot follow from it on.
-const MOST_SAMPLES: u64 = 1 << 40;
-
 /// A model of the chosen set.
 #[derive(Debug, Clone, Copy)]
 struct Chosen {
@@ -104,7 +114,7 @@ impl Multifidelity<'_> {
     /// Runs the models: `run(model, sample)` is the response of a model to random input number `sample`, the same input for
     /// every model.
     ///
-    /// With the feature `rayon` runs are in parallel on the current pool; the result is bitwise identical for any number of
+    /// With the feature `rayon` blocks run in parallel on the current pool; the result is bitwise identical for any number of
     /// threads.
     ///
     /// # Errors
@@ -115,43 +125,138 @@ impl Multifidelity<'_> {
         &self,
         run: impl Fn(usize, u64) -> Result<f64, Failure> + Sync + Send,
     ) -> Result<MultifidelityResult, Error> {
-        self.check()?;
-        let pilot = self.pilot(&run)?;
-        let chosen = self.choose(&pilot);
-        let pilot_cost = self.pilot as f64 * self.costs.iter().sum::<f64>();
-        let mut values: Vec<Vec<f64>> = vec![Vec::new(); chosen.len()];
-        let mut target = self.tolerance;
-        loop {
-            let numbers = numbers_of_runs(&chosen, target);
-            let of_runs: f64 =
-                numbers.iter().zip(&chosen).map(|(m, chosen)| m * self.costs[chosen.model]).sum();
-            let value = pilot_cost + of_runs;
-            if value.is_nan() || value > self.budget {
-                return Err(Error::OverBudget { value, limit: self.budget });
+        let mut progress = self.begin()?;
+        while self.advance(&mut progress)? {
+            let missing = progress.missing();
+            for block in map_in_order(&missing, |&range| self.block(&run, range)) {
+                progress.insert(block?)?;
             }
-            for ((values, chosen), m) in values.iter_mut().zip(&chosen).zip(numbers) {
-                extend(values, chosen.model, m, &run)?;
-            }
-            let mean = estimate(&chosen, &values);
-            let error = mean.standard_error().unwrap_or(f64::INFINITY);
-            if error <= self.tolerance {
-                let models = chosen.iter().zip(&values).map(|(chosen, values)| ModelReport {
-                    model: chosen.model,
-                    n_runs: values.len() as u64,
-                    coefficient: chosen.coefficient,
-                    correlation: chosen.correlation,
-                });
-                let variance = pilot.variance(0);
-                return Ok(MultifidelityResult {
-                    mean,
-                    models: models.collect(),
-                    cost: value,
-                    single_model_cost: variance / self.tolerance.powi(2) * self.costs[0],
-                });
-            }
-            // The pilot promised too much: as many more samples as the measured error needs.
-            target *= (self.tolerance / error).min(MOST_PER_ROUND);
         }
+        self.finish(&progress)
+    }
+
+    /// Checks the fields, and plans nothing yet.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn begin(&self) -> Result<MultifidelityProgress, Error> {
+        self.check()?;
+        Ok(MultifidelityProgress::new(self.fields(), self.block_length))
+    }
+
+    /// Runs one block, in order.
+    ///
+    /// # Errors
+    /// [`Error::SampleFailed`], [`Error::NonFiniteSample`].
+    pub fn block(
+        &self,
+        run: impl Fn(usize, u64) -> Result<f64, Failure>,
+        range: ModelRange,
+    ) -> Result<ModelBlock, Error> {
+        let name = || format!("model {}", range.model);
+        let one =
+            |realisation: u64| {
+                let value = run(range.model, realisation).map_err(|failure| {
+                    Error::SampleFailed { model: name(), realisation, message: failure.to_string() }
+                })?;
+                require_finite_responses(&name(), realisation, &[value])?;
+                Ok(value)
+            };
+        let values = (range.start..range.end).map(one).collect::<Result<_, Error>>()?;
+        Ok(ModelBlock { study: self.name.into(), range, values })
+    }
+
+    /// Plans further blocks from those that are known; returns whether there are any. Without, the estimate is complete.
+    ///
+    /// # Errors
+    /// [`Error::MissingBlocks`] while planned blocks are missing; [`Error::ForeignBlock`] for the state of another study;
+    /// [`Error::NoVariance`], [`Error::OverBudget`]; those of [`begin`](Self::begin).
+    pub fn advance(&self, progress: &mut MultifidelityProgress) -> Result<bool, Error> {
+        self.check()?;
+        progress.require_fields(&self.fields())?;
+        progress.require_complete()?;
+        if !progress.has_plan() {
+            for model in 0..self.costs.len() {
+                progress.plan(model, PILOT_START..PILOT_START + self.pilot);
+            }
+            return Ok(true);
+        }
+        let (_, chosen) = self.pilot(progress)?;
+        let target = match progress.target {
+            None => self.tolerance,
+            Some(target) => {
+                let error = mean_of(&chosen, progress).standard_error().unwrap_or(f64::INFINITY);
+                if error <= self.tolerance {
+                    return Ok(false);
+                }
+                // The pilot promised too much: as many more samples as the measured error needs.
+                target * (self.tolerance / error).min(MOST_PER_ROUND)
+            }
+        };
+        let numbers = numbers_of_runs(&chosen, target);
+        let value = self.cost(&chosen, numbers.iter().copied());
+        if value.is_nan() || value > self.budget {
+            return Err(Error::OverBudget { value, limit: self.budget });
+        }
+        let limit = PILOT_START as f64;
+        if let Some(&value) = numbers.iter().find(|m| **m > limit) {
+            return Err(Error::TooMany { quantity: "runs of a model", value, limit });
+        }
+        for (chosen, m) in chosen.iter().zip(numbers) {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a whole number from 4 to 2^40"
+            )]
+            progress.plan(chosen.model, progress.n_runs(chosen.model)..m as u64);
+        }
+        progress.target = Some(target);
+        Ok(true)
+    }
+
+    /// The estimate from the blocks that are known.
+    ///
+    /// # Errors
+    /// [`Error::MissingBlocks`] while planned blocks are missing, or [`advance`](Self::advance) has more to plan;
+    /// [`Error::ForeignBlock`] for the state of another study.
+    pub fn finish(&self, progress: &MultifidelityProgress) -> Result<MultifidelityResult, Error> {
+        if self.advance(&mut progress.clone())? {
+            let pair = "the next round".to_owned();
+            return Err(Error::MissingBlocks { missing: 1, pair, block: 0 });
+        }
+        let (pilot, chosen) = self.pilot(progress)?;
+        let models = chosen.iter().map(|chosen| ModelReport {
+            model: chosen.model,
+            n_runs: progress.n_runs(chosen.model),
+            coefficient: chosen.coefficient,
+            correlation: chosen.correlation,
+        });
+        let numbers = chosen.iter().map(|chosen| progress.n_runs(chosen.model) as f64);
+        Ok(MultifidelityResult {
+            mean: mean_of(&chosen, progress),
+            models: models.collect(),
+            cost: self.cost(&chosen, numbers),
+            single_model_cost: pilot.variance(0) / self.tolerance.powi(2) * self.costs[0],
+        })
+    }
+
+    /// Cost of the pilot and of so many runs of the chosen models.
+    fn cost(&self, chosen: &[Chosen], numbers: impl Iterator<Item = f64>) -> f64 {
+        let of_runs: f64 =
+            numbers.zip(chosen).map(|(m, chosen)| m * self.costs[chosen.model]).sum();
+        self.pilot as f64 * self.costs.iter().sum::<f64>() + of_runs
+    }
+
+    /// What two studies must share for their blocks to be merged.
+    fn fields(&self) -> [(&'static str, String); 5] {
+        let costs: Vec<String> = self.costs.iter().map(|cost| format!("{cost:e}")).collect();
+        [
+            ("name", self.name.to_owned()),
+            ("block length", self.block_length.to_string()),
+            ("pilot", self.pilot.to_string()),
+            ("costs", costs.join(" ")),
+            ("tolerance", format!("{:e}", self.tolerance)),
+        ]
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -165,6 +270,11 @@ impl Multifidelity<'_> {
             require_positive("cost of model", index, cost)?;
         }
         require_at_least("samples in the pilot", self.pilot, FEWEST_SAMPLES)?;
+        require_at_least("runs in a block", self.block_length, 1)?;
+        if self.pilot > PILOT_START {
+            let (value, limit) = (self.pilot as f64, PILOT_START as f64);
+            return Err(Error::TooMany { quantity: "samples in the pilot", value, limit });
+        }
         let value = self.pilot as f64 * self.costs.iter().sum::<f64>();
         if self.budget.is_nan() || value > self.budget {
             return Err(Error::OverBudget { value, limit: self.budget });
@@ -172,14 +282,10 @@ impl Multifidelity<'_> {
         Ok(())
     }
 
-    fn pilot(
-        &self,
-        run: &(impl Fn(usize, u64) -> Result<f64, Failure> + Sync + Send),
-    ) -> Result<Comoments, Error> {
-        let mut columns = Vec::new();
-        for model in 0..self.costs.len() {
-            columns.push(run_all(model, MOST_SAMPLES..MOST_SAMPLES + self.pilot, run)?);
-        }
+    /// Moments of the pilot, and the models chosen by it.
+    fn pilot(&self, progress: &MultifidelityProgress) -> Result<(Comoments, Vec<Chosen>), Error> {
+        let columns: Vec<Vec<f64>> =
+            (0..self.costs.len()).map(|model| progress.pilot(model)).collect();
         let mut sums = Comoments::new(columns.len());
         let mut row = vec![0.0; columns.len()];
         for k in 0..columns[0].len() {
@@ -191,7 +297,8 @@ impl Multifidelity<'_> {
         if value.is_nan() || value <= limit {
             return Err(Error::NoVariance { response: 0, value, limit });
         }
-        Ok(sums)
+        let chosen = self.choose(&sums);
+        Ok((sums, chosen))
     }
 
     /// The set of models with the lowest cost, in the order of their correlations.
@@ -248,45 +355,11 @@ fn numbers_of_runs(chosen: &[Chosen], tolerance: f64) -> Vec<f64> {
     chosen.iter().map(of).collect()
 }
 
-/// Runs a model on further samples, up to `m` in all.
-fn extend(
-    values: &mut Vec<f64>,
-    model: usize,
-    m: f64,
-    run: &(impl Fn(usize, u64) -> Result<f64, Failure> + Sync + Send),
-) -> Result<(), Error> {
-    let limit = MOST_SAMPLES as f64;
-    if m > limit {
-        return Err(Error::TooMany { quantity: "runs of a model", value: m, limit });
-    }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number from 4 to 2^40"
-    )]
-    let m = m as u64;
-    values.extend(run_all(model, values.len() as u64..m, run)?);
-    Ok(())
-}
-
-/// Responses of a model to samples, in order.
-fn run_all(
-    model: usize,
-    samples: std::ops::Range<u64>,
-    run: &(impl Fn(usize, u64) -> Result<f64, Failure> + Sync + Send),
-) -> Result<Vec<f64>, Error> {
-    let samples: Vec<u64> = samples.collect();
-    let name = || format!("model {model}");
-    let one = |&realisation: &u64| {
-        let value = run(model, realisation).map_err(|failure| Error::SampleFailed {
-            model: name(),
-            realisation,
-            message: failure.to_string(),
-        })?;
-        require_finite_responses(&name(), realisation, &[value])?;
-        Ok(value)
-    };
-    map_in_order(&samples, one).into_iter().collect()
+/// The estimate from all runs that are known.
+fn mean_of(chosen: &[Chosen], progress: &MultifidelityProgress) -> Estimate {
+    let values: Vec<Vec<f64>> =
+        chosen.iter().map(|chosen| progress.responses(chosen.model)).collect();
+    estimate(chosen, &values)
 }
 
 /// The estimate: in each range of samples that the same models have run, the mean of their weighted responses.

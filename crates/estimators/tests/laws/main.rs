@@ -14,3 +14,5 @@ mod designed;
 mod multifidelity;
 mod multilevel;
 mod polynomial;
+mod quantiles;
+mod tails;

@@ -19,7 +19,14 @@ fn model(seed: u64, model: usize, sample: u64) -> f64 {
 const COSTS: [f64; 5] = [1.0, 0.05, 1e-4, 0.01, 1e-4];
 
 fn study(tolerance: f64) -> Multifidelity<'static> {
-    Multifidelity { costs: &COSTS, tolerance, pilot: 60, budget: 1e6 }
+    Multifidelity {
+        name: "laws",
+        costs: &COSTS,
+        tolerance,
+        pilot: 60,
+        block_length: 32,
+        budget: 1e6,
+    }
 }
 
 fn run(seed: u64, tolerance: f64) -> MultifidelityResult {
@@ -52,12 +59,47 @@ fn useful_surrogates_are_chosen_and_the_mean_is_unbiased() {
 
 #[test]
 fn without_a_useful_surrogate_it_is_plain_monte_carlo() {
-    let study = Multifidelity { costs: &[1.0, 0.5], tolerance: 5e-3, pilot: 60, budget: 1e5 };
+    let study = Multifidelity { costs: &[1.0, 0.5], budget: 1e5, ..study(5e-3) };
     let found = study.run(|m, sample| Ok(model(1, 3 * m, sample))).unwrap();
     assert_eq!(found.models.len(), 1, "{found:?}");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let again = pool.install(|| study.run(|m, sample| Ok(model(1, 3 * m, sample))).unwrap());
     assert_eq!(found, again);
+}
+
+#[test]
+fn blocks_apart_in_any_order_change_no_bit() {
+    let study = study(2e-3);
+    let whole = run(9, 2e-3);
+    let one = |m, sample| Ok(model(9, m, sample));
+    let mut progress = study.begin().unwrap();
+    let mut rounds = 0;
+    while study.advance(&mut progress).unwrap() {
+        rounds += 1;
+        let early = study.finish(&progress);
+        assert!(matches!(early, Err(Error::MissingBlocks { .. })), "{early:?}");
+        let mut blocks: Vec<_> =
+            progress.missing().into_iter().map(|range| study.block(one, range).unwrap()).collect();
+        blocks.reverse();
+        let first = blocks[0].clone();
+        for block in blocks {
+            // As if the state had been written and read between.
+            progress = progress.clone();
+            progress.insert(block).unwrap();
+        }
+        let twice = progress.insert(first);
+        assert!(matches!(twice, Err(Error::UnwantedBlock { .. })), "{twice:?}");
+    }
+    assert!(rounds >= 2);
+    assert_eq!(study.finish(&progress).unwrap(), whole);
+    let longer = Multifidelity { block_length: 500, ..study };
+    assert_eq!(longer.run(one).unwrap(), whole);
+    assert!(matches!(longer.finish(&progress), Err(Error::ForeignBlock { .. })));
+    let other = Multifidelity { name: "other", ..study };
+    let mut fresh = study.begin().unwrap();
+    study.advance(&mut fresh).unwrap();
+    let foreign = other.block(one, fresh.missing()[0]).unwrap();
+    assert!(matches!(fresh.insert(foreign), Err(Error::ForeignBlock { field: "name", .. })));
 }
 
 #[test]

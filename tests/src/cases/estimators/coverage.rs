@@ -148,8 +148,14 @@ fn multifidelity(seed: u64) -> Result<[Miss; 1], CaseError> {
         let v = 0.5 * Noise::new(seed).stream(Purpose::Field, sample).next_uniform();
         Ok([v.exp(), 1.0 + v + 0.5 * v * v, v][model])
     };
-    let study =
-        Multifidelity { costs: &[1.0, 0.05, 1e-3], tolerance: 3e-3, pilot: 60, budget: 1e6 };
+    let study = Multifidelity {
+        name: "coverage",
+        costs: &[1.0, 0.05, 1e-3],
+        tolerance: 3e-3,
+        pilot: 60,
+        block_length: 64,
+        budget: 1e6,
+    };
     Ok([miss(study.run(run)?.mean, 2.0 * (0.5_f64.exp() - 1.0), NORMAL)])
 }
 

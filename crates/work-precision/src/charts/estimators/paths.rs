@@ -26,7 +26,7 @@ const fn n_seeds(context: &Context<'_>) -> u64 {
 
 /// Tolerances from 6 % on, halved.
 fn tolerances(context: &Context<'_>) -> impl Iterator<Item = f64> {
-    let n = if context.profile == Profile::Quick { 2 } else { 6 };
+    let n = if context.profile == Profile::Quick { 2 } else { 5 };
     (0..n).map(|k| 0.064 * 0.5_f64.powi(k))
 }
 
@@ -96,7 +96,7 @@ impl<S: Sync, const D: usize> Problem<'_, S, D> {
 
 /// Numbers of paths and steps of an integrator of first order: the square of the error falls as both terms.
 fn of_first_order(context: &Context<'_>, coarsest: u64) -> impl Iterator<Item = (u64, u64)> {
-    let n = if context.profile == Profile::Quick { 2 } else { 6 };
+    let n = if context.profile == Profile::Quick { 2 } else { 5 };
     (0..n).map(move |k| (coarsest << k, 256 << (2 * k)))
 }
 

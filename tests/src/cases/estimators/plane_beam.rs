@@ -89,7 +89,7 @@ impl Beam {
             };
             let x = part * CELLS[0] as f64;
             // Shared by the two nodes beside it.
-            let left = (x.floor() as usize).min(CELLS[0] - 1);
+            let left = (0..CELLS[0]).rev().find(|left| *left as f64 <= x).unwrap_or(0);
             for (column, part) in [(left, 1.0 - (x - left as f64)), (left + 1, x - left as f64)] {
                 if let Some(unknown) = unknown(column, CELLS[1], 1) {
                     loads[unknown] += part * LOAD;
@@ -139,7 +139,7 @@ impl Beam {
             }
             let square: f64 = row[..BAND].iter().map(|a| a * a).sum();
             let pivot = row[BAND] - square;
-            if !(pivot > 0.0) {
+            if pivot.is_nan() || pivot <= 0.0 {
                 return None;
             }
             row[BAND] = pivot.sqrt();
@@ -250,7 +250,7 @@ fn unit_stiffness(plane: Plane, side: [f64; 2]) -> [f64; 64] {
         });
         let strain = |k: usize| {
             let [x, y] = slopes[k / 2];
-            if k % 2 == 0 { [x, 0.0, y] } else { [0.0, y, x] }
+            if k.is_multiple_of(2) { [x, 0.0, y] } else { [0.0, y, x] }
         };
         let weight = 0.25 * side[0] * side[1];
         for (k, entry) in stiffness.iter_mut().enumerate() {

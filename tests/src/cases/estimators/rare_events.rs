@@ -56,7 +56,7 @@ pub(super) fn exact_paraboloid(n: usize) -> f64 {
     let (mut sum, mut whole) = (0.0, 0.0);
     let largest = ((n - 1) as f64).sqrt();
     for k in 1..8000 {
-        let y = k as f64 * (largest + 12.0) / 8000.0;
+        let y = f64::from(k) * (largest + 12.0) / 8000.0;
         let density =
             ((n - 2) as f64 * (y / largest).ln() - 0.5 * (y * y - largest * largest)).exp();
         whole += density;

@@ -109,6 +109,8 @@ pub const ALL: &[Case] = &[
     estimators::multilevel::COST,
     estimators::multilevel::LADDERS,
     estimators::coverage::CASE,
+    estimators::rare_events::CASE,
+    estimators::random_field_beam::CASE,
     estimators::sensitivity::CASE,
     random_fields::expansion::CASE,
     random_fields::covariance::CASE,

@@ -52,7 +52,9 @@ impl DesignedRuns {
     /// Writes independent standard normals of a run: the quantiles of its coordinates.
     pub fn normals(&self, run: u64, z: &mut [f64]) {
         self.input(run, z);
-        z.iter_mut().for_each(|z| *z = normal_quantile(*z));
+        for z in z {
+            *z = normal_quantile(*z);
+        }
     }
 }
 
@@ -107,7 +109,7 @@ impl UnitCube {
             require_finite("variance of surrogate", index, surrogate.variance.unwrap_or(0.0))?;
         }
         let width = 1 + surrogates.len();
-        self.check_rows(&self.runs()?, rows, width)?;
+        check_rows(&self.runs()?, rows, width)?;
         let replicas = self.by_replica(rows, width);
         let n = replicas.len() as f64;
         let sums: Vec<Comoments> = replicas.iter().map(|rows| sums_of(rows, width)).collect();
@@ -148,22 +150,10 @@ impl UnitCube {
     /// As [`moments_of_runs`](Self::moments_of_runs); [`Error::NoVariance`] for a response that does not vary.
     pub fn sobol_indices_of_runs(&self, values: &[f64]) -> Result<SobolIndices, Error> {
         let width = self.dimension + 2;
-        self.check_rows(&self.index_runs()?, values, 1)?;
+        check_rows(&self.index_runs()?, values, 1)?;
         let replicas = self.by_replica(values, width);
         let sums: Vec<Comoments> = replicas.iter().map(|rows| sums_of(rows, width)).collect();
         indices_of_sums(0, self.dimension, &sums.iter().collect::<Vec<_>>())
-    }
-
-    fn check_rows(&self, runs: &DesignedRuns, rows: &[f64], width: usize) -> Result<(), Error> {
-        let (value, expected) = (rows.len(), runs.n_runs().saturating_mul(width as u64));
-        if value as u64 != expected {
-            let expected = usize::try_from(expected).unwrap_or(usize::MAX);
-            return Err(Error::Length { quantity: "numbers of all runs", value, expected });
-        }
-        for (run, row) in (0..).zip(rows.chunks_exact(width)) {
-            require_finite_responses(&"the response on the unit cube", run, row)?;
-        }
-        Ok(())
     }
 
     /// The rows of each replica, of `width` numbers.
@@ -175,6 +165,18 @@ impl UnitCube {
             })
             .collect()
     }
+}
+
+fn check_rows(runs: &DesignedRuns, rows: &[f64], width: usize) -> Result<(), Error> {
+    let (value, expected) = (rows.len(), runs.n_runs().saturating_mul(width as u64));
+    if value as u64 != expected {
+        let expected = usize::try_from(expected).unwrap_or(usize::MAX);
+        return Err(Error::Length { quantity: "numbers of all runs", value, expected });
+    }
+    for (run, row) in (0..).zip(rows.chunks_exact(width)) {
+        require_finite_responses(&"the response on the unit cube", run, row)?;
+    }
+    Ok(())
 }
 
 fn sums_of(rows: &[f64], width: usize) -> Comoments {

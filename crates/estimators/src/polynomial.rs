@@ -17,7 +17,7 @@ use crate::rates::{jackknife, mean_square, with_error};
 ///
 /// which is independent of the samples of that fold: they correct it without bias,
 ///
-/// $$ \hat\mu_r = c_0 + \overline{(y - s)}_r, \qquad \hat V_r = \operatorname{Var} s + (V_r[y] - V_r[s]) . $$
+/// $$ \hat\mu_r = c_0 + \overline{(y - s)}_r, \qquad \hat V_r = \operatorname{Var} s + (V_r(y) - V_r(s)) . $$
 ///
 /// Mean and standard error follow from the folds, which are the replicas of a quasi-random design or parts of independent
 /// samples: sample `k` is of fold `k mod n_folds`. The degree is the one, up to three, with the smallest mean square of

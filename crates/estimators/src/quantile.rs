@@ -109,7 +109,9 @@ fn binomial(n: usize, p: f64) -> Vec<f64> {
         masses[k] = masses[k + 1] / odds * (k + 1) as f64 / (n - k) as f64;
     }
     let sum: f64 = masses.iter().sum();
-    masses.iter_mut().for_each(|mass| *mass /= sum);
+    for mass in &mut masses {
+        *mass /= sum;
+    }
     masses
 }
 

@@ -30,7 +30,8 @@ impl TailPoint {
 
     /// Unit vector from the origin to the point.
     pub(crate) fn direction(&self) -> Vec<f64> {
-        self.normals.iter().map(|u| u / self.reliability_index).collect()
+        let length = dot(&self.normals, &self.normals).sqrt();
+        self.normals.iter().map(|u| u / length).collect()
     }
 }
 

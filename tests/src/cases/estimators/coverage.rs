@@ -2,14 +2,17 @@
 
 use estimators::{
     Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
-    Sampling, Statistic, Surrogate, Target, UnitCube,
+    Sampling, Statistic, Surrogate, TailSampling, Target, UnitCube, quantile,
 };
 use figures::ErrorKind;
 use fpk_sph::systems::GeometricBrownianMotion;
-use sde_integrators::{EulerMaruyama, Noise, Purpose};
+use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::estimators::multilevel::GROWTH;
+use crate::cases::estimators::rare_events::{
+    Model, exact_paraboloid, paraboloid, paraboloid_level,
+};
 use crate::cases::estimators::sensitivity::{EXACT, ishigami};
 use crate::report::Claim;
 
@@ -42,6 +45,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(repeat(context, "multifidelity", ["mean"], multifidelity)?);
     context.progress("polynomials");
     claims.extend(repeat(context, "polynomial", ["mean", "variance", "total-1"], polynomial)?);
+    context.progress("rare events");
+    claims.extend(repeat(context, "line-sampling", ["paraboloid", "two-sided"], lines)?);
+    context.progress("quantiles");
+    claims.extend(repeat(context, "quantile", ["samples", "replicas"], quantiles)?);
     context.progress("points of the unit cube");
     for (name, sampling) in
         [("pseudo-random", Sampling::PseudoRandom), ("scrambled-sobol", Sampling::ScrambledSobol)]
@@ -185,6 +192,44 @@ fn polynomial(seed: u64) -> Result<[Miss; 3], CaseError> {
         miss(found.moments.variance, variance, STUDENT_31),
         (error, half_width + found.unexplained),
     ])
+}
+
+/// A paraboloid in 100 dimensions; `z_1^2 + 0.1 z_2^2 > 16`, on both sides, where lines are corrected by the points checked.
+fn lines(seed: u64) -> Result<[Miss; 2], CaseError> {
+    let curved = Model(100, paraboloid);
+    let tail = TailSampling { model: &curved, level: paraboloid_level(100), seed };
+    let on_one = tail.line_sampling(&tail.design_point()?, 100)?.probability;
+    let ellipse = Model(2, |z: &[f64]| z[0] * z[0] + 0.1 * z[1] * z[1]);
+    let tail = TailSampling { model: &ellipse, level: 16.0, seed };
+    let on_both = tail.line_sampling(&tail.design_point_from(&[1.0, 0.0])?, 200)?.probability;
+    // The trapezoidal rule over z_2.
+    let on_line = |y: f64| {
+        let beyond = 2.0 * normal_probability(-(16.0 - 0.1 * y * y).max(0.0).sqrt());
+        0.01 * beyond * (-0.5 * y * y).exp() / std::f64::consts::TAU.sqrt()
+    };
+    let both: f64 = (-1200..=1200).map(|k| on_line(0.01 * f64::from(k))).sum();
+    Ok([miss(on_one, exact_paraboloid(100), NORMAL), miss(on_both, both, NORMAL)])
+}
+
+/// The quantile of 0.9 of `exp(z)` by 300 samples, and of `z_1 + z_2` by replicas.
+fn quantiles(seed: u64) -> Result<[Miss; 2], CaseError> {
+    let exact = normal_quantile(0.9);
+    let mut samples = [0.0; 300];
+    Noise::new(seed).stream(Purpose::Field, 0).fill_normal(&mut samples);
+    let [low, high] = quantile(&samples.map(f64::exp), 0.9, 0.95)?.interval;
+    let of_samples = (0.5 * (low + high) - exact.exp(), 0.5 * (high - low));
+    let sampling = Sampling::ScrambledSobol;
+    let cube = UnitCube { dimension: 2, sampling, seed, n_points: 128, n_replicas: REPLICAS };
+    let runs = cube.runs()?;
+    let mut z = [0.0; 2];
+    let values: Vec<f64> = (0..runs.n_runs())
+        .map(|run| {
+            runs.normals(run, &mut z);
+            z[0] + z[1]
+        })
+        .collect();
+    let of_replicas = cube.quantile_of_runs(&values, 0.9)?;
+    Ok([of_samples, miss(of_replicas, exact * 2.0_f64.sqrt(), STUDENT_31)])
 }
 
 fn of_ishigami(sampling: Sampling, seed: u64, n_points: u64) -> UnitCube {

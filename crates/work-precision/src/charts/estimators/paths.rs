@@ -21,12 +21,12 @@ pub(super) fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
 }
 
 const fn n_seeds(context: &Context<'_>) -> u64 {
-    if matches!(context.profile, Profile::Quick) { 4 } else { 16 }
+    if matches!(context.profile, Profile::Quick) { 4 } else { 8 }
 }
 
 /// Tolerances from 6 % on, halved.
 fn tolerances(context: &Context<'_>) -> impl Iterator<Item = f64> {
-    let n = if context.profile == Profile::Quick { 2 } else { 5 };
+    let n = if context.profile == Profile::Quick { 2 } else { 4 };
     (0..n).map(|k| 0.064 * 0.5_f64.powi(k))
 }
 
@@ -96,7 +96,7 @@ impl<S: Sync, const D: usize> Problem<'_, S, D> {
 
 /// Numbers of paths and steps of an integrator of first order: the square of the error falls as both terms.
 fn of_first_order(context: &Context<'_>, coarsest: u64) -> impl Iterator<Item = (u64, u64)> {
-    let n = if context.profile == Profile::Quick { 2 } else { 5 };
+    let n = if context.profile == Profile::Quick { 2 } else { 4 };
     (0..n).map(move |k| (coarsest << k, 256 << (2 * k)))
 }
 
@@ -135,7 +135,7 @@ fn damper(context: &Context<'_>) -> Result<Drawing, CaseError> {
     context.progress("damper: reference");
     let oscillator = viscous_damper_at_rest()?;
     let system = StateSpace(oscillator);
-    let n_paths = if context.profile == Profile::Quick { 1 << 16 } else { 1 << 22 };
+    let n_paths = if context.profile == Profile::Quick { 1 << 14 } else { 1 << 20 };
     let config = EnsembleConfig { seed: 63, n_paths, dt: 0.01, times: vec![DAMPER_END] };
     let square = [Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0])];
     let reference = simulate(&system, &StrangOscillator, &[0.0; 2], &config, &square)?;

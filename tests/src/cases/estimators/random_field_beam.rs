@@ -1,0 +1,207 @@
+//! The cantilever of Xian and Wang 2024: a thousand normals, a probability of 3.6e-5.
+
+use estimators::{NormalModel, TailEstimate, TailPoint, TailSampling};
+use figures::{ErrorKind, Measured, Reference};
+use sde_integrators::{DesignPoint, Estimate, Noise, Purpose, importance_sampling};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::estimators::plane_beam::{Beam, CELLS, Choice, Loads, Plane};
+use crate::cases::sde_ensembles::sampled;
+use crate::claim::Criterion;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "estimators/random-field-beam",
+    title: "A cantilever whose modulus is a random field of 1,000 normals: tip displacement above 3.2 mm by line sampling",
+    source: "Xian & Wang 2024, example 1; beam theory; plain samples and importance sampling of the same model",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run,
+};
+
+/// The level of the paper (m), its probability, and a level that plain samples reach.
+const LEVEL: f64 = 3.2e-3;
+const PUBLISHED: f64 = 3.6e-5;
+const LOW_LEVEL: f64 = 1.9e-3;
+
+/// The choice that agrees with the paper, which leaves it open: loads at 20 equal distances from end to end, A where the upper
+/// edge ends.
+const AGREES: Choice = Choice { plane: Plane::Stress, loads: Loads::Both, point: CELLS[1] };
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let beam = Beam::new(AGREES)?;
+    let (point, found) = lines(&beam, LEVEL, 200)?;
+    let mut claims = vec![
+        in_mean(context)?,
+        slope(context, &beam, &point)?,
+        published(context, &found)?,
+        gain(context, &point, &found)?,
+    ];
+    context.progress("importance sampling");
+    claims.push(by_importance(context, &beam, &point, &found)?);
+    context.progress("plain samples");
+    claims.push(by_samples(context, &beam)?);
+    context.progress("other choices");
+    claims.extend(others(context)?);
+    Ok(claims)
+}
+
+fn lines(beam: &Beam, level: f64, n: u64) -> Result<(TailPoint, TailEstimate), CaseError> {
+    let tail = TailSampling { model: beam, level, seed: 21 };
+    let point = tail.design_point()?;
+    let found = tail.line_sampling(&point, n)?;
+    Ok((point, found))
+}
+
+/// `q L^4/(8 E I) + q L^2/(2 k G A)` with Cowper's `k = 10 (1 + nu)/(12 + 11 nu)`.
+fn in_mean(context: &Context<'_>) -> Result<Claim, CaseError> {
+    let middle = CELLS[1] / 2;
+    let beam = Beam::new(Choice { plane: Plane::Stress, loads: Loads::Middles, point: middle })?;
+    let (load, modulus, nu) = (2e6_f64, 200e9, 0.3);
+    let bending = load * 625.0 / (8.0 * modulus * 8.0 / 12.0);
+    let shear_factor = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
+    let shear = load * 25.0 / (2.0 * shear_factor * 0.5 * modulus / (1.0 + nu) * 2.0);
+    Ok(Claim::within(
+        context.subject("mean-field", "tip displacement for the mean modulus", "m", "plane stress"),
+        ErrorKind::Relative,
+        (beam.of_means(), bending + shear),
+        0.01,
+        "0.26 % seen: beam theory lets the clamped section warp and has no stress across under the loads",
+    ))
+}
+
+/// The gradient by the adjoint against a central difference along the direction of the design point.
+fn slope(context: &Context<'_>, beam: &Beam, point: &TailPoint) -> Result<Claim, CaseError> {
+    let step = 1e-3;
+    let at = |factor: f64| -> Result<f64, CaseError> {
+        beam.value(&point.normals.iter().map(|u| factor * u).collect::<Vec<_>>())
+    };
+    let difference = (at(1.0 + step)? - at(1.0 - step)?) / (2.0 * step * point.reliability_index);
+    Ok(Claim::within(
+        context.subject("slope", "slope at the design point", "m", "adjoint, 1,000 coefficients"),
+        ErrorKind::Relative,
+        (point.slope, difference),
+        3e-5,
+        "the design point is on the axis of the gradient within 0.01, which counts squared; the difference errs by 1e-6",
+    ))
+}
+
+fn published(context: &Context<'_>, found: &TailEstimate) -> Result<Claim, CaseError> {
+    Ok(Claim::judge(
+        context.subject(
+            "published",
+            "P(tip displacement > 3.2 mm)",
+            "",
+            "plane stress, 1 m thick, loads from end to end, A on the upper edge; 200 lines",
+        ),
+        ErrorKind::Relative,
+        sampled(&found.probability)?,
+        Reference::exact(PUBLISHED),
+        Criterion::Within {
+            tolerance: 0.1,
+            reason: "printed runs of importance sampling are from 3.5e-5 to 4e-5; loads and A are not printed, and others give other values",
+        },
+    ))
+}
+
+/// Runs of plain samples with the same standard error, over those of lines and design point.
+fn gain(
+    context: &Context<'_>,
+    point: &TailPoint,
+    found: &TailEstimate,
+) -> Result<Claim, CaseError> {
+    let p = found.probability.value;
+    let error = found.probability.standard_error().ok_or("no standard error")?;
+    // A gradient costs no more than two values.
+    let cost = found.runs.values + point.runs.values + 2 * point.runs.gradients;
+    Ok(Claim::as_measured(
+        context.subject(
+            "gain",
+            "runs of plain samples over those of lines, at the same standard error",
+            "",
+            &format!("{cost} runs, design point included"),
+        ),
+        Measured::exact(p * (1.0 - p) / (error * error) / cost as f64),
+        2e5,
+        8e5,
+        "by 200 lines; the probability varies little from line to line",
+    ))
+}
+
+/// Normals about the design point and indicators alone: no root, no direction.
+fn by_importance(
+    context: &Context<'_>,
+    beam: &Beam,
+    point: &TailPoint,
+    found: &TailEstimate,
+) -> Result<Claim, CaseError> {
+    let point = DesignPoint {
+        normals: point.normals.clone(),
+        reliability_index: point.reliability_index,
+        iterations: point.steps,
+    };
+    let response = |z: &[f64]| Ok(beam.value(z).unwrap_or(f64::NAN));
+    let other = importance_sampling(&response, LEVEL, &point, &Noise::new(22), 4_000)?;
+    same(context, ("importance", "importance sampling, 4,000 runs"), found, &other)
+}
+
+fn by_samples(context: &Context<'_>, beam: &Beam) -> Result<Claim, CaseError> {
+    let (_, found) = lines(beam, LOW_LEVEL, 200)?;
+    let (n, mut hits) = (4_000, 0);
+    let mut z = vec![0.0; beam.n_normals()];
+    for sample in 0..n {
+        Noise::new(23).stream(Purpose::Field, sample).fill_normal(&mut z);
+        hits += u64::from(beam.value(&z)? > LOW_LEVEL);
+    }
+    let plain = Estimate::probability(hits, n)?;
+    same(context, ("samples", "4,000 plain samples at 1.9 mm"), &found, &plain)
+}
+
+fn same(
+    context: &Context<'_>,
+    (name, method): (&str, &str),
+    found: &TailEstimate,
+    other: &Estimate,
+) -> Result<Claim, CaseError> {
+    let other = sampled(other)?;
+    let error = other.standard_error.ok_or("no standard error")?;
+    Ok(Claim::judge(
+        context.subject(
+            name,
+            "probability by 200 lines, against another estimator of the same model",
+            "",
+            method,
+        ),
+        ErrorKind::Relative,
+        sampled(&found.probability)?,
+        Reference::uncertain(other.value, error),
+        Criterion::MonteCarlo { bias_bound: 1e-4, reason: "the error of a root" },
+    ))
+}
+
+/// What the other choices that the paper leaves open give.
+fn others(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let middle = CELLS[1] / 2;
+    let choices = [
+        ("stress/ends/middle", Plane::Stress, Loads::Ends, middle, 5.5e-5),
+        ("stress/ends/top", Plane::Stress, Loads::Ends, CELLS[1], 6.4e-5),
+        ("stress/middles/top", Plane::Stress, Loads::Middles, CELLS[1], 2.6e-5),
+        ("stress/both/middle", Plane::Stress, Loads::Both, middle, 2.9e-5),
+        ("stress/both/bottom", Plane::Stress, Loads::Both, 0, 2.9e-5),
+        ("strain/both/top", Plane::Strain, Loads::Both, CELLS[1], 1.2e-5),
+        ("strain/ends/top", Plane::Strain, Loads::Ends, CELLS[1], 2.1e-5),
+    ];
+    choices
+        .into_iter()
+        .map(|(name, plane, loads, point, seen)| {
+            let (_, found) = lines(&Beam::new(Choice { plane, loads, point })?, LEVEL, 64)?;
+            Ok(Claim::as_measured(
+                context.subject(name, "P(tip displacement > 3.2 mm)", "", "64 lines"),
+                sampled(&found.probability)?,
+                0.9 * seen,
+                1.1 * seen,
+                "a mean displacement of 1 % more has a probability of 13 % more; 1 % is the error of 64 lines",
+            ))
+        })
+        .collect()
+}

@@ -356,17 +356,16 @@ impl SmpmScene {
             return Ok(());
         };
         let objection = |key: &str| Objection::new(format!("{path}.{key}"), error.to_string());
-        Err(match error {
-            smpm::Error::Sampling(
-                SamplingError::TooFew { quantity: "replicas", .. }
-                | SamplingError::TooMany { quantity: "replicas", .. },
-            ) => objection("replicas"),
-            _ => {
-                // The powers of two around it.
-                let above = points.clamp(3, SobolPoints::MOST_POINTS).next_power_of_two();
-                objection("points").with_help(format!("write {} or {above}", above / 2))
-            }
-        })
+        if let smpm::Error::Sampling(
+            SamplingError::TooFew { quantity: "replicas", .. }
+            | SamplingError::TooMany { quantity: "replicas", .. },
+        ) = error
+        {
+            return Err(objection("replicas"));
+        }
+        // The powers of two around it.
+        let above = points.clamp(3, SobolPoints::MOST_POINTS).next_power_of_two();
+        Err(objection("points").with_help(format!("write {} or {above}", above / 2)))
     }
 
     /// Checks that depend on the dimension: points, gauges, and every material by itself.

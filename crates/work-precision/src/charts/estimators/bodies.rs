@@ -3,6 +3,7 @@
 use estimators::{Sampling, UnitCube};
 use figures::{Drawing, Words};
 use perturbation_moments::MonteCarlo;
+use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{Design, Study};
 
@@ -96,6 +97,73 @@ fn bar(context: &Context<'_>) -> Result<Drawing, CaseError> {
     chart::<2, 5>(context, &scene, question)
 }
 
+/// A study with the reference variance of each response.
+struct Compared<'a, const D: usize, const N: usize> {
+    study: Study<'a, SceneExperiment<D>, D, N>,
+    dimension: usize,
+    truth: Vec<f64>,
+}
+
+impl<const D: usize, const N: usize> Compared<'_, D, N> {
+    const fn cube(&self, n_points: u64, n_replicas: u64, seed: u64) -> UnitCube {
+        let (dimension, sampling) = (self.dimension, Sampling::ScrambledSobol);
+        UnitCube { dimension, sampling, seed, n_points, n_replicas }
+    }
+
+    /// Variances by polynomials on that many points of 16 replicas; the median of their relative errors.
+    fn reference(&self, points: u64) -> Result<(Vec<f64>, f64), CaseError> {
+        let sampled = self.study.sampled(Design::QuasiRandom(self.cube(points, 16, 7)))?;
+        let polynomial = sampled.polynomial_control()?;
+        let (mut values, mut errors) = (Vec::new(), Vec::new());
+        for response in 0..self.study.plan().n_responses() {
+            let found = polynomial.moments(&sampled.values(response)?)?.moments.variance;
+            values.push(found.value);
+            errors.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
+        }
+        Ok((values, quantile(&errors, 0.5)))
+    }
+
+    /// Relative errors of the variances.
+    fn errors(&self, of: impl Fn(usize) -> Result<f64, CaseError>) -> Result<Vec<f64>, CaseError> {
+        self.truth.iter().enumerate().map(|(i, truth)| Ok(of(i)? / truth - 1.0)).collect()
+    }
+
+    /// Independent samples, as many as points of all replicas; with a Taylor series from differences or not.
+    fn samples(&self, n: u64, with_series: bool) -> Size<'_> {
+        let run = move |seed| {
+            let sampled = self.study.monte_carlo(MonteCarlo { seed, n_samples: n * REPLICAS })?;
+            let series =
+                if with_series { self.study.finite_difference(DIFFERENCE)? } else { Vec::new() };
+            self.errors(|i| {
+                let found = match series.get(i) {
+                    Some(series) => sampled.controlled(i, series)?,
+                    None => sampled.raw(i)?,
+                };
+                Ok(found.variance.value)
+            })
+        };
+        Size { label: (n * REPLICAS).to_string(), run: Box::new(run) }
+    }
+
+    /// Replicas of Sobol' points, with a fitted polynomial or not.
+    fn quasi(&self, n: u64, with_polynomial: bool) -> Size<'_> {
+        let run = move |seed| {
+            let design = Design::QuasiRandom(self.cube(n, REPLICAS, seed));
+            let sampled = self.study.sampled(design)?;
+            let polynomial = sampled.polynomial_control()?;
+            self.errors(|i| {
+                let found = if with_polynomial {
+                    polynomial.moments(&sampled.values(i)?)?.moments
+                } else {
+                    sampled.raw(i)?
+                };
+                Ok(found.variance.value)
+            })
+        };
+        Size { label: format!("{REPLICAS} x {n}"), run: Box::new(run) }
+    }
+}
+
 fn chart<const D: usize, const N: usize>(
     context: &Context<'_>,
     scene: &SmpmScene,
@@ -103,97 +171,39 @@ fn chart<const D: usize, const N: usize>(
 ) -> Result<Drawing, CaseError> {
     context.progress(question.name);
     let experiment = experiment::<D>(scene)?;
-    let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
-    let dimension = scene.random.len();
+    let study = Study::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
+    let mut compared = Compared { study, dimension: scene.random.len(), truth: Vec::new() };
     let is_quick = context.profile == Profile::Quick;
-    let cube = |n_points, n_replicas, seed| UnitCube {
-        dimension,
-        sampling: Sampling::ScrambledSobol,
-        seed,
-        n_points,
-        n_replicas,
-    };
     let (truth, truth_error) = match question.truth {
         Truth::Exact(variances) => (variances, 0.0),
-        Truth::Reference(points) => {
-            let points = if is_quick { 2 } else { points };
-            let sampled = study.sampled(Design::QuasiRandom(cube(points, 16, 7)))?;
-            let polynomial = sampled.polynomial_control()?;
-            let (mut values, mut errors) = (Vec::new(), Vec::new());
-            for response in 0..study.plan().n_responses() {
-                let found = polynomial.moments(&sampled.values(response)?)?.moments.variance;
-                values.push(found.value);
-                errors.push(found.standard_error().unwrap_or(f64::NAN) / found.value);
-            }
-            (values, quantile(&errors, 0.5))
-        }
+        Truth::Reference(points) => compared.reference(if is_quick { 2 } else { points })?,
     };
-    let errors = |of: &dyn Fn(usize) -> Result<f64, CaseError>| -> Result<Vec<f64>, CaseError> {
-        truth.iter().enumerate().map(|(i, truth)| Ok(of(i)? / truth - 1.0)).collect()
-    };
-    let points = || {
-        let n = if is_quick { 1 } else { question.most_points.trailing_zeros() };
-        (1..=n).map(|k| 1_u64 << k)
-    };
-    let samples = |with_series: bool| -> Vec<Size<'_>> {
-        let of = |n: u64| {
-            let (study, errors) = (&study, &errors);
-            let run = move |seed| {
-                let judge = MonteCarlo { seed, n_samples: n * REPLICAS };
-                let sampled = study.monte_carlo(judge)?;
-                let series =
-                    if with_series { study.finite_difference(DIFFERENCE)? } else { vec![] };
-                errors(&|i| {
-                    let found = match series.get(i) {
-                        Some(series) => sampled.controlled(i, series)?,
-                        None => sampled.raw(i)?,
-                    };
-                    Ok(found.variance.value)
-                })
-            };
-            Size { label: (n * REPLICAS).to_string(), run: Box::new(run) }
-        };
-        points().map(of).collect()
-    };
-    let quasi = |with_polynomial: bool| -> Vec<Size<'_>> {
-        let of = |n: u64| {
-            let (study, errors) = (&study, &errors);
-            let run = move |seed| {
-                let sampled = study.sampled(Design::QuasiRandom(cube(n, REPLICAS, seed)))?;
-                let polynomial = sampled.polynomial_control()?;
-                errors(&|i| {
-                    let found = if with_polynomial {
-                        polynomial.moments(&sampled.values(i)?)?.moments
-                    } else {
-                        sampled.raw(i)?
-                    };
-                    Ok(found.variance.value)
-                })
-            };
-            Size { label: format!("{REPLICAS} x {n}"), run: Box::new(run) }
-        };
-        points().map(of).collect()
-    };
+    compared.truth = truth;
+    let n = if is_quick { 1 } else { question.most_points.trailing_zeros() };
     let seeds = if is_quick { 2 } else { question.n_seeds };
-    let series = vec![
-        method("Monte Carlo (samples)", &samples(false), seeds),
-        method("Monte Carlo, Taylor series as control variate (samples)", &samples(true), seeds),
-        method("quasi-Monte Carlo (replicas x points)", &quasi(false), seeds),
-        method("quasi-Monte Carlo, fitted polynomial as control variate", &quasi(true), seeds),
+    let plain: Vec<Size<'_>> = (1..=n).map(|k| compared.samples(1 << k, false)).collect();
+    let series: Vec<Size<'_>> = (1..=n).map(|k| compared.samples(1 << k, true)).collect();
+    let quasi: Vec<Size<'_>> = (1..=n).map(|k| compared.quasi(1 << k, false)).collect();
+    let fitted: Vec<Size<'_>> = (1..=n).map(|k| compared.quasi(1 << k, true)).collect();
+    let methods = vec![
+        method("Monte Carlo (samples)", &plain, seeds),
+        method("Monte Carlo, Taylor series as control variate (samples)", &series, seeds),
+        method("quasi-Monte Carlo (replicas x points)", &quasi, seeds),
+        method("quasi-Monte Carlo, fitted polynomial as control variate", &fitted, seeds),
     ];
     let caption = if truth_error > 0.0 {
-        vec![format!(
+        format!(
             "Against other runs at Sobol' points with a polynomial, whose own standard error is {truth_error:.1e} (median)."
-        )]
+        )
     } else {
-        vec!["Against the exact variance: what remains at the right is the grid error.".to_owned()]
+        "Against the exact variance: what remains at the right is the grid error.".to_owned()
     };
     let words = Words {
         title: question.title.into(),
         subtitle: question.subtitle,
         x_label: String::new(),
         y_label: format!("relative error of Var {}", question.letter),
-        caption,
+        caption: vec![caption],
     };
-    drawing(question.name, words, series, (truth_error, seeds))
+    drawing(question.name, words, methods, (truth_error, seeds))
 }

@@ -55,7 +55,7 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
         letter: "p",
         truth: Truth::Exact(vec![shock.variance(strength)]),
         n_seeds: 8,
-        most_points: 64,
+        most_points: 32,
     };
     chart::<1, 3>(context, &scene, question)
 }
@@ -70,9 +70,9 @@ fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
             "4340 steel, A, B, n, C, m normal, coefficient of variation {STRENGTH}; four gauges at 9, 10, 11, 12 us"
         ),
         letter: "sigma_y",
-        truth: Truth::Reference(256),
-        n_seeds: 8,
-        most_points: 64,
+        truth: Truth::Reference(128),
+        n_seeds: 4,
+        most_points: 32,
     };
     chart::<2, 5>(context, &scene, question)
 }

@@ -83,77 +83,73 @@ fn every_method_gives_the_deviation_of_the_samples() {
     }
 }
 
+const MARGINAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
+
+/// What is replaced in the scene, by what, where the mistake is shown, and a part of its message.
+const MISTAKES: &[(&str, &str, &str, &str)] = &[
+    ("bulk_modulus\",", "bulk_module\",", "random_fields[0].parameters[0]", "bulk_module"),
+    ("\"steel.equation.b", "\"stel.equation.b", "random_fields[0].parameters[0]", "stel"),
+    (
+        "steel.strength.shear",
+        "steel.equation.bulk",
+        "random_fields[0].parameters[1]",
+        "given twice",
+    ),
+    ("\"number\": 9", "\"number\": 0", "random_fields[0].terms.number", "number of terms is 0"),
+    (
+        "\"lengths\": [5]",
+        "\"lengths\": [0]",
+        "random_fields[0].correlation.lengths",
+        "correlation length is 0",
+    ),
+    (
+        "\"lengths\": [5]",
+        "\"lengths\": [20001]",
+        "random_fields[0].correlation.lengths",
+        "1000 times the size of the body",
+    ),
+    (
+        "\"lengths\": [5]",
+        "\"lengths\": [0.001]",
+        "random_fields[0].correlation.lengths",
+        "at most 1e4",
+    ),
+    (
+        "\"lengths\": [5]",
+        "\"lengths\": [5, 5]",
+        "random_fields[0].correlation.lengths",
+        "2 coordinates",
+    ),
+    (
+        MARGINAL,
+        "\"normal\": { \"coefficient_of_variation\": 0.3 }",
+        "random_fields[0].marginal.normal.coefficient_of_variation",
+        "below 0 with the probability",
+    ),
+    (
+        MARGINAL,
+        "\"weibull\": { \"coefficient_of_variation\": 20 }",
+        "random_fields[0].marginal.weibull.coefficient_of_variation",
+        "must lie between",
+    ),
+    ("\"propagated\"", "\"sigma_points\"", "method", "does not go with"),
+    (
+        "\"method\"",
+        "\"random\": [{ \"parameter\": \"steel.strength.shear_modulus\", \"law\": \"normal\", \"coefficient_of_variation\": 0.01 }], \"method\"",
+        "random_fields",
+        "not both",
+    ),
+    (
+        "{ \"elastic_bulk\": { \"set\": { \"density\": 7.8, \"bulk_modulus\": 160 } } },\n      \"strength\": { \"elastic\": { \"set\": { \"shear_modulus\": 80 } } }",
+        "{ \"neo_hookean\": { \"set\": { \"density\": 7.8, \"bulk_modulus\": 160, \"shear_modulus\": 80 } } }",
+        "random_fields[0].parameters",
+        "cannot vary in space",
+    ),
+];
+
 #[test]
 fn mistakes_in_random_fields_are_shown_where_they_are() {
-    let marginal = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
-    for (number, (right, wrong, path, words)) in [
-        ("bulk_modulus\",", "bulk_module\",", "random_fields[0].parameters[0]", "bulk_module"),
-        ("\"steel.equation.b", "\"stel.equation.b", "random_fields[0].parameters[0]", "stel"),
-        (
-            "steel.strength.shear",
-            "steel.equation.bulk",
-            "random_fields[0].parameters[1]",
-            "given twice",
-        ),
-        (
-            "\"number\": 9",
-            "\"number\": 0",
-            "random_fields[0].terms.number",
-            "number of terms is 0",
-        ),
-        (
-            "\"lengths\": [5]",
-            "\"lengths\": [0]",
-            "random_fields[0].correlation.lengths",
-            "correlation length is 0",
-        ),
-        (
-            "\"lengths\": [5]",
-            "\"lengths\": [20001]",
-            "random_fields[0].correlation.lengths",
-            "1000 times the size of the body",
-        ),
-        (
-            "\"lengths\": [5]",
-            "\"lengths\": [0.001]",
-            "random_fields[0].correlation.lengths",
-            "at most 1e4",
-        ),
-        (
-            "\"lengths\": [5]",
-            "\"lengths\": [5, 5]",
-            "random_fields[0].correlation.lengths",
-            "2 coordinates",
-        ),
-        (
-            marginal,
-            "\"normal\": { \"coefficient_of_variation\": 0.3 }",
-            "random_fields[0].marginal.normal.coefficient_of_variation",
-            "below 0 with the probability",
-        ),
-        (
-            marginal,
-            "\"weibull\": { \"coefficient_of_variation\": 20 }",
-            "random_fields[0].marginal.weibull.coefficient_of_variation",
-            "must lie between",
-        ),
-        ("\"propagated\"", "\"sigma_points\"", "method", "does not go with"),
-        (
-            "\"method\"",
-            "\"random\": [{ \"parameter\": \"steel.strength.shear_modulus\", \"law\": \"normal\", \"coefficient_of_variation\": 0.01 }], \"method\"",
-            "random_fields",
-            "not both",
-        ),
-        (
-            "{ \"elastic_bulk\": { \"set\": { \"density\": 7.8, \"bulk_modulus\": 160 } } },\n      \"strength\": { \"elastic\": { \"set\": { \"shear_modulus\": 80 } } }",
-            "{ \"neo_hookean\": { \"set\": { \"density\": 7.8, \"bulk_modulus\": 160, \"shear_modulus\": 80 } } }",
-            "random_fields[0].parameters",
-            "cannot vary in space",
-        ),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    for (number, &(right, wrong, path, words)) in MISTAKES.iter().enumerate() {
         assert!(BAR.contains(right), "{right}");
         let mut text = BAR.replacen(right, wrong, 1);
         if wrong.contains("neo_hookean") {

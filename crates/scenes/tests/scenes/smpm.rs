@@ -198,7 +198,8 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
     let fitted = of(&quasi("quasi_monte_carlo", 8, ", \"control\": true"));
     let (of_fit, written) = run_text("indices-fitted", &fitted);
     written.unwrap();
-    for out in [out, of_fit.join("out")] {
+    // 64 points: the design knows indices to a tenth, the polynomial much better.
+    for (out, largest) in [(out, 0.25), (of_fit.join("out"), 0.02)] {
         let shares = shares(&out);
         for (k, exact) in exact.into_iter().enumerate() {
             for index in ["first", "total"] {
@@ -206,7 +207,7 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
                 let error = number(&shares[k], &format!("{index}_standard_error"));
                 // Of the two derivatives one is 1 % high and one 2.5 % low at this cell.
                 assert!((value - exact).abs() < 4.0 * error + 0.03, "{shares} {exact}");
-                assert!(error < 0.05, "{shares}");
+                assert!(error < largest, "{shares}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Error of a statistic against CPU time: estimators on two paths and on three scenes of bodies.
+//! Error of a statistic against CPU time: estimators on two paths and on two scenes of bodies.
 
 mod bodies;
 mod measured;

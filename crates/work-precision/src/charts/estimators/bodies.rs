@@ -21,7 +21,7 @@ const REPLICAS: u64 = 8;
 const STRENGTH: f64 = 0.15;
 
 pub(super) fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    Ok(vec![shock(context)?, explosion(context)?, bar(context)?])
+    Ok(vec![shock(context)?, explosion(context)?])
 }
 
 /// Reference variance of each response.
@@ -73,26 +73,6 @@ fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
         truth: Truth::Reference(128),
         n_seeds: 4,
         most_points: 32,
-    };
-    chart::<2, 5>(context, &scene, question)
-}
-
-fn bar(context: &Context<'_>) -> Result<Drawing, CaseError> {
-    let mut scene = Problem::TaylorBar.scene()?;
-    let last = scene.times.pop();
-    scene.times = last.into_iter().collect();
-    let quantities = scene.quantities.join(", ");
-    let question = Question {
-        name: "estimators-taylor-bar",
-        title: "Variance of the responses of a Taylor bar, against cost",
-        subtitle: format!(
-            "copper, {} random parameters; {quantities} at the end",
-            scene.random.len()
-        ),
-        letter: "the responses",
-        truth: Truth::Reference(16),
-        n_seeds: 2,
-        most_points: 8,
     };
     chart::<2, 5>(context, &scene, question)
 }

@@ -247,7 +247,7 @@ impl<'a, X: FieldExperiment<D>, const D: usize> FieldStudy<'a, X, D> {
         Ok(FieldGradient { moments, switches, n_runs })
     }
 
-    /// Runs a range of the samples of a judge, as [`Study::monte_carlo_from`](super::Study::monte_carlo_from) does: sample `r`
+    /// Runs a range of the samples of a judge, as [`Study::sampled_from`](super::Study::sampled_from) does: sample `r`
     /// has the coefficients of [`MonteCarlo::fill_normals`].
     ///
     /// # Errors

@@ -49,6 +49,8 @@ pub use remap::{BEYOND_THE_CLOUD, Remapped, Remapping};
 pub use report::{StepReport, Work};
 pub use scheme::Scheme;
 pub use score::ScoreEstimator;
+/// What a system of one's own and its start are written in, from [`sde_integrators`].
+pub use sde_integrators::{Additive, GaussianMixture, General, Sde, SecondOrder};
 pub use settling::Settling;
 pub use simulation::Simulation;
 pub use start::{DEFAULT_REACH, InitialLattice};

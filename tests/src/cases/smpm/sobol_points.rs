@@ -13,7 +13,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/contact-explosion/sobol-points",
-    title: "Variance and Sobol' indices behind an explosion by 128 runs at Sobol' points",
+    title: "Variance and Sobol' indices behind an explosion by 128 runs at Sobol' points, four designs",
     source: "own runs: 1,024 at other points, 250 independent ones, 896 of the design of Saltelli et al. 2010",
     cost: Profile::Default,
     schedule: Schedule::Together,
@@ -24,6 +24,8 @@ const STRENGTH: f64 = 0.15;
 /// Microseconds; after first yield of all gauges.
 const TIMES: [f64; 4] = [9.0, 10.0, 11.0, 12.0];
 const REPLICAS: u64 = 8;
+/// Of the designs of 128 runs, whose worst counts; none of them was looked at when the estimator was made.
+const SEEDS: [u64; 4] = [11, 12, 13, 14];
 
 fn cube(n_points: u64, seed: u64) -> UnitCube {
     let sampling = Sampling::ScrambledSobol;
@@ -50,8 +52,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     scene.quantities = vec!["flow_stress".to_owned(), "deviator_11".to_owned()];
     let experiment = experiment::<2>(&scene)?;
     let study = Study::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
-    context.progress("128 runs");
-    let few = fitted(&study, cube(16, 5))?;
+    context.progress("four times 128 runs");
+    let few = SEEDS.map(|seed| fitted(&study, cube(16, seed)));
+    let few = few.into_iter().collect::<Result<Vec<_>, _>>()?;
     context.progress("1,024 runs");
     let many = fitted(&study, cube(128, 77))?;
     let plan = study.plan();
@@ -76,26 +79,28 @@ fn place(plan: &Plan<2>, response: usize) -> String {
 fn variances(
     context: &Context<'_>,
     plan: &Plan<2>,
-    few: &[PolynomialMoments],
+    few: &[Vec<PolynomialMoments>],
     many: &[PolynomialMoments],
 ) -> Vec<Claim> {
     let (mut off, mut stated) = (Worst::of_errors(), Worst::of_errors());
     let (mut left, mut left_at_h) = (Worst::of_errors(), Worst::of_errors());
-    for (response, (few, many)) in few.iter().zip(many).enumerate() {
+    for (response, many) in many.iter().enumerate() {
         let (gauge, quantity, _) = plan.parts(response);
         let place = place(plan, response);
         if quantity == 0 {
             let truth = many.moments.variance.value;
-            off.take(few.moments.variance.value / truth - 1.0, &place);
-            stated.take(error(&few.moments.variance) / truth, &place);
-            left.take(few.unexplained, &place);
+            for few in few.iter().map(|few| &few[response]) {
+                off.take(few.moments.variance.value / truth - 1.0, &place);
+                stated.take(error(&few.moments.variance) / truth, &place);
+                left.take(few.unexplained, &place);
+            }
         } else if plan.gauges[gauge].name == "H" {
             left_at_h.take(many.unexplained, &place);
         }
     }
     let line =
         |worst: &Worst, method: &str| Lines { context, id: "", method: worst.method(method) };
-    let polynomial = "8 replicas of 16 Sobol' points with a polynomial";
+    let polynomial = "8 replicas of 16 Sobol' points with a polynomial, worst of four designs";
     vec![
         line(&off, polynomial).bounded(
             ("flow-stress/variance", "relative error of Var sigma_y", ""),
@@ -103,17 +108,17 @@ fn variances(
             5e-3,
             "0.5 % is asked; statistics of 128 runs",
         ),
-        line(&stated, polynomial).bounded(
+        line(&stated, polynomial).measured(
             ("flow-stress/stated-error", "standard error over Var sigma_y", ""),
             stated.value(),
-            5e-3,
-            "0.5 % is asked",
+            (2e-3, 8e-3),
+            "0.5 % is asked: the deviation is, the error stated of one design is more",
         ),
         line(&left, polynomial).bounded(
             ("flow-stress/unexplained", "part of the variance that the polynomial leaves", ""),
             left.value(),
-            2e-4,
-            "a smooth response of degree three at 15 %",
+            4e-4,
+            "a smooth response at 15 %: what degree four and higher have of it, of the worst design",
         ),
         line(&left_at_h, "8 replicas of 128 points").measured(
             ("deviator-11/unexplained", "part of Var S11 at H that the polynomial leaves", ""),

@@ -32,4 +32,28 @@ pub enum Error {
         /// Smallest admissible reciprocal condition.
         limit: f64,
     },
+    /// A kernel has no support.
+    #[error("the support of the kernel is {value}; it must be positive and finite")]
+    KernelSupport {
+        /// The support, in smoothing lengths.
+        value: f64,
+    },
+    /// A kernel does not keep a law that the solvers rely on.
+    #[error(
+        "in {dimension} dimensions {law} is {value} at q = {q}; it must be {expected} within {limit:e}"
+    )]
+    KernelLaw {
+        /// What is looked at.
+        law: &'static str,
+        /// Number of dimensions.
+        dimension: usize,
+        /// Distance in smoothing lengths; of an integral the support.
+        q: f64,
+        /// What the kernel gives.
+        value: f64,
+        /// What it must be.
+        expected: f64,
+        /// Largest admissible difference.
+        limit: f64,
+    },
 }

@@ -202,7 +202,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
     }
 }
 
-fn radial<const D: usize, K: Kernel<D> + ?Sized>(
+pub(crate) fn radial<const D: usize, K: Kernel<D> + ?Sized>(
     kernel: &K,
 ) -> Radial<impl Fn(f64) -> f64, impl Fn(f64) -> f64> {
     Radial {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod batch;
+mod check;
 mod corrections;
 mod cubic_spline;
 mod error;
@@ -16,6 +17,7 @@ mod wendland_c2;
 mod wendland_c4;
 mod wendland_c6;
 
+pub use check::check_kernel;
 pub use corrections::{
     SMALLEST_RECIPROCAL_CONDITION, SMALLEST_SHEPARD_SUM, corrected_gradient,
     renormalisation_matrix, shepard_factor,

@@ -37,14 +37,23 @@ pub(crate) fn second_moment<const D: usize, W, S>(kernel: &Radial<W, S>) -> f64
 where
     W: Fn(f64) -> f64,
 {
+    radial_moment::<D, W, S>(kernel, 2) / D as f64
+}
+
+/// `∫ |x|^n W(|x|, 1) d^D x = S_D σ_D ∫ w(q) q^(D-1+n) dq`.
+pub(crate) fn radial_moment<const D: usize, W, S>(kernel: &Radial<W, S>, n: usize) -> f64
+where
+    W: Fn(f64) -> f64,
+{
     let width = kernel.support / f64::from(N_PANELS);
     let integral: f64 = (0..N_PANELS)
         .map(|panel| {
             let start = f64::from(panel) * width;
-            gauss_legendre(start, start + width, |q| (kernel.shape)(q) * integer_power(q, D + 1))
+            let shell = |q| (kernel.shape)(q) * integer_power(q, D - 1 + n);
+            gauss_legendre(start, start + width, shell)
         })
         .sum();
-    unit_sphere_surface::<D>() * kernel.normalisation * integral / D as f64
+    unit_sphere_surface::<D>() * kernel.normalisation * integral
 }
 
 /// Marginal density at `c`, in units of `h`. With `ρ^2 = t^2 - c^2`, and integrated by parts,

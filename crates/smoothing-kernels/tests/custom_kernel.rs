@@ -1,6 +1,6 @@
 //! A kernel as a user would write it: four functions, and the rest follows.
 
-use smoothing_kernels::{Kernel, power, unit_sphere_surface};
+use smoothing_kernels::{Error, Kernel, all, check_kernel, power, unit_sphere_surface};
 
 // docs: kernel
 /// Poly6 of Mueller, Charypar & Gross 2003: `w(q) = (1 - q^2)^3` on one smoothing length.
@@ -47,7 +47,80 @@ fn users_kernel_has_its_published_constant() {
     let published = 315.0 / (64.0 * std::f64::consts::PI * power::<3>(0.4));
     assert!((Kernel::<3>::value(&Poly6, 0.0, 0.4) / published - 1.0).abs() < 1e-13);
 }
+
+#[test]
+fn users_kernel_keeps_the_laws_of_a_kernel() {
+    check_kernel::<1, _>(&Poly6).unwrap();
+    check_kernel::<2, _>(&Poly6).unwrap();
+    check_kernel::<3, _>(&Poly6).unwrap();
+}
 // docs: end
+
+/// Poly6 with one of its functions replaced.
+#[derive(Debug, Clone, Copy)]
+struct Broken {
+    support: f64,
+    beyond: f64,
+    slope: f64,
+    normalisation: f64,
+    quotient: f64,
+}
+
+const WHOLE: Broken =
+    Broken { support: 1.0, beyond: 0.0, slope: 1.0, normalisation: 1.0, quotient: 1.0 };
+
+impl<const D: usize> Kernel<D> for Broken {
+    fn support(&self) -> f64 {
+        self.support
+    }
+
+    fn shape(&self, q: f64) -> f64 {
+        if q >= 1.0 { self.beyond } else { Kernel::<D>::shape(&Poly6, q) }
+    }
+
+    fn shape_derivative(&self, q: f64) -> f64 {
+        self.slope * Kernel::<D>::shape_derivative(&Poly6, q)
+    }
+
+    fn normalisation(&self) -> f64 {
+        self.normalisation * Kernel::<D>::normalisation(&Poly6)
+    }
+
+    fn shape_derivative_over_q(&self, q: f64) -> f64 {
+        self.quotient * self.slope * Kernel::<D>::shape_derivative_over_q(&Poly6, q)
+    }
+}
+
+#[test]
+fn broken_laws_are_named_with_place_and_value() {
+    check_kernel::<2, _>(&WHOLE).unwrap();
+    for (broken, words) in [
+        (Broken { beyond: 1e-9, ..WHOLE }, "the shape beyond the support is 0.000000001 at q = 1"),
+        (Broken { slope: 1.0001, ..WHOLE }, "the slope is -0.044999"),
+        (Broken { normalisation: 1.000001, ..WHOLE }, "the integral is 1.000001"),
+        (Broken { normalisation: f64::NAN, ..WHOLE }, "the integral is NaN"),
+        (Broken { quotient: 1.01, ..WHOLE }, "the slope over q, times q, is"),
+    ] {
+        let error = check_kernel::<2, _>(&broken).unwrap_err();
+        assert!(matches!(error, Error::KernelLaw { dimension: 2, .. }));
+        assert!(error.to_string().contains(words), "{error}");
+    }
+}
+
+#[test]
+fn no_kernel_is_without_support() {
+    for value in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+        let error = check_kernel::<1, _>(&Broken { support: value, ..WHOLE }).unwrap_err();
+        assert!(error.to_string().contains(&format!("is {value}; it must be positive")), "{error}");
+    }
+}
+
+#[test]
+fn every_kernel_of_the_crate_keeps_the_laws() {
+    for (name, kernel) in all::<3>() {
+        check_kernel(&*kernel).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}
 
 #[test]
 fn users_kernel_gets_its_gradient_for_nothing() {

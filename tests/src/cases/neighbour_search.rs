@@ -61,9 +61,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     dimension::<1>(context, 0.02, &mut found)?;
     dimension::<2>(context, 0.08, &mut found)?;
     dimension::<3>(context, 0.2, &mut found)?;
-    dimension::<4>(context, 0.3, &mut found)?;
-    let mut largest = 4;
+    let mut largest = 3;
     if context.profile > Profile::Quick {
+        dimension::<4>(context, 0.3, &mut found)?;
         dimension::<5>(context, 0.4, &mut found)?;
         dimension::<6>(context, 0.5, &mut found)?;
         largest = 6;

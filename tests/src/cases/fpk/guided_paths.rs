@@ -22,7 +22,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/guided-paths",
     title: "Paths guided to the rare event by a linearised backward function",
     source: "exact linear oscillator; references of the damper and of Bouc-Wen; Macke & Bucher 2003",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

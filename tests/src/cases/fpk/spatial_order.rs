@@ -18,7 +18,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/spatial-order",
     title: "Order of the moment error in the particle spacing",
     source: "Canor & Denoël 2013, both oscillators of section 4.1",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

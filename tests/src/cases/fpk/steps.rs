@@ -20,7 +20,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/steps",
     title: "Order and size of the step's error, log-density fit with kernel-sum volumes",
     source: "runs with shorter steps; Canor & Denoël 2013, sections 4.1 and 4.2",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

@@ -15,7 +15,7 @@ pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/nonlinear-equilibrium",
     title: "Two nodes on bonds with two wells, and on bonds that soften: moments of exp(-V/kT) and the probability of a well",
     source: "eq 4 of the note; quadrature of exp(-V/kT) over both displacements",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

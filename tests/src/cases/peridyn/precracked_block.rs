@@ -15,7 +15,7 @@ pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/precracked-block",
     title: "A block with a notch through half of it: lattice against bond list, the crack front, threads",
     source: "symmetry of the block; two implementations of one law",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

@@ -17,7 +17,7 @@ pub(crate) const CASE: Case = Case {
     id: "sde-integrators/explosion",
     title: "explosion of Euler-Maruyama on -X^3: the edge sqrt(2/h) without noise, fractions of paths with noise",
     source: "derived/sde/explosion.json, an independent code with 10,000 paths",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

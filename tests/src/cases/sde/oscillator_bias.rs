@@ -16,7 +16,7 @@ pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-bias",
     title: "bias of E[q^2] against step length on the oscillator with a viscous damper, T = 10 s from rest",
     source: "Canor and Denoël 2013, eq 26 with a = 1; derived/sde/oscillator_bias.json, 80,000 paths",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };
@@ -34,8 +34,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         method("strang-oscillator", "Strang", StrangOscillator, none),
     ];
     let n_paths = match context.profile {
-        Profile::Quick => 2560,
-        Profile::Default => 16_000,
+        Profile::Quick | Profile::Default => 16_000,
         Profile::Full => 80_000,
     };
     let study = Study { n_paths, seed: 51, end: END, coarsest: 128, n_levels: 6, refinements: 0 };

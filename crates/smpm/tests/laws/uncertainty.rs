@@ -205,9 +205,9 @@ fn quasi_random_runs_are_sharper_and_their_indices_are_shares_of_the_variance() 
     assert!(error(controlled.variance) < 0.1 * error(quasi.variance), "{controlled:?} {quasi:?}");
     for found in [quasi, controlled] {
         let off = (found.mean.value - moments.mean_second_order().unwrap()).abs();
-        // Third and fourth derivatives, and second ones that are a few per cent off at this cell: 1e-3 of a deviation.
-        eprintln!("OFF {off:e} {:e} sd {:e}", error(found.mean), found.variance.value.sqrt());
-        assert!(off < 4.0 * error(found.mean) + 1e-5, "{found:?} {off}");
+        // Third and fourth derivatives, and second ones that are a few per cent off at this cell: 0.6e-3 of a deviation seen.
+        let series = 1e-3 * found.variance.value.sqrt();
+        assert!(off < 4.0 * error(found.mean) + series, "{found:?} {off}");
     }
     let sampled = study.sampled(Design::SobolIndices(cube)).unwrap();
     assert_eq!(sampled.n_samples(), 256);

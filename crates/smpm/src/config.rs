@@ -107,6 +107,9 @@ pub struct Config<const D: usize> {
     pub courant_number: f64,
     /// Acceleration of all particles (length per time squared).
     pub gravity: [f64; D],
+    /// The multiple of `gravity` that acts, as points of time (time) and multiple in ascending order, linear between them and constant
+    /// before the first and after the last. Without points it is one.
+    pub gravity_history: Vec<[f64; 2]>,
     /// Interaction of bodies in contact.
     pub contact: Contact,
     /// Planes at which the motion is prescribed.
@@ -134,11 +137,38 @@ impl<const D: usize> Config<D> {
             viscosity: BulkViscosity { quadratic: 1.5, linear: 0.06 },
             courant_number: 0.4,
             gravity: [0.0; D],
+            gravity_history: vec![],
             contact: Contact::Bonded,
             boundaries: vec![],
             most_energy_growth: 1.2,
             most_steps: 1_000_000,
         }
+    }
+
+    /// The acceleration of all particles at a time.
+    #[must_use]
+    pub fn gravity_at(&self, time: f64) -> [f64; D] {
+        let after = self.gravity_history.partition_point(|point| point[0] <= time);
+        let multiple = match (after.checked_sub(1), self.gravity_history.get(after)) {
+            (None, None) => return self.gravity,
+            (None, Some(first)) => first[1],
+            (Some(last), None) => self.gravity_history[last][1],
+            (Some(before), Some(next)) => {
+                let [from, multiple] = self.gravity_history[before];
+                multiple + (next[1] - multiple) * (time - from) / (next[0] - from)
+            }
+        };
+        self.gravity.map(|along| along * multiple)
+    }
+
+    fn check_gravity_history(&self) -> Result<(), Error> {
+        let mut from = 0.0;
+        for &[time, multiple] in &self.gravity_history {
+            within("time in gravity_history", time, from, f64::MAX)?;
+            finite("multiple in gravity_history", multiple)?;
+            from = time;
+        }
+        Ok(())
     }
 
     /// Refuses numbers outside their range.
@@ -151,6 +181,7 @@ impl<const D: usize> Config<D> {
             finite("origin", self.origin[k])?;
             finite("gravity", self.gravity[k])?;
         }
+        self.check_gravity_history()?;
         not_negative("quadratic bulk viscosity", self.viscosity.quadratic)?;
         not_negative("linear bulk viscosity", self.viscosity.linear)?;
         if let Contact::Friction { coefficient } = self.contact {

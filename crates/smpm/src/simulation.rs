@@ -289,7 +289,8 @@ impl<S: Number, const D: usize> Simulation<S, D> {
 
     /// Particle-to-grid, and the solution at the nodes.
     fn map_to_grid(&mut self, given: Given, dt: f64) {
-        particle_to_grid(&mut self.grid, &self.bodies, &self.config, given);
+        let under = (&self.config, self.config.gravity_at(self.time + 0.5 * dt));
+        particle_to_grid(&mut self.grid, &self.bodies, under, given);
         let with_mass = given != Given::Momentum;
         let (_, pic) = self.config.transfer.shares(dt);
         self.grid.solve(Solve { dt, pic, smallest_mass: self.smallest_mass, with_mass });
@@ -357,7 +358,8 @@ impl<S: Number, const D: usize> Simulation<S, D> {
 
     fn check_energy(&mut self, dt: f64, summary: &Summary<D>) -> Result<(), Error> {
         let Summary { momentum, kinetic, internal, .. } = summary;
-        let power: f64 = (0..D).map(|k| momentum[k] * self.config.gravity[k]).sum();
+        let gravity = self.config.gravity_at(self.time - 0.5 * dt);
+        let power: f64 = (0..D).map(|k| momentum[k] * gravity[k]).sum();
         self.supplied += (power * dt).max(0.0);
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
         let limit = factor * self.supplied.abs();

@@ -43,14 +43,15 @@ static IN_ONE: InLanes<f64, 1> = InLanes::HERE;
 static IN_TWO: InLanes<f64, 2> = InLanes::HERE;
 static IN_THREE: InLanes<f64, 3> = InLanes::HERE;
 
-/// Sums what is `given` at the nodes of all blocks.
+/// Sums what is `given` at the nodes of all blocks, under the gravity of the step.
 pub(crate) fn particle_to_grid<S: Number, const D: usize>(
     grid: &mut Grid<S, D>,
     bodies: &[Body<S, D>],
-    config: &Config<D>,
+    (config, gravity): (&Config<D>, [f64; D]),
     given: Given,
 ) {
-    let (transfer, in_lanes) = (ParticleToGrid::of(config, given), in_lanes::<S, D>());
+    let transfer = ParticleToGrid { gravity, ..ParticleToGrid::of(config, given) };
+    let in_lanes = in_lanes::<S, D>();
     grid.sum_in_blocks(given != Given::Momentum, |slot, first, nodes, masses| {
         for body in bodies {
             if let Some(in_lanes) = in_lanes

@@ -87,6 +87,7 @@ fn config() -> impl Strategy<Value = Config<2>> {
                 viscosity: BulkViscosity { quadratic, linear },
                 courant_number: 0.4 * courant,
                 gravity: [gx - 1.0, gy - 1.0],
+                gravity_history: vec![[0.0, gx], [courant, gy]],
                 contact,
                 boundaries,
                 most_energy_growth: 10.0 * growth,
@@ -165,6 +166,7 @@ fn plate() -> Simulation<f64, 2> {
         viscosity: BulkViscosity { quadratic: 1.0, linear: 0.1 },
         courant_number: 0.4,
         gravity: [0.0; 2],
+        gravity_history: vec![],
         contact: Contact::Bonded,
         boundaries: vec![Boundary {
             axis: 0,

@@ -13,6 +13,7 @@ pub(crate) mod paper_size;
 pub(crate) mod plate_impact;
 pub(crate) mod published_tables;
 pub(crate) mod random_fields;
+pub(crate) mod random_slope;
 pub(crate) mod refinement;
 pub(crate) mod return_mapping;
 pub(crate) mod shock_tubes;

@@ -1,6 +1,8 @@
 //! Material constants that vary in space, as written in a scene.
 
-use random_fields::{CorrelationFunction, Error, Marginal, SpatialCorrelation, Truncation};
+use random_fields::{
+    Correlation, CorrelationFunction, Error, Marginal, SpatialCorrelation, Truncation,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +28,7 @@ impl RandomFieldScene {
             correlation: FieldCorrelationScene {
                 function: FunctionScene::Matern32,
                 lengths: vec![1.0, 2.0],
+                separable: false,
             },
             terms: TermsScene::Number(100),
         }
@@ -77,18 +80,26 @@ impl MarginalScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldCorrelationScene {
-    /// Correlation function of the distance `r` in units of the lengths.
+    /// Correlation function of the distance `r` in units of the lengths, or of that along each axis with `separable`.
     #[serde(default)]
     #[schemars(example = FunctionScene::Exponential)]
     pub function: FunctionScene,
     /// The integral scale along each axis (length of `units`).
     pub lengths: Vec<f64>,
+    /// Whether it is the product of the function over the axes; without this key it is the function of the distance.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub separable: bool,
 }
 
 impl FieldCorrelationScene {
     /// The correlation in space.
     pub(super) fn between<const D: usize>(&self, lengths: [f64; D]) -> SpatialCorrelation<D> {
-        SpatialCorrelation::elliptic(self.function.function(), lengths)
+        let function = self.function.function();
+        if self.separable {
+            SpatialCorrelation::separable(lengths.map(|length| Correlation { function, length }))
+        } else {
+            SpatialCorrelation::elliptic(function, lengths)
+        }
     }
 }
 

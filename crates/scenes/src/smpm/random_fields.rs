@@ -306,7 +306,8 @@ fn expand<const D: usize>(
         };
         Objection::new(place, error.to_string())
     };
-    if D == 1 && scene.correlation.function.function() == CorrelationFunction::Exponential {
+    let is_product = D == 1 || scene.correlation.separable;
+    if is_product && scene.correlation.function.function() == CorrelationFunction::Exponential {
         return RandomField::on_box([low, high], correlation, truncation).map_err(refused);
     }
     let fewest =

@@ -169,6 +169,7 @@ impl SmpmScene {
                 [] => [0.0; D],
                 given => point(given, "gravity")?,
             },
+            gravity_history: self.gravity_history.clone(),
             ..usual
         })
     }
@@ -298,6 +299,7 @@ impl Scene for SmpmScene {
                 return Err(Objection::new(format!("boundaries[{i}].axis"), message));
             }
         }
+        self.check_gravity_history()?;
         self.quantities()?;
         for name in self.levels.keys() {
             if !self.quantities.contains(name) {
@@ -340,6 +342,23 @@ impl Scene for SmpmScene {
 }
 
 impl SmpmScene {
+    /// Points of time in ascending order, if there is gravity.
+    fn check_gravity_history(&self) -> Result<(), Objection> {
+        if self.gravity.is_empty() && !self.gravity_history.is_empty() {
+            let message = "there is no `gravity` of which to take multiples";
+            return Err(Objection::new("gravity_history", message));
+        }
+        let mut from = 0.0;
+        for (i, [time, _]) in self.gravity_history.iter().enumerate() {
+            if time.is_nan() || *time < from {
+                let message = format!("the time is {time} and must not be less than {from}");
+                return Err(Objection::new(format!("gravity_history[{i}]"), message));
+            }
+            from = *time;
+        }
+        Ok(())
+    }
+
     /// Replicas of Sobol' points, of which there are only certain numbers.
     fn check_design(&self) -> Result<(), Objection> {
         let (name, points) = match self.method {

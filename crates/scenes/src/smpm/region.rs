@@ -1,6 +1,7 @@
 //! Regions of space filled by bodies.
 
 use super::coordinates::point;
+use super::polygon::Polygon;
 use super::scene::{BodyScene, SolidScene};
 use crate::scene::Objection;
 
@@ -32,6 +33,7 @@ enum Region<const D: usize> {
     Box { from: [f64; D], to: [f64; D] },
     Ball { centre: [f64; D], radius: f64 },
     Cylinder { base: [f64; D], radius: f64, height: f64 },
+    Polygon(Polygon<D>),
 }
 
 impl<const D: usize> Region<D> {
@@ -61,12 +63,16 @@ impl<const D: usize> Region<D> {
             SolidScene::Cylinder { .. } => {
                 Err(Objection::new(path, "a cylinder is a shape in three dimensions only"))
             }
+            SolidScene::Polygon { corners } => {
+                Polygon::of(corners, &format!("{path}.polygon")).map(Self::Polygon)
+            }
         }
     }
 
     fn bounds(&self) -> ([f64; D], [f64; D]) {
         match *self {
             Self::Box { from, to } => (from, to),
+            Self::Polygon(ref polygon) => polygon.bounds(),
             Self::Ball { centre, radius } => {
                 (centre.map(|x| x - radius), centre.map(|x| x + radius))
             }
@@ -88,6 +94,7 @@ impl<const D: usize> Region<D> {
         match self {
             Self::Box { from, to } => (0..D).all(|k| (from[k]..to[k]).contains(&x[k])),
             Self::Ball { centre, radius } => square(centre, D) < radius * radius,
+            Self::Polygon(polygon) => polygon.holds(x),
             Self::Cylinder { base, radius, height } => {
                 square(base, 2) < radius * radius && (0.0..*height).contains(&(x[2] - base[2]))
             }

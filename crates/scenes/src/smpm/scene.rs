@@ -45,6 +45,12 @@ pub struct SmpmScene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(example = vec![0.0, -9.81])]
     pub gravity: Vec<f64>,
+    /// The multiple of `gravity` over time, as points of time (time of `units`) and multiple in ascending order; 1 without this key.
+    ///
+    /// It is linear between points, and constant before the first and after the last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![[0.0, 0.0], [2.0, 1.0]])]
+    pub gravity_history: Vec<[f64; 2]>,
     /// Materials, each under a name of your choice.
     pub materials: BTreeMap<String, MaterialScene>,
     /// The bodies.
@@ -331,6 +337,11 @@ pub enum SolidScene {
         radius: f64,
         /// Its height (length of `units`).
         height: f64,
+    },
+    /// A simple polygon, in two dimensions.
+    Polygon {
+        /// Its corners in the order of the boundary, each once, at least three (length of `units`).
+        corners: Vec<Vec<f64>>,
     },
 }
 

@@ -294,6 +294,45 @@ fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+fn assert_mistake(name: &str, (right, wrong): (&str, &str), path: &str, words: &str) {
+    assert!(PLATE.contains(right), "{right}");
+    let (folder, result) = run_text(name, &PLATE.replace(right, wrong));
+    let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
+    let mistake = error.mistake().unwrap();
+    assert_eq!(mistake.path, path, "{}", mistake.message);
+    assert!(mistake.message.contains(words), "{}", mistake.message);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn mistakes_in_gravity_and_polygons_are_shown_where_they_are() {
+    for (number, (right, wrong, path, words)) in [
+        (
+            "\"dimension\": 1",
+            "\"dimension\": 1, \"gravity_history\": [[0, 0], [1, 1]]",
+            "gravity_history",
+            "there is no `gravity`",
+        ),
+        (
+            "\"dimension\": 1",
+            "\"dimension\": 1, \"gravity\": [1], \"gravity_history\": [[1, 0], [0.5, 1]]",
+            "gravity_history[1]",
+            "must not be less than 1",
+        ),
+        (
+            "{ \"box\": { \"from\": [0], \"to\": [3] } }",
+            "{ \"polygon\": { \"corners\": [[0], [3], [2]] } }",
+            "bodies[0].shape.polygon",
+            "in two dimensions",
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_mistake(&format!("shape-{number}"), (right, wrong), path, words);
+    }
+}
+
 #[test]
 fn mistakes_are_shown_where_they_stand() {
     for (number, (right, wrong, path, words)) in [
@@ -332,13 +371,7 @@ fn mistakes_are_shown_where_they_stand() {
     .into_iter()
     .enumerate()
     {
-        assert!(PLATE.contains(right), "{right}");
-        let (folder, result) = run_text(&format!("mistake-{number}"), &PLATE.replace(right, wrong));
-        let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
-        let mistake = error.mistake().unwrap();
-        assert_eq!(mistake.path, path, "{}", mistake.message);
-        assert!(mistake.message.contains(words), "{}", mistake.message);
-        std::fs::remove_dir_all(&folder).unwrap();
+        assert_mistake(&format!("mistake-{number}"), (right, wrong), path, words);
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use random_fields::{
+    Correlation, CorrelationFunction, RandomField, SpatialCorrelation, Truncation,
+};
 use scenes::{ALL, Options, Progress, RunError, run};
 use serde_json::Value;
 
@@ -81,6 +84,37 @@ fn every_method_gives_the_deviation_of_the_samples() {
         // Third derivatives, and the samples' own error with a control variate.
         assert!((deviation / deviations[0] - 1.0).abs() < 0.05, "{deviations:?}");
     }
+}
+
+/// A wedge in the plane: its box is that of its corners, and a product of exponentials has its eigenfunctions there.
+#[test]
+fn a_polygon_with_a_separable_field_is_expanded_on_the_box_of_its_corners() {
+    let text = BAR
+        .replace("\"dimension\": 1", "\"dimension\": 2")
+        .replace(
+            "{ \"box\": { \"from\": [0], \"to\": [20] } }, \"velocity\": [-0.01]",
+            "{ \"polygon\": { \"corners\": [[0, 0], [20, 0], [0, 10]] } }, \"velocity\": [-0.01, 0]",
+        )
+        .replace("\"cell\": 0.5", "\"cell\": 1")
+        .replace(
+            "{ \"function\": \"matern32\", \"lengths\": [5] }",
+            "{ \"function\": \"exponential\", \"lengths\": [5, 2], \"separable\": true }",
+        )
+        .replace("\"at\": [19.9]", "\"at\": [0.25, 0.25]")
+        .replace("\"propagated\"", "\"deterministic\"");
+    let (folder, written) = run_text("polygon", &text);
+    let result = std::fs::read_to_string(&written.unwrap()[0]).unwrap();
+    let result: Value = serde_json::from_str(&result).unwrap();
+    // Half of the places of a lattice of 40 by 20; none is on the inclined edge.
+    assert_eq!(result["work"]["particles"], 400);
+    let of = |length| Correlation { function: CorrelationFunction::Exponential, length };
+    let correlation = SpatialCorrelation::separable([of(5.0), of(2.0)]);
+    let corners = [[0.0, 0.0], [20.0, 10.0]];
+    let field = RandomField::on_box(corners, correlation, Truncation::Terms(9)).unwrap();
+    let left_out = &result["random_fields"][0]["mean_left_out_variance"];
+    let expected = field.mean_left_out_variance();
+    assert_eq!(left_out.as_f64().map(f64::to_bits), Some(expected.to_bits()));
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 const MARGINAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";

@@ -1,7 +1,7 @@
 //! What every run must keep, whatever the material: mass, momentum, symmetry, bits, derivatives; and what is refused.
 
 use perturbation_moments::Jet;
-use smpm::material::{Material, Now, Observed};
+use smpm::material::{LinearElasticParameters, LinearElasticSolid, Material, Now, Observed};
 use smpm::tensor::Symmetric;
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fault, Fill, Geometry, Number,
@@ -150,6 +150,54 @@ fn mass_and_momentum_are_kept_by_every_shape_order_and_transfer() {
             }
         }
     }
+}
+
+/// The velocity gained is the integral of the history, exact by the midpoint of each step where its points are ends of steps; the
+/// place that a run resumes from does not matter.
+#[test]
+fn gravity_follows_its_history() {
+    // A multiple that grows, stays, jumps and stays: 0.5, 0.5 and -0.25 in all.
+    let history = vec![[0.1, 0.0], [1.1, 1.0], [1.6, 1.0], [1.6, -0.5], [2.1, -0.5], [2.1, 0.0]];
+    let elastic =
+        LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
+    let falling = || {
+        let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.5]), |_| true).unwrap();
+        let solid = LinearElasticSolid::linear_elastic(elastic).unwrap();
+        let (gravity, gravity_history) = ([0.2, -0.4], history.clone());
+        let config = Config { gravity, gravity_history, ..Config::with_cell(0.1) };
+        Simulation::new(config, vec![Body::new(solid, &fill, [0.0; 2]).unwrap()]).unwrap()
+    };
+    let before = falling().ledger();
+    let mut run = falling();
+    let mut kept = Vec::new();
+    for step in 1..=460 {
+        let _ = run.step_of(0.005).unwrap();
+        if step == 100 {
+            run.snapshot(&mut kept).unwrap();
+        }
+        let gained = match step {
+            20 => 0.0,
+            120 => 0.125,
+            220 => 0.5,
+            320 => 1.0,
+            420 | 460 => 0.75,
+            _ => continue,
+        };
+        for (k, along) in [0.2, -0.4].into_iter().enumerate() {
+            let momentum = run.ledger().momentum[k] - before.momentum[k];
+            // Roundoff of 200 particles over some hundred steps.
+            assert!((momentum / before.mass - along * gained).abs() < 1e-12, "{step}: {momentum}");
+        }
+    }
+    let mut resumed = falling();
+    resumed.restore(&kept[..]).unwrap();
+    for _ in 100..460 {
+        let _ = resumed.step_of(0.005).unwrap();
+    }
+    assert_eq!(resumed.ledger(), run.ledger());
+    let plain = blocks::<f64>(1.0, |config| config.gravity = [0.2, -0.4]);
+    let bits = |of: [f64; 2]| of.map(f64::to_bits);
+    assert_eq!(bits(plain.config().gravity_at(3.0)), bits([0.2, -0.4]));
 }
 
 #[test]
@@ -321,6 +369,12 @@ fn what_cannot_be_is_refused_with_its_value() {
     assert_eq!(
         refused(|c| c.courant_number = 0.0),
         "courant_number is 0; it must be greater than 0"
+    );
+    let refused_history = refused(|c| c.gravity_history = vec![[1.0, 0.0], [0.5, 1.0]]);
+    assert!(refused_history.starts_with("time in gravity_history is 0.5; it must be from 1"));
+    assert_eq!(
+        refused(|c| c.gravity_history = vec![[0.0, f64::NAN]]),
+        "multiple in gravity_history is NaN; it must be finite"
     );
     assert_eq!(
         refused(|c| c.boundaries = vec![clamped(0, 0.05, Side::Below)]),

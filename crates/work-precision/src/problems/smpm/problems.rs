@@ -24,6 +24,8 @@ pub enum Problem {
     RandomPlate,
     /// The cylinder with a random field of the yield stress.
     RandomTaylorBar,
+    /// A slope of clay whose strength is a random field.
+    RandomSlope,
 }
 
 impl Problem {
@@ -60,6 +62,10 @@ impl Problem {
             Self::RandomTaylorBar => (
                 "tests/scenes/smpm/random_taylor_bar.json",
                 include_str!("../../../../../tests/scenes/smpm/random_taylor_bar.json"),
+            ),
+            Self::RandomSlope => (
+                "tests/scenes/smpm/random_slope.json",
+                include_str!("../../../../../tests/scenes/smpm/random_slope.json"),
             ),
         }
     }

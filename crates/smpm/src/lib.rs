@@ -35,6 +35,7 @@ mod particles;
 mod pass;
 mod points_in_lanes;
 mod record;
+mod reverse;
 mod shape;
 mod simulation;
 mod snapshot;

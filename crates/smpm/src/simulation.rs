@@ -163,6 +163,31 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         self.limit.dt
     }
 
+    /// The bodies, to be brought to another state.
+    pub(crate) fn bodies_mut(&mut self) -> &mut [Body<S, D>] {
+        &mut self.bodies
+    }
+
+    /// A node lighter than this does not move.
+    pub(crate) fn smallest_mass(&self) -> f64 {
+        self.smallest_mass
+    }
+
+    /// What it holds besides its particles.
+    pub(crate) fn clock(&self) -> Clock {
+        let Limit { dt, body, particle } = self.limit;
+        let Self { time, n_steps, supplied, .. } = *self;
+        Clock { time, n_steps, supplied, limit: (dt, body, particle) }
+    }
+
+    /// Brings it to another state, with the particles of that state.
+    pub(crate) fn set_clock(&mut self, clock: Clock) {
+        let Clock { time, n_steps, supplied, limit: (dt, body, particle) } = clock;
+        self.limit = Limit { dt, body, particle };
+        (self.time, self.n_steps, self.supplied) = (time, n_steps, supplied);
+        self.failed = None;
+    }
+
     /// One step of the length that the Courant number allows.
     ///
     /// # Errors
@@ -407,10 +432,7 @@ impl<S: Stored, const D: usize> Simulation<S, D> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        let Limit { dt, body, particle } = self.limit;
-        let Self { time, n_steps, supplied, .. } = *self;
-        let clock = Clock { time, n_steps, supplied, limit: (dt, body, particle) };
-        write(&self.bodies, clock, writer)
+        write(&self.bodies, self.clock(), writer)
     }
 
     /// Takes the state from a snapshot of a simulation with the same configuration and bodies; the run goes on bit for bit.
@@ -419,11 +441,8 @@ impl<S: Stored, const D: usize> Simulation<S, D> {
     /// [`Error::ForeignSnapshot`], [`Error::MaterialNotStored`], [`Error::SnapshotNumber`], [`Error::Snapshot`]; the state is then
     /// as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
-        let Clock { time, n_steps, supplied, limit: (dt, body, particle) } =
-            read(&mut self.bodies, reader)?;
-        self.limit = Limit { dt, body, particle };
-        (self.time, self.n_steps, self.supplied) = (time, n_steps, supplied);
-        self.failed = None;
+        let clock = read(&mut self.bodies, reader)?;
+        self.set_clock(clock);
         Ok(())
     }
 }

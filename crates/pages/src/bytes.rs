@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::error::PageError;
-use crate::motion::Scale;
 
 /// A range of numbers that codes divide evenly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -47,17 +46,4 @@ impl Range {
     pub(crate) fn half_step(self, most: u16) -> f64 {
         0.5 * (self.high - self.low) / f64::from(most)
     }
-}
-
-/// A byte for each value. On the logarithmic scale code 0 is a value at or below the end of the scale.
-pub(crate) fn codes(values: &[f32], range: Range, scale: Scale) -> Vec<u8> {
-    let code = |&value: &f32| {
-        let value = match scale {
-            Scale::Linear => f64::from(value),
-            Scale::SixDecades if value > 0.0 => f64::from(value).log10(),
-            Scale::SixDecades => range.low,
-        };
-        u8::try_from(range.code(value, u16::from(u8::MAX))).unwrap_or(u8::MAX)
-    };
-    values.iter().map(code).collect()
 }

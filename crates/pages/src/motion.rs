@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use figures::number::short;
 use serde::Serialize;
 
-use crate::bytes::{Range, codes};
+use crate::bytes::Range;
 use crate::error::PageError;
 
 /// A field that a slider moves through its frames.
@@ -237,6 +237,19 @@ impl Layer {
         let (name, unit) = (self.name.clone(), self.unit.clone());
         Ok(PackedLayer { name, unit, is_logarithmic, range, error, data: data.collect() })
     }
+}
+
+/// A byte for each value. On the logarithmic scale code 0 is a value at or below the end of the scale.
+fn codes(values: &[f32], range: Range, scale: Scale) -> Vec<u8> {
+    let code = |&value: &f32| {
+        let value = match scale {
+            Scale::Linear => f64::from(value),
+            Scale::SixDecades if value > 0.0 => f64::from(value).log10(),
+            Scale::SixDecades => range.low,
+        };
+        u8::try_from(range.code(value, u16::from(u8::MAX))).unwrap_or(u8::MAX)
+    };
+    values.iter().map(code).collect()
 }
 
 fn check(layer: &str, frame: usize, found: usize, expected: usize) -> Result<(), PageError> {

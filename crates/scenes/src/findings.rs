@@ -1,6 +1,10 @@
 //! What a run found, in words and numbers for its last lines on the terminal and for its page.
 //!
 //! A kind of scene reads it from the `result.json` of a run, so both show the numbers of that file.
+#![cfg_attr(
+    not(all(feature = "fpk", feature = "smpm", feature = "peridyn")),
+    allow(dead_code, reason = "each solver uses a part of it")
+)]
 
 pub(crate) mod sources;
 

@@ -1,4 +1,8 @@
 //! Writes the page of a run next to its results.
+#![cfg_attr(
+    not(all(feature = "fpk", feature = "smpm", feature = "peridyn")),
+    allow(dead_code, reason = "each solver uses it")
+)]
 
 use std::path::{Path, PathBuf};
 

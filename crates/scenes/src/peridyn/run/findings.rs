@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use figures::number::{counted, tidy};
 use pages::{Answer, Cell, Chart, Note, Point, Series, Table};
+use peridyn_sde::statistics::CrackOutcome;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -88,8 +89,6 @@ struct ReadLoad {
     standard_deviation: f64,
 }
 
-/// Outcome of a realisation that broke at its grips.
-const GRIPS: &str = "grips broken";
 /// Strain for a unit of the axis of loads.
 const MICRO: f64 = 1e-6;
 
@@ -188,10 +187,11 @@ fn notes(read: &Read, findings: &mut Findings) {
             counted(n, "realisation")
         )));
     }
-    let at_grips = read.realisations.iter().filter(|it| it.outcome == GRIPS).count();
-    if at_grips > 0 {
+    let at_edges = CrackOutcome::GripsBroken.name();
+    let n_at_edges = read.realisations.iter().filter(|it| it.outcome == at_edges).count();
+    if n_at_edges > 0 {
         findings.notes.push(Note::Warning(format!(
-            "{at_grips} of {} broke at the grips: protect them by the key grips.protected of the scene",
+            "{n_at_edges} of {} broke at the prescribed displacement: raise the key `grips.protected` of the scene",
             counted(n, "realisation")
         )));
     }

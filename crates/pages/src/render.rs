@@ -24,6 +24,9 @@ const UPLOT: &str = include_str!("../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../assets/uplot/LICENSE");
 
+/// Largest number of points of all charts together, at 100 bytes or so each.
+const MOST_POINTS: usize = 6_000;
+
 /// What the page's programs read.
 #[derive(Serialize)]
 struct Data<'a> {
@@ -42,7 +45,10 @@ pub fn render(page: &Page) -> Result<String, PageError> {
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_template("page.html", TEMPLATE)?;
     let motions = page.motions.iter().map(Motion::packed).collect::<Result<_, _>>()?;
-    let data = script_text(&Data { charts: &page.charts, motions })?;
+    // A number that is not finite is refused although its point may not be shown.
+    finite::check(&Data { charts: &page.charts, motions: Vec::new() })?;
+    let (charts, every) = thinned(&page.charts);
+    let data = script_text(&Data { charts: &charts, motions })?;
     let mut notes = page.notes.clone();
     // Warnings sort before remarks, and equal notes are shown once.
     notes.sort();
@@ -58,7 +64,8 @@ pub fn render(page: &Page) -> Result<String, PageError> {
         notes => notes.iter().map(note_value).collect::<Vec<_>>(),
         answers => page.answers.iter().map(answer_value).collect::<Vec<_>>(),
         n_more => page.n_more,
-        charts => page.charts.iter().map(chart_value).collect::<Vec<_>>(),
+        charts => charts.iter().map(chart_value).collect::<Vec<_>>(),
+        every => every,
         motions => page.motions.iter().map(motion_value).collect::<Vec<_>>(),
         absent => &page.absent,
         tables => page.tables.iter().map(table_value).collect::<Vec<_>>(),
@@ -69,6 +76,21 @@ pub fn render(page: &Page) -> Result<String, PageError> {
         origin => &page.origin,
     })?;
     Ok(html)
+}
+
+/// The charts with at most [`MOST_POINTS`] points, and every how many of their points one is kept; the last ones are.
+fn thinned(charts: &[Chart]) -> (Vec<Chart>, usize) {
+    let n: usize = charts.iter().flat_map(|chart| &chart.series).map(|it| it.points.len()).sum();
+    let every = n.div_ceil(MOST_POINTS).max(1);
+    let mut charts = charts.to_vec();
+    for series in charts.iter_mut().flat_map(|chart| &mut chart.series) {
+        let mut left = series.points.len();
+        series.points.retain(|_| {
+            left -= 1;
+            left.is_multiple_of(every)
+        });
+    }
+    (charts, every)
 }
 
 /// JSON that may be the text of a `<script>`: no character of it can end or open a tag.

@@ -63,6 +63,20 @@ fn a_number_that_is_not_finite_is_refused_with_its_place() {
     assert_eq!(error, "frame 2 of the field `pressure` has 399 values; 400 are required");
 }
 
+#[test]
+fn long_series_are_thinned_and_the_page_says_so() {
+    let mut long = page();
+    let series = &mut long.charts[0].series[0];
+    let first = series.points[0].clone();
+    series.points =
+        (0..60_000).map(|k| pages::Point { x: f64::from(k), ..first.clone() }).collect();
+    let html = render(&long).unwrap();
+    // 60,063 points in all: one in eleven.
+    assert!(html.contains("One in 11 points is shown") && html.contains("{\"x\":59999.0,"));
+    assert!(html.len() < MOST_BYTES, "{}", html.len());
+    assert!(!render(&page()).unwrap().contains("points is shown"));
+}
+
 /// Writes the page for the eye: `SAMPLE_FOLDER=dir cargo test -p pages sample`.
 #[test]
 fn sample_page_for_the_eye() {

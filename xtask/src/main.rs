@@ -25,7 +25,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   verify --stale              say whether that page is older than cases, scenes and references
   run SCENE.json --out DIR [--seed S] [--threads N] [--resume|--overwrite] [--shard K/N]
                               run a scene; killed, it goes on with --resume, or starts
-                              from the beginning with --overwrite
+                              from the beginning with --overwrite; it ends with the answers
+                              (--quiet: with the paths of its files) and writes a page
   run SCENE.json --out DIR --mpi N
                               the same on N ranks, started by mpirun: an ensemble, block by
                               block, bitwise identical (docs/scaling.md)

@@ -1,7 +1,7 @@
 //! Command line of scenes: options and exit codes.
 
-mod paths;
 mod ranks;
+mod summary;
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -11,10 +11,10 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
-use self::paths::print_paths;
+use self::summary::Ending;
 use crate::built_in::ALL;
 use crate::checkpoint::Start;
-use crate::kind::{self, Options, Part, Place, Progress};
+use crate::kind::{self, Options, PageFile, Part, Place, Progress};
 use crate::{advise, schema};
 
 /// Exit code when the reader of the output has exited.
@@ -79,7 +79,23 @@ pub struct Run {
     #[arg(long, value_name = "T")]
     tolerance: Option<f64>,
     #[command(flatten)]
+    end: End,
+    #[command(flatten)]
     wanted: Wanted,
+}
+
+/// What is printed at the end.
+#[derive(Debug, Clone, Copy, Args)]
+struct End {
+    /// Print the paths of the files and nothing else at the end
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl End {
+    const fn ending(self) -> Ending {
+        if self.quiet { Ending::Paths } else { Ending::Answers }
+    }
 }
 
 /// Options of `advise`.
@@ -128,6 +144,8 @@ pub struct Merge {
     /// The seed of the shards, if it is not that of the scene
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
+    #[command(flatten)]
+    end: End,
 }
 
 /// Options of `schema`.
@@ -173,9 +191,10 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
             advise::print(&advice?, output)?;
             Ok(ExitCode::SUCCESS)
         }
-        Command::Merge(Merge { scene, shards, out, seed }) => {
+        Command::Merge(Merge { scene, shards, out, seed, end }) => {
             let part = Part::Merged(shards);
-            run_scene(&scene, &Options { seed, part, ..Options::new(out) }, output)
+            let options = Options { seed, part, ..Options::new(out) };
+            run_scene(&scene, &options, end.ending(), output)
         }
         Command::Schema(arguments) => execute_schema(&arguments, output),
     }
@@ -196,7 +215,7 @@ fn at_most_threads(threads: usize) -> miette::Result<()> {
 }
 
 fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
-    let started = ranks::started();
+    let (started, ending) = (ranks::started(), arguments.end.ending());
     // There are as many ranks as cores.
     let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));
     if let Some(threads) = threads {
@@ -214,6 +233,7 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
         },
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
+        page: PageFile::Write,
     };
     if let Some(n_ranks) = started {
         if arguments.tolerance.is_some() {
@@ -221,16 +241,16 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
                 "--tolerance tries sizes in one process: run it without mpirun"
             ));
         }
-        return ranks::run_scene(n_ranks, &arguments.scene, &options, output);
+        return ranks::run_scene(n_ranks, &arguments.scene, &options, ending, output);
     }
     if arguments.blocks {
-        return ranks::run_alone(&arguments.scene, &options, output);
+        return ranks::run_alone(&arguments.scene, &options, ending, output);
     }
     match arguments.tolerance {
-        None => run_scene(&arguments.scene, &options, output),
+        None => run_scene(&arguments.scene, &options, ending, output),
         Some(tolerance) => {
             let wanted = arguments.wanted.within(tolerance);
-            run_within(&arguments.scene, &options, &wanted, output)
+            run_within(&arguments.scene, &options, &wanted, ending, output)
         }
     }
 }
@@ -240,21 +260,28 @@ fn run_within(
     scene: &Path,
     options: &Options,
     wanted: &advise::Options,
+    ending: Ending,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     let progress = Progress::on_stderr();
     let ran = advise::run_within(ALL, scene, options, wanted, &progress);
     progress.finish();
     let within = ran?;
+    summary::print(&within.files, ending, output)?;
     advise::print_within(&within, wanted, output)?;
     Ok(if within.is_reached(wanted.tolerance) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn run_scene(scene: &Path, options: &Options, output: &mut dyn Write) -> miette::Result<ExitCode> {
+fn run_scene(
+    scene: &Path,
+    options: &Options,
+    ending: Ending,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
     let progress = Progress::on_stderr();
     let written = kind::run(ALL, scene, options, &progress);
     progress.finish();
-    print_paths(&written?, output)
+    summary::print(&written?, ending, output)
 }
 
 fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {

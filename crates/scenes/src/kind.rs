@@ -24,11 +24,12 @@ pub use self::blocks::{BlockRecord, Cut, JobRecord};
 pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
 pub use self::kind_run::Run;
-pub use self::options::Options;
+pub use self::options::{Options, PageFile};
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};
 use crate::checkpoint::Checkpoint;
+use crate::findings::Findings;
 use crate::ladder::{Ladder, Quantity};
 use crate::models::Ingredient;
 use crate::nearest::nearest;
@@ -52,6 +53,8 @@ pub struct SceneKind {
     pub ladder: fn(&SceneFile) -> Result<Ladder, RunError>,
     /// Quantities of its `result.json` by which methods are compared.
     pub quantities: fn(&serde_json::Value) -> Vec<Quantity>,
+    /// What a run found, from its `result.json`: for its last lines on the terminal and for its page.
+    pub findings: fn(&serde_json::Value) -> Result<Findings, serde_json::Error>,
     /// Ingredients that can be left out of a scene.
     pub ingredients: fn(&serde_json::Map<String, serde_json::Value>) -> Vec<Ingredient>,
 }
@@ -197,6 +200,7 @@ mod tests {
         },
         ladder: |_| Err(RunError::NoKinds),
         quantities: |_| Vec::new(),
+        findings: |_| Ok(Findings::default()),
         ingredients: |_| Vec::new(),
     }];
 

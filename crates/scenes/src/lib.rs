@@ -9,6 +9,7 @@ pub mod checkpoint;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod clock;
+pub mod findings;
 #[cfg(feature = "fpk")]
 pub mod fpk;
 pub mod kind;
@@ -17,6 +18,7 @@ pub mod machine;
 pub mod models;
 pub mod nearest;
 pub mod output;
+mod page;
 #[cfg(feature = "fpk")]
 mod path_blocks;
 #[cfg(feature = "peridyn")]
@@ -30,8 +32,8 @@ mod solve;
 
 pub use self::built_in::ALL;
 pub use self::kind::{
-    BlockRecord, BlocksLeft, Cut, Inputs, JobRecord, Options, Part, Place, Progress, Run, RunError,
-    SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+    BlockRecord, BlocksLeft, Cut, Inputs, JobRecord, Options, PageFile, Part, Place, Progress, Run,
+    RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
 };
 pub use self::ladder::{Answer, Quantity};
 pub use self::scene::SceneFile;

@@ -6,6 +6,7 @@
 
 mod error;
 mod example;
+mod given;
 mod page;
 mod rows;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use serde_json::{Value, json};
 
 pub use self::error::SchemaError;
 use self::example::{BuiltIn, Examples};
+pub use self::given::scene_keys;
 use self::page::{Described, schema_path};
 use self::rows::rows;
 use self::tree::Tree;

@@ -26,6 +26,7 @@ pub enum SolveError {
 pub fn solve(scene: &SceneFile) -> Result<Answer, SolveError> {
     let kind = kind_of(ALL, scene)?;
     let folder = tempfile::tempdir().map_err(LadderError::Folder)?;
-    kind.run_file(scene, &Options::new(folder.path()), &Progress::silent())?;
+    let options = Options::new(folder.path()).without_page();
+    kind.run_file(scene, &options, &Progress::silent())?;
     Ok(read_answer(kind, folder.path())?)
 }

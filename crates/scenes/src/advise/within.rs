@@ -90,7 +90,7 @@ fn not_reached(advice: &Advice) -> AdviseError {
     AdviseError::NotReached { method, tolerance: advice.options.tolerance, reason }
 }
 
-/// Prints the files, and whether the error estimates are within the tolerance.
+/// Prints whether the error estimates are within the tolerance.
 ///
 /// # Errors
 /// [`AdviseError::Write`].
@@ -99,9 +99,6 @@ pub fn print_within(
     wanted: &Options,
     output: &mut dyn Write,
 ) -> Result<(), AdviseError> {
-    for path in &within.files {
-        writeln!(output, "{}", path.display()).map_err(AdviseError::Write)?;
-    }
     let Some((error, quantity)) = within.largest() else { return Ok(()) };
     let verdict = if error <= wanted.tolerance { "within" } else { "NOT within" };
     writeln!(

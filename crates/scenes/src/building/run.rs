@@ -15,12 +15,14 @@ use sde_integrators::Error;
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
 use crate::clock::CpuClock;
+use crate::findings::Findings;
 use crate::fpk::run::observed::Observed;
 use crate::fpk::run::record::{Content, Series, WorkRecord};
 use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
 use crate::output::write_drawing;
+use crate::page;
 use crate::path_blocks::{Computed, PathBlocks};
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
@@ -32,6 +34,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
+    findings,
     ingredients: |scene| edit::of(scene, ladder::ingredients),
 };
 
@@ -66,7 +69,16 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     if let Some(drawing) = drawing {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
     }
+    written.extend(page::write(&KIND, file, run, Vec::new(), &written)?);
     Ok(written)
+}
+
+/// First passages are of paths, which leave no field.
+fn findings(result: &serde_json::Value) -> Result<Findings, serde_json::Error> {
+    let mut found = crate::fpk::run::findings::findings(result)?;
+    let text = "This solver estimates probabilities from paths; it has no field over time to show.";
+    found.absent.push(text.to_owned());
+    Ok(found)
 }
 
 /// First passages of a scene.

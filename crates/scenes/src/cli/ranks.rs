@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use mpi_ensembles::Alone;
 
-use super::paths::print_paths;
+use super::summary::{self, Ending};
 use crate::built_in::ALL;
 use crate::kind::{self, Options, Progress};
 
@@ -30,12 +30,13 @@ pub(super) struct Launched {
 pub(super) fn run_alone(
     scene: &Path,
     options: &Options,
+    ending: Ending,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     let progress = Progress::on_stderr();
     let written = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
     progress.finish();
-    print_paths(&written?, output)
+    summary::print(&written?, ending, output)
 }
 
 /// Runs a scene together with the other ranks. An error on one rank aborts all of them; the function does not return.
@@ -44,6 +45,7 @@ pub(super) fn run_scene(
     launched: Launched,
     scene: &Path,
     options: &Options,
+    ending: Ending,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     use mpi_ensembles::{Ranks, World};
@@ -57,7 +59,7 @@ pub(super) fn run_scene(
     let written = kind::run_on_ranks(ALL, scene, options, &progress, &world);
     progress.finish();
     match written {
-        Ok(written) => print_paths(&written, output),
+        Ok(written) => summary::print(&written, ending, output),
         Err(error) => {
             // The other ranks reject what rank 0 rejects, or receive no message.
             if is_first {
@@ -90,6 +92,7 @@ pub(super) fn run_scene(
     launched: Launched,
     _: &Path,
     _: &Options,
+    _: Ending,
     _: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     let Launched { name, value } = launched;

@@ -1,10 +1,12 @@
 //! Runs a density scene: several resolutions for the error, or Monte Carlo with its standard error.
 
 mod asked;
+pub(crate) mod findings;
 mod ingredients;
 mod ladder;
 mod ladder_quantities;
 mod linearised;
+mod motion;
 pub(crate) mod observed;
 mod on_grid;
 mod outcome;
@@ -38,6 +40,7 @@ use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
 use crate::output::write_drawing;
+use crate::page;
 use crate::run_result::{RunResult, Unknown};
 use crate::scene::SceneFile;
 use asked::{OtherDimension, asked, law};
@@ -57,6 +60,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder_quantities::quantities,
+    findings: motion::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
@@ -76,9 +80,11 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let path = RunResult::new("run-result/1", &scene, content).write(run.out())?;
     let mut written = vec![path];
     written.extend(files);
+    let motions = motion::motions(&planes).map_err(RunError::page)?;
     for drawing in drawings.into_iter().chain(planes) {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
     }
+    written.extend(page::write(&KIND, file, run, motions, &written)?);
     // The results so far are written; the early end is the outcome of the run.
     stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
 }

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use mpi_ensembles::Ranks;
 
 use super::folder_lock::FolderLock;
-use super::options::Options;
+use super::options::{Options, PageFile};
 use super::progress::Progress;
 use super::run_error::RunError;
 use crate::checkpoint::Checkpoint;
@@ -29,6 +29,12 @@ impl Run<'_> {
     #[must_use]
     pub fn out(&self) -> &Path {
         &self.options.out
+    }
+
+    /// Whether the results get a page.
+    #[must_use]
+    pub fn page(&self) -> PageFile {
+        self.options.page
     }
 
     /// Parses a scene, replaces its seed if requested, and returns it with the result of its check. From then on the folder of the

@@ -19,6 +19,17 @@ pub struct Options {
     pub checkpoint_every: Duration,
     /// The whole ensemble, a shard of it, or the merge of shards.
     pub part: Part,
+    /// Whether the results get a page.
+    pub page: PageFile,
+}
+
+/// Whether the results get a page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PageFile {
+    /// `index.html` next to `result.json`.
+    Write,
+    /// No page: a trial run, or a run for a program that reads the result.
+    Omit,
 }
 
 impl Options {
@@ -29,6 +40,12 @@ impl Options {
     pub fn new(out: impl Into<PathBuf>) -> Self {
         let (seed, start) = (None, Start::Anew);
         let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
-        Self { out: out.into(), seed, start, checkpoint_every, part }
+        Self { out: out.into(), seed, start, checkpoint_every, part, page: PageFile::Write }
+    }
+
+    /// The same without a page.
+    #[must_use]
+    pub fn without_page(self) -> Self {
+        Self { page: PageFile::Omit, ..self }
     }
 }

@@ -33,6 +33,9 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The page of the results could not be made.
+    #[error("the results are written, but not their page")]
+    Page(#[source] SolverError),
     /// The scene cannot be identified.
     #[error("the scene has a value that JSON cannot represent")]
     Identity(#[from] JsonError),
@@ -71,6 +74,11 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// Converts any error of a page.
+    pub fn page(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Page(Box::new(error))
+    }
+
     /// Converts any error of a solver: `simulation.step().map_err(RunError::solver)?`.
     pub fn solver(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Solver(Box::new(error))

@@ -162,7 +162,7 @@ pub fn try_scene(
 ) -> Result<Outcome, LadderError> {
     let folder = tempfile::tempdir().map_err(LadderError::Folder)?;
     let scene = file.with_keys(Value::Object(scene.clone()));
-    let options = Options::new(folder.path());
+    let options = Options::new(folder.path()).without_page();
     Ok(match kind.run_file(&scene, &options, &Progress::silent()) {
         Ok(_) => Outcome::Answered(read_answer(kind, folder.path())?),
         Err(error) => Outcome::Failed { reason: with_causes(&error) },

@@ -1,8 +1,10 @@
 //! Runs a crack scene: distributions of path, length, exit and load, each with its error.
 
 mod fields;
+mod findings;
 mod ingredients;
 mod ladder;
+mod motion;
 mod pictures;
 mod record;
 
@@ -19,6 +21,7 @@ use crate::clock::CpuClock;
 use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
 use crate::models::edit;
 use crate::output::write_drawing;
+use crate::page;
 use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
@@ -32,6 +35,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
+    findings: findings::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
@@ -96,7 +100,10 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
         }
         (None, None, _) => realisations(inputs, &problem, run)?,
     };
-    write(&scene, &problem, (&crack_run, cpu_seconds), run)
+    let mut written = write(&scene, &problem, (&crack_run, cpu_seconds), run)?;
+    let motions = motion::motions(&scene, &problem, &crack_run)?;
+    written.extend(page::write(&KIND, file, run, motions, &written)?);
+    Ok(written)
 }
 
 /// Shards in order.

@@ -50,6 +50,7 @@ const DECAY: SceneKind = SceneKind {
     run: |_, _| Err(crate::kind::RunError::NoKinds),
     ladder: |_| Err(crate::kind::RunError::NoKinds),
     quantities: |_| Vec::new(),
+    findings: |_| Ok(crate::findings::Findings::default()),
     ingredients: |_| Vec::new(),
 };
 

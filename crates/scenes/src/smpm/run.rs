@@ -2,11 +2,13 @@
 
 mod field_solve;
 mod fields;
+mod findings;
 mod ingredients;
 mod kept;
 mod ladder;
 mod response;
 mod samples;
+mod shown;
 mod solve;
 
 use std::path::PathBuf;
@@ -22,6 +24,7 @@ use crate::kind::{Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
 use crate::output::write_drawing;
+use crate::page;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
@@ -35,6 +38,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
     run,
     ladder: ladder::ladder,
     quantities: ladder::quantities,
+    findings: findings::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
@@ -141,7 +145,7 @@ fn run_in<const D: usize>(
     for line in ranking(&plan, &answer) {
         run.progress.stage(&line);
     }
-    let mut written = fields.finish().map_err(RunError::Solver)?;
+    let (mut written, motion) = fields.finish().map_err(RunError::Solver)?;
     let gauges = by_gauge(scene, &plan, &answer);
     let drawn = drawings(scene, &plan, &gauges)?;
     for drawing in drawn.into_iter().chain(index_drawings(scene, &gauges)?) {
@@ -162,6 +166,7 @@ fn run_in<const D: usize>(
         gauges,
     };
     written.insert(0, RunResult::new("response-moments/1", scene, content).write(run.out())?);
+    written.extend(page::write(&KIND, file, run, motion.into_iter().collect(), &written)?);
     Ok(written)
 }
 

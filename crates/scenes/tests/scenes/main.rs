@@ -3,8 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 mod building;
+#[path = "../../../pages/tests/drive/mod.rs"]
+mod drive;
 mod established;
 mod fpk;
 mod peridyn;
+mod run_page;
 mod smpm;
 mod smpm_fields;

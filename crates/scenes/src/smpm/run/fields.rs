@@ -4,11 +4,13 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use pages::Motion;
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use perturbation_moments::{Jet, Scalar};
 use smpm::uncertainty::{Experiment, FieldStudy, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
+use super::shown::Shown;
 use crate::kind::SolverError;
 use crate::output::write_to_disk;
 use crate::smpm::experiment::SceneExperiment;
@@ -28,6 +30,7 @@ pub(super) struct Fields {
     /// Columns that are the same in each frame.
     constants: Vec<(String, Vec<f64>)>,
     failure: Option<SolverError>,
+    shown: Shown,
 }
 
 impl Fields {
@@ -38,6 +41,7 @@ impl Fields {
                 quantities.push(quantity);
             }
         }
+        let shown = Shown::new(scene, times.len());
         let name = |(number, time)| (time, format!("fields-{number:04}.vtu"));
         Self {
             wanted: scene.fields,
@@ -47,6 +51,7 @@ impl Fields {
             are_shown: false,
             constants: Vec::new(),
             failure: None,
+            shown,
         }
     }
 
@@ -105,17 +110,18 @@ impl Fields {
         if !self.wanted || self.failure.is_some() {
             return;
         }
-        let is_it = |(of, _): &&(f64, String)| of.to_bits() == time.to_bits();
-        let Some((_, name)) = self.frames.iter().find(is_it) else { return };
+        let is_it = |(of, _): &(f64, String)| of.to_bits() == time.to_bits();
+        let Some(number) = self.frames.iter().position(is_it) else { return };
+        let name = self.frames[number].1.clone();
         let written = std::fs::create_dir_all(&self.folder)
             .map_err(SolverError::from)
-            .and_then(|()| self.write(name, time, run, mean, deviation));
+            .and_then(|()| self.write((number, &name), time, run, mean, deviation));
         self.failure = written.err();
     }
 
     fn write<S: Number, const D: usize>(
-        &self,
-        name: &str,
+        &mut self,
+        (number, name): (usize, &str),
         time: f64,
         run: &Simulation<S, D>,
         mean: impl Fn(S) -> f64,
@@ -125,7 +131,9 @@ impl Fields {
         let n_particles = bodies.iter().map(Body::n_particles).sum();
         let mut store = ParticleStore::<D>::new(n_particles);
         let places = bodies.iter().flat_map(Body::positions);
-        let places = store.add("position", places.map(|x| x.map(Scalar::value)).collect())?;
+        let places: Vec<[f64; D]> = places.map(|x| x.map(Scalar::value)).collect();
+        self.shown.begin(number, time, &places);
+        let places = store.add("position", places)?;
         let numbers = (0_i64..).zip(bodies);
         let body = numbers.flat_map(|(b, body)| std::iter::repeat_n(b, body.n_particles()));
         store.add("body", body.collect::<Vec<i64>>())?;
@@ -138,9 +146,12 @@ impl Fields {
             }
             // One realisation has no mean.
             let of = if self.constants.is_empty() { "_mean" } else { "" };
-            store.add(&format!("{quantity}{of}"), values.iter().map(|&v| mean(v)).collect())?;
+            let column: Vec<f64> = values.iter().map(|&v| mean(v)).collect();
+            self.shown.layer(quantity, of, &column);
+            store.add(&format!("{quantity}{of}"), column)?;
             if let Some(deviation) = deviation {
                 let column: Vec<f64> = values.iter().map(|&v| deviation(v)).collect();
+                self.shown.layer(quantity, "_standard_deviation", &column);
                 store.add(&format!("{quantity}_standard_deviation"), column)?;
             }
         }
@@ -152,13 +163,13 @@ impl Fields {
         Ok(())
     }
 
-    /// Files written, the series first.
-    pub(super) fn finish(self) -> Result<Vec<PathBuf>, SolverError> {
+    /// Files written, the series first, and the frames for the page.
+    pub(super) fn finish(self) -> Result<(Vec<PathBuf>, Option<Motion>), SolverError> {
         if let Some(failure) = self.failure {
             return Err(failure);
         }
         if !(self.wanted && self.are_shown) || self.frames.is_empty() {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), None));
         }
         let files: Vec<PathBuf> =
             self.frames.iter().map(|(_, name)| self.folder.join(name)).collect();
@@ -173,6 +184,6 @@ impl Fields {
         let path = self.folder.join("fields.pvd");
         let frames = self.frames.iter().map(|(time, name)| (*time, name.as_str()));
         write_pvd(frames, &mut BufWriter::new(File::create(&path)?))?;
-        Ok([vec![path], files].concat())
+        Ok(([vec![path], files].concat(), self.shown.motion()))
     }
 }

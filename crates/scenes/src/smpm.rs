@@ -6,6 +6,7 @@ mod geometry;
 mod material_library;
 pub mod material_scene;
 mod material_schema;
+pub mod method_scene;
 pub mod quantity_name;
 pub mod random_field_scene;
 mod random_fields;

@@ -6,9 +6,10 @@ use smpm::{Fill, Number};
 
 use super::coordinates::point;
 use super::material_scene::{MaterialScene, Part};
+use super::method_scene::MethodScene;
 use super::random_field_scene::{RandomFieldScene, TermsScene};
 use super::region::BodyRegion;
-use super::scene::{MethodScene, SmpmScene};
+use super::scene::SmpmScene;
 use super::unknown_name::unknown;
 use crate::scene::Objection;
 

@@ -25,8 +25,9 @@ use crate::output::write_drawing;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::method_scene::MethodScene;
 use crate::smpm::random_fields::PreparedField;
-use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
+use crate::smpm::scene::{RandomScene, SmpmScene};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "smpm",

@@ -11,7 +11,8 @@ use super::samples::{Requested, Samples, SeenSamples, sampled, shards};
 use super::solve::{Answer, SolveError, Solved, checkpoint};
 use crate::kind::Run;
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::MethodScene;
+use crate::smpm::scene::SmpmScene;
 
 /// Sample whose fields are written for ParaView.
 const SHOWN: u64 = 0;

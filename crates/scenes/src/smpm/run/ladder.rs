@@ -7,7 +7,8 @@ use super::solve::DIFFERENCE;
 use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::MethodScene;
+use crate::smpm::scene::SmpmScene;
 
 /// Smallest number of samples.
 const FIRST_SAMPLES: f64 = 10.0;

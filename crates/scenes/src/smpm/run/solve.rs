@@ -13,7 +13,8 @@ use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled,
 use crate::checkpoint::Checkpoint;
 use crate::kind::{Inputs, Part, Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::MethodScene;
+use crate::smpm::scene::SmpmScene;
 
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];

@@ -80,6 +80,8 @@ pub const ALL: &[Case] = &[
     smpm::random_fields::COLUMN,
     smpm::random_fields::PLATE,
     smpm::random_fields::TAYLOR_BAR,
+    smpm::multilevel::COLUMN,
+    smpm::multilevel::EXPLOSION,
     smpm::refinement::CASE,
     smpm::published_tables::CASE,
     smpm::edges::CASE,

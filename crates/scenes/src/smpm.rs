@@ -3,6 +3,7 @@
 mod coordinates;
 pub mod experiment;
 mod geometry;
+mod grids;
 mod material_library;
 pub mod material_scene;
 mod material_schema;

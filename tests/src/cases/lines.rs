@@ -28,7 +28,19 @@ impl Lines<'_> {
         reference: Reference,
         criterion: Criterion<'_>,
     ) -> Claim {
-        Claim::judge(self.subject(of), kind, Measured::exact(value), reference, criterion)
+        self.judge_measured(of, kind, Measured::exact(value), reference, criterion)
+    }
+
+    /// A value with its standard error against its reference.
+    pub(super) fn judge_measured(
+        &self,
+        of: (&str, &str, &str),
+        kind: ErrorKind,
+        value: Measured,
+        reference: Reference,
+        criterion: Criterion<'_>,
+    ) -> Claim {
+        Claim::judge(self.subject(of), kind, value, reference, criterion)
     }
 
     /// A value against one that is known exactly: their relative distance.

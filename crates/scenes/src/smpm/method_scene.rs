@@ -15,6 +15,7 @@ use smpm::uncertainty::Design;
 #[schemars(example = Self::MonteCarlo { samples: 400, seed: 1, control: true })]
 #[schemars(example = Self::QuasiMonteCarlo { points: 32, replicas: 8, seed: 1, control: true })]
 #[schemars(example = Self::SobolIndices { points: 64, replicas: 8, seed: 1 })]
+#[schemars(example = Self::Multilevel(MultilevelScene::example()))]
 pub enum MethodScene {
     /// One run at the centre of the parameters, no variance.
     Deterministic,
@@ -68,6 +69,103 @@ pub enum MethodScene {
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
+    /// Multilevel Monte Carlo: most complete runs on coarse grids, few on the grid of the scene, with the same parameters on both grids
+    /// of a difference.
+    Multilevel(MultilevelScene),
+}
+
+/// Multilevel Monte Carlo over grids whose cells double.
+///
+/// The finest grid is that of the scene: against it there is no bias. Grids that follow it too loosely to pay are dropped after the pilot.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MultilevelScene {
+    /// Standard error: of a variance, as a part of it; of a mean, as a part of its magnitude or of the standard deviation, whichever is
+    /// larger (no unit).
+    pub tolerance: f64,
+    /// Seed of all random numbers (no unit).
+    pub seed: u64,
+    /// Moments that must meet the tolerance.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = MomentsScene::default()), example = MomentsScene::Variance)]
+    pub moments: MomentsScene,
+    /// Responses that must meet it; all others have the errors that these samples give.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("default" = DecisiveScene::default()), example = DecisiveScene::LastTime)]
+    pub responses: DecisiveScene,
+    /// Coarsest cell: that of the grid times a power of two (length of `units`). Without this key the largest on which each box is a whole
+    /// number of cells and each boundary lies on the grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = 1.0)]
+    pub coarsest_cell: Option<f64>,
+    /// Samples of each grid by which the numbers of samples are planned, at least 8 (no unit).
+    #[serde(default = "usual_pilot", skip_serializing_if = "is_usual_pilot")]
+    #[schemars(example = 32)]
+    pub pilot: u64,
+    /// Largest work, in complete runs on the grid of the scene; a tolerance that needs more ends in an error before they begin (no unit).
+    #[serde(default = "usual_most_runs", skip_serializing_if = "is_usual_most_runs")]
+    #[schemars(example = 1000)]
+    pub most_runs: u64,
+}
+
+/// Moments that decide on the number of samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MomentsScene {
+    /// Means.
+    Mean,
+    /// Variances.
+    Variance,
+    /// Means and variances.
+    #[default]
+    Both,
+}
+
+/// Responses that decide on the number of samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DecisiveScene {
+    /// The first quantity at the first gauge at the last time.
+    #[default]
+    First,
+    /// All quantities at all gauges at the last time: the worst decides.
+    LastTime,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+const fn usual_pilot() -> u64 {
+    16
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_usual_pilot(pilot: &u64) -> bool {
+    *pilot == usual_pilot()
+}
+
+const fn usual_most_runs() -> u64 {
+    10_000
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_usual_most_runs(most_runs: &u64) -> bool {
+    *most_runs == usual_most_runs()
+}
+
+impl MultilevelScene {
+    /// The method with the default of every other key.
+    #[must_use]
+    pub const fn new(tolerance: f64, seed: u64) -> Self {
+        let (moments, responses) = (MomentsScene::Both, DecisiveScene::First);
+        let (pilot, most_runs) = (usual_pilot(), usual_most_runs());
+        Self { tolerance, seed, moments, responses, coarsest_cell: None, pilot, most_runs }
+    }
+
+    const fn example() -> Self {
+        Self::new(0.02, 1)
+    }
 }
 
 impl MethodScene {
@@ -76,7 +174,8 @@ impl MethodScene {
         match self {
             Self::MonteCarlo { seed, .. }
             | Self::QuasiMonteCarlo { seed, .. }
-            | Self::SobolIndices { seed, .. } => Some(seed),
+            | Self::SobolIndices { seed, .. }
+            | Self::Multilevel(MultilevelScene { seed, .. }) => Some(seed),
             _ => None,
         }
     }

@@ -146,7 +146,7 @@ impl SmpmScene {
             return Ok(());
         }
         let message = "this method does not go with `random_fields`";
-        let help = "take `monte_carlo`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
+        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
         Err(Objection::new("method", message).with_help(help))
     }
 
@@ -157,6 +157,7 @@ impl SmpmScene {
                 method,
                 MethodScene::Deterministic
                     | MethodScene::MonteCarlo { .. }
+                    | MethodScene::Multilevel(_)
                     | MethodScene::ForwardDifference { .. }
                     | MethodScene::FiniteDifference { .. }
                     | MethodScene::Propagated

@@ -324,6 +324,7 @@ impl Scene for SmpmScene {
             return Err(Objection::new("method.monte_carlo.samples", message));
         }
         self.check_design()?;
+        self.check_multilevel()?;
         match self.dimension {
             1 => self.check_in::<1>(),
             2 => self.check_in::<2>(),

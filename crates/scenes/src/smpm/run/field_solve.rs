@@ -94,7 +94,9 @@ fn solve_kept<const D: usize>(
     fields.of_realisation(&study, &shown, experiment)?;
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
-    Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+    let (notes, multilevel) = (Vec::new(), None);
+    let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
+    Ok(Solved::Whole(answer))
 }
 
 /// Taylor series of all responses, distances to switches where they are known, and the number of runs besides the reference.

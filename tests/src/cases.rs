@@ -82,6 +82,8 @@ pub const ALL: &[Case] = &[
     smpm::random_fields::TAYLOR_BAR,
     smpm::random_slope::FACTOR,
     smpm::random_slope::PROBABILITY,
+    smpm::multilevel::COLUMN,
+    smpm::multilevel::EXPLOSION,
     smpm::refinement::CASE,
     smpm::published_tables::CASE,
     smpm::edges::CASE,

@@ -1,6 +1,6 @@
 //! The mean payoff of a call on a stock that follows a geometric Brownian motion, by multilevel Monte Carlo.
 
-use estimators::{Bias, Failure, Levels, Multilevel, Statistic, Target};
+use estimators::{Bias, Failure, Levels, Multilevel, Statistic, Target, Tolerance};
 use sde_integrators::{Noise, Purpose};
 
 const FINEST: usize = 8;
@@ -23,7 +23,8 @@ fn payoff(level: usize, realisation: u64, y: &mut [f64]) -> Result<(), Failure> 
 fn main() -> Result<(), estimators::Error> {
     let costs: Vec<f64> = (0..=FINEST).map(|level| (level as f64).exp2()).collect();
     let ladder = Levels { costs: &costs, n_responses: 1, run: payoff };
-    let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance: 5e-4 }];
+    let targets =
+        [Target { response: 0, statistic: Statistic::Mean, tolerance: Tolerance::Absolute(5e-4) }];
     let (bias, budget) = (Bias::Order(1.0), 1e8);
     let study = Multilevel {
         name: "call",

@@ -28,7 +28,8 @@ pub struct BlockId {
 pub struct Block {
     pub(crate) study: String,
     pub(crate) id: BlockId,
-    pub(crate) sums: Comoments,
+    /// For each target.
+    pub(crate) sums: Vec<Comoments>,
 }
 
 impl Block {
@@ -84,8 +85,9 @@ impl Progress {
             let range = samples_of(self.block_length, block.id.block);
             range.end - range.start
         };
-        if block.sums.count() != n_samples {
-            let (value, expected) = (block.sums.count().to_string(), n_samples.to_string());
+        let count = block.sums.first().map_or(0, Comoments::count);
+        if count != n_samples {
+            let (value, expected) = (count.to_string(), n_samples.to_string());
             return Err(Error::ForeignBlock { field: "number of samples", value, expected });
         }
         let is_planned = block.id.block < self.n_blocks(block.id.pair);
@@ -132,16 +134,19 @@ impl Progress {
         true
     }
 
-    /// Sums over the first blocks of a pair.
-    pub(crate) fn sums(&self, pair: Pair, most_blocks: u64) -> Option<Comoments> {
+    /// Sums over the first blocks of a pair, for each target.
+    pub(crate) fn sums(&self, pair: Pair, most_blocks: u64) -> Option<Vec<Comoments>> {
         let start = self.blocks.partition_point(|block| block.id.pair < pair);
         let of_pair = self.blocks[start..].iter();
         let blocks: Vec<&Block> =
             of_pair.take_while(|b| b.id.pair == pair && b.id.block < most_blocks).collect();
-        reduce_in_tree(&blocks, &|block| block.sums.clone(), &|mut earlier: Comoments, later| {
-            earlier.merge(&later);
+        let join = |mut earlier: Vec<Comoments>, later: Vec<Comoments>| {
+            for (sums, later) in earlier.iter_mut().zip(&later) {
+                sums.merge(later);
+            }
             earlier
-        })
+        };
+        reduce_in_tree(&blocks, &|block| block.sums.clone(), &join)
     }
 }
 

@@ -72,6 +72,14 @@ pub trait Ladder: Sync {
     /// It increases with the level. The number of samples follows from it, so a run is reproducible if the costs are.
     fn cost(&self, level: usize) -> f64;
 
+    /// Whether the responses of a level are a function of level and random input alone, so that levels nest by construction.
+    ///
+    /// Without it the means of each level in both roles are compared, which refuses a sound ladder now and then if it has many
+    /// responses.
+    fn nests_by_construction(&self) -> bool {
+        false
+    }
+
     /// Runs the levels of `pair` on random input number `realisation` and writes their responses.
     ///
     /// The random input is a pure function of pair and number, and independent between numbers. `coarse` is empty for a

@@ -47,6 +47,6 @@ pub use quantile::{QuantileInterval, quantile};
 pub use rates::Bias;
 pub use sde_integrators::{Estimate, SubsetConfig, Uncertainty};
 pub use sensitivity::SobolIndices;
-pub use statistic::{Statistic, Target};
+pub use statistic::{Statistic, Target, Tolerance};
 pub use tail_design_point::TailPoint;
 pub use tail_sampling::{TailEstimate, TailSampling};

@@ -7,7 +7,7 @@ use crate::ladder::{Ladder, MOST_LEVELS, Pair, SAMPLE_BITS};
 use crate::multilevel_result::MultilevelResult;
 use crate::parallel::map_in_order;
 use crate::rates::Bias;
-use crate::statistic::{COMPONENTS, Target};
+use crate::statistic::{COMPONENTS, Target, Tolerance};
 use crate::survey::Survey;
 
 /// Multilevel Monte Carlo over a [`Ladder`].
@@ -18,8 +18,8 @@ use crate::survey::Survey;
 /// each term from its own $N_l$ samples, with the variance $V_l$ and the cost $C_l$ of a sample. Half of the squared
 /// tolerance $\epsilon^2$ is for the variance of the estimate, half for the squared bias
 /// $\lvert m_L \rvert / (2^\alpha - 1)$ of the finest level, with $m_l$ the mean of the difference and $\alpha$ the weak
-/// order. Levels are added until the bias is small enough. With several targets each level takes the largest number of
-/// samples that one of them needs.
+/// order; all of it is for the variance by [`Bias::FinestIsExact`]. Levels are added until the bias is small enough. With
+/// several targets each level takes the largest number of samples that one of them needs.
 ///
 /// A pilot on each level measures the variances. The coarsest level $b$ is the one with the lowest predicted cost:
 /// levels below it do not pay and are dropped; for $b = L$ multilevel does not pay at all, and the result is plain Monte
@@ -35,7 +35,7 @@ use crate::survey::Survey;
 /// sections 2 and 3 (estimates of bias, rates from the pilot, test of the nesting).
 ///
 /// ```
-/// use estimators::{Bias, Levels, Multilevel, Statistic, Target};
+/// use estimators::{Bias, Levels, Multilevel, Statistic, Target, Tolerance};
 /// use sde_integrators::{Noise, Purpose};
 ///
 /// // exp(u) by Taylor polynomials of degree 1, 2, 4: the mean over u in [0, 1] is e - 1.
@@ -45,7 +45,8 @@ use crate::survey::Survey;
 ///     Ok(())
 /// };
 /// let ladder = Levels { costs: &[1.0, 2.0, 4.0, 8.0], n_responses: 1, run };
-/// let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance: 2e-3 }];
+/// let tolerance = Tolerance::Absolute(2e-3);
+/// let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance }];
 /// let study = Multilevel {
 ///     name: "exp", targets: &targets, bias: Bias::FinestIsExact, block_length: 64, pilot_blocks: 2,
 ///     budget: 1e6,
@@ -114,6 +115,8 @@ impl Multilevel<'_> {
         for (index, target) in self.targets.iter().enumerate() {
             target.check(index, ladder.n_responses())?;
         }
+        let n_asked = self.targets.iter().filter(|target| target.tolerance != Tolerance::Open);
+        require_at_least("targets with a tolerance", n_asked.count() as u64, 1)?;
         if let Bias::Order(order) = self.bias {
             require_positive("weak order", 0, order)?;
         }
@@ -161,12 +164,10 @@ impl Multilevel<'_> {
         let n = ladder.n_responses();
         let (mut fine, mut coarse) =
             (vec![0.0; n], vec![0.0; if id.pair.coarse.is_some() { n } else { 0 }]);
-        let n_targets = self.targets.len();
-        let mut row = vec![0.0; 2 * COMPONENTS * n_targets];
-        let mut sums = Comoments::new(row.len());
+        let mut sums = vec![Comoments::new(2 * COMPONENTS); self.targets.len()];
         for k in samples_of(self.block_length, id.block) {
             run_sample(ladder, id.pair, id.pair.realisation(k), &mut fine, &mut coarse)?;
-            for (place, target) in self.targets.iter().enumerate() {
+            for (sums, target) in sums.iter_mut().zip(self.targets) {
                 let centre = progress.centres[target.response];
                 let of_fine = target.components(fine[target.response], centre);
                 let mut difference = of_fine;
@@ -174,10 +175,8 @@ impl Multilevel<'_> {
                     let below = target.components(y, centre);
                     difference = std::array::from_fn(|c| of_fine[c] - below[c]);
                 }
-                row[COMPONENTS * place..][..COMPONENTS].copy_from_slice(&difference);
-                row[COMPONENTS * (n_targets + place)..][..COMPONENTS].copy_from_slice(&of_fine);
+                sums.push([difference, of_fine].as_flattened());
             }
-            sums.push(&row);
         }
         Ok(Block { study: self.name.into(), id, sums })
     }

@@ -18,7 +18,7 @@ use crate::ladder::{Failure, Ladder, Pair};
 /// Source: Giles 2008, Multilevel Monte Carlo path simulation, section 4; the integral by additivity.
 ///
 /// ```
-/// use estimators::{Bias, Multilevel, PathLadder, Statistic, Target};
+/// use estimators::{Bias, Multilevel, PathLadder, Statistic, Target, Tolerance};
 /// use sde_integrators::{EulerMaruyama, General, Sde};
 ///
 /// /// dX = 0.05 X dt + 0.2 X dW.
@@ -37,7 +37,8 @@ use crate::ladder::{Failure, Ladder, Pair};
 ///     system: &Growth, integrator: &EulerMaruyama, law: &[1.0], seed: 1, end: 1.0, coarsest_steps: 1, n_levels: 8,
 ///     n_responses: 1, responses: |x: &[f64; 1], y: &mut [f64]| y[0] = x[0],
 /// };
-/// let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance: 5e-3 }];
+/// let tolerance = Tolerance::Absolute(5e-3);
+/// let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance }];
 /// let study = Multilevel {
 ///     name: "growth", targets: &targets, bias: Bias::Order(1.0), block_length: 64, pilot_blocks: 2, budget: 1e6,
 /// };

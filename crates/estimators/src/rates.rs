@@ -14,6 +14,16 @@ pub enum Bias {
     FittedOrder,
 }
 
+impl Bias {
+    /// Part of the squared tolerance that is for the variance of the estimate.
+    pub(crate) const fn share_of_variance(self) -> f64 {
+        match self {
+            Self::FinestIsExact => 1.0,
+            Self::Order(_) | Self::FittedOrder => 0.5,
+        }
+    }
+}
+
 pub(crate) const fn with_error(value: f64, standard_error: f64) -> Estimate {
     Estimate { value, uncertainty: Uncertainty::StandardError(standard_error) }
 }

@@ -41,6 +41,39 @@ pub enum Statistic {
     },
 }
 
+/// Root mean square error asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Tolerance {
+    /// In the unit of the statistic.
+    Absolute(f64),
+    /// A part of the statistic, as it is estimated from the samples so far; of a mean, of the larger of its magnitude and the
+    /// standard deviation of the response. What does not vary asks for no sample.
+    Relative(f64),
+    /// None: the statistic is estimated from the samples that others need.
+    Open,
+}
+
+impl Tolerance {
+    /// In the unit of a statistic of this magnitude; infinite where nothing is asked.
+    pub(crate) const fn of(self, magnitude: f64) -> f64 {
+        match self {
+            Self::Absolute(tolerance) => tolerance,
+            Self::Relative(part) => part * magnitude,
+            Self::Open => f64::INFINITY,
+        }
+    }
+
+    fn check(self, index: usize) -> Result<(), Error> {
+        match self {
+            Self::Absolute(value) | Self::Relative(value) => {
+                require_positive("tolerance", index, value)
+            }
+            Self::Open => Ok(()),
+        }
+    }
+}
+
 /// A statistic of a response, with its tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,8 +82,8 @@ pub struct Target {
     pub response: usize,
     /// The statistic.
     pub statistic: Statistic,
-    /// Root mean square error asked for, in the unit of the statistic.
-    pub tolerance: f64,
+    /// Root mean square error asked for.
+    pub tolerance: Tolerance,
 }
 
 /// Numbers of a sample that a target needs.
@@ -58,7 +91,7 @@ pub(crate) const COMPONENTS: usize = 2;
 
 impl Target {
     pub(crate) fn check(&self, index: usize, n_responses: usize) -> Result<(), Error> {
-        require_positive("tolerance", index, self.tolerance)?;
+        self.tolerance.check(index)?;
         if self.response >= n_responses {
             let (response, limit) = (self.response, n_responses);
             return Err(Error::NoSuchResponse { target: index, response, limit });
@@ -106,6 +139,25 @@ impl Target {
         }
     }
 
+    /// What a relative tolerance is a part of: from the means of the components of the finest level, and the variance of the
+    /// first. None for a variance that comes out negative.
+    pub(crate) fn magnitude(
+        &self,
+        means: [f64; COMPONENTS],
+        first_variance: f64,
+        n_samples: u64,
+    ) -> Option<f64> {
+        match self.statistic {
+            Statistic::Mean => Some(means[0].abs().max(first_variance.sqrt())),
+            Statistic::Variance => {
+                Some(means[1] - means[0] * means[0]).filter(|variance| *variance >= 0.0)
+            }
+            Statistic::Exceedance { .. } | Statistic::SmoothedExceedance { .. } => {
+                Some(means[0].max(1.0 / n_samples as f64))
+            }
+        }
+    }
+
     /// Error of smoothing, from the means of the components.
     pub(crate) fn smoothing(&self, means: [f64; COMPONENTS]) -> f64 {
         match self.statistic {
@@ -129,52 +181,52 @@ fn step(s: f64) -> f64 {
 /// Means and variances of a target over the samples of one pair.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TargetSums<'a> {
-    /// Components of the differences of all targets, then those of the finer level.
+    /// Components of the difference, then those of the finer level.
     pub(crate) sums: &'a Comoments,
-    pub(crate) target: usize,
-    pub(crate) n_targets: usize,
 }
 
-impl TargetSums<'_> {
-    const fn place(&self, of_fine: bool) -> usize {
-        COMPONENTS * (self.target + if of_fine { self.n_targets } else { 0 })
-    }
+/// Places of the components in the sums of a target.
+const DIFFERENCE: usize = 0;
+const FINE: usize = COMPONENTS;
 
+impl TargetSums<'_> {
     /// Means of the components of the difference.
-    pub(crate) fn difference_means(&self) -> [f64; COMPONENTS] {
-        let place = self.place(false);
-        [self.sums.mean(place), self.sums.mean(place + 1)]
+    pub(crate) fn difference_means(self) -> [f64; COMPONENTS] {
+        [self.sums.mean(DIFFERENCE), self.sums.mean(DIFFERENCE + 1)]
     }
 
     /// Means of the components of the finer level.
-    pub(crate) fn fine_means(&self) -> [f64; COMPONENTS] {
-        let place = self.place(true);
-        [self.sums.mean(place), self.sums.mean(place + 1)]
+    pub(crate) fn fine_means(self) -> [f64; COMPONENTS] {
+        [self.sums.mean(FINE), self.sums.mean(FINE + 1)]
     }
 
-    /// Variance of one component of the difference.
-    pub(crate) fn component_variance(&self, component: usize) -> f64 {
-        self.sums.variance(self.place(false) + component)
-    }
-
-    /// Variance of a combination of the components, of the difference.
-    pub(crate) fn difference_variance(&self, weights: [f64; COMPONENTS]) -> f64 {
-        self.variance(self.place(false), self.place(false), weights)
+    /// Variance of the first component of the difference.
+    pub(crate) fn first_difference_variance(self) -> f64 {
+        self.sums.variance(DIFFERENCE)
     }
 
     /// The same of the finer level.
-    pub(crate) fn fine_variance(&self, weights: [f64; COMPONENTS]) -> f64 {
-        self.variance(self.place(true), self.place(true), weights)
+    pub(crate) fn first_fine_variance(self) -> f64 {
+        self.sums.variance(FINE)
+    }
+
+    /// Variance of a combination of the components, of the difference.
+    pub(crate) fn difference_variance(self, weights: [f64; COMPONENTS]) -> f64 {
+        self.variance(DIFFERENCE, DIFFERENCE, weights)
+    }
+
+    /// The same of the finer level.
+    pub(crate) fn fine_variance(self, weights: [f64; COMPONENTS]) -> f64 {
+        self.variance(FINE, FINE, weights)
     }
 
     /// The same of the coarser level, the finer one less the difference.
-    pub(crate) fn coarse_variance(&self, weights: [f64; COMPONENTS]) -> f64 {
-        let (fine, difference) = (self.place(true), self.place(false));
-        let cross = self.variance(fine, difference, weights);
+    pub(crate) fn coarse_variance(self, weights: [f64; COMPONENTS]) -> f64 {
+        let cross = self.variance(FINE, DIFFERENCE, weights);
         (self.fine_variance(weights) - 2.0 * cross + self.difference_variance(weights)).max(0.0)
     }
 
-    fn variance(&self, a: usize, b: usize, w: [f64; COMPONENTS]) -> f64 {
+    fn variance(self, a: usize, b: usize, w: [f64; COMPONENTS]) -> f64 {
         let mut sum = 0.0;
         for i in 0..COMPONENTS {
             for j in 0..COMPONENTS {

@@ -20,14 +20,16 @@ pub(crate) struct Survey<'a> {
     coarsest: usize,
     /// Cost of each level alone, to `top`.
     costs: Vec<f64>,
-    /// Sums of neighbouring levels, from level 0.
-    neighbours: Vec<Comoments>,
-    /// Sums of the coarsest level alone, once it is planned.
-    alone: Option<Comoments>,
+    /// Sums of neighbouring levels by target, from level 0.
+    neighbours: Vec<Vec<Comoments>>,
+    /// Sums of the coarsest level alone by target, once it is planned.
+    alone: Option<Vec<Comoments>>,
     /// Weights of the components, for each target.
     weights: Vec<[f64; COMPONENTS]>,
     /// Variances of the differences by target, from level 0: floored by the fitted rate.
     variances: Vec<Vec<f64>>,
+    /// Tolerances in the units of the targets; infinite where nothing is asked.
+    tolerances: Vec<f64>,
 }
 
 impl<'a> Survey<'a> {
@@ -48,35 +50,68 @@ impl<'a> Survey<'a> {
             return Err(Error::MissingBlocks { missing: 1, pair, block: 0 });
         };
         let costs: Vec<f64> = (0..=top).map(|level| ladder.cost(level)).collect();
-        let weights = |sums: &[Comoments]| -> Vec<_> {
-            let of = |target: usize| targets[target].influence(total(sums, target, targets.len()));
-            (0..targets.len()).map(of).collect()
-        };
         // The choice of the coarsest level is by the pilot alone: it does not change as samples are added.
-        let pilot = sums_of(pilot_blocks);
-        let by_pilot = Self {
+        let mut by_pilot = Self {
             targets,
             bias,
             top,
             coarsest: 0,
             costs: costs.clone(),
-            weights: weights(&pilot),
-            neighbours: pilot,
+            neighbours: sums_of(pilot_blocks),
             alone: None,
+            weights: Vec::new(),
             variances: Vec::new(),
+            tolerances: Vec::new(),
         }
         .with_variances();
+        // Levels that have nothing in common would spoil a sum over all of them.
+        by_pilot.tolerances = (0..targets.len())
+            .map(|target| by_pilot.tolerance(target, by_pilot.of(top, target).fine_means()))
+            .collect();
         let coarsest = by_pilot.cheapest();
         let pair = Pair::alone(coarsest);
         let alone = if coarsest == 0 { None } else { progress.sums(pair, u64::MAX) };
-        let survey =
-            Self { coarsest, weights: weights(&neighbours), neighbours, alone, ..by_pilot }
-                .with_variances();
-        survey.require_nested()?;
+        let mut survey = Self { coarsest, neighbours, alone, ..by_pilot }.with_variances();
+        survey.tolerances = (0..targets.len())
+            .map(|target| survey.tolerance(target, survey.means(target)))
+            .collect();
+        if !ladder.nests_by_construction() {
+            survey.require_nested()?;
+        }
         Ok(survey)
     }
 
+    /// Means of the components of a target on the finest level, from the levels that are used.
+    fn means(&self, target: usize) -> [f64; COMPONENTS] {
+        let mut means = [0.0; COMPONENTS];
+        for level in self.coarsest..=self.top {
+            let is_first = level == self.coarsest && level > 0 && self.alone.is_none();
+            let of_term = if is_first {
+                // Its own samples are not planned yet.
+                self.of(level, target).fine_means()
+            } else {
+                self.term(level, target).difference_means()
+            };
+            for c in 0..COMPONENTS {
+                means[c] += of_term[c];
+            }
+        }
+        means
+    }
+
+    /// The tolerance of a target in its unit, for these means of its components on the finest level.
+    fn tolerance(&self, target: usize, means: [f64; COMPONENTS]) -> f64 {
+        let (asked, finest) = (&self.targets[target], self.of(self.top, target));
+        let magnitude =
+            |means| asked.magnitude(means, finest.first_fine_variance(), finest.sums.count());
+        let own = || magnitude(finest.fine_means());
+        asked.tolerance.of(magnitude(means).or_else(own).unwrap_or(0.0))
+    }
+
     fn with_variances(mut self) -> Self {
+        self.weights = (0..self.targets.len())
+            .map(|target| self.targets[target].influence(self.means(target)))
+            .collect();
         self.variances = (0..self.targets.len())
             .map(|target| {
                 let of = |level| {
@@ -95,15 +130,13 @@ impl<'a> Survey<'a> {
     }
 
     fn of(&self, level: usize, target: usize) -> TargetSums<'_> {
-        TargetSums { sums: &self.neighbours[level], target, n_targets: self.targets.len() }
+        TargetSums { sums: &self.neighbours[level][target] }
     }
 
     /// Sums of a term of the estimate: the coarsest level alone, or a difference above it.
     fn term(&self, level: usize, target: usize) -> TargetSums<'_> {
         match &self.alone {
-            Some(sums) if level == self.coarsest => {
-                TargetSums { sums, target, n_targets: self.targets.len() }
-            }
+            Some(sums) if level == self.coarsest => TargetSums { sums: &sums[target] },
             _ => self.of(level, target),
         }
     }
@@ -132,7 +165,7 @@ impl<'a> Survey<'a> {
     /// Number of samples of each term, from the coarsest level on: the largest that a target needs.
     fn allocation(&self, coarsest: usize) -> Vec<f64> {
         let mut samples = vec![2.0_f64; self.top + 1 - coarsest];
-        for (target, asked) in self.targets.iter().enumerate() {
+        for (target, tolerance) in self.tolerances.iter().enumerate() {
             let terms: Vec<(f64, f64)> = (coarsest..=self.top)
                 .map(|level| {
                     let cost = self.term_cost(coarsest, level);
@@ -140,7 +173,10 @@ impl<'a> Survey<'a> {
                 })
                 .collect();
             let root: f64 = terms.iter().map(|(variance, cost)| (variance * cost).sqrt()).sum();
-            let scale = 2.0 / (asked.tolerance * asked.tolerance) * root;
+            if root == 0.0 {
+                continue;
+            }
+            let scale = self.bias.share_of_variance().recip() / (tolerance * tolerance) * root;
             for (n, (variance, cost)) in samples.iter_mut().zip(terms) {
                 let needed = (scale * (variance / cost).sqrt()).ceil();
                 if needed > *n {
@@ -203,13 +239,15 @@ impl<'a> Survey<'a> {
     pub(crate) fn is_bias_small(&self) -> bool {
         (0..self.targets.len()).all(|target| {
             let bias = extrapolated(self.bias, &self.differences(target));
-            bias.bound <= self.half_tolerance(target)
+            bias.bound <= self.parts_of_tolerance(target)[1]
         })
     }
 
-    /// The tolerance over the square root of two: for the standard error, and for the bias.
-    fn half_tolerance(&self, target: usize) -> f64 {
-        self.targets[target].tolerance * std::f64::consts::FRAC_1_SQRT_2
+    /// The largest standard error and the largest bias: with half of the squared tolerance for each, or all of it for the first.
+    fn parts_of_tolerance(&self, target: usize) -> [f64; 2] {
+        let share = self.bias.share_of_variance();
+        let tolerance = self.tolerances[target];
+        [share, 1.0 - share].map(|share| if share > 0.0 { tolerance * share.sqrt() } else { 0.0 })
     }
 
     /// Means of a level in its two roles: Giles 2015, the test of section 3.
@@ -249,7 +287,8 @@ impl<'a> Survey<'a> {
         let n_targets = self.targets.len();
         let single = |target: usize| {
             let variance = self.of(self.top, target).fine_variance(self.weights[target]);
-            2.0 * variance / self.targets[target].tolerance.powi(2) * self.costs[self.top]
+            let [limit, _] = self.parts_of_tolerance(target);
+            if variance == 0.0 { 0.0 } else { variance / limit.powi(2) * self.costs[self.top] }
         };
         MultilevelResult {
             targets: (0..n_targets).map(|target| self.target_result(target)).collect(),
@@ -262,15 +301,11 @@ impl<'a> Survey<'a> {
 
     fn target_result(&self, target: usize) -> TargetResult {
         let asked = &self.targets[target];
-        let mut means = [0.0; COMPONENTS];
+        let means = self.means(target);
         let mut first_squared_error = 0.0;
         for level in self.coarsest..=self.top {
             let term = self.term(level, target);
-            let of_term = term.difference_means();
-            for c in 0..COMPONENTS {
-                means[c] += of_term[c];
-            }
-            first_squared_error += term.component_variance(0) / term.sums.count() as f64;
+            first_squared_error += term.first_difference_variance() / term.sums.count() as f64;
         }
         let weights = asked.influence(means);
         let mut squared_error = 0.0;
@@ -283,14 +318,14 @@ impl<'a> Survey<'a> {
         }
         let standard_error = squared_error.sqrt();
         let bias = extrapolated(self.bias, &self.differences(target));
-        let half = self.half_tolerance(target);
+        let [most_error, most_bias] = self.parts_of_tolerance(target);
         TargetResult {
             estimate: with_error(asked.value(means, first_squared_error), standard_error),
             bias: bias.estimate,
             bias_bound: bias.bound,
             smoothing: asked.smoothing(means),
             order: bias.order,
-            is_reached: standard_error <= half && bias.bound <= half,
+            is_reached: standard_error <= most_error && bias.bound <= most_bias,
         }
     }
 
@@ -321,16 +356,4 @@ impl<'a> Survey<'a> {
                 .collect(),
         }
     }
-}
-
-/// Sum of the means of the differences: the means of the components on the finest level.
-fn total(sums: &[Comoments], target: usize, n_targets: usize) -> [f64; COMPONENTS] {
-    let mut means = [0.0; COMPONENTS];
-    for sums in sums {
-        let of_level = TargetSums { sums, target, n_targets }.difference_means();
-        for c in 0..COMPONENTS {
-            means[c] += of_level[c];
-        }
-    }
-    means
 }

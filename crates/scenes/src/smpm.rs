@@ -3,9 +3,11 @@
 mod coordinates;
 pub mod experiment;
 mod geometry;
+mod grids;
 mod material_library;
 pub mod material_scene;
 mod material_schema;
+pub mod method_scene;
 mod polygon;
 pub mod quantity_name;
 pub mod random_field_scene;

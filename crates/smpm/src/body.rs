@@ -327,6 +327,11 @@ impl<S: Number, const D: usize> Body<S, D> {
         self.particles.reference_volume[self.place(particle)]
     }
 
+    /// The edges of the box of each particle at the start (length).
+    pub(crate) const fn spacing(&self) -> [f64; D] {
+        self.spacing
+    }
+
     /// Half the diagonal of the box of a particle at the start (length).
     pub(crate) fn half_diagonal(&self) -> f64 {
         0.5 * self.spacing.iter().map(|edge| edge * edge).sum::<f64>().sqrt()

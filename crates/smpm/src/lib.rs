@@ -19,6 +19,7 @@ mod grid_to_particle;
 mod group;
 mod group_axis;
 mod group_to_grid;
+mod interpolation;
 mod jet_to_grid;
 mod lattice;
 pub mod material;

@@ -3,8 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
+use perturbation_moments::Scalar;
+
 use crate::body::Body;
 use crate::error::{Error, finite};
+use crate::interpolation::linear;
 use crate::number::Number;
 use crate::simulation::Simulation;
 use crate::tensor::von_mises;
@@ -158,6 +161,9 @@ pub enum Place<const D: usize> {
         /// The highest corner.
         to: [f64; D],
     },
+    /// A point of the lattice between particles, linear between those around it; at a face, by extrapolation over half a spacing.
+    /// The same point on every grid: [`Plan::interpolated`].
+    Interpolated([f64; D]),
 }
 
 /// A place in a body at which quantities are read.
@@ -227,6 +233,29 @@ impl<const D: usize> Plan<D> {
         stops(self.windows.iter().flat_map(|window| [window.from, window.to]))
     }
 
+    /// The plan for the same bodies on another grid: each gauge at a point reads the mean place of those particles that it reads
+    /// in `simulation`, at its start, by interpolation. Gauges of regions keep them.
+    ///
+    /// # Errors
+    /// Those of the plan, as a run of it.
+    pub fn interpolated<S: Number>(&self, simulation: &Simulation<S, D>) -> Result<Self, Error> {
+        let located = self.resolve(simulation)?;
+        let moved = |(gauge, located): (&Gauge<D>, &Located)| {
+            let place = match gauge.place {
+                Place::Nearest(_) => {
+                    let body = &simulation.bodies()[located.body];
+                    let coordinate =
+                        |k: usize| located.mean_over(|particle| body.position(particle)[k]);
+                    Place::Interpolated(std::array::from_fn(|k| Scalar::value(coordinate(k))))
+                }
+                place => place,
+            };
+            Gauge { place, ..gauge.clone() }
+        };
+        let gauges = self.gauges.iter().zip(&located).map(moved).collect();
+        Ok(Self { gauges, ..self.clone() })
+    }
+
     /// Finds the particles of every gauge in a simulation at its start.
     ///
     /// # Errors
@@ -286,27 +315,30 @@ impl<const D: usize> Gauge<D> {
         let Some(body) = simulation.bodies().get(self.body) else {
             return Err(Error::NoSuchBody { name: self.name.clone(), value: self.body, limit });
         };
-        let starts: Vec<[f64; D]> =
-            body.positions().iter().map(|x| x.map(perturbation_moments::Scalar::value)).collect();
+        let starts: Vec<[f64; D]> = body.positions().iter().map(|x| x.map(Scalar::value)).collect();
         let outside = |distance, limit| Error::GaugeOutsideBody {
             name: self.name.clone(),
             body: self.body,
             distance,
             limit,
         };
+        let limit = body.half_diagonal();
+        // Roundoff of the places of a lattice.
+        let slack = 1e-9 * limit;
         let chosen: Vec<usize> = match self.place {
-            Place::Nearest(point) => {
+            Place::Nearest(point) | Place::Interpolated(point) => {
                 point.iter().try_for_each(|&value| finite("place of a gauge", value))?;
                 let distances: Vec<f64> = starts
                     .iter()
                     .map(|x| (0..D).map(|k| (x[k] - point[k]).powi(2)).sum::<f64>().sqrt())
                     .collect();
                 let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
-                let limit = body.half_diagonal();
-                // Roundoff of the places of a lattice.
-                let slack = 1e-9 * limit;
                 if least > limit + slack {
                     return Err(outside(least, limit));
+                }
+                if matches!(self.place, Place::Interpolated(_)) {
+                    let particles = linear(&starts, body.spacing(), &point);
+                    return Ok(Located { body: self.body, particles });
                 }
                 (0..starts.len()).filter(|&p| distances[p] <= least + slack).collect()
             }

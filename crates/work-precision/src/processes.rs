@@ -8,7 +8,8 @@ use std::process::{Child, Command, Stdio};
 use scenes::fpk::method_scene::MethodScene as FpkMethod;
 use scenes::fpk::scene::{CloudScene, FpkScene, PlanesScene, Times};
 use scenes::peridyn::scene::CrackScene;
-use scenes::smpm::scene::{MethodScene, SmpmScene, TimeScene};
+use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
+use scenes::smpm::scene::{SmpmScene, TimeScene};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -32,7 +33,14 @@ pub struct Scene {
 /// # Errors
 /// Error for a built-in scene of another type.
 pub fn scenes() -> Result<Vec<Scene>, CaseError> {
-    Ok(vec![density()?, paths()?, derivatives_of_a_plate()?, samples_of_a_plate()?, cracks(32)?])
+    Ok(vec![
+        density()?,
+        paths()?,
+        derivatives_of_a_plate()?,
+        samples_of_a_plate()?,
+        grids_of_a_plate()?,
+        cracks(32)?,
+    ])
 }
 
 fn density() -> Result<Scene, CaseError> {
@@ -76,6 +84,15 @@ fn samples_of_a_plate() -> Result<Scene, CaseError> {
     scene.method = sampled(400);
     let named = Scene::new("samples-of-a-plate", &scene, true)?;
     scene.method = sampled(150);
+    named.shortened(&scene)
+}
+
+fn grids_of_a_plate() -> Result<Scene, CaseError> {
+    let mut scene = plate()?;
+    let to = |tolerance| MethodScene::Multilevel(MultilevelScene::new(tolerance, 7));
+    scene.method = to(0.02);
+    let named = Scene::new("grids-of-a-plate", &scene, false)?;
+    scene.method = to(0.05);
     named.shortened(&scene)
 }
 

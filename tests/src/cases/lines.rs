@@ -28,11 +28,11 @@ impl Lines<'_> {
         reference: Reference,
         criterion: Criterion<'_>,
     ) -> Claim {
-        self.judge_sampled(of, kind, Measured::exact(value), reference, criterion)
+        self.judge_measured(of, kind, Measured::exact(value), reference, criterion)
     }
 
     /// A value with its standard error against its reference.
-    pub(super) fn judge_sampled(
+    pub(super) fn judge_measured(
         &self,
         of: (&str, &str, &str),
         kind: ErrorKind,

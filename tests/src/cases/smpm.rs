@@ -9,6 +9,7 @@ mod incline;
 pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
 mod methods;
+pub(crate) mod multilevel;
 pub(crate) mod paper_size;
 pub(crate) mod plate_impact;
 pub(crate) mod published_tables;

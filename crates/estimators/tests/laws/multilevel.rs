@@ -2,7 +2,7 @@
 
 use estimators::{
     Bias, Error, Failure, Ladder, Levels, Multilevel, MultilevelResult, Pair, PathLadder, Progress,
-    Statistic, Target,
+    Statistic, Target, Tolerance,
 };
 use sde_integrators::{EulerMaruyama, General, Noise, Purpose, Sde, Sra1};
 
@@ -60,7 +60,7 @@ fn targets(scale: f64) -> [Target; 3] {
     std::array::from_fn(|k| Target {
         response: 0,
         statistic: statistics[k],
-        tolerance: scale * tolerances[k],
+        tolerance: Tolerance::Absolute(scale * tolerances[k]),
     })
 }
 
@@ -83,7 +83,8 @@ fn moments_and_a_probability_are_within_their_tolerances() {
     for ((target, asked), exact) in found.targets.iter().zip(targets(1.0)).zip(exact()) {
         assert!(target.is_reached, "{found:?}");
         let error = target.estimate.value - exact;
-        assert!(error.abs() < 3.0 * asked.tolerance + target.smoothing, "{error} {target:?}");
+        let Tolerance::Absolute(tolerance) = asked.tolerance else { panic!("{asked:?}") };
+        assert!(error.abs() < 3.0 * tolerance + target.smoothing, "{error} {target:?}");
     }
     assert!(found.pays(), "{found:?}");
 }
@@ -194,7 +195,8 @@ fn levels_that_do_not_pay_are_dropped() {
         y[0] = if level == 0 { 3.0 * (50.0 * u).sin() } else { u + 0.01 * (level as f64) * u * u };
         Ok(())
     };
-    let targets = [Target { response: 0, statistic: Statistic::Mean, tolerance: 4e-3 }];
+    let targets =
+        [Target { response: 0, statistic: Statistic::Mean, tolerance: Tolerance::Absolute(4e-3) }];
     let study = Multilevel { bias: Bias::FinestIsExact, ..study(&targets) };
     let found = study.run(&Levels { costs: &costs, n_responses: 1, run: unrelated }).unwrap();
     assert_eq!((found.coarsest, found.pays()), (1, true), "{found:?}");
@@ -217,6 +219,51 @@ fn levels_that_do_not_pay_are_dropped() {
 /// The same with the finest level as the truth.
 fn exact_study(targets: &[Target]) -> Multilevel<'_> {
     Multilevel { bias: Bias::FinestIsExact, ..study(targets) }
+}
+
+#[test]
+fn relative_tolerances_are_met_by_the_standard_error_and_open_ones_ask_for_nothing() {
+    // Levels of exp(2 u) by Taylor polynomials; the finest is of degree 8.
+    let run = |level: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
+        let x = 2.0 * uniform(realisation);
+        y[0] = (0..2_usize << level).rev().fold(1.0, |sum, k| 1.0 + x * sum / (k + 1) as f64);
+        y[1] = 1e6 * y[0];
+        y[2] = 3.0;
+        Ok(())
+    };
+    let ladder = Levels { costs: &[1.0, 4.0, 16.0], n_responses: 3, run };
+    let target = |response, statistic, tolerance| Target { response, statistic, tolerance };
+    let asked = [
+        target(0, Statistic::Mean, Tolerance::Relative(0.01)),
+        target(0, Statistic::Variance, Tolerance::Relative(0.02)),
+        // Neither of these adds a sample.
+        target(1, Statistic::Variance, Tolerance::Open),
+        target(2, Statistic::Mean, Tolerance::Relative(1e-9)),
+        target(2, Statistic::Variance, Tolerance::Relative(1e-9)),
+    ];
+    let found = exact_study(&asked).run(&ladder).unwrap();
+    let fewer = exact_study(&asked[..2]).run(&ladder).unwrap();
+    assert_eq!(
+        found.levels.iter().map(|level| level.n_samples).collect::<Vec<_>>(),
+        fewer.levels.iter().map(|level| level.n_samples).collect::<Vec<_>>()
+    );
+    assert_eq!(found.targets[..2], fewer.targets[..]);
+    // E e^(2u) = (e^2 - 1)/2, E e^(4u) = (e^4 - 1)/4.
+    let mean = 0.5 * (2_f64.exp() - 1.0);
+    let variance = 0.25 * (4_f64.exp() - 1.0) - mean * mean;
+    for (found, exact) in found.targets.iter().zip([mean, variance]) {
+        let error = (found.estimate.value - exact).abs();
+        assert!(found.is_reached && error < 4.0 * found.estimate.standard_error().unwrap());
+    }
+    // The whole tolerance is for the standard error, and the variance decides.
+    let [at_variance, scaled] = [1, 2].map(|k| {
+        found.targets[k].estimate.standard_error().unwrap() / found.targets[k].estimate.value
+    });
+    assert!((0.017..=0.02).contains(&at_variance), "{at_variance}");
+    assert!((scaled / at_variance - 1.0).abs() < 1e-9, "{scaled}");
+    assert_eq!(found.targets[3].estimate.value, 3.0);
+    assert_eq!(found.targets[4].estimate.value, 0.0);
+    assert!(found.targets.iter().all(|target| target.is_reached));
 }
 
 /// Another mean as the coarser level than as the finer one.
@@ -249,16 +296,21 @@ impl Ladder for Apart {
 
 #[test]
 fn bad_input_is_refused_with_its_value() {
-    let good = [Target { response: 0, statistic: Statistic::Mean, tolerance: 0.01 }];
+    let good =
+        [Target { response: 0, statistic: Statistic::Mean, tolerance: Tolerance::Absolute(0.01) }];
     let run = |_: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
         y[0] = uniform(realisation);
         Ok(())
     };
     let two = Levels { costs: &[1.0, 2.0], n_responses: 1, run };
     for tolerance in [0.0, -1.0, f64::NAN] {
-        let found = exact_study(&[Target { tolerance, ..good[0] }]).run(&two);
-        assert!(matches!(found, Err(Error::NotPositive { quantity: "tolerance", .. })));
+        for tolerance in [Tolerance::Absolute(tolerance), Tolerance::Relative(tolerance)] {
+            let found = exact_study(&[Target { tolerance, ..good[0] }]).run(&two);
+            assert!(matches!(found, Err(Error::NotPositive { quantity: "tolerance", .. })));
+        }
     }
+    let found = exact_study(&[Target { tolerance: Tolerance::Open, ..good[0] }]).run(&two);
+    assert!(matches!(found, Err(Error::TooFew { quantity: "targets with a tolerance", .. })));
     let found = exact_study(&[Target { response: 1, ..good[0] }]).run(&two);
     assert!(matches!(found, Err(Error::NoSuchResponse { response: 1, limit: 1, .. })));
     let falling = Levels { costs: &[2.0, 2.0], ..two };
@@ -276,7 +328,8 @@ fn bad_input_is_refused_with_its_value() {
 
 #[test]
 fn bad_samples_ladders_and_blocks_are_refused() {
-    let good = [Target { response: 0, statistic: Statistic::Mean, tolerance: 0.01 }];
+    let good =
+        [Target { response: 0, statistic: Statistic::Mean, tolerance: Tolerance::Absolute(0.01) }];
     let run = |_: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
         y[0] = uniform(realisation);
         Ok(())
@@ -318,7 +371,11 @@ fn bad_samples_ladders_and_blocks_are_refused() {
 
 #[test]
 fn a_fitted_order_is_that_of_the_method() {
-    let targets = [Target { response: 0, statistic: Statistic::Variance, tolerance: 1e-3 }];
+    let targets = [Target {
+        response: 0,
+        statistic: Statistic::Variance,
+        tolerance: Tolerance::Absolute(1e-3),
+    }];
     let study = Multilevel { bias: Bias::FittedOrder, ..study(&targets) };
     let found = study.run(&growth(2)).unwrap();
     let order = found.targets[0].order.unwrap();

@@ -43,6 +43,14 @@ pub enum RunError {
     #[error("the method of the scene has no shards")]
     #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]
     NoShards,
+    /// The numbers of samples follow from those before, but shards were requested or given.
+    #[error(
+        "the method of the scene plans its samples by those before: no shard knows beforehand which are its own"
+    )]
+    #[diagnostic(help(
+        "run it in one process, on all cores, and without --shard; `monte_carlo` has shards and ranks"
+    ))]
+    NoShardsOfAPlan,
     /// The shards are not one ensemble.
     #[error(transparent)]
     Shards(#[from] ShardsError),

@@ -37,6 +37,14 @@ impl Run<'_> {
         if is_whole { Ok(()) } else { Err(RunError::NoShards) }
     }
 
+    /// Rejects shards and ranks for a method whose plan follows from its samples.
+    ///
+    /// # Errors
+    /// [`RunError::NoShardsOfAPlan`].
+    pub fn no_shards_of_a_plan(&self) -> Result<(), RunError> {
+        self.no_shards().map_err(|_| RunError::NoShardsOfAPlan)
+    }
+
     /// Writes `shard-2-of-4.bin` with the results of a shard and the identity of its scene and files.
     ///
     /// # Errors

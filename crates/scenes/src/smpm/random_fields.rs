@@ -6,9 +6,10 @@ use smpm::{Fill, Number};
 
 use super::coordinates::point;
 use super::material_scene::{MaterialScene, Part};
+use super::method_scene::MethodScene;
 use super::random_field_scene::{RandomFieldScene, TermsScene};
 use super::region::BodyRegion;
-use super::scene::{MethodScene, SmpmScene};
+use super::scene::SmpmScene;
 use super::unknown_name::unknown;
 use crate::scene::Objection;
 
@@ -145,7 +146,7 @@ impl SmpmScene {
             return Ok(());
         }
         let message = "this method does not go with `random_fields`";
-        let help = "take `monte_carlo`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
+        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
         Err(Objection::new("method", message).with_help(help))
     }
 
@@ -156,6 +157,7 @@ impl SmpmScene {
                 method,
                 MethodScene::Deterministic
                     | MethodScene::MonteCarlo { .. }
+                    | MethodScene::Multilevel(_)
                     | MethodScene::ForwardDifference { .. }
                     | MethodScene::FiniteDifference { .. }
                     | MethodScene::Propagated

@@ -12,10 +12,11 @@ use smpm::{
 
 use super::coordinates::point;
 use super::material_scene::{MaterialScene, Numbers, Part};
+use super::method_scene::MethodScene;
 use super::region::BodyRegion;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, MethodScene, OrderScene,
-    ShapeScene, SideScene, SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, OrderScene, ShapeScene,
+    SideScene, SmpmScene, TransferScene,
 };
 use super::unknown_name::unknown;
 use crate::nearest::nearest;
@@ -325,6 +326,7 @@ impl Scene for SmpmScene {
             return Err(Objection::new("method.monte_carlo.samples", message));
         }
         self.check_design()?;
+        self.check_multilevel()?;
         match self.dimension {
             1 => self.check_in::<1>(),
             2 => self.check_in::<2>(),

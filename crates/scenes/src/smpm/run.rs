@@ -3,9 +3,12 @@
 mod field_solve;
 mod fields;
 mod findings;
+mod grid_level;
 mod ingredients;
 mod kept;
 mod ladder;
+mod multilevel;
+mod multilevel_record;
 mod response;
 mod samples;
 mod shown;
@@ -18,6 +21,7 @@ use serde::Serialize;
 use smpm::{Plan, Quantity};
 
 use self::fields::Fields;
+use self::multilevel_record::MultilevelRecord;
 use self::response::{Response, Shares};
 use self::solve::{Answer, SolveError, Solved};
 use crate::kind::{Run, RunError, SceneKind};
@@ -28,8 +32,9 @@ use crate::page;
 use crate::run_result::RunResult;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::method_scene::MethodScene;
 use crate::smpm::random_fields::PreparedField;
-use crate::smpm::scene::{MethodScene, RandomScene, SmpmScene};
+use crate::smpm::scene::{RandomScene, SmpmScene};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "smpm",
@@ -46,13 +51,15 @@ pub(crate) const KIND: SceneKind = SceneKind {
 #[derive(Debug, Serialize)]
 struct Content {
     work: WorkRecord,
-    /// Where the bodies differ from those of the scene.
+    /// Where the bodies differ from those of the scene, and what a reader must know of the estimate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
     /// Samples that failed, and why.
     failures: Vec<Failure>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     random_fields: Vec<FieldResult>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    multilevel: Option<MultilevelRecord>,
     gauges: Vec<GaugeResult>,
 }
 
@@ -103,8 +110,10 @@ struct QuantityResult {
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     let (scene, ()) = run.build::<SmpmScene>(file)?;
-    if scene.design().is_none() {
-        run.no_shards()?;
+    match scene.method {
+        MethodScene::Multilevel(_) => run.no_shards_of_a_plan()?,
+        _ if scene.design().is_none() => run.no_shards()?,
+        _ => {}
     }
     match scene.dimension {
         1 => run_in::<1>(file, &scene, run),
@@ -121,18 +130,25 @@ fn run_in<const D: usize>(
     let object = |objection: Objection| RunError::from(file.object_to(&objection));
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
-    let notes = scene.rounded_sizes();
-    for note in &notes {
-        run.progress.stage(&format!("note: {note}"));
-    }
+    let mut notes = scene.rounded_sizes();
+    let print = |notes: &[String]| {
+        for note in notes {
+            run.progress.stage(&format!("note: {note}"));
+        }
+    };
+    print(&notes);
     let mut fields = Fields::new(scene, plan.stops(), run.out());
     // A scene with fewer parameters has more lanes for probes.
-    let answer = match scene.random.len() {
+    let answer = match (&scene.method, scene.random.len()) {
+        (MethodScene::Multilevel(method), _) => {
+            let of_scene = (&experiment, &plan);
+            multilevel::solve(scene, method, of_scene, &mut fields, run)
+        }
         _ if !scene.random_fields.is_empty() => {
             field_solve::solve_fields(scene, &experiment, &plan, &mut fields, run)
         }
-        0..=3 => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
-        4 | 5 => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
+        (_, 0..=3) => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
+        (_, 4 | 5) => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
         _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, run),
     };
     let answer = match answer {
@@ -141,7 +157,10 @@ fn run_in<const D: usize>(
         Ok(Solved::Elsewhere) => return Ok(Vec::new()),
         Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
         Err(SolveError::Run(error)) => return Err(error),
+        Err(SolveError::Scene(objection)) => return Err(object(objection)),
     };
+    print(&answer.notes);
+    notes.extend_from_slice(&answer.notes);
     for line in ranking(&plan, &answer) {
         run.progress.stage(&line);
     }
@@ -163,6 +182,7 @@ fn run_in<const D: usize>(
         notes,
         random_fields: experiment.fields().iter().map(FieldResult::of).collect(),
         failures: answer.failures.iter().map(failure).collect(),
+        multilevel: answer.multilevel,
         gauges,
     };
     written.insert(0, RunResult::new("response-moments/1", scene, content).write(run.out())?);
@@ -365,6 +385,9 @@ fn method_words(method: MethodScene) -> String {
         }
         MethodScene::SobolIndices { points, replicas, .. } => {
             format!("Mean and deviation of runs for Sobol' indices at {replicas} x {points} points")
+        }
+        MethodScene::Multilevel(_) => {
+            "Mean and deviation of sampled runs on grids of doubling cells".to_owned()
         }
     }
 }

@@ -229,6 +229,7 @@ fn a_scene_runs_to_its_end_by_every_method() {
         (&quasi("quasi_monte_carlo", 2, ", \"control\": true"), true),
         (&quasi("quasi_monte_carlo", 4, ", \"control\": false"), true),
         (&quasi("sobol_indices", 4, ""), true),
+        ("{ \"multilevel\": { \"tolerance\": 0.06, \"seed\": 1 } }", true),
     ];
     for (number, (method, varies)) in methods.into_iter().enumerate() {
         let text = PLATE.replace("\"propagated\"", method);

@@ -1,11 +1,12 @@
 //! Scenes whose constants vary in space: complete runs by every method, and their errors one by one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use random_fields::{
     Correlation, CorrelationFunction, RandomField, SpatialCorrelation, Truncation,
 };
-use scenes::{ALL, Options, Progress, RunError, run};
+use scenes::checkpoint::Start;
+use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
 
 /// An elastic bar runs into a wall, in uniaxial strain.
@@ -42,11 +43,19 @@ const BAR: &str = r#"{
 
 fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>) {
     let folder = std::env::temp_dir().join(format!("smpm-field-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let result = run_in(&folder, text, &Options::new(folder.join("out")));
+    (folder, result)
+}
+
+fn run_in(folder: &Path, text: &str, options: &Options) -> Result<Vec<PathBuf>, RunError> {
+    std::fs::create_dir_all(folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
-    let result = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
-    (folder, result)
+    run(ALL, &scene, options, &Progress::silent())
+}
+
+fn result(out: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(out.join("result.json")).unwrap()).unwrap()
 }
 
 #[test]
@@ -114,6 +123,114 @@ fn a_polygon_with_a_separable_field_is_expanded_on_the_box_of_its_corners() {
     let left_out = &result["random_fields"][0]["mean_left_out_variance"];
     let expected = field.mean_left_out_variance();
     assert_eq!(left_out.as_f64().map(f64::to_bits), Some(expected.to_bits()));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The bar by multilevel Monte Carlo, to a tolerance, with more keys of the method.
+fn on_grids(tolerance: f64, more: &str) -> String {
+    let method =
+        format!("{{ \"multilevel\": {{ \"tolerance\": {tolerance}, \"seed\": 3{more} }} }}");
+    let text =
+        BAR.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false");
+    text.replace("\"times\"", "\"levels\": { \"position_1\": [19.867] },\n  \"times\"")
+}
+
+#[test]
+fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_one() {
+    let (folder, written) = run_text("levels", &on_grids(0.2, ""));
+    written.unwrap();
+    let out = folder.join("out");
+    let resumed = Options { start: Start::GoOn, ..Options::new(&out) };
+    run_in(&folder, &on_grids(0.1, ""), &resumed).unwrap();
+    let on = |n_threads: usize| {
+        let (folder, text) = (folder.join(format!("{n_threads}")), on_grids(0.1, ""));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+        pool.install(|| run_in(&folder, &text, &Options::new(folder.join("out")))).unwrap();
+        result(&folder.join("out"))
+    };
+    let (continued, anew) = (result(&out), on(1));
+    for key in ["gauges", "multilevel", "notes"] {
+        assert_eq!(continued[key], anew[key]);
+        assert_eq!(on(2)[key], anew[key]);
+    }
+    let grids = anew["multilevel"]["grids"].as_array().unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert_eq!(
+        grids.iter().map(|grid| number(&grid["cell"])).collect::<Vec<_>>(),
+        [4.0, 2.0, 1.0, 0.5]
+    );
+    // Waves on a few cells are another response.
+    let is_used: Vec<bool> = grids.iter().map(|grid| grid["is_used"] == true).collect();
+    assert_eq!(is_used, [false, false, true, true], "{grids:?}");
+    let notes = anew["notes"].to_string();
+    assert!(
+        notes.contains("grids of cell 4, 2 do not pay and are dropped: the difference"),
+        "{notes}"
+    );
+    assert!(number(&grids[3]["samples"]) < 0.2 * number(&grids[2]["samples"]), "{grids:?}");
+    assert_eq!(anew["multilevel"]["is_reached"], true);
+    let end = &anew["gauges"][0]["quantities"][0]["values"][0];
+    let (variance, error) = (number(&end["variance"]), number(&end["variance_standard_error"]));
+    assert!((0.02..=0.1).contains(&(error / variance)), "{end}");
+    // The deviation by derivatives, whose third order is at most a few per cent.
+    let (of_series, written) = run_text("levels-series", BAR);
+    written.unwrap();
+    let series = &result(&of_series.join("out"))["gauges"][0]["quantities"][0]["values"][0];
+    let apart = number(&series["variance"]) - variance;
+    assert!(apart.abs() < 4.0 * error + 0.05 * variance, "{series} {end}");
+    // The same point on each grid; the nearest particle of the coarser one starts an eighth to the side.
+    let change = number(&end["change_from_coarser_grid"]["mean"]);
+    assert!(change.abs() < 1e-3, "{end}");
+    let chance = &end["exceedance"][0];
+    let of_normal = &series["exceedance"];
+    assert!(of_normal.is_null() && number(&chance["standard_error"]) > 0.0, "{chance}");
+    // The level is the median of a normal distribution to 0.15 deviations.
+    let error = number(&chance["standard_error"]);
+    assert!(
+        (number(&chance["probability"]) - 0.5).abs() < 0.06 + 4.0 * error && error < 0.1,
+        "{chance}"
+    );
+    for folder in [folder, of_series] {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
+
+#[test]
+fn what_multilevel_cannot_have_is_refused() {
+    for (number, (text, path, words)) in [
+        (on_grids(0.0, ""), "tolerance", "must be greater than 0"),
+        (on_grids(0.1, ", \"pilot\": 7"), "pilot", "there must be 8"),
+        (on_grids(0.1, ", \"most_runs\": 0"), "most_runs", "0 runs"),
+        (on_grids(0.01, ", \"most_runs\": 30"), "most_runs", "at most 30 are allowed"),
+        (on_grids(0.1, ", \"coarsest_cell\": 3"), "coarsest_cell", "power of two: 1, 2, ..."),
+        (on_grids(0.1, ", \"coarsest_cell\": 0.5"), "coarsest_cell", "power of two: 1, 2, ..."),
+        (
+            on_grids(0.1, ", \"coarsest_cell\": 8"),
+            "coarsest_cell",
+            "there is no grid of cell 8: length 1 of body `bar` is 2.5 cells of 8",
+        ),
+        (
+            on_grids(0.1, "").replace("\"cell\": 0.5", "\"cell\": 4"),
+            "",
+            "no grid with twice the cell 4 of the scene: length 1 of body `bar` is 2.5 cells of 8",
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (folder, result) = run_text(&format!("level-mistake-{number}"), &text);
+        let RunError::Scene(error) = result.unwrap_err() else { panic!("{words}") };
+        let mistake = error.mistake().unwrap();
+        let path = ["method.multilevel", path].join(".");
+        assert_eq!(mistake.path, path.trim_end_matches('.'), "{}", mistake.message);
+        assert!(mistake.message.contains(words), "{}", mistake.message);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    let folder = std::env::temp_dir().join(format!("smpm-field-{}-shard", std::process::id()));
+    let part = Part::Shard("1/2".parse().unwrap());
+    let options = Options { part, ..Options::new(folder.join("out")) };
+    let refused = run_in(&folder, &on_grids(0.1, ""), &options);
+    assert!(matches!(refused, Err(RunError::NoShardsOfAPlan)), "{refused:?}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -2,7 +2,7 @@
 
 use estimators::{
     Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
-    Sampling, Statistic, Surrogate, TailSampling, Target, UnitCube, quantile,
+    Sampling, Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
 use figures::ErrorKind;
 use fpk_sph::systems::GeometricBrownianMotion;
@@ -146,7 +146,10 @@ fn multilevel(seed: u64) -> Result<[Miss; 3], CaseError> {
     let square = (GROWTH[1] * GROWTH[1]).exp();
     // The last is the normal distribution function at -(ln 3 - 1 + 0.125) / 0.5.
     let exact = [GROWTH[0].exp(), (2.0 * GROWTH[0]).exp() * (square - 1.0), 0.327_356_458_8];
-    let target = |statistic, tolerance| Target { response: 0, statistic, tolerance };
+    let target = |statistic, tolerance| {
+        let tolerance = Tolerance::Absolute(tolerance);
+        Target { response: 0, statistic, tolerance }
+    };
     let targets = [
         target(Statistic::Mean, 0.06),
         target(Statistic::Variance, 0.25),

@@ -2,7 +2,7 @@
 
 use estimators::{
     Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
-    Target,
+    Target, Tolerance,
 };
 use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::GeometricBrownianMotion;
@@ -44,6 +44,7 @@ fn study(targets: &[Target]) -> Multilevel<'_> {
 }
 
 fn mean_to(tolerance: f64) -> [Target; 1] {
+    let tolerance = Tolerance::Absolute(tolerance);
     [Target { response: 0, statistic: Statistic::Mean, tolerance }]
 }
 

@@ -36,7 +36,7 @@ pub(crate) const SAMPLES: Case = Case {
 };
 
 /// Microseconds.
-const TIMES: [f64; 9] = [6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0];
+pub(super) const TIMES: [f64; 9] = [6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0];
 /// Up to this time derivatives of whole runs settle.
 const LAST_SMOOTH: f64 = 12.0;
 

@@ -58,12 +58,12 @@ fn samples<const D: usize>(
     Ok(sampled)
 }
 
-fn standard_error(estimate: &Estimate) -> f64 {
+pub(super) fn standard_error(estimate: &Estimate) -> f64 {
     estimate.standard_error().unwrap_or(f64::INFINITY)
 }
 
 /// Numbers of the scene of the column (m, kg, s).
-struct Column {
+pub(super) struct Column {
     length: f64,
     density: f64,
     gravity: f64,
@@ -73,7 +73,7 @@ struct Column {
     correlation_length: f64,
 }
 
-const SCENE_COLUMN: Column = Column {
+pub(super) const SCENE_COLUMN: Column = Column {
     length: 10.0,
     density: 2400.0,
     gravity: 9.81,
@@ -83,7 +83,7 @@ const SCENE_COLUMN: Column = Column {
 };
 
 /// Mean, variance and first-order variance of the displacement at a height, by the midpoint rule.
-fn column_moments(column: &Column, height: f64) -> [f64; 3] {
+pub(super) fn column_moments(column: &Column, height: f64) -> [f64; 3] {
     const N: usize = 1000;
     let h = height / N as f64;
     let weight = |k: usize| {

@@ -328,7 +328,7 @@ fn among_published(
     let tolerance = spread / unit + bias + statistical;
     let reason = format!("half the spread of the published ones, two standard errors, {source}");
     let criterion = Criterion::Within { tolerance, reason: &reason };
-    lines.judge_sampled(of, kind, measured, Reference::exact(value), criterion)
+    lines.judge_measured(of, kind, measured, Reference::exact(value), criterion)
 }
 
 /// Mean and deviation of the factor against the published ones.

@@ -11,7 +11,8 @@ use super::samples::{Requested, Samples, SeenSamples, sampled, shards};
 use super::solve::{Answer, SolveError, Solved, checkpoint};
 use crate::kind::Run;
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::MethodScene;
+use crate::smpm::scene::SmpmScene;
 
 /// Sample whose fields are written for ParaView.
 const SHOWN: u64 = 0;
@@ -93,7 +94,9 @@ fn solve_kept<const D: usize>(
     fields.of_realisation(&study, &shown, experiment)?;
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
-    Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+    let (notes, multilevel) = (Vec::new(), None);
+    let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
+    Ok(Solved::Whole(answer))
 }
 
 /// Taylor series of all responses, distances to switches where they are known, and the number of runs besides the reference.

@@ -1,5 +1,6 @@
 //! Ladder of methods for mean and variance of a scene of bodies.
 
+use figures::number::percent;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -7,7 +8,8 @@ use super::solve::DIFFERENCE;
 use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
+use crate::smpm::scene::SmpmScene;
 
 /// Smallest number of samples.
 const FIRST_SAMPLES: f64 = 10.0;
@@ -41,6 +43,9 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             ("quasi-Monte Carlo", quasi_sampled(false)),
             ("quasi-Monte Carlo with control variate", quasi_sampled(true)),
         ];
+        if let Some(method) = on_grids(&scene) {
+            methods.push(("multilevel Monte Carlo", MethodScene::Multilevel(method)));
+        }
     }
     if !scene.random_fields.is_empty() {
         methods.retain(|(_, method)| scene.has_for_fields(*method));
@@ -81,6 +86,22 @@ const fn quasi_sampled(control: bool) -> MethodScene {
     MethodScene::QuasiMonteCarlo { points, replicas, seed, control }
 }
 
+/// Multilevel Monte Carlo with the keys of the scene, or with default values if the scene has coarser grids.
+fn on_grids(scene: &SmpmScene) -> Option<MultilevelScene> {
+    let responses = DecisiveScene::LastTime;
+    let method = match scene.method {
+        MethodScene::Multilevel(own) => own,
+        _ => MultilevelScene::new(of_size(FIRST_SAMPLES), SEED),
+    };
+    let method = MultilevelScene { responses, moments: MomentsScene::Both, ..method };
+    scene.cells(&method).ok().map(|_| method)
+}
+
+/// The relative error of a variance by so many samples of a normal distribution.
+fn of_size(samples: f64) -> f64 {
+    (2.0 / samples).sqrt()
+}
+
 fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
     match (a, b) {
         (
@@ -98,7 +119,9 @@ fn is_alike(a: &MethodScene, b: &MethodScene) -> bool {
 
 fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
     let (growth, standing, first) = match method {
-        MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_SAMPLES),
+        MethodScene::MonteCarlo { .. } | MethodScene::Multilevel(_) => {
+            (Growth::Samples, Standing::Judge, FIRST_SAMPLES)
+        }
         MethodScene::QuasiMonteCarlo { replicas, .. } => {
             (Growth::Samples, Standing::Judge, (FIRST_POINTS * replicas) as f64)
         }
@@ -117,6 +140,13 @@ fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
             let method = MethodScene::QuasiMonteCarlo { points, replicas, seed, control };
             let label = format!("{replicas} x {points} points");
             return rung(&scene, method, ((points * replicas) as f64, label));
+        }
+        if let MethodScene::Multilevel(method) = method {
+            let tolerance = two_digits(of_size(size));
+            let most_runs = method.most_runs.max(whole(4.0 * size));
+            let method = MultilevelScene { tolerance, most_runs, ..method };
+            let label = format!("to {}", percent(tolerance));
+            return rung(&scene, MethodScene::Multilevel(method), (2.0 / tolerance.powi(2), label));
         }
         (size <= 1.0).then(|| rung(&scene, method, (1.0, String::new())))?
     };

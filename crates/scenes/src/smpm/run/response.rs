@@ -30,6 +30,9 @@ pub(super) struct Response {
     /// Parts of the variance, if they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) sobol_indices: Vec<Shares>,
+    /// What the next coarser grid changes, if a multilevel estimate used it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) change_from_coarser_grid: Option<GridChange>,
     /// Levels and their exceedance probabilities.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) exceedance: Vec<Chance>,
@@ -39,6 +42,21 @@ impl Response {
     /// The end of its window.
     pub(super) const fn time(&self) -> f64 {
         self.window[1]
+    }
+}
+
+/// Difference of a mean between the grid of the scene and the next coarser one.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct GridChange {
+    coarser_cell: f64,
+    mean: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mean_standard_error: Option<f64>,
+}
+
+impl GridChange {
+    pub(super) fn new(coarser_cell: f64, mean: &Estimate) -> Self {
+        Self { coarser_cell, mean: mean.value, mean_standard_error: error_of(mean) }
     }
 }
 
@@ -81,7 +99,8 @@ pub(super) struct Chance {
     probability: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     standard_error: Option<f64>,
-    /// `normal_law` from the moments, or `count` of samples.
+    /// `normal_law` from the moments, `count` of samples, or `differences` of counts over grids, which may lie outside of 0 to 1 by
+    /// their standard error.
     by: &'static str,
 }
 
@@ -116,6 +135,7 @@ impl<const D: usize> Table<'_, D> {
                 standard_deviation: None,
                 trust: None,
                 sobol_indices: Vec::new(),
+                change_from_coarser_grid: None,
                 exceedance: Vec::new(),
             };
             fill(i, response)
@@ -146,6 +166,25 @@ impl<const D: usize> Table<'_, D> {
             response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
         }
         Ok(response)
+    }
+
+    /// With estimates of moments and of the probabilities of its levels.
+    pub(super) fn estimated<'b>(
+        &self,
+        i: usize,
+        response: Response,
+        (mean, variance): (&Estimate, &Estimate),
+        chances: impl Iterator<Item = &'b Estimate>,
+    ) -> Response {
+        let mut response = response.with_moments(mean.value, variance.value);
+        response.mean_standard_error = error_of(mean);
+        response.variance_standard_error = error_of(variance);
+        let chance = |(&level, chance): (&f64, &Estimate)| {
+            let (probability, standard_error) = (chance.value, error_of(chance));
+            Chance { level, probability, standard_error, by: "differences" }
+        };
+        response.exceedance = self.levels(i).iter().zip(chances).map(chance).collect();
+        response
     }
 
     /// Sobol' indices by parameter; those of a polynomial leave a part of the variance unexplained.

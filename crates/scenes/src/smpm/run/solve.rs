@@ -8,12 +8,15 @@ use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
+use super::multilevel_record::MultilevelRecord;
 use super::response::{Response, Table};
 use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
 use crate::checkpoint::Checkpoint;
 use crate::kind::{Inputs, Part, Run, RunError};
+use crate::scene::Objection;
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{MethodScene, SmpmScene};
+use crate::smpm::method_scene::MethodScene;
+use crate::smpm::scene::SmpmScene;
 
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
@@ -40,6 +43,10 @@ pub(super) struct Answer {
     pub(super) n_runs: u64,
     pub(super) cpu_seconds: f64,
     pub(super) failures: Vec<(u64, String)>,
+    /// What a reader must know of the estimate.
+    pub(super) notes: Vec<String>,
+    /// Grids of a multilevel estimate.
+    pub(super) multilevel: Option<MultilevelRecord>,
 }
 
 /// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
@@ -120,7 +127,9 @@ fn solve_kept<const D: usize, const N: usize>(
     };
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
-    Ok(Solved::Whole(Answer { responses, n_steps, n_runs, cpu_seconds, failures }))
+    let (notes, multilevel) = (Vec::new(), None);
+    let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
+    Ok(Solved::Whole(answer))
 }
 
 /// Responses from samples: with a Taylor series or a fitted polynomial as control variate, with Sobol' indices, or as they are.
@@ -165,7 +174,8 @@ fn expanded<const D: usize, const N: usize>(
         MethodScene::Deterministic
         | MethodScene::MonteCarlo { .. }
         | MethodScene::QuasiMonteCarlo { .. }
-        | MethodScene::SobolIndices { .. } => {
+        | MethodScene::SobolIndices { .. }
+        | MethodScene::Multilevel(_) => {
             fields.of_numbers(study)?;
             (table.each(|_, response| Ok(response))?, 0)
         }
@@ -221,11 +231,19 @@ pub(super) enum SolveError {
     Solver(Error),
     /// Error outside the solver.
     Run(RunError),
+    /// A key of the scene.
+    Scene(Objection),
 }
 
 impl From<Error> for SolveError {
     fn from(error: Error) -> Self {
         Self::Solver(error)
+    }
+}
+
+impl From<Objection> for SolveError {
+    fn from(objection: Objection) -> Self {
+        Self::Scene(objection)
     }
 }
 

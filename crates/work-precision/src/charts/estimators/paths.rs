@@ -1,6 +1,6 @@
 //! Paths of stochastic differential equations: one level, several levels, and a better integrator.
 
-use estimators::{Bias, Multilevel, PathLadder, Statistic, Target};
+use estimators::{Bias, Multilevel, PathLadder, Statistic, Target, Tolerance};
 use figures::{Drawing, Method, Words};
 use fpk_sph::systems::GeometricBrownianMotion;
 use sde_integrators::{
@@ -77,8 +77,8 @@ impl<S: Sync, const D: usize> Problem<'_, S, D> {
                 n_responses: 1,
                 responses: |x: &[f64; D], y: &mut [f64]| y[0] = (self.response)(x),
             };
-            let absolute = tolerance * self.mean;
-            let target = Target { response: 0, statistic: Statistic::Mean, tolerance: absolute };
+            let tolerance = Tolerance::Absolute(tolerance * self.mean);
+            let target = Target { response: 0, statistic: Statistic::Mean, tolerance };
             let study = Multilevel {
                 name: "chart",
                 targets: &[target],

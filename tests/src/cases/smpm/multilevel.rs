@@ -1,0 +1,232 @@
+//! Multilevel Monte Carlo over grids: a column against its integral, and two responses behind an explosion, one of which differs
+//! from grid to grid.
+
+use std::path::{Path, PathBuf};
+
+use figures::{ErrorKind, Measured, Reference};
+use rayon::ThreadPoolBuilder;
+use scenes::checkpoint::Start;
+use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
+use scenes::smpm::scene::SmpmScene;
+use scenes::{ALL, Options, Progress};
+use serde_json::Value;
+use work_precision::problems::smpm::problems::Problem;
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::cases::smpm::contact_explosion;
+use crate::cases::smpm::random_fields::{SCENE_COLUMN, column_moments, standard_error};
+use crate::claim::Criterion;
+use crate::report::Claim;
+
+pub(crate) const COLUMN: Case = Case {
+    id: "smpm/multilevel/column",
+    title: "Displacement of a column of random stiffness by samples on grids of doubling cells",
+    source: "the integral of smpm/random-fields/column; Giles 2008",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: column,
+};
+
+pub(crate) const EXPLOSION: Case = Case {
+    id: "smpm/multilevel/explosion",
+    title: "Two responses behind an explosion by samples on grids of doubling cells",
+    source: "own plain samples; Giles 2015: levels that do not pay are dropped",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run: explosion,
+};
+
+const STRENGTH: f64 = 0.15;
+
+/// Folder of results, removed at the end of a case.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        Self(std::env::temp_dir().join(format!("multilevel-{name}-{}", std::process::id())))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // One that cannot be removed is left to the system.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The result of a scene by multilevel Monte Carlo, run in a folder.
+fn result_of(
+    scene: &SmpmScene,
+    tolerance: f64,
+    out: &Path,
+    start: Start,
+) -> Result<Value, CaseError> {
+    let method = MultilevelScene::new(tolerance, 11);
+    let scene = SmpmScene { method: MethodScene::Multilevel(method), ..scene.clone() };
+    std::fs::create_dir_all(out)?;
+    let file = out.join("scene.json");
+    scenes::output::write_json(&file, &scene)?;
+    let options = Options { start, ..Options::new(out) };
+    scenes::run(ALL, &file, &options, &Progress::silent())?;
+    Ok(serde_json::from_str(&std::fs::read_to_string(out.join("result.json"))?)?)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// The first quantity at the first gauge at the last time: the response whose tolerance decides.
+fn decisive(result: &Value) -> Value {
+    let values = &result["gauges"][0]["quantities"][0]["values"];
+    values.as_array().and_then(|values| values.last()).cloned().unwrap_or_default()
+}
+
+/// A moment of a response with its standard error.
+fn moment(response: &Value, name: &str) -> Measured {
+    let error = number(&response[&format!("{name}_standard_error")]);
+    Measured::sampled(number(&response[name]), error)
+}
+
+/// Work of plain samples for the standard errors of a result, over the work of the result: the larger of mean and variance, for a normal
+/// distribution.
+fn gain(result: &Value) -> f64 {
+    let response = decisive(result);
+    let [mean, variance] = ["mean", "variance"].map(|name| moment(&response, name));
+    let samples = |variance: f64, of: Measured| variance / of.standard_error.unwrap_or(0.0).powi(2);
+    let n = samples(variance.value, mean).max(samples(2.0 * variance.value.powi(2), variance));
+    let finest = result["multilevel"]["grids"].as_array().and_then(|grids| grids.last());
+    let count = |key: &str| finest.map_or(f64::NAN, |grid| number(&grid[key]));
+    n * count("particles") * count("steps") / number(&result["multilevel"]["work"])
+}
+
+/// Cells of the grids that an estimate uses, the coarsest first.
+fn used_cells(result: &Value) -> Vec<f64> {
+    let grids = result["multilevel"]["grids"].as_array().cloned().unwrap_or_default();
+    let used = grids.iter().filter(|grid| grid["is_used"] == true);
+    used.map(|grid| number(&grid["cell"])).collect()
+}
+
+fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let folder = Folder::new("column");
+    let mut scene = Problem::RandomColumn.scene()?;
+    scene.grid.cell = 0.0625;
+    let tolerance = 0.02;
+    context.progress("samples on grids");
+    let result = result_of(&scene, tolerance, &folder.0.join("fine"), Start::Anew)?;
+    let response = decisive(&result);
+    let start = number(&result["gauges"][0]["quantities"][0]["values"][0]["mean"]);
+    let [mean, variance, _] = column_moments(&SCENE_COLUMN, start);
+    let method = format!(
+        "cells {:?}, mean and variance to {tolerance}, {} runs",
+        used_cells(&result),
+        result["work"]["runs"]
+    );
+    let lines = Lines { context, id: "", method };
+    let found = moment(&response, "mean");
+    let displacement = Measured { value: found.value - start, ..found };
+    let mut claims = vec![
+        lines.judge_measured(
+            ("mean", "mean displacement, middle", "m"),
+            ErrorKind::Relative,
+            displacement,
+            Reference::exact(mean),
+            Criterion::MonteCarlo {
+                bias_bound: 5e-4,
+                reason: "320 particles, and the terms of the field that are left out",
+            },
+        ),
+        lines.judge_measured(
+            ("variance", "variance of the displacement, middle", "m^2"),
+            ErrorKind::Relative,
+            moment(&response, "variance"),
+            Reference::exact(variance),
+            Criterion::MonteCarlo {
+                bias_bound: 5e-3,
+                reason: "320 particles, and the terms of the field that are left out",
+            },
+        ),
+        lines.measured(
+            ("gain", "work of plain samples over that of the grids, for the same errors", ""),
+            gain(&result),
+            (50.0, 400.0),
+            "grids as coarse as five cells follow the finest one; most of the work is the pilot",
+        ),
+    ];
+    scene.grid.cell = 0.25;
+    claims.push(same_bits(context, &scene, &folder.0)?);
+    Ok(claims)
+}
+
+/// A run on one thread, on two, and one that continues a run with a larger tolerance.
+fn same_bits(context: &Context<'_>, scene: &SmpmScene, folder: &Path) -> Result<Claim, CaseError> {
+    let tolerance = 0.05;
+    let on = |n_threads: usize| -> Result<Value, CaseError> {
+        let pool = ThreadPoolBuilder::new().num_threads(n_threads).build()?;
+        let out = folder.join(format!("{n_threads}-threads"));
+        pool.install(|| result_of(scene, tolerance, &out, Start::Anew))
+    };
+    let continued = folder.join("continued");
+    result_of(scene, 3.0 * tolerance, &continued, Start::Anew)?;
+    let runs = [on(1)?, on(2)?, result_of(scene, tolerance, &continued, Start::GoOn)?];
+    let numbers =
+        |result: &Value| ["gauges", "multilevel"].map(|key| result[key].to_string()).concat();
+    let n_different = runs[1..].iter().filter(|run| numbers(run) != numbers(&runs[0])).count();
+    let n_values = numbers(&runs[0]).split(',').count();
+    let subject = context.subject(
+        "same-bits",
+        "results that differ from that on one thread",
+        "",
+        "two threads; a run continued from a larger tolerance",
+    );
+    let reason = "blocks of samples are functions of their addresses, the plan of the blocks alone";
+    Ok(Claim::same_bits(subject, n_different, 2 * n_values, reason))
+}
+
+fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let solved = contact_explosion::solved(context, Problem::ContactExplosion, STRENGTH)?;
+    let folder = Folder::new("explosion");
+    let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &contact_explosion::TIMES)?;
+    scene.fields = false;
+    scene.levels.clear();
+    context.progress("flow stress on three grids");
+    let flow = result_of(&scene, 0.2, &folder.0.join("flow"), Start::Anew)?;
+    let method = format!(
+        "flow stress at H to 0.2, cells {:?}, {} runs",
+        used_cells(&flow),
+        flow["work"]["runs"]
+    );
+    let lines = Lines { context, id: "", method };
+    let response = solved.plan.index(0, 0, solved.plan.windows.len() - 1);
+    let plain = solved.sampled.controlled(response, &solved.propagated.moments[response])?;
+    let mut claims = Vec::new();
+    for (name, estimate) in [("mean", &plain.mean), ("variance", &plain.variance)] {
+        claims.push(lines.judge_measured(
+            (&format!("flow-stress/{name}"), &format!("{name} of sigma_y at H, 14 us"), ""),
+            ErrorKind::Relative,
+            moment(&decisive(&flow), name),
+            Reference::uncertain(estimate.value, standard_error(estimate)),
+            Criterion::MonteCarlo {
+                bias_bound: 1e-12,
+                reason: "none: the same runs on the finest grid",
+            },
+        ));
+    }
+    context.progress("S11 on three grids");
+    scene.quantities.swap(0, 1);
+    let deviator = result_of(&scene, 0.2, &folder.0.join("deviator"), Start::Anew)?;
+    let notes = deviator["notes"].to_string();
+    let kept =
+        used_cells(&deviator).len() as f64 - f64::from(u8::from(!notes.contains("does not pay")));
+    let method =
+        "S11 at H to 0.2; the deviation on the next grid is several times larger".to_owned();
+    let lines = Lines { context, id: "", method };
+    claims.push(lines.judge_measured(
+        ("deviator-11/grids", "grids that are used and reported", ""),
+        ErrorKind::Absolute,
+        Measured::exact(kept),
+        Reference::exact(1.0),
+        Criterion::Within { tolerance: 0.0, reason: "statistics: the variance of the difference is fifty times that of the response" },
+    ));
+    Ok(claims)
+}

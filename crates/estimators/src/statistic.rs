@@ -11,8 +11,9 @@ pub enum Statistic {
     Mean,
     /// Its variance.
     ///
-    /// Sampled as $E z - (E (y - c))^2$ with $z = (y - c)^2$ and a fixed $c$ near the mean; the standard error is that of
-    /// the mean of the influence function $z - 2 d y$ with $d = E y - c$.
+    /// Sampled as the variance on the coarsest level and the differences of the variances of neighbouring levels, each about the
+    /// mean of its level in the same samples, so that a shift of the response from level to level costs nothing. The standard
+    /// error is that of the means of $(y_l - E y_l)^2 - (y_{l-1} - E y_{l-1})^2$ (Krumscheid, Nobile & Pisaroni 2020, section 2).
     Variance,
     /// The probability that it exceeds a threshold, $E\, 1_{y > T}$.
     ///
@@ -118,42 +119,14 @@ impl Target {
         }
     }
 
-    /// Weights of the components in the influence function, for the estimated means of the components.
-    pub(crate) fn influence(&self, means: [f64; COMPONENTS]) -> [f64; COMPONENTS] {
+    /// What a relative tolerance is a part of: from the statistic as estimated, and the standard deviation of the response on the
+    /// finest level. None for a variance that comes out negative.
+    pub(crate) fn magnitude(&self, value: f64, deviation: f64, n_samples: u64) -> Option<f64> {
         match self.statistic {
-            Statistic::Variance => [-2.0 * means[0], 1.0],
-            Statistic::Mean
-            | Statistic::Exceedance { .. }
-            | Statistic::SmoothedExceedance { .. } => [1.0, 0.0],
-        }
-    }
-
-    /// The statistic from the means of the components and the squared standard error of the first.
-    pub(crate) fn value(&self, means: [f64; COMPONENTS], first_squared_error: f64) -> f64 {
-        match self.statistic {
-            // E mean^2 = (E mean)^2 + its variance.
-            Statistic::Variance => means[1] - means[0] * means[0] + first_squared_error,
-            Statistic::Mean
-            | Statistic::Exceedance { .. }
-            | Statistic::SmoothedExceedance { .. } => means[0],
-        }
-    }
-
-    /// What a relative tolerance is a part of: from the means of the components of the finest level, and the variance of the
-    /// first. None for a variance that comes out negative.
-    pub(crate) fn magnitude(
-        &self,
-        means: [f64; COMPONENTS],
-        first_variance: f64,
-        n_samples: u64,
-    ) -> Option<f64> {
-        match self.statistic {
-            Statistic::Mean => Some(means[0].abs().max(first_variance.sqrt())),
-            Statistic::Variance => {
-                Some(means[1] - means[0] * means[0]).filter(|variance| *variance >= 0.0)
-            }
+            Statistic::Mean => Some(value.abs().max(deviation)),
+            Statistic::Variance => Some(value).filter(|variance| *variance >= 0.0),
             Statistic::Exceedance { .. } | Statistic::SmoothedExceedance { .. } => {
-                Some(means[0].max(1.0 / n_samples as f64))
+                Some(value.max(1.0 / n_samples as f64))
             }
         }
     }
@@ -179,10 +152,15 @@ fn step(s: f64) -> f64 {
 }
 
 /// Means and variances of a target over the samples of one pair.
+///
+/// A variance is the difference of those of both levels, each about its own mean: a shift of the response from level to level
+/// does not scatter it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TargetSums<'a> {
     /// Components of the difference, then those of the finer level.
     pub(crate) sums: &'a Comoments,
+    /// Whether the statistic is a variance.
+    pub(crate) is_variance: bool,
 }
 
 /// Places of the components in the sums of a target.
@@ -200,39 +178,63 @@ impl TargetSums<'_> {
         [self.sums.mean(FINE), self.sums.mean(FINE + 1)]
     }
 
-    /// Variance of the first component of the difference.
-    pub(crate) fn first_difference_variance(self) -> f64 {
-        self.sums.variance(DIFFERENCE)
+    /// The statistic on the finer level.
+    pub(crate) fn fine_value(self) -> f64 {
+        if self.is_variance { self.sums.variance(FINE) } else { self.sums.mean(FINE) }
     }
 
-    /// The same of the finer level.
-    pub(crate) fn first_fine_variance(self) -> f64 {
-        self.sums.variance(FINE)
+    /// Its difference to that on the coarser level, which is zero where there is none.
+    pub(crate) fn difference_value(self) -> f64 {
+        if self.is_variance {
+            // Var F - Var (F - D)
+            2.0 * self.sums.covariance(FINE, DIFFERENCE) - self.sums.variance(DIFFERENCE)
+        } else {
+            self.sums.mean(DIFFERENCE)
+        }
     }
 
-    /// Variance of a combination of the components, of the difference.
-    pub(crate) fn difference_variance(self, weights: [f64; COMPONENTS]) -> f64 {
-        self.variance(DIFFERENCE, DIFFERENCE, weights)
+    /// Standard deviation of the first component of the finer level.
+    pub(crate) fn fine_deviation(self) -> f64 {
+        self.sums.variance(FINE).sqrt()
     }
 
-    /// The same of the finer level.
-    pub(crate) fn fine_variance(self, weights: [f64; COMPONENTS]) -> f64 {
-        self.variance(FINE, FINE, weights)
+    /// Variance of a sample of the statistic's difference: `n` times the squared standard error of their mean.
+    pub(crate) fn difference_variance(self) -> f64 {
+        let [fine, difference] = [self.fine_means(), self.difference_means()];
+        let of_fine = self.influence(fine[0]);
+        let of_coarse = self.influence(fine[0] - difference[0]);
+        // w_f F - w_c C with C = F - D.
+        let more: [f64; COMPONENTS] = std::array::from_fn(|c| of_fine[c] - of_coarse[c]);
+        self.variance([of_coarse, more])
     }
 
-    /// The same of the coarser level, the finer one less the difference.
-    pub(crate) fn coarse_variance(self, weights: [f64; COMPONENTS]) -> f64 {
-        let cross = self.variance(FINE, DIFFERENCE, weights);
-        (self.fine_variance(weights) - 2.0 * cross + self.difference_variance(weights)).max(0.0)
+    /// The same of the finer level alone.
+    pub(crate) fn fine_variance(self) -> f64 {
+        self.variance([[0.0; COMPONENTS], self.influence(self.fine_means()[0])])
     }
 
-    fn variance(self, a: usize, b: usize, w: [f64; COMPONENTS]) -> f64 {
+    /// Variances of a component of both levels: of the finer, of the coarser.
+    pub(crate) fn component_variances(self, component: usize) -> [f64; 2] {
+        let mut unit = [0.0; COMPONENTS];
+        unit[component] = 1.0;
+        let minus = unit.map(|weight: f64| -weight);
+        [self.variance([[0.0; COMPONENTS], unit]), self.variance([minus, unit])]
+    }
+
+    /// Weights of the components of a level in the influence function, by the mean of the first.
+    fn influence(self, mean: f64) -> [f64; COMPONENTS] {
+        if self.is_variance { [-2.0 * mean, 1.0] } else { [1.0, 0.0] }
+    }
+
+    /// Variance of a combination of the components of the difference and of the finer level.
+    fn variance(self, weights: [[f64; COMPONENTS]; 2]) -> f64 {
+        let w = weights.as_flattened();
         let mut sum = 0.0;
-        for i in 0..COMPONENTS {
-            for j in 0..COMPONENTS {
-                sum += w[i] * w[j] * self.sums.covariance(a + i, b + j);
+        for (i, a) in w.iter().enumerate() {
+            for (j, b) in w.iter().enumerate() {
+                sum += a * b * self.sums.covariance(i, j);
             }
         }
-        if a == b && sum < 0.0 { 0.0 } else { sum }
+        sum.max(0.0)
     }
 }

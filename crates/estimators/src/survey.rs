@@ -24,8 +24,6 @@ pub(crate) struct Survey<'a> {
     neighbours: Vec<Vec<Comoments>>,
     /// Sums of the coarsest level alone by target, once it is planned.
     alone: Option<Vec<Comoments>>,
-    /// Weights of the components, for each target.
-    weights: Vec<[f64; COMPONENTS]>,
     /// Variances of the differences by target, from level 0: floored by the fitted rate.
     variances: Vec<Vec<f64>>,
     /// Tolerances in the units of the targets; infinite where nothing is asked.
@@ -59,21 +57,20 @@ impl<'a> Survey<'a> {
             costs: costs.clone(),
             neighbours: sums_of(pilot_blocks),
             alone: None,
-            weights: Vec::new(),
             variances: Vec::new(),
             tolerances: Vec::new(),
         }
         .with_variances();
         // Levels that have nothing in common would spoil a sum over all of them.
         by_pilot.tolerances = (0..targets.len())
-            .map(|target| by_pilot.tolerance(target, by_pilot.of(top, target).fine_means()))
+            .map(|target| by_pilot.tolerance(target, by_pilot.of(top, target).fine_value()))
             .collect();
         let coarsest = by_pilot.cheapest();
         let pair = Pair::alone(coarsest);
         let alone = if coarsest == 0 { None } else { progress.sums(pair, u64::MAX) };
         let mut survey = Self { coarsest, neighbours, alone, ..by_pilot }.with_variances();
         survey.tolerances = (0..targets.len())
-            .map(|target| survey.tolerance(target, survey.means(target)))
+            .map(|target| survey.tolerance(target, survey.value(target)))
             .collect();
         if !ladder.nests_by_construction() {
             survey.require_nested()?;
@@ -81,43 +78,50 @@ impl<'a> Survey<'a> {
         Ok(survey)
     }
 
-    /// Means of the components of a target on the finest level, from the levels that are used.
-    fn means(&self, target: usize) -> [f64; COMPONENTS] {
-        let mut means = [0.0; COMPONENTS];
-        for level in self.coarsest..=self.top {
-            let is_first = level == self.coarsest && level > 0 && self.alone.is_none();
-            let of_term = if is_first {
-                // Its own samples are not planned yet.
-                self.of(level, target).fine_means()
-            } else {
-                self.term(level, target).difference_means()
-            };
-            for c in 0..COMPONENTS {
-                means[c] += of_term[c];
-            }
-        }
-        means
+    /// A target on the finest level, from the levels that are used.
+    fn value(&self, target: usize) -> f64 {
+        self.sum_over_levels(target, |sums, is_alone| {
+            if is_alone { sums.fine_value() } else { sums.difference_value() }
+        })
     }
 
-    /// The tolerance of a target in its unit, for these means of its components on the finest level.
-    fn tolerance(&self, target: usize, means: [f64; COMPONENTS]) -> f64 {
+    /// Means of the components of a target on the finest level, likewise.
+    fn means(&self, target: usize) -> [f64; COMPONENTS] {
+        std::array::from_fn(|c| {
+            self.sum_over_levels(target, |sums, is_alone| {
+                let means = if is_alone { sums.fine_means() } else { sums.difference_means() };
+                means[c]
+            })
+        })
+    }
+
+    /// Sum over the levels that are used: of the coarsest alone, and of the differences above it.
+    fn sum_over_levels(&self, target: usize, of: impl Fn(TargetSums<'_>, bool) -> f64) -> f64 {
+        let of_level = |level: usize| {
+            // The samples of the coarsest alone are not planned at first: it has those of a difference.
+            let is_alone = level == self.coarsest && level > 0 && self.alone.is_none();
+            let sums = if is_alone { self.of(level, target) } else { self.term(level, target) };
+            of(sums, is_alone)
+        };
+        (self.coarsest..=self.top).map(of_level).sum()
+    }
+
+    /// The tolerance of a target in its unit, for this value of it on the finest level.
+    fn tolerance(&self, target: usize, value: f64) -> f64 {
         let (asked, finest) = (&self.targets[target], self.of(self.top, target));
         let magnitude =
-            |means| asked.magnitude(means, finest.first_fine_variance(), finest.sums.count());
-        let own = || magnitude(finest.fine_means());
-        asked.tolerance.of(magnitude(means).or_else(own).unwrap_or(0.0))
+            |value| asked.magnitude(value, finest.fine_deviation(), finest.sums.count());
+        let own = || magnitude(finest.fine_value());
+        asked.tolerance.of(magnitude(value).or_else(own).unwrap_or(0.0))
     }
 
     fn with_variances(mut self) -> Self {
-        self.weights = (0..self.targets.len())
-            .map(|target| self.targets[target].influence(self.means(target)))
-            .collect();
         self.variances = (0..self.targets.len())
             .map(|target| {
                 let of = |level| {
                     let of_level = self.of(level, target);
                     let n = of_level.sums.count() as f64;
-                    let variance = of_level.difference_variance(self.weights[target]);
+                    let variance = of_level.difference_variance();
                     let is_indicator =
                         matches!(self.targets[target].statistic, Statistic::Exceedance { .. });
                     // No sample on either side: the rule of three, as in `Estimate::probability`.
@@ -130,13 +134,18 @@ impl<'a> Survey<'a> {
     }
 
     fn of(&self, level: usize, target: usize) -> TargetSums<'_> {
-        TargetSums { sums: &self.neighbours[level][target] }
+        self.sums(&self.neighbours[level], target)
+    }
+
+    fn sums<'b>(&self, of_pair: &'b [Comoments], target: usize) -> TargetSums<'b> {
+        let is_variance = self.targets[target].statistic == Statistic::Variance;
+        TargetSums { sums: &of_pair[target], is_variance }
     }
 
     /// Sums of a term of the estimate: the coarsest level alone, or a difference above it.
     fn term(&self, level: usize, target: usize) -> TargetSums<'_> {
         match &self.alone {
-            Some(sums) if level == self.coarsest => TargetSums { sums: &sums[target] },
+            Some(sums) if level == self.coarsest => self.sums(sums, target),
             _ => self.of(level, target),
         }
     }
@@ -147,10 +156,8 @@ impl<'a> Survey<'a> {
             return self.variances[target][level];
         }
         match &self.alone {
-            Some(_) if level == self.coarsest => {
-                self.term(level, target).difference_variance(self.weights[target])
-            }
-            _ => self.of(level, target).fine_variance(self.weights[target]),
+            Some(_) if level == self.coarsest => self.term(level, target).difference_variance(),
+            _ => self.of(level, target).fine_variance(),
         }
     }
 
@@ -226,12 +233,10 @@ impl<'a> Survey<'a> {
 
     /// Means of the differences of a target from level 1 on, with their standard errors.
     fn differences(&self, target: usize) -> Vec<[f64; 2]> {
-        let w = self.weights[target];
         let of = |level| {
             let sums = self.of(level, target);
-            let means = sums.difference_means();
-            let mean: f64 = (0..COMPONENTS).map(|c| w[c] * means[c]).sum();
-            [mean, (sums.difference_variance(w) / sums.sums.count() as f64).sqrt()]
+            let error = (sums.difference_variance() / sums.sums.count() as f64).sqrt();
+            [sums.difference_value(), error]
         };
         (1..=self.top).map(of).collect()
     }
@@ -257,16 +262,14 @@ impl<'a> Survey<'a> {
         {
             let (below, above) = (self.of(level, target), self.of(level + 1, target));
             for component in 0..COMPONENTS {
-                let mut unit = [0.0; COMPONENTS];
-                unit[component] = 1.0;
                 let as_coarse = above.fine_means()[component] - above.difference_means()[component];
                 let difference = below.fine_means()[component] - as_coarse;
                 let error = |variance: f64, sums: &TargetSums<'_>| {
                     (variance / sums.sums.count() as f64).sqrt()
                 };
-                let limit = 3.0
-                    * (error(below.fine_variance(unit), &below)
-                        + error(above.coarse_variance(unit), &above));
+                let [fine, _] = below.component_variances(component);
+                let [_, coarse] = above.component_variances(component);
+                let limit = 3.0 * (error(fine, &below) + error(coarse, &above));
                 // One sample of a rare event on one side alone has no variance on the other.
                 let event = 3.0 / below.sums.count().min(above.sums.count()) as f64;
                 let is_probability = !matches!(
@@ -286,7 +289,7 @@ impl<'a> Survey<'a> {
     pub(crate) fn result(&self, cost: f64) -> MultilevelResult {
         let n_targets = self.targets.len();
         let single = |target: usize| {
-            let variance = self.of(self.top, target).fine_variance(self.weights[target]);
+            let variance = self.of(self.top, target).fine_variance();
             let [limit, _] = self.parts_of_tolerance(target);
             if variance == 0.0 { 0.0 } else { variance / limit.powi(2) * self.costs[self.top] }
         };
@@ -301,29 +304,21 @@ impl<'a> Survey<'a> {
 
     fn target_result(&self, target: usize) -> TargetResult {
         let asked = &self.targets[target];
-        let means = self.means(target);
-        let mut first_squared_error = 0.0;
-        for level in self.coarsest..=self.top {
-            let term = self.term(level, target);
-            first_squared_error += term.first_difference_variance() / term.sums.count() as f64;
-        }
-        let weights = asked.influence(means);
         let mut squared_error = 0.0;
         for level in self.coarsest..=self.top {
             let term = self.term(level, target);
-            let measured = term.difference_variance(weights);
             // The floor of the allocation holds for the error too: a pilot may differ by chance too little.
             let floor = self.term_variance(self.coarsest, level, target);
-            squared_error += measured.max(floor) / term.sums.count() as f64;
+            squared_error += term.difference_variance().max(floor) / term.sums.count() as f64;
         }
         let standard_error = squared_error.sqrt();
         let bias = extrapolated(self.bias, &self.differences(target));
         let [most_error, most_bias] = self.parts_of_tolerance(target);
         TargetResult {
-            estimate: with_error(asked.value(means, first_squared_error), standard_error),
+            estimate: with_error(self.value(target), standard_error),
             bias: bias.estimate,
             bias_bound: bias.bound,
-            smoothing: asked.smoothing(means),
+            smoothing: asked.smoothing(self.means(target)),
             order: bias.order,
             is_reached: standard_error <= most_error && bias.bound <= most_bias,
         }
@@ -336,11 +331,10 @@ impl<'a> Survey<'a> {
         let n_targets = self.targets.len();
         let sums = |target| if is_used { self.term(level, target) } else { self.of(level, target) };
         let difference = |target: usize| -> Estimate {
-            let (sums, w) = (sums(target), self.weights[target]);
-            let means = sums.difference_means();
-            let mean = (0..COMPONENTS).map(|c| w[c] * means[c]).sum();
-            let variance = sums.difference_variance(w) / sums.sums.count() as f64;
-            Estimate { value: mean, uncertainty: Uncertainty::StandardError(variance.sqrt()) }
+            let sums = sums(target);
+            let variance = sums.difference_variance() / sums.sums.count() as f64;
+            let uncertainty = Uncertainty::StandardError(variance.sqrt());
+            Estimate { value: sums.difference_value(), uncertainty }
         };
         LevelReport {
             pair,
@@ -349,10 +343,10 @@ impl<'a> Survey<'a> {
             is_used,
             differences: (0..n_targets).map(difference).collect(),
             difference_variances: (0..n_targets)
-                .map(|target| self.of(level, target).difference_variance(self.weights[target]))
+                .map(|target| self.of(level, target).difference_variance())
                 .collect(),
             variances: (0..n_targets)
-                .map(|target| self.of(level, target).fine_variance(self.weights[target]))
+                .map(|target| self.of(level, target).fine_variance())
                 .collect(),
         }
     }

@@ -91,6 +91,8 @@ impl SmpmScene {
                     SolidScene::Cylinder { radius, height, .. } => {
                         (vec![2.0 * radius, *height], false)
                     }
+                    // Of the box about it: an inclined edge is cut into particles on any grid.
+                    SolidScene::Polygon { corners } => (extents(corners), true),
                 };
                 for (axis, length) in lengths.iter().enumerate() {
                     let cells = length / cell;
@@ -138,6 +140,17 @@ impl SmpmScene {
         }
         self.cells(&method).map(drop)
     }
+}
+
+/// Lengths of the box about points, along each axis of the first.
+fn extents(points: &[Vec<f64>]) -> Vec<f64> {
+    let n_axes = points.first().map_or(0, Vec::len);
+    (0..n_axes)
+        .map(|axis| {
+            let along = || points.iter().filter_map(|point| point.get(axis).copied());
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        })
+        .collect()
 }
 
 /// Most samples of a pilot.

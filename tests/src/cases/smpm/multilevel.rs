@@ -190,9 +190,9 @@ fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     scene.fields = false;
     scene.levels.clear();
     context.progress("flow stress on three grids");
-    let flow = result_of(&scene, 0.2, &folder.0.join("flow"), Start::Anew)?;
+    let flow = result_of(&scene, 0.03, &folder.0.join("flow"), Start::Anew)?;
     let method = format!(
-        "flow stress at H to 0.2, cells {:?}, {} runs",
+        "flow stress at H to 0.03, cells {:?}, {} runs",
         used_cells(&flow),
         flow["work"]["runs"]
     );
@@ -212,6 +212,12 @@ fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             },
         ));
     }
+    claims.push(lines.measured(
+        ("flow-stress/gain", "work of plain samples over that of the grids, for the same errors", ""),
+        gain(&flow),
+        (5.0, 80.0),
+        "each level's variance is about its own mean, so the shift of the flow stress from grid to grid costs nothing",
+    ));
     context.progress("S11 on three grids");
     scene.quantities.swap(0, 1);
     let deviator = result_of(&scene, 0.2, &folder.0.join("deviator"), Start::Anew)?;

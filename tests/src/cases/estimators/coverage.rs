@@ -4,7 +4,7 @@ use estimators::{
     Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
     Sampling, Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
-use figures::ErrorKind;
+use figures::{ErrorKind, Measured};
 use fpk_sph::systems::GeometricBrownianMotion;
 use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 
@@ -14,7 +14,8 @@ use crate::cases::estimators::rare_events::{
     Model, exact_paraboloid, paraboloid, paraboloid_level,
 };
 use crate::cases::estimators::sensitivity::{EXACT, ishigami};
-use crate::report::{Claim, Measured, Subject};
+use crate::claim::Subject;
+use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "estimators/coverage",

@@ -3,7 +3,9 @@
 mod factor;
 mod setup;
 
-use estimators::{Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target};
+use estimators::{
+    Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target, Tolerance,
+};
 use figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, normal_probability};
 use serde::Deserialize;
@@ -268,9 +270,9 @@ fn by_levels(tolerance: f64) -> Result<MultilevelResult, CaseError> {
     let failure = Statistic::SmoothedExceedance { threshold: -1.0, width: WIDTH };
     // The probability alone asks for samples; mean and variance come with them.
     let targets = [
-        target(0, Statistic::Mean, 1.0),
-        target(0, Statistic::Variance, 1.0),
-        target(1, failure, tolerance),
+        target(0, Statistic::Mean, Tolerance::Open),
+        target(0, Statistic::Variance, Tolerance::Open),
+        target(1, failure, Tolerance::Absolute(tolerance)),
     ];
     let study = Multilevel {
         name: "slope",

@@ -3,7 +3,8 @@
 use perturbation_moments::MonteCarlo;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::material_scene::StrengthScene;
-use scenes::smpm::scene::{MethodScene, SmpmScene, SolidScene};
+use scenes::smpm::method_scene::MethodScene;
+use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, FieldExperiment};
 use work_precision::problems::smpm::problems::{Problem, experiment};

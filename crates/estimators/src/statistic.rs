@@ -11,9 +11,12 @@ pub enum Statistic {
     Mean,
     /// Its variance.
     ///
-    /// Sampled as the variance on the coarsest level and the differences of the variances of neighbouring levels, each about the
-    /// mean of its level in the same samples, so that a shift of the response from level to level costs nothing. The standard
-    /// error is that of the means of $(y_l - E y_l)^2 - (y_{l-1} - E y_{l-1})^2$ (Krumscheid, Nobile & Pisaroni 2020, section 2).
+    /// Sampled as the variance on the coarsest level and the differences of the variances of neighbouring levels. Each is about
+    /// the mean of its level in the same samples, so that a shift of the response from level to level costs nothing. The
+    /// standard error is that of the means of $(y_l - E y_l)^2 - (y_{l-1} - E y_{l-1})^2$.
+    ///
+    /// Source: Krumscheid, Nobile and Pisaroni 2020, Quantifying uncertain system outputs via the multilevel Monte Carlo method,
+    /// part I, section 2.
     Variance,
     /// The probability that it exceeds a threshold, $E\, 1_{y > T}$.
     ///

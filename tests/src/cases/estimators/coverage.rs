@@ -109,23 +109,24 @@ fn repeat<const N: usize>(
 /// Polynomials on three responses: the one on which their factor for heavy tails was chosen, and two on which it was not.
 fn polynomials(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let quantities = ["mean", "variance", "total"];
-    let chosen = |seed| exponential(seed, [0.1, 0.2, -0.1]);
-    let names = ["mean", "variance", "total-1"];
-    let mut claims = repeat(context, "polynomial", names, chosen)?;
-    let (name, reason) =
-        ("polynomial-of-sines", "at least 90 %; the factor is more than a bounded response needs");
-    for (quantity, part) in quantities.iter().zip(parts(sines)?) {
-        let subject = subject(context, name, quantity);
-        claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.95), 0.0501, reason));
+    let chosen = parts(|seed| exponential(seed, [0.1, 0.2, -0.1]))?;
+    let mut claims = Vec::new();
+    let (first, second) = (["mean", "variance", "total-1"], parts(sines)?);
+    for (name, quantities, parts) in
+        [("polynomial", first, chosen), ("polynomial-of-sines", quantities, second)]
+    {
+        for (quantity, part) in quantities.iter().zip(parts) {
+            let subject = subject(context, name, quantity);
+            let reason =
+                "at least 90 %: the factor for heavy tails may be more than a response needs";
+            claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.95), 0.0501, reason));
+        }
     }
-    let steep = |seed| exponential(seed, [0.2, 0.3, 0.3]);
-    let (name, reason) = (
-        "polynomial-of-a-steep-exponential",
-        "90 % is not reached: its coefficients fall slowly, and their tails are in no sample",
-    );
-    for (quantity, part) in quantities.iter().zip(parts(steep)?) {
-        let subject = subject(context, name, quantity);
-        claims.push(Claim::as_measured(subject, Measured::exact(part), 0.7, 1.0, reason));
+    let steep = parts(|seed| exponential(seed, [0.2, 0.3, 0.3]))?;
+    for (quantity, part) in quantities.iter().zip(steep) {
+        let subject = subject(context, "polynomial-of-a-steep-exponential", quantity);
+        let reason = "90 % is not reached for the variance: coefficients fall slowly, and tails are in no sample";
+        claims.push(Claim::as_measured(subject, Measured::exact(part), 0.75, 1.0, reason));
     }
     Ok(claims)
 }

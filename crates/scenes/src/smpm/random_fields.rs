@@ -135,7 +135,14 @@ impl SmpmScene {
     /// Rejects random parameters beside random fields, and methods that there are not for fields.
     pub(super) fn check_field_method(&self) -> Result<(), Objection> {
         if self.random_fields.is_empty() {
-            return Ok(());
+            let is_adjoint = matches!(self.method, MethodScene::Adjoint { .. });
+            let message = "the method `adjoint` is for `random_fields`; the scene has none";
+            let help = "take `propagated` or `forward_difference` for random parameters";
+            return if is_adjoint {
+                Err(Objection::new("method", message).with_help(help))
+            } else {
+                Ok(())
+            };
         }
         if !self.random.is_empty() {
             let message = "a scene has `random` parameters or `random_fields`, not both";
@@ -146,7 +153,7 @@ impl SmpmScene {
             return Ok(());
         }
         let message = "this method does not go with `random_fields`";
-        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
+        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated`, `adjoint` or `deterministic`";
         Err(Objection::new("method", message).with_help(help))
     }
 
@@ -161,6 +168,7 @@ impl SmpmScene {
                     | MethodScene::ForwardDifference { .. }
                     | MethodScene::FiniteDifference { .. }
                     | MethodScene::Propagated
+                    | MethodScene::Adjoint { .. }
             )
     }
 

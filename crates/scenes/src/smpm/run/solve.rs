@@ -175,7 +175,8 @@ fn expanded<const D: usize, const N: usize>(
         | MethodScene::MonteCarlo { .. }
         | MethodScene::QuasiMonteCarlo { .. }
         | MethodScene::SobolIndices { .. }
-        | MethodScene::Multilevel(_) => {
+        | MethodScene::Multilevel(_)
+        | MethodScene::Adjoint { .. } => {
             fields.of_numbers(study)?;
             (table.each(|_, response| Ok(response))?, 0)
         }

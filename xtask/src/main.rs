@@ -4,6 +4,7 @@
 //! this builds in a moment.
 
 mod audit;
+mod solver;
 
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -134,7 +135,7 @@ fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
         if !binary("release", package).exists() {
             say(&format!("building {package} (release); the first time takes a few minutes ...\n"));
         }
-        return start(cargo().args(run_arguments(package, arguments)));
+        return start(cargo().args(run_arguments(package, &build_options(arguments), arguments)));
     }
     let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
     if built != ExitCode::SUCCESS {
@@ -143,11 +144,26 @@ fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
     start(Command::new(binary("debug", package)).args(arguments))
 }
 
-fn run_arguments(package: &str, arguments: &[String]) -> Vec<String> {
-    let unoptimised: &[&str] = if names_cases(arguments) { &UNOPTIMISED } else { &[] };
+fn run_arguments(package: &str, options: &[String], arguments: &[String]) -> Vec<String> {
     let start = ["run", "--release", "--quiet", "--package", package];
-    let start = start.iter().chain(unoptimised).chain(&["--"]).map(|&word| word.to_owned());
-    start.chain(arguments.iter().cloned()).collect()
+    let start = start.iter().map(|&word| word.to_owned()).chain(options.iter().cloned());
+    start.chain(["--".to_owned()]).chain(arguments.iter().cloned()).collect()
+}
+
+/// Options for cargo with which a command is ready sooner.
+///
+/// A first `run` builds the solver of its scene alone, in half the time; once the proof is built, all are there.
+fn build_options(arguments: &[String]) -> Vec<String> {
+    match arguments.split_first() {
+        _ if names_cases(arguments) => UNOPTIMISED.map(str::to_owned).to_vec(),
+        Some((command, rest))
+            if ["run", "advise", "merge"].contains(&command.as_str())
+                && !binary("release", "verification").exists() =>
+        {
+            solver::features(rest)
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The cases are compiled without optimisation, in an eighth of the time; solvers, scenes and problems are not concerned. Cargo
@@ -206,8 +222,8 @@ fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
         return ExitCode::FAILURE;
     }
     say("building scenes with MPI (release); the first time takes a few minutes ...\n");
-    let build = ["build", "--release", "--quiet", "--package", "scenes", "--features", "mpi"];
-    let built = start(cargo().args(build));
+    let build = ["build", "--release", "--quiet", "--package", "scenes", "--features=mpi"];
+    let built = start(cargo().args(build).args(solver::features(rest)));
     if built != ExitCode::SUCCESS {
         return built;
     }
@@ -290,9 +306,8 @@ mod tests {
 
     #[test]
     fn only_filters_that_all_name_a_case_go_without_optimisation() {
-        let is_unoptimised = |text: &str| {
-            run_arguments("verification", &words(text)).iter().any(|word| word == "--config")
-        };
+        let is_unoptimised =
+            |text: &str| build_options(&words(text)).iter().any(|word| word == "--config");
         assert!(is_unoptimised("verify fpk-sph/steps"));
         assert!(is_unoptimised("verify --quick fpk-sph/steps --json out/a.json smpm/disks"));
         for text in [
@@ -312,7 +327,13 @@ mod tests {
         let expected =
             words("run --release --quiet --package verification -- verify fpk-sph --quick");
         let package = package_of("verify").unwrap();
-        assert_eq!(run_arguments(package, &words("verify fpk-sph --quick")), expected);
+        let arguments = words("verify fpk-sph --quick");
+        assert_eq!(run_arguments(package, &[], &arguments), expected);
+        let options = words("--no-default-features --features=cli,fpk");
+        let expected = words(
+            "run --release --quiet --package scenes --no-default-features --features=cli,fpk -- run a.json",
+        );
+        assert_eq!(run_arguments("scenes", &options, &words("run a.json")), expected);
         assert_eq!(package_of("run"), Some("scenes"));
         assert_eq!(package_of("chart"), Some("work-precision"));
         assert_eq!(package_of("bench"), None);

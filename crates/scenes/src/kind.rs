@@ -131,6 +131,18 @@ pub fn check(table: &[SceneKind], file: &SceneFile) -> Result<(), RunError> {
     Ok((kind_of(table, file)?.check)(file)?)
 }
 
+/// Solvers that this build leaves out, each with the feature that has it.
+const LEFT_OUT: &[(&str, &str)] = &[
+    #[cfg(not(feature = "fpk"))]
+    ("fpk-sph", "fpk"),
+    #[cfg(not(feature = "fpk"))]
+    ("random-vibration", "fpk"),
+    #[cfg(not(feature = "smpm"))]
+    ("smpm", "smpm"),
+    #[cfg(not(feature = "peridyn"))]
+    ("peridyn-sde", "peridyn"),
+];
+
 /// Looks up the kind of a scene.
 ///
 /// # Errors
@@ -142,9 +154,13 @@ pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a Scene
     let solver = file.text_at_top(KIND_KEY)?;
     table.iter().find(|kind| kind.solver == solver).ok_or_else(|| {
         let known: Vec<&str> = table.iter().map(|kind| kind.solver).collect();
-        let hint = match nearest(&solver, known.iter().copied()) {
-            Some(nearest) => format!("did you mean `{nearest}`?"),
-            None => format!("known solvers: {}", known.join(", ")),
+        let left_out = LEFT_OUT.iter().find(|(name, _)| *name == solver);
+        let hint = match (left_out, nearest(&solver, known.iter().copied())) {
+            (Some((_, feature)), _) => {
+                format!("this build of `scenes` is without its feature `{feature}`")
+            }
+            (None, Some(nearest)) => format!("did you mean `{nearest}`?"),
+            (None, None) => format!("known solvers: {}", known.join(", ")),
         };
         file.object_to(
             &Objection::new(KIND_KEY, format!("there is no solver `{solver}`")).with_help(hint),

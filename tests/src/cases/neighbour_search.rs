@@ -15,7 +15,7 @@ pub(crate) const CASE: Case = Case {
     id: "neighbour-search/exactness",
     title: "Cell grid and leaf tree against brute force: every pair, in every dimension, periodic or not, on clouds that break searches",
     source: "by definition: pairs within a radius in f64, the particle itself excluded",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };
@@ -53,6 +53,7 @@ type Found = BTreeMap<String, (usize, usize)>;
 
 /// The claim of the clouds that have no pair.
 const NO_PAIR: &str = "no-pair";
+const DIMENSIONS: &str = "one to 6 dimensions";
 
 /// One claim per search, space and cloud, over all dimensions; one for the clouds without a pair.
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
@@ -61,15 +62,11 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     dimension::<1>(context, 0.02, &mut found)?;
     dimension::<2>(context, 0.08, &mut found)?;
     dimension::<3>(context, 0.2, &mut found)?;
-    let mut largest = 3;
-    if context.profile > Profile::Quick {
-        dimension::<4>(context, 0.3, &mut found)?;
-        dimension::<5>(context, 0.4, &mut found)?;
-        dimension::<6>(context, 0.5, &mut found)?;
-        largest = 6;
-    }
+    dimension::<4>(context, 0.3, &mut found)?;
+    dimension::<5>(context, 0.4, &mut found)?;
+    dimension::<6>(context, 0.5, &mut found)?;
     let mut claims: Vec<Claim> =
-        found.iter().map(|(id, counts)| claim(context, id, largest, *counts)).collect();
+        found.iter().map(|(id, counts)| claim(context, id, *counts)).collect();
     claims.push(skin(context)?);
     Ok(claims)
 }
@@ -205,19 +202,13 @@ fn compare<const D: usize>(
     Ok((different, compared))
 }
 
-fn claim(
-    context: &Context<'_>,
-    id: &str,
-    largest: usize,
-    (different, compared): (usize, usize),
-) -> Claim {
-    let dimensions = format!("one to {largest} dimensions");
+fn claim(context: &Context<'_>, id: &str, (different, compared): (usize, usize)) -> Claim {
     let (quantity, setup, reason) = if id == NO_PAIR {
-        let setup = format!("both searches, no point and one point, periodic or not, {dimensions}");
+        let setup = format!("both searches, no point and one point, periodic or not, {DIMENSIONS}");
         ("pairs found where there is none", setup, "a cloud of fewer than two points has no pair")
     } else {
         let setup = format!(
-            "{id}, 1,500 points, {dimensions}; one radius and four criteria, full, half and by rows"
+            "{id}, 1,500 points, {DIMENSIONS}; one radius and four criteria, full, half and by rows"
         );
         let reason = "the same comparison of squared distances in both, so ties fall alike";
         ("pairs that differ", setup, reason)

@@ -21,7 +21,7 @@ pub(crate) const CASE: Case = Case {
     id: "estimators/coverage",
     title: "200 repetitions of each estimator: how often its interval of 95 % holds the true value",
     source: "closed forms: geometric Brownian motion, lognormal moments, Ishigami's function",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

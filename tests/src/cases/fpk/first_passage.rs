@@ -30,7 +30,7 @@ pub(crate) const DAMPER: Case = Case {
     id: "fpk-sph/first-passage/viscous-damper",
     title: "First passage of a building with a viscous damper, from the run of its density",
     source: SOURCE,
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run: damper,
 };

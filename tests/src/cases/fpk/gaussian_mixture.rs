@@ -18,7 +18,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/gaussian-mixture",
     title: "Linear oscillator in an earthquake from a mixture of two Gaussians: exact, not Gaussian",
     source: "Canor & Denoël 2013, eq 26 with eta = 0; Lyapunov equation for each component",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

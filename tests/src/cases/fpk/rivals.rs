@@ -23,7 +23,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/rivals",
     title: "Rivals: a grid, statistical linearisation, importance sampling, subset simulation",
     source: "conservative semi-Lagrangian grid; Roberts & Spanos 1990; Der Kiureghian 2000; Au & Beck 2001",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

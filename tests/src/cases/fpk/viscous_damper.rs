@@ -18,7 +18,7 @@ pub(crate) const CASE: Case = Case {
     id: "fpk-sph/viscous-damper",
     title: "Building with a viscous damper in an earthquake, 1,681 particles",
     source: SOURCE,
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run: scene,
 };

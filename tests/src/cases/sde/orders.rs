@@ -29,7 +29,7 @@ pub(crate) const DIAGONAL: Case = Case {
     id: "sde-integrators/order-diagonal",
     title: "orders for diagonal noise: geometric Brownian motion without sampling, hyperbolic sine, two populations",
     source: "closed solutions of Kloeden and Platen 1992, section 4.4; Rößler 2010",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run: run_diagonal,
 };

@@ -23,7 +23,7 @@ pub(crate) const FACTOR: Case = Case {
     id: "smpm/random-slope/factor",
     title: "Factor of safety of a slope and of a vertical cut in clay, by the run in which they slide",
     source: "Cho 2010, Vargas Ceron et al. 2025 (second-hand), Griffiths & Fenton 2004, Kammoun et al. 2010",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run: factors,
 };
@@ -89,10 +89,6 @@ fn factors(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let usual = Setup::USUAL.uniform(STRENGTH)?;
     let mut claims = against_published(context, &published, usual)?;
     claims.push(single_variable(context, &published.single_variable, usual));
-    if context.profile == Profile::Quick {
-        context.skip("cells of 0.25 m, other choices and the vertical cut");
-        return Ok(claims);
-    }
     claims.extend(choices(context)?);
     claims.extend(vertical_cut(context, &published.vertical_cut)?);
     Ok(claims)
@@ -114,10 +110,7 @@ fn against_published(
         let setup = Setup { cell, ..Setup::USUAL };
         Ok::<_, CaseError>((setup, setup.uniform(STRENGTH)?))
     };
-    let mut found = vec![("cell1", of(1.0)?), ("cell0.5", (Setup::USUAL, usual))];
-    if context.profile != Profile::Quick {
-        found.push(("cell0.25", of(0.25)?));
-    }
+    let found = [("cell1", of(1.0)?), ("cell0.5", (Setup::USUAL, usual)), ("cell0.25", of(0.25)?)];
     let mut claims = Vec::new();
     for (name, (setup, factor)) in found {
         claims.push(lines(context, &setup).relative(

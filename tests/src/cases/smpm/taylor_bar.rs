@@ -38,7 +38,7 @@ pub(crate) const BENCHMARK: Case = Case {
     id: "smpm/taylor-bar/benchmark",
     title: "Copper bar at 227 m/s with linear hardening, against converged finite elements",
     source: "Foulk et al. 2021, Simo 1992, Zienkiewicz et al. 1998, as collected by Cthonios/Carina.jl",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run: run_benchmark,
 };

@@ -103,6 +103,19 @@ impl Bonds {
         (0..self.n_nodes()).flat_map(move |i| self.row(i).map(move |bond| (i, self.partner(bond))))
     }
 
+    /// The damage of each node: the part of the stiffness of its bonds that is lost, given the damage of each bond.
+    pub(crate) fn damage_of_nodes(&self, of_bond: impl Fn(usize) -> f64) -> Vec<f64> {
+        let (mut lost, mut all) = (vec![0.0; self.n_nodes()], vec![0.0; self.n_nodes()]);
+        for (bond, ((i, j), of)) in self.pairs().zip(&self.all).enumerate() {
+            let part = of.stiffness * of_bond(bond);
+            for node in [i, j] {
+                lost[node] += part;
+                all[node] += of.stiffness;
+            }
+        }
+        lost.iter().zip(&all).map(|(lost, all)| lost / all).collect()
+    }
+
     /// The numbers of the bonds in the row of a node.
     pub(crate) fn row(&self, node: usize) -> std::ops::Range<usize> {
         self.starts[node]..self.starts[node + 1]

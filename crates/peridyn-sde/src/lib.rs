@@ -49,7 +49,7 @@ pub use crossing::Crossing;
 pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use ensemble::{
-    CrackRun, CrackShard, CrackStudy, FinalState, Stiffness, Strength, merge_shards,
+    BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, Stiffness, Strength, merge_shards,
 };
 pub use error::Error;
 pub use fast::{BondList, LatticeBody};

@@ -104,7 +104,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// The damage of each node in a lane: the part of its bonds that is lost, each weighed by its stiffness.
     #[must_use]
     pub fn damage(&self, lane: usize) -> Vec<f64> {
-        damage_of_nodes(&self.body, lane)
+        self.body.bonds().damage_of_nodes(|bond| self.body.bond_damage(bond, lane))
     }
 
     /// Sets the displacements of a lane (length), except prescribed ones.
@@ -139,22 +139,4 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     pub fn step(&mut self) -> Result<StepReport, Error> {
         (motions().step)(&mut self.motion, &mut self.stepper, &mut self.body)
     }
-}
-
-/// The damage of each node in a lane.
-fn damage_of_nodes<T: Real, const D: usize, const L: usize>(
-    body: &dyn Body<T, D, L>,
-    lane: usize,
-) -> Vec<f64> {
-    let bonds = body.bonds();
-    let n = bonds.n_nodes();
-    let (mut lost, mut all) = (vec![0.0; n], vec![0.0; n]);
-    for (bond, ((i, j), of)) in bonds.pairs().zip(bonds.all()).enumerate() {
-        let part = of.stiffness * body.bond_damage(bond, lane);
-        for node in [i, j] {
-            lost[node] += part;
-            all[node] += of.stiffness;
-        }
-    }
-    lost.iter().zip(&all).map(|(lost, all)| lost / all).collect()
 }

@@ -1,5 +1,6 @@
 //! Results of an ensemble of cracks.
 
+use crate::bonds::Bonds;
 use crate::error::Error;
 use crate::statistics::{CrackRecord, DamageMap};
 
@@ -29,8 +30,41 @@ pub struct FinalState {
     pub displacements: Vec<[f64; 2]>,
     /// Damage of each node.
     pub damage: Vec<f64>,
+    /// Bonds in the order in which they broke; those of the notch come first.
+    pub history: Vec<BrokenInStep>,
     /// The strength at each node (a stretch), if it is not the same everywhere.
     pub strength: Option<Vec<f64>>,
+}
+
+/// A bond that broke, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BrokenInStep {
+    /// The step, from 1 on; 0 for a bond that the notch cuts.
+    pub step: u64,
+    /// Its number in [`Bonds::all`].
+    pub bond: usize,
+}
+
+impl FinalState {
+    /// Damage of each node after a step: the part of the stiffness of its bonds that is lost by then. After the last step it is
+    /// bitwise [`damage`](Self::damage).
+    ///
+    /// `bonds` are those of the study.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for bonds of another body.
+    pub fn damage_at(&self, bonds: &Bonds, step: u64) -> Result<Vec<f64>, Error> {
+        let mut broken = vec![0.0; bonds.len()];
+        for at in self.history.iter().take_while(|at| at.step <= step) {
+            *broken.get_mut(at.bond).ok_or(Error::Length {
+                name: "the number of a broken bond",
+                value: at.bond,
+                expected: bonds.len(),
+            })? = 1.0;
+        }
+        Ok(bonds.damage_of_nodes(|bond| broken[bond]))
+    }
 }
 
 impl CrackRun {

@@ -1,6 +1,6 @@
 //! Realisations that run side by side.
 
-use super::crack_run::FinalState;
+use super::crack_run::{BrokenInStep, FinalState};
 use super::study::{CrackStudy, Stiffness, Strength};
 use crate::broken_bond::Cause;
 use crate::disorder::{DisorderField, between_nodes};
@@ -32,14 +32,14 @@ type Lanes<T, const L: usize> = Simulation<T, BondList<T, 2, L>, 2, L>;
 /// Loads and broken bonds of each lane, observed at every step.
 struct Seen<const L: usize> {
     loads: [Vec<f64>; L],
-    broken: [Vec<bool>; L],
+    histories: [Vec<BrokenInStep>; L],
 }
 
 /// A lane at the end of its run.
 struct LaneEnd<'a> {
     realisation: u64,
     loads: &'a [f64],
-    broken: &'a [bool],
+    history: &'a [BrokenInStep],
     damage: Vec<f64>,
     /// If its final state is kept.
     displacements: Option<Vec<[f64; 2]>>,
@@ -87,7 +87,7 @@ impl CrackStudy<'_> {
                     LaneEnd {
                         realisation: ids[lane],
                         loads: &seen.loads[lane],
-                        broken: &seen.broken[lane],
+                        history: &seen.histories[lane],
                         damage: simulation.damage(lane),
                         displacements: keep.then(|| simulation.displacements(lane)),
                         strength: fields.get(lane),
@@ -201,20 +201,17 @@ impl CrackStudy<'_> {
         let (grip, component) = self.load;
         let mut seen = Seen {
             loads: std::array::from_fn(|_| Vec::new()),
-            broken: std::array::from_fn(|_| vec![false; self.bonds.len()]),
+            histories: std::array::from_fn(|_| {
+                cut.iter().map(|&bond| BrokenInStep { step: 0, bond }).collect()
+            }),
         };
-        for broken in &mut seen.broken {
-            for &bond in cut {
-                broken[bond] = true;
-            }
-        }
         let window = self.n_steps / self.n_windows;
         let mut sums = [0.0; L];
         for step in 1..=self.n_steps {
             let report = simulation.step()?;
             for event in report.broken.iter().filter(|event| event.cause != Cause::Cut) {
                 for lane in (0..L).filter(|lane| event.lanes & 1 << lane != 0) {
-                    seen.broken[lane][event.bond] = true;
+                    seen.histories[lane].push(BrokenInStep { step, bond: event.bond });
                 }
             }
             for lane in 0..L {
@@ -229,13 +226,17 @@ impl CrackStudy<'_> {
     }
 
     fn ended(&self, lane: LaneEnd<'_>, cut: &[usize]) -> Result<Ended, Error> {
-        let LaneEnd { realisation, loads, broken, damage, displacements, strength } = lane;
-        let body = Fractured { nodes: self.nodes, bonds: self.bonds, broken, cut };
+        let LaneEnd { realisation, loads, history, damage, displacements, strength } = lane;
+        let mut broken = vec![false; self.bonds.len()];
+        for at in history {
+            broken[at.bond] = true;
+        }
+        let body = Fractured { nodes: self.nodes, bonds: self.bonds, broken: &broken, cut };
         let failure_load = loads
             .iter()
             .copied()
             .fold(None, |most: Option<f64>, load| Some(most.map_or(load, |most| most.max(load))));
-        let record = if let Some(outcome) = self.broke_elsewhere(broken, &damage) {
+        let record = if let Some(outcome) = self.broke_elsewhere(&broken, &damage) {
             CrackRecord::without_crack(realisation, outcome)
         } else {
             let path = crack_path(&body, &self.notch, &self.path)?;
@@ -245,6 +246,7 @@ impl CrackStudy<'_> {
             realisation,
             displacements,
             damage: damage.clone(),
+            history: history.to_vec(),
             strength: strength.cloned(),
         });
         let n_broken = broken.iter().filter(|&&broken| broken).count() - cut.len();

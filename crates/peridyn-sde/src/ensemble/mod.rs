@@ -7,6 +7,6 @@ mod run;
 mod shard;
 mod study;
 
-pub use crack_run::{CrackRun, FinalState};
+pub use crack_run::{BrokenInStep, CrackRun, FinalState};
 pub use shard::{CrackShard, merge_shards};
 pub use study::{CrackStudy, Stiffness, Strength};

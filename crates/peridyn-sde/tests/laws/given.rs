@@ -2,8 +2,9 @@
 
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy, DisorderField,
-    Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch, PathConfig, Program,
-    Scheme, SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection, VolumeCorrection,
+    Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes, Notch, PathConfig,
+    Program, Scheme, SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection,
+    VolumeCorrection,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -126,11 +127,28 @@ fn given_values_break_the_bonds_that_a_field_of_the_same_values_breaks() {
         let drawn = drawn.unwrap();
         assert!(drawn.broken[0] > 10, "{:?}", drawn.broken);
         assert_eq!(drawn, given.unwrap());
+        grows(&plate, &drawn.kept[0]);
         // Both count: without one of them the same plate breaks otherwise.
         let soft = plate.run(Strength::Given { values: &strengths, value }, Stiffness::Uniform);
         assert_ne!(soft.unwrap().damage, drawn.damage);
         let even = Stiffness::Given { values: &factors, value };
         assert_ne!(plate.run(Strength::Uniform(STRETCH), even).unwrap().damage, drawn.damage);
+    }
+}
+
+/// From the notch alone to the damage of the end, and never back.
+fn grows(plate: &Plate, state: &FinalState) {
+    let at = |step: u64| state.damage_at(&plate.bonds, step).unwrap();
+    let last = state.history.last().unwrap().step;
+    assert!(last > 0 && at(last) == state.damage && at(u64::MAX) == state.damage);
+    let notch: Vec<usize> =
+        state.history.iter().filter(|it| it.step == 0).map(|it| it.bond).collect();
+    assert!(!notch.is_empty() && at(0) != state.damage);
+    for step in 1..=last {
+        let pairs: Vec<_> = at(step - 1).into_iter().zip(at(step)).collect();
+        assert!(pairs.iter().all(|(before, after)| before <= after), "{step}");
+        let is_equal = pairs.iter().all(|(before, after)| before == after);
+        assert_eq!(is_equal, state.history.iter().all(|it| it.step != step), "{step}");
     }
 }
 

@@ -124,11 +124,11 @@
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, y: false },
       scales: {
-        x: { time: false },
+        x: chart.x_is_logarithmic ? { time: false, distr: 3 } : { time: false },
         y: chart.is_logarithmic ? { distr: 3, range: () => range } : { range: () => range },
       },
       axes: [
-        { ...axis(chart.x_label, 40), values: ticks },
+        chart.x_is_logarithmic ? axis(chart.x_label, 40) : { ...axis(chart.x_label, 40), values: ticks },
         chart.is_logarithmic ? axis(chart.y_label, 62) : { ...axis(chart.y_label, 62), values: ticks },
       ],
       series: [

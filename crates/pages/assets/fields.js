@@ -23,8 +23,10 @@
     const unpacked = new Map();
     // Bytes of a layer in a frame, unpacked once.
     const codesOf = (layer, frame) => {
-      const key = `${layer}/${frame}`;
-      if (!unpacked.has(key)) unpacked.set(key, bytes(motion.layers[layer].data[frame]));
+      const { data } = motion.layers[layer];
+      const k = Math.min(frame, data.length - 1);
+      const key = `${layer}/${k}`;
+      if (!unpacked.has(key)) unpacked.set(key, bytes(data[k]));
       return unpacked.get(key);
     };
     const placesOf = (frame) => {

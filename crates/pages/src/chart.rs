@@ -13,6 +13,8 @@ pub struct Chart {
     pub y_label: String,
     /// Whether the ordinate is logarithmic; values of zero or below are then gaps.
     pub is_logarithmic: bool,
+    /// Whether the abscissa is logarithmic; all abscissae are then positive.
+    pub x_is_logarithmic: bool,
     /// Meaning of `Point::spread`; empty if no point has one.
     pub spread: String,
     /// The lines.

@@ -14,5 +14,5 @@ pub use self::chart::{Chart, Point, Series};
 pub use self::error::PageError;
 pub use self::motion::{Cells, Frame, Layer, Motion, Place, Points, Scale};
 pub use self::page::{Fact, Page, SceneKey, Source};
-pub use self::render::{SORT, STYLE, render};
+pub use self::render::{SORT, STYLE, THEME, render};
 pub use self::table::{Cell, Table};

@@ -72,7 +72,7 @@ pub struct Layer {
     pub unit: String,
     /// Scale of its colours.
     pub scale: Scale,
-    /// Its values at all places, for each frame. Single precision is finer than the packed values.
+    /// Its values at all places, for each frame, or once for all. Single precision is finer than the packed values.
     pub values: Vec<Vec<f32>>,
 }
 
@@ -111,7 +111,7 @@ struct PackedLayer {
     range: Range,
     /// Largest error of a packed value, in words.
     error: String,
-    /// A byte for each value, base64, for each frame.
+    /// A byte for each value, base64, for each frame or once.
     data: Vec<String>,
 }
 
@@ -209,7 +209,9 @@ impl Motion {
 
 impl Layer {
     fn packed(&self, counts: &[usize]) -> Result<PackedLayer, PageError> {
-        check(&self.name, 0, self.values.len(), counts.len())?;
+        if self.values.len() != 1 {
+            check(&self.name, 0, self.values.len(), counts.len())?;
+        }
         for (frame, (values, &count)) in self.values.iter().zip(counts).enumerate() {
             check(&self.name, frame, values.len(), count)?;
         }

@@ -19,7 +19,8 @@ pub const STYLE: &str = include_str!("../assets/style.css");
 pub const SORT: &str = include_str!("../assets/sort.js");
 const CHARTS: &str = include_str!("../assets/charts.js");
 const FIELDS: &str = include_str!("../assets/fields.js");
-const THEME: &str = include_str!("../assets/theme.js");
+/// The program of the button `theme`, which changes between light and dark.
+pub const THEME: &str = include_str!("../assets/theme.js");
 const UPLOT: &str = include_str!("../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../assets/uplot/LICENSE");

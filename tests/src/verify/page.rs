@@ -1,4 +1,4 @@
-//! The report as one self-contained page: no script, no font, no file beside it.
+//! The report as one self-contained page, in the style of the page of a run: no request, no file beside it.
 
 use figures::number;
 use minijinja::{AutoEscape, Environment, Value, context};
@@ -22,6 +22,8 @@ pub fn render_page(report: &Report, charts: &[InlineChart]) -> Result<String, mi
     let cases: Vec<Value> =
         report.cases.iter().enumerate().map(|(i, case)| case_value(i, case, charts)).collect();
     environment.get_template("page.html")?.render(context! {
+        style => Value::from_safe_string(pages::STYLE.to_owned()),
+        programs => Value::from_safe_string([pages::THEME, pages::SORT].join("\n")),
         counts => counts_value(counts),
         failed => report.failed,
         version => &report.version,

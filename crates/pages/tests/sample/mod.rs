@@ -65,6 +65,8 @@ fn chart(is_logarithmic: bool) -> Chart {
         x_label: "time (s)".into(),
         y_label: "second moment (m^2)".into(),
         is_logarithmic,
+
+        x_is_logarithmic: false,
         spread: "one standard deviation".into(),
         series: vec![series(0.0), series(1.0)],
     }

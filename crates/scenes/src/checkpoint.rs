@@ -19,6 +19,7 @@ use serde::de::DeserializeOwned;
 pub use self::error::{CheckpointError, Reason, Refusal};
 pub use self::file::Head;
 use self::file::{Content, Parts, Stage, Survives};
+use crate::interrupt;
 
 /// Minimum interval between two checkpoints, in multiples of the time to write one.
 const LEAST_SHARE: u32 = 50;
@@ -132,7 +133,8 @@ impl Checkpoint {
     /// Stores a part, replacing any part of the same name, and writes the checkpoint.
     ///
     /// # Errors
-    /// [`CheckpointError::Part`] if the part cannot be serialised, and errors of the file system.
+    /// [`CheckpointError::Part`] if the part cannot be serialised, [`CheckpointError::Interrupted`] once the checkpoint is written
+    /// if a [signal](crate::interrupt) came, and errors of the file system.
     pub fn keep<T: Serialize>(&self, name: &str, part: &T) -> Result<(), CheckpointError> {
         self.store(name, part, |_| true)
     }
@@ -162,6 +164,9 @@ impl Checkpoint {
         if is_due(&kept) {
             self.write(&mut kept)?;
             kept.took = start.elapsed();
+            if interrupt::is_requested() {
+                return Err(CheckpointError::Interrupted { path: self.newest(&kept) });
+            }
         }
         Ok(())
     }
@@ -181,10 +186,16 @@ impl Checkpoint {
         Ok(())
     }
 
+    /// The file that was written last, or is being written.
+    fn newest(&self, kept: &Kept) -> PathBuf {
+        let [even, odd] = file::names(&self.folder);
+        if kept.sequence.is_multiple_of(2) { even } else { odd }
+    }
+
     /// Overwrites the older of the two files.
     fn write(&self, kept: &mut Kept) -> Result<(), CheckpointError> {
         kept.sequence += 1;
-        let path = &file::names(&self.folder)[usize::from(kept.sequence % 2 == 1)];
+        let path = &self.newest(kept);
         let at = (kept.sequence, kept.stage);
         file::write(path, &self.head, at, &kept.parts, Survives::Machine)?;
         kept.last = Instant::now();
@@ -198,7 +209,7 @@ impl Kept {
     }
 
     fn is_due(&self, every: Duration) -> bool {
-        self.last.elapsed() >= every.max(LEAST_SHARE * self.took)
+        interrupt::is_requested() || self.last.elapsed() >= every.max(LEAST_SHARE * self.took)
     }
 }
 

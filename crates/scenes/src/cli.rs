@@ -15,10 +15,12 @@ use self::summary::Ending;
 use crate::built_in::ALL;
 use crate::checkpoint::Start;
 use crate::kind::{self, Options, PageFile, Part, Place, Progress};
-use crate::{advise, schema};
+use crate::{advise, interrupt, schema};
 
 /// Exit code when the reader of the output has exited.
 const BROKEN_PIPE: u8 = 141;
+/// Exit code of a run that a signal ended, as of shells.
+const INTERRUPTED: u8 = 130;
 
 #[derive(Debug, Parser)]
 #[command(
@@ -109,6 +111,9 @@ pub struct Advise {
     /// Largest error relative to the value, e.g. 1e-2
     #[arg(long, value_name = "T")]
     tolerance: f64,
+    /// Also write the advice as a page, DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 /// Options of trial runs.
@@ -172,7 +177,7 @@ pub fn exit_code(result: miette::Result<ExitCode>) -> ExitCode {
         Err(report) => {
             // Without standard error the exit code still reports it.
             let _ = writeln!(io::stderr(), "{report:?}");
-            ExitCode::FAILURE
+            if interrupt::is_requested() { ExitCode::from(INTERRUPTED) } else { ExitCode::FAILURE }
         }
     }
 }
@@ -184,11 +189,17 @@ pub fn exit_code(result: miette::Result<ExitCode>) -> ExitCode {
 pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
     match command {
         Command::Run(arguments) => execute_run(arguments, output),
-        Command::Advise(Advise { scene, wanted, tolerance }) => {
+        Command::Advise(Advise { scene, wanted, tolerance, out }) => {
             let (options, progress) = (wanted.within(tolerance), Progress::on_stderr());
             let advice = advise::advise(ALL, &scene, &options, &progress);
             progress.finish();
-            advise::print(&advice?, output)?;
+            let advice = advice?;
+            advise::print(&advice, output)?;
+            if let Some(out) = out {
+                let page = advise::write_page(ALL, &scene, &advice, &out)?;
+                writeln!(output, "written: {}", page.display())
+                    .map_err(advise::AdviseError::Write)?;
+            }
             Ok(ExitCode::SUCCESS)
         }
         Command::Merge(Merge { scene, shards, out, seed, end }) => {
@@ -214,7 +225,22 @@ fn at_most_threads(threads: usize) -> miette::Result<()> {
     ))
 }
 
+/// At the first signal to end (Ctrl-C, SIGTERM, SIGHUP) the run ends at its next checkpoint; at the second, at once.
+fn end_at_signals() -> miette::Result<()> {
+    let handler = || {
+        if interrupt::request() {
+            std::process::exit(INTERRUPTED.into());
+        }
+        let _ = writeln!(
+            io::stderr(),
+            "\ninterrupted: the run ends at its next checkpoint; another signal ends it at once"
+        );
+    };
+    ctrlc::set_handler(handler).map_err(miette::Report::from_err)
+}
+
 fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCode> {
+    end_at_signals()?;
     let (started, ending) = (ranks::started(), arguments.end.ending());
     // There are as many ranks as cores.
     let threads = arguments.threads.or(started.is_some().then_some(NonZeroUsize::MIN));

@@ -12,6 +12,7 @@ pub mod clock;
 pub mod findings;
 #[cfg(feature = "fpk")]
 pub mod fpk;
+pub mod interrupt;
 pub mod kind;
 pub mod ladder;
 pub mod machine;

@@ -21,6 +21,13 @@ pub enum CheckpointError {
         /// The last checkpoint.
         path: PathBuf,
     },
+    /// A signal ended the run.
+    #[error("interrupted; {} holds the run up to here", .path.display())]
+    #[diagnostic(help("--resume continues it, with the same bits as without the interruption"))]
+    Interrupted {
+        /// The last checkpoint.
+        path: PathBuf,
+    },
     /// The content of a part does not match its name.
     #[error("the part `{name}` of the checkpoint is invalid")]
     Part {
@@ -56,6 +63,15 @@ pub enum Reason {
     /// It has no checkpoint signature.
     #[error("is not a checkpoint")]
     NoCheckpoint,
+    /// It was written by a version with another layout of these files.
+    #[error("is a checkpoint of another version of scenes")]
+    OtherLayout,
+    /// Keys of the scene that affect the results have changed.
+    #[error("is of another scene: {keys}")]
+    OtherScene {
+        /// The keys, with their values then and now.
+        keys: String,
+    },
     /// Its length is wrong.
     #[error("is cut off: it has {found} bytes of {expected}")]
     CutOff {

@@ -1,6 +1,6 @@
 //! One file of a checkpoint.
 //!
-//! Its layout is `SPCHECK3`, the length of the rest without its hash (8 bytes, little endian), head and parts, and
+//! Its layout is `SPCHECK4`, the length of the rest without its hash (8 bytes, little endian), head and parts, and
 //! XXH64 of all preceding bytes.
 
 use std::collections::BTreeMap;
@@ -9,12 +9,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use twox_hash::XxHash64;
 
 use super::error::{CheckpointError, Reason};
 use crate::scene::NamedFile;
 
-const MAGIC: &[u8; 8] = b"SPCHECK3";
+const MAGIC: &[u8; 8] = b"SPCHECK4";
 /// Length of signature and length field.
 const BEFORE: usize = 16;
 /// Length of the hash.
@@ -26,6 +27,7 @@ pub struct Head {
     version: String,
     simd: String,
     solver: String,
+    /// All keys that affect the results, as JSON.
     scene: String,
     /// `none` for a run without random numbers.
     seed: String,
@@ -41,7 +43,7 @@ impl Head {
     #[must_use]
     pub fn new(
         solver: &str,
-        scene: &serde_json::Value,
+        scene: &Value,
         seed: Option<u64>,
         files: &[NamedFile],
     ) -> Self {
@@ -49,7 +51,7 @@ impl Head {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             simd: sde_integrators::SimdLevel::best().name().to_owned(),
             solver: solver.to_owned(),
-            scene: format!("{:016x}", hash(scene.to_string().as_bytes())),
+            scene: scene.to_string(),
             seed: seed.map_or_else(|| "none".to_owned(), |seed| seed.to_string()),
             files: files.to_vec(),
         }
@@ -59,7 +61,7 @@ impl Head {
     #[must_use]
     pub fn of_shards(
         solver: &str,
-        scene: &serde_json::Value,
+        scene: &Value,
         seed: Option<u64>,
         files: &[NamedFile],
     ) -> Self {
@@ -70,6 +72,7 @@ impl Head {
     #[must_use]
     pub fn fields(&self) -> Vec<(String, String)> {
         let Self { version, simd, solver, scene, seed, files } = self;
+        let scene = &format!("{:016x}", hash(scene.as_bytes()));
         let words = [
             ("version", version),
             ("solver", solver),
@@ -88,9 +91,11 @@ impl Head {
             ("version", &self.version, &found.version),
             ("solver", &self.solver, &found.solver),
             ("seed", &self.seed, &found.seed),
-            ("scene (hash)", &self.scene, &found.scene),
             ("instruction set", &self.simd, &found.simd),
         ];
+        if self.scene != found.scene && self.solver == found.solver && self.seed == found.seed {
+            return Some(Reason::OtherScene { keys: changed(&found.scene, &self.scene) });
+        }
         let differs = fields.into_iter().find(|(_, expected, found)| expected != found);
         match differs {
             Some((what, expected, found)) => {
@@ -111,6 +116,43 @@ impl Head {
             let file = path.clone();
             (found != expected).then_some(Reason::OtherFile { file, found, expected })
         })
+    }
+}
+
+/// Most keys that a message lists.
+const MOST_KEYS: usize = 5;
+
+/// The keys in which two scenes differ, with their values.
+fn changed(found: &str, expected: &str) -> String {
+    let [found, expected] =
+        [found, expected].map(|text| serde_json::from_str::<Value>(text).unwrap_or_default());
+    let mut keys = Vec::new();
+    compare("", &found, &expected, &mut keys);
+    let more = keys.len().saturating_sub(MOST_KEYS);
+    keys.truncate(MOST_KEYS);
+    if more > 0 {
+        keys.push(format!("and {more} more"));
+    }
+    keys.join("; ")
+}
+
+fn compare(key: &str, found: &Value, expected: &Value, keys: &mut Vec<String>) {
+    match (found, expected) {
+        (Value::Object(a), Value::Object(b)) => {
+            for name in a.keys().chain(b.keys().filter(|name| !a.contains_key(*name))) {
+                let dot = if key.is_empty() { "" } else { "." };
+                let of =
+                    |it: &serde_json::Map<String, Value>| it.get(name).cloned().unwrap_or_default();
+                compare(&format!("{key}{dot}{name}"), &of(a), &of(b), keys);
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (k, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&format!("{key}[{k}]"), a, b, keys);
+            }
+        }
+        (found, expected) if found == expected => {}
+        (found, expected) => keys.push(format!("{key} was {found} and is {expected}")),
     }
 }
 
@@ -162,7 +204,8 @@ fn content(bytes: &[u8]) -> Result<Content, Reason> {
         return Err(Reason::NoCheckpoint);
     };
     if magic != MAGIC {
-        return Err(Reason::NoCheckpoint);
+        let is_older = magic[..7] == MAGIC[..7];
+        return Err(if is_older { Reason::OtherLayout } else { Reason::NoCheckpoint });
     }
     let found = bytes.len() as u64;
     let Some((length, rest)) = rest.split_first_chunk::<8>() else {

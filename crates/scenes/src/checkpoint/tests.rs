@@ -70,7 +70,8 @@ fn a_run_starts_anew_over_one_that_has_ended_and_over_another_only_where_it_is_t
     let (anew, found) = open(&folder, Start::Anew).unwrap();
     assert_eq!((anew.part::<u64>("number").unwrap(), found.file), (None, None));
     // It has stored nothing yet, so the other run can still be resumed.
-    let go_on = || Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap().0;
+    let go_on =
+        || Checkpoint::open(&folder.0, head("another scene"), Start::GoOn, OFTEN).unwrap().0;
     assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
     anew.end().unwrap();
     assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
@@ -111,15 +112,24 @@ fn a_file_that_is_cut_off_or_has_one_bit_turned_is_refused_by_name_and_the_older
 #[test]
 fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
     let folder = written("foreign");
-    let error =
-        Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap_err().to_string();
-    assert!(error.contains("checkpoint-1.bin is of another scene (hash)"), "{error}");
+    let error = Checkpoint::open(&folder.0, head("another scene"), Start::GoOn, OFTEN)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains(
+            "checkpoint-1.bin is of another scene: what was \"a scene\" and is \"another scene\""
+        ),
+        "{error}"
+    );
     std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
-    std::fs::write(folder.0.join("checkpoint-1.bin"), [b"SPCHECK3".as_slice(), &[255; 8]].concat())
-        .unwrap();
-    let reasons = refusals(open(&folder, Start::GoOn).unwrap_err());
-    assert_eq!(reasons[0], Reason::NoCheckpoint);
-    assert_eq!(reasons[1], Reason::CutOff { found: 16, expected: u64::MAX });
+    let mut reasons = |magic: &[u8; 8]| {
+        let bytes = [magic.as_slice(), &[255; 8]].concat();
+        std::fs::write(folder.0.join("checkpoint-1.bin"), bytes).unwrap();
+        refusals(open(&folder, Start::GoOn).unwrap_err())
+    };
+    let cut_off = Reason::CutOff { found: 16, expected: u64::MAX };
+    assert_eq!(reasons(b"SPCHECK4"), [Reason::NoCheckpoint, cut_off]);
+    assert_eq!(reasons(b"SPCHECK3"), [Reason::NoCheckpoint, Reason::OtherLayout]);
 }
 
 #[test]
@@ -145,6 +155,27 @@ fn a_file_of_other_bytes_or_one_that_was_not_there_is_refused_by_its_name() {
         let reasons = refusals(read_file::<u64>(&path, &head(&files)).unwrap_err());
         assert_eq!(reasons, [Reason::OtherFile { file, found, expected }]);
     }
+}
+
+#[test]
+fn keys_that_differ_are_named_with_their_values() {
+    let folder = Folder::new("keys");
+    let head = |scene: serde_json::Value| Head::new("a-solver", &scene, None, &[]);
+    let old = serde_json::json!({ "a": { "b": [1, { "c": 2 }] }, "d": null, "e": 1, "f": 1, "g": 1, "h": 1 });
+    let (checkpoint, _) = Checkpoint::open(&folder.0, head(old), Start::Anew, OFTEN).unwrap();
+    checkpoint.keep("number", &1_u64).unwrap();
+    let error = |scene: serde_json::Value| {
+        Checkpoint::open(&folder.0, head(scene), Start::GoOn, OFTEN).unwrap_err().to_string()
+    };
+    let new = serde_json::json!({ "a": { "b": [1, { "c": 3 }] }, "d": "x", "e": 1, "f": 1, "g": 1, "h": 1 });
+    let found = error(new);
+    assert!(
+        found.ends_with("another scene: a.b[1].c was 2 and is 3; d was null and is \"x\""),
+        "{found}"
+    );
+    let found =
+        error(serde_json::json!({ "a": 0, "d": null, "e": 2, "f": 2, "g": 2, "h": 2 , "i": 2 }));
+    assert!(found.ends_with("g was 1 and is 2; h was 1 and is 2; and 1 more"), "{found}");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 mod curve;
 mod judgement;
+mod page;
 mod within;
 mod words;
 
@@ -14,6 +15,7 @@ use std::sync::Arc;
 
 pub use self::curve::{Curve, Needed, Point, Unreached};
 pub use self::judgement::{Judgement, judge};
+pub use self::page::write_page;
 pub use self::within::{Within, print_within, run_within};
 pub use self::words::print;
 use crate::kind::{Progress, RunError, SceneKind, kind_of};
@@ -217,6 +219,10 @@ pub fn advise_on(
         trials.extend(ladder::climb(kind, file, &ladder, method, budget, |method, rung| {
             progress.stage(&format!("trial: {}", method.at(&rung.label)));
         })?);
+        // A misspelt quantity is reported before the other methods have run.
+        if trials.iter().any(|it| it.answer().is_some()) {
+            require_quantities(&ids(&trials)?, &options.quantities)?;
+        }
     }
     from_trials(Arc::new(ladder), trials, options)
 }
@@ -231,12 +237,7 @@ pub fn from_trials(
     options: &Options,
 ) -> Result<Advice, AdviseError> {
     let ids = ids(&trials)?;
-    for prefix in &options.quantities {
-        if !ids.iter().any(|id| id.starts_with(prefix)) {
-            let (prefix, help) = (prefix.clone(), format!("available: {}", ids.join(", ")));
-            return Err(AdviseError::NoQuantity { prefix, help });
-        }
-    }
+    require_quantities(&ids, &options.quantities)?;
     let is_asked = |id: &&String| {
         options.quantities.is_empty() || options.quantities.iter().any(|p| id.starts_with(p))
     };
@@ -248,6 +249,16 @@ pub fn from_trials(
     };
     let needs = judgements.iter().map(need).collect();
     Ok(Advice { options: options.clone(), ladder, trials, judgements, needs })
+}
+
+fn require_quantities(ids: &[String], prefixes: &[String]) -> Result<(), AdviseError> {
+    match prefixes.iter().find(|prefix| !ids.iter().any(|id| id.starts_with(*prefix))) {
+        Some(prefix) => Err(AdviseError::NoQuantity {
+            prefix: prefix.clone(),
+            help: format!("available: {}", ids.join(", ")),
+        }),
+        None => Ok(()),
+    }
 }
 
 /// Ids of all quantities, in the order of the results.

@@ -15,7 +15,7 @@ use crate::scene::SceneFile;
 use crate::schema::scene_keys;
 
 /// Name of the page.
-const NAME: &str = "index.html";
+pub(crate) const NAME: &str = "index.html";
 
 /// Writes `index.html` from the `result.json` of a run, with its moving fields; returns its path, unless no page is wanted.
 ///

@@ -14,7 +14,7 @@ use crate::ladder::{Outcome, Trial};
 /// # Errors
 /// [`AdviseError::Write`].
 pub fn print(advice: &Advice, output: &mut dyn Write) -> Result<(), AdviseError> {
-    let blocks = [tried(advice), cheapest(advice), verdict(advice)];
+    let blocks = [tried(advice), cheapest(advice), verdict_words(advice)];
     let text = blocks.join("\n");
     writeln!(output, "{}", text.trim_end()).map_err(AdviseError::Write)
 }
@@ -23,7 +23,23 @@ fn heads(names: &[&str]) -> Vec<String> {
     names.iter().map(|&name| name.to_owned()).collect()
 }
 
+/// What the error of a trial is.
+pub(super) const ERRORS: &str = "Errors are relative; those of covariances are relative to the deviations. An error is the run's own \
+     estimate, two standard errors of sampled values, or the deviation from other trials; for sampled trials a deviation beyond four \
+     standard errors.";
+
 fn tried(advice: &Advice) -> String {
+    format!("{}\n{}", table(tried_rows(advice)), notes(advice))
+}
+
+fn table((heads, rows): (Vec<String>, Vec<Vec<String>>)) -> String {
+    let rows: Vec<Vec<String>> =
+        rows.iter().map(|row| row.iter().map(|cell| markdown::text(cell)).collect()).collect();
+    markdown::table(&heads, &rows)
+}
+
+/// The trials with their costs and errors: heads and rows.
+pub(super) fn tried_rows(advice: &Advice) -> (Vec<String>, Vec<Vec<String>>) {
     let row = |trial: &Trial| {
         let method = advice.ladder.methods[trial.method].name.clone();
         let mut row = vec![method, trial.rung.label.clone()];
@@ -44,19 +60,15 @@ fn tried(advice: &Advice) -> String {
                 row.push(worst.map_or_else(String::new, |(_, words)| words));
             }
         }
-        row.iter().map(|cell| markdown::text(cell)).collect()
+        row
     };
-    let rows: Vec<Vec<String>> = advice.trials.iter().map(row).collect();
     let within = format!("within {}", percent(advice.options.tolerance));
     let heads = heads(&["tried", "size", "CPU (s)", &within, "largest error", "in"]);
-    format!("{}\n{}", markdown::table(&heads, &rows), notes(advice))
+    (heads, advice.trials.iter().map(row).collect())
 }
 
 fn notes(advice: &Advice) -> String {
-    let mut notes = String::from(
-        "Errors are relative; those of covariances are relative to the deviations. An error is the run's own estimate, two standard errors \
-         of sampled values, or the deviation from other trials; for sampled trials a deviation beyond four standard errors.\n",
-    );
+    let mut notes = format!("{ERRORS}\n");
     notes.push_str(advice.ladder.left_out);
     notes.push('\n');
     let unknown: Vec<&str> = (0..advice.judgements.len())
@@ -72,7 +84,7 @@ fn notes(advice: &Advice) -> String {
 }
 
 /// Errors of a trial over known quantities, with their indices.
-fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
+pub(super) fn errors(advice: &Advice, trial: &Trial) -> Vec<(f64, usize)> {
     let of = |q: usize| Some((advice.judgements[q].error_of(trial)?, q));
     (0..advice.judgements.len()).filter(|&q| advice.is_known(q)).filter_map(of).collect()
 }
@@ -91,6 +103,11 @@ fn worst(advice: &Advice, trial: &Trial) -> Option<(f64, String)> {
 }
 
 fn cheapest(advice: &Advice) -> String {
+    table(cheapest_rows(advice))
+}
+
+/// The cheapest method for each quantity, with the runner-up: heads and rows.
+pub(super) fn cheapest_rows(advice: &Advice) -> (Vec<String>, Vec<Vec<String>>) {
     let row = |q: usize| {
         let judgement = &advice.judgements[q];
         let relative = judgement.error / judgement.scale;
@@ -100,15 +117,12 @@ fn cheapest(advice: &Advice) -> String {
         let none = || ["none".to_owned(), String::new()];
         let first = cells.next().unwrap_or_else(|| [why_not(advice, q), String::new()]);
         let second = cells.next().unwrap_or_else(none);
-        [vec![markdown::text(&judgement.words), value], first.to_vec(), second.to_vec()].concat()
+        [vec![judgement.words.clone(), value], first.to_vec(), second.to_vec()].concat()
     };
     let known = (0..advice.judgements.len()).filter(|&q| advice.is_known(q));
-    let rows: Vec<Vec<String>> = known.map(row).collect();
     let within = format!("cheapest within {}", percent(advice.options.tolerance));
-    markdown::table(
-        &heads(&["quantity", "value (known to)", &within, "CPU (s)", "runner-up", "CPU (s)"]),
-        &rows,
-    )
+    let names = ["quantity", "value (known to)", &within, "CPU (s)", "runner-up", "CPU (s)"];
+    (heads(&names), known.map(row).collect())
 }
 
 fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
@@ -116,7 +130,7 @@ fn cells(advice: &Advice, candidate: &Candidate) -> [String; 2] {
     let rung = advice.rung(candidate);
     let name = rung.map_or_else(|| method.name.clone(), |rung| method.at(&rung.label));
     let mark = if candidate.needed.beyond > 1.0 + 1e-9 { "~" } else { "" };
-    [markdown::text(&name), format!("{mark}{}", short(Some(candidate.needed.cost)))]
+    [name, format!("{mark}{}", short(Some(candidate.needed.cost)))]
 }
 
 /// The method with the smallest error, and why it does not reach the tolerance.
@@ -131,22 +145,29 @@ fn why_not(advice: &Advice, quantity: usize) -> String {
     });
     match nearest.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((method, error, why)) => {
-            let name = markdown::text(&advice.ladder.methods[method].name);
+            let name = &advice.ladder.methods[method].name;
             format!("none; {name} has {} {why}", percent(error))
         }
         None => "none".to_owned(),
     }
 }
 
-fn verdict(advice: &Advice) -> String {
+/// What solves the whole scene.
+pub(super) enum Verdict {
+    /// The cheapest method, in words, and the keys of the scene that choose it.
+    Best { words: String, keys: Vec<String> },
+    /// Why there is none.
+    None(String),
+}
+
+pub(super) fn verdict(advice: &Advice) -> Verdict {
     let within = percent(advice.options.tolerance);
     let candidates = advice.candidates_for_all();
-    let Some(best) = candidates.first() else {
-        return format!(
+    let Some((best, rung)) = candidates.first().and_then(|it| Some((it, advice.rung(it)?))) else {
+        return Verdict::None(format!(
             "No method reaches {within} for all of them. Raise --budget, or select fewer quantities by --quantity."
-        );
+        ));
     };
-    let Some(rung) = advice.rung(best) else { return String::new() };
     let name = advice.ladder.methods[best.method].at(&rung.label);
     let cost = short(Some(best.needed.cost));
     let seen = if best.needed.beyond > 1.0 + 1e-9 {
@@ -154,12 +175,18 @@ fn verdict(advice: &Advice) -> String {
     } else {
         "as tried".to_owned()
     };
-    let keys: Vec<String> =
-        rung.choice.iter().map(|(key, value)| format!("  \"{key}\": {}", compact(value))).collect();
-    format!(
-        "For all of them within {within}: {name}, {cost} s of CPU ({seen}).\nWrite into the scene:\n{}\n",
-        keys.join(",\n")
-    )
+    let keys = rung.choice.iter().map(|(key, value)| format!("\"{key}\": {}", compact(value)));
+    let words = format!("For all of them within {within}: {name}, {cost} s of CPU ({seen}).");
+    Verdict::Best { words, keys: keys.collect() }
+}
+
+fn verdict_words(advice: &Advice) -> String {
+    match verdict(advice) {
+        Verdict::Best { words, keys } => {
+            format!("{words}\nWrite into the scene:\n  {}\n", keys.join(",\n  "))
+        }
+        Verdict::None(words) => words,
+    }
 }
 
 fn compact(value: &Value) -> String {

@@ -2,6 +2,7 @@
 
 mod fields;
 mod findings;
+mod growth;
 mod ingredients;
 mod ladder;
 mod motion;
@@ -213,6 +214,6 @@ fn write(
     for drawing in drawings {
         written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
     }
-    written.extend(fields::write(scene, problem, crack_run, run.out()).map_err(RunError::Solver)?);
+    written.extend(fields::write(scene, problem, crack_run, run.out())?);
     Ok(written)
 }

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use figures::number::short;
 use scenes::{ALL, Options, Progress, run};
 use serde_json::Value;
 
@@ -197,12 +198,15 @@ fn the_page_of_bodies_moves_and_shows_the_numbers_of_the_result() {
 #[test]
 fn the_page_of_cracks_has_the_map_the_realisations_and_the_loads_of_the_result() {
     let ran = Ran::new("plate", PLATE);
-    assert!(
-        ran.html.contains("Map of damage") && ran.html.contains("Damage of single realisations")
-    );
+    assert!(ran.html.contains("Map of damage") && ran.html.contains("Growth of cracks"));
+    let series = ran.folder.join("out/fields/realisation-0002.pvd");
+    let n_times = std::fs::read_to_string(series).unwrap().matches("<DataSet").count();
     let Some(seen) = ran.seen() else { return };
-    assert_eq!([&seen["motions"][0]["frames"], &seen["motions"][1]["frames"]], [1, 2]);
-    assert_eq!(seen["motions"][1]["value"], "realisation 2");
+    // The series and the page show the same times, and most of them lie within the growth of the cracks.
+    assert_eq!([&seen["motions"][0]["frames"], &seen["motions"][1]["frames"]], [1, n_times]);
+    assert!(n_times > 10, "{n_times}");
+    let end = format!("t = {} s", short(ran.result["resolved"]["duration"].as_f64()));
+    assert_eq!(seen["motions"][1]["value"], end);
     let load = &ran.result["load"][9]["load"];
     assert_shown(
         &seen["charts"][0]["end"][1],
@@ -254,5 +258,45 @@ fn the_command_ends_with_answers_or_with_paths_alone() {
     );
     let paths = run(&["--quiet"]);
     assert!(paths.lines().all(|line| Path::new(line).exists()), "{paths}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_a_run_at_its_next_checkpoint_and_it_resumes_to_the_same_bits() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+
+    let folder = std::env::temp_dir().join(format!("page-signal-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("scene.json");
+    let scene =
+        PLATE.replace("TITLE", "long").replace("\"realisations\": 4", "\"realisations\": 320");
+    std::fs::write(&file, scene).unwrap();
+    let command = |out: &str, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_scenes"));
+        command.arg("run").arg(&file).arg("--out").arg(folder.join(out)).args(more);
+        command
+    };
+    let mut child = command("ended", &[]).stderr(Stdio::piped()).spawn().unwrap();
+    // The first line tells that realisations run.
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    lines.by_ref().find(|line| line.as_ref().unwrap().contains("realisations")).unwrap().unwrap();
+    let killed = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let rest: Vec<String> = lines.map(Result::unwrap).collect();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
+    assert!(rest.iter().any(|line| line.contains("holds the run up to here")), "{rest:?}");
+    assert!(!folder.join("ended/result.json").exists());
+    for (out, more) in [("ended", "--resume"), ("whole", "--overwrite")] {
+        let output = command(out, &[more]).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+    }
+    let loads = |out: &str| {
+        let text = std::fs::read_to_string(folder.join(out).join("result.json")).unwrap();
+        let result: Value = serde_json::from_str(&text).unwrap();
+        [result["load"].clone(), result["realisations"].clone()]
+    };
+    assert_eq!(loads("ended"), loads("whole"));
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -162,6 +162,8 @@ fn charts(read: &Read, findings: &mut Findings) {
             x_label: "time (s)".to_owned(),
             y_label: y_label.to_owned(),
             is_logarithmic,
+
+            x_is_logarithmic: false,
             spread: String::new(),
             series: series.into_iter().map(ReadSeries::line).collect(),
         };

@@ -1,33 +1,46 @@
-//! Final states of realisations and the damage map, for ParaView.
+//! Realisations over time and at their end, and the damage map, for ParaView.
 
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use particle_store::{Attribute, Handle, ParticleStore};
+use particle_store::{Attribute, Handle, ParticleStore, write_pvd};
 use peridyn_sde::{CrackRun, FinalState};
 
-use crate::kind::SolverError;
+use super::growth::Growth;
+use crate::kind::{RunError, SolverError};
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 
-/// Writes a file for each realisation that the scene names and one for the ensemble; nothing if it names none.
+/// Writes the final state and a series over time for each realisation that the scene names, and a file for the ensemble; nothing
+/// if it names none.
 pub(super) fn write(
     scene: &CrackScene,
     problem: &CrackProblem,
     run: &CrackRun,
     out: &Path,
-) -> Result<Vec<PathBuf>, SolverError> {
+) -> Result<Vec<PathBuf>, RunError> {
     if scene.output.vtu.is_empty() {
         return Ok(Vec::new());
     }
-    let folder = out.join("fields");
-    std::fs::create_dir_all(&folder)?;
+    let growth = Growth::of(scene, problem, &run.kept.iter().collect::<Vec<_>>())?;
+    files(problem, run, &growth, &out.join("fields")).map_err(RunError::Solver)
+}
+
+fn files(
+    problem: &CrackProblem,
+    run: &CrackRun,
+    growth: &Growth,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, SolverError> {
+    std::fs::create_dir_all(folder)?;
     let mut written = Vec::new();
-    for state in &run.kept {
-        let file = folder.join(format!("realisation-{:04}.vtu", state.realisation));
+    for (state, damage) in run.kept.iter().zip(&growth.damage) {
+        let name = format!("realisation-{:04}", state.realisation);
+        let file = folder.join(format!("{name}.vtu"));
         realisation(problem, state, &file)?;
         written.push(file);
+        written.push(series(problem, (&growth.times, damage), (folder, &name))?);
     }
     if run.damage.realisations().len() >= 2 {
         let file = folder.join("ensemble.vtu");
@@ -55,6 +68,28 @@ fn realisation(problem: &CrackProblem, state: &FinalState, file: &Path) -> Resul
     store.set_attribute("time", Attribute::Real(problem.resolved.duration));
     store.write_vtu(places, BufWriter::new(File::create(file)?))?;
     Ok(())
+}
+
+/// Damage over time: a `.pvd` file, and a folder of the same name with the file of each time.
+fn series(
+    problem: &CrackProblem,
+    (times, damage): (&[f64], &[Vec<f64>]),
+    (folder, name): (&Path, &str),
+) -> Result<PathBuf, SolverError> {
+    std::fs::create_dir_all(folder.join(name))?;
+    let mut frames = Vec::new();
+    for (k, (&time, damage)) in times.iter().zip(damage).enumerate() {
+        let frame = format!("{name}/time-{k:02}.vtu");
+        let (mut store, places) = at_rest(problem)?;
+        store.add("damage", damage.clone())?;
+        store.set_attribute("time", Attribute::Real(time));
+        store.write_vtu(places, BufWriter::new(File::create(folder.join(&frame))?))?;
+        frames.push((time, frame));
+    }
+    let path = folder.join(format!("{name}.pvd"));
+    let frames = frames.iter().map(|(time, frame)| (*time, frame.as_str()));
+    write_pvd(frames, &mut BufWriter::new(File::create(&path)?))?;
+    Ok(path)
 }
 
 fn ensemble(problem: &CrackProblem, run: &CrackRun, file: &Path) -> Result<(), SolverError> {

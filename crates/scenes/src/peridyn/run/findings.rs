@@ -227,6 +227,7 @@ fn charts(read: &Read, findings: &mut Findings) {
                     x_label,
                     y_label,
                     is_logarithmic: false,
+                    x_is_logarithmic: false,
                     spread,
                     series,
                 });

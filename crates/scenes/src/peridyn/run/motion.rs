@@ -1,12 +1,17 @@
-//! The map of damage of an ensemble and the damage of single realisations, as fields of its page.
+//! The map of damage of an ensemble and the growth of cracks in single realisations, as fields of its page.
 
+use figures::number::short;
 use pages::{Frame, Layer, Motion, Place, Points, Scale};
 use peridyn_sde::{CrackRun, FinalState};
 use sde_integrators::Estimate;
 
+use super::growth::Growth;
 use crate::kind::RunError;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
+
+/// Realisations to choose from.
+const MOST_REALISATIONS: usize = 16;
 
 /// The map, if there are realisations, and the realisations that the scene names.
 pub(super) fn motions(
@@ -15,8 +20,8 @@ pub(super) fn motions(
     run: &CrackRun,
 ) -> Result<Vec<Motion>, RunError> {
     let map = (!run.damage.realisations().is_empty()).then(|| map(scene, problem, run));
-    let single = (!run.kept.is_empty()).then(|| realisations(scene, problem, &run.kept));
-    Ok(map.transpose()?.into_iter().chain(single).collect())
+    let grown = (!run.kept.is_empty()).then(|| realisations(scene, problem, &run.kept));
+    Ok(map.transpose()?.into_iter().chain(grown.transpose()?).collect())
 }
 
 /// Nodes that are shown, one in `stride`.
@@ -43,7 +48,13 @@ impl<'a> Nodes<'a> {
         Layer { name: name.to_owned(), unit: unit.to_owned(), scale: Scale::Linear, values }
     }
 
-    fn motion(&self, title: &str, about: &str, names: Vec<String>, layers: Vec<Layer>) -> Motion {
+    fn motion(
+        &self,
+        (title, slider): (&str, &str),
+        about: &str,
+        names: Vec<String>,
+        layers: Vec<Layer>,
+    ) -> Motion {
         let places = self.problem.nodes().positions();
         let thinned = match self.stride {
             1 => String::new(),
@@ -52,7 +63,7 @@ impl<'a> Nodes<'a> {
         Motion {
             title: title.to_owned(),
             about: format!("{about}{thinned}"),
-            slider: "realisation".to_owned(),
+            slider: slider.to_owned(),
             axes: vec!["x (m)".to_owned(), "y (m)".to_owned()],
             frames: names.into_iter().map(|name| Frame { name }).collect(),
             place: Place::Points(Points {
@@ -83,27 +94,36 @@ fn map(scene: &CrackScene, problem: &CrackProblem, run: &CrackRun) -> Result<Mot
         0.5 / (n as f64).sqrt()
     );
     let names = vec![format!("{n} realisations")];
-    Ok(nodes.motion("Map of damage", &about, names, layers))
+    Ok(nodes.motion(("Map of damage", "ensemble"), &about, names, layers))
 }
 
-/// Damage at the end of each realisation that was kept, and its strength where it is a field.
-fn realisations(scene: &CrackScene, problem: &CrackProblem, kept: &[FinalState]) -> Motion {
-    let shown = Motion::shown_frames(kept.len(), Motion::MOST_FRAMES);
-    let nodes = Nodes::new(scene, problem, 2 * shown.len());
+/// How the cracks of the realisations that were kept grew, a layer for each, and their strength where it is a field.
+fn realisations(
+    scene: &CrackScene,
+    problem: &CrackProblem,
+    kept: &[FinalState],
+) -> Result<Motion, RunError> {
+    let shown = Motion::shown_frames(kept.len(), MOST_REALISATIONS);
     let states: Vec<&FinalState> = shown.iter().map(|&k| &kept[k]).collect();
-    let damage = states.iter().map(|state| state.damage.clone()).collect();
-    let mut layers = vec![nodes.layer(("damage", ""), damage)];
-    let strengths: Option<Vec<Vec<f64>>> =
-        states.iter().map(|state| state.strength.clone()).collect();
-    layers.extend(strengths.map(|it| nodes.layer(("critical stretch", ""), it)));
+    let growth = Growth::of(scene, problem, &states)?;
+    let nodes = Nodes::new(scene, problem, states.len() * (growth.times.len() + 1));
+    let mut layers = Vec::new();
+    for (state, damage) in states.iter().zip(growth.damage) {
+        let of = |what: &str| format!("{what}, realisation {}", state.realisation);
+        layers.push(nodes.layer((&of("damage"), ""), damage));
+        let strength = state.strength.clone();
+        layers.extend(strength.map(|it| nodes.layer((&of("critical stretch"), ""), vec![it])));
+    }
     let left_out = match kept.len() - states.len() {
         0 => String::new(),
         n => {
             format!(" {n} of {} realisations are left out; the folder fields has all.", kept.len())
         }
     };
-    let about =
-        format!("Part of the stiffness of its bonds that a node has lost at the end.{left_out}");
-    let names = states.iter().map(|state| format!("realisation {}", state.realisation)).collect();
-    nodes.motion("Damage of single realisations", &about, names, layers)
+    let about = format!(
+        "Part of the stiffness of its bonds that a node has lost, at the start, between the first and the last failure of a \
+         bond, and at the end.{left_out}"
+    );
+    let names = growth.times.iter().map(|&t| format!("t = {} s", short(Some(t)))).collect();
+    Ok(nodes.motion(("Growth of cracks", "time"), &about, names, layers))
 }

@@ -264,6 +264,8 @@ fn charts(read: &Read, time: &str, findings: &mut Findings) {
             x_label: format!("time ({time})"),
             y_label: format!("{name}{unit}"),
             is_logarithmic: false,
+
+            x_is_logarithmic: false,
             spread: "standard deviation".to_owned(),
             series,
         });
@@ -294,6 +296,8 @@ fn index_charts(read: &Read, time: &str, findings: &mut Findings) {
             x_label: format!("time ({time})"),
             y_label: "part of the variance".to_owned(),
             is_logarithmic: false,
+
+            x_is_logarithmic: false,
             spread: String::new(),
             series: series.into_iter().map(|(name, points)| Series { name, points }).collect(),
         })

@@ -4,6 +4,7 @@
 //! this builds in a moment.
 
 mod audit;
+mod gallery;
 mod solver;
 
 use std::io::Write;
@@ -39,6 +40,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               runs of all that solve it
   merge SCENE.json SHARD... --out DIR
                               join the shards of an ensemble
+  gallery [--record]          run one scene of each solver, with its page, into target/gallery;
+                              --record copies their pictures into docs/pictures
   chart [NAME]... [--list] [--record]
                               draw error against cost; --record writes into docs/charts too
   chart --ladder [NAME]... [--record]
@@ -65,7 +68,7 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
 `cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability and schema as
 the tests are built: slower, with checks of overflow, and without another build of everything after `cargo test`.
 
-`cargo xtask COMMAND --help` says more about all of these but bench and ci.
+`cargo xtask COMMAND --help` says more about all of these but bench, ci and gallery.
 ";
 
 /// The commands, and the package whose binary runs each.
@@ -116,6 +119,7 @@ fn main() -> ExitCode {
         ("bench", _) => start(cargo().args(bench_arguments(rest))),
         ("ci", _) => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
         ("audit", _) => audit::run(rest),
+        ("gallery", _) => gallery::run(rest),
         ("help" | "-h" | "--help", _) => print(HELP),
         (unknown, None) => {
             say(&format!("error: there is no command `{unknown}`\n\n{HELP}"));
@@ -221,6 +225,13 @@ fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
         );
         return ExitCode::FAILURE;
     }
+    if is_refused_as_root() {
+        say(
+            "error: Open MPI does not start as root, as in containers: set OMPI_ALLOW_RUN_AS_ROOT=1 and \
+             OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1, or run as another user\n",
+        );
+        return ExitCode::FAILURE;
+    }
     say("building scenes with MPI (release); the first time takes a few minutes ...\n");
     let build = ["build", "--release", "--quiet", "--package", "scenes", "--features=mpi"];
     let built = start(cargo().args(build).args(solver::features(rest)));
@@ -234,6 +245,20 @@ fn run_on_ranks(n_ranks: NonZeroUsize, rest: &[String]) -> ExitCode {
             .arg("run")
             .args(rest),
     )
+}
+
+/// Whether mpirun would refuse to start: Open MPI as root, unless two variables allow it. Asked before a build of minutes.
+fn is_refused_as_root() -> bool {
+    let text = |command: &mut Command| {
+        let output = command.output().map(|it| it.stdout).unwrap_or_default();
+        String::from_utf8_lossy(&output).into_owned()
+    };
+    let is_allowed = ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"]
+        .iter()
+        .all(|name| std::env::var_os(name).is_some_and(|value| value == "1"));
+    !is_allowed
+        && text(Command::new("id").arg("-u")).trim() == "0"
+        && text(Command::new("mpirun").arg("--version")).contains("Open MPI")
 }
 
 fn bench_arguments(rest: &[String]) -> Vec<String> {

@@ -12,7 +12,8 @@
     const chart = data.charts[Number(place.dataset.chart)];
     const readout = place.parentElement.querySelector(".readout");
     // On a logarithmic scale a value that is smaller than its error has no place; the readout has it.
-    const isShown = ({ y, error }) => !chart.is_logarithmic || (y > 0 && !(error >= y));
+    const isShown = ({ y, error, bound }) =>
+      !chart.is_logarithmic || (y > 0 && !(error >= y) && bound === undefined);
     // All series over the union of their abscissae.
     const xs = [...new Set(chart.series.flatMap((series) => series.points.map((point) => point.x)))].sort((a, b) => a - b);
     const at = new Map(xs.map((x, k) => [x, k]));
@@ -34,7 +35,9 @@
         if (point) {
           const how = point.how ? `, ${point.how}` : "";
           const spread = point.spread === undefined ? "" : `; ${chart.spread} ${short(point.spread)}`;
-          item.append(withError(point.y, point.error) + how + spread);
+          const value =
+            point.bound === undefined ? withError(point.y, point.error) : `< ${digits(point.bound, 2)}`;
+          item.append(value + how + spread);
         } else {
           item.append("no value here");
         }

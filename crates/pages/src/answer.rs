@@ -13,6 +13,8 @@ pub struct Answer {
     pub value: f64,
     /// Its error in the same unit; none if it is unknown.
     pub error: Option<f64>,
+    /// The upper bound, where no more is known: printed in place of value and error.
+    pub bound: Option<f64>,
     /// Unit; empty for a dimensionless quantity.
     pub unit: String,
     /// How the error is known, in words.
@@ -45,7 +47,7 @@ impl Note {
 }
 
 impl Answer {
-    /// Value and error with the same number of decimals, two digits of the error: `0.0412 ± 0.0012`.
+    /// Value and error with the same number of decimals, two digits of the error: `0.0412 ± 0.0012`; a bound as `< 3.0e-7`.
     #[must_use]
     pub fn value_and_error(&self) -> String {
         match self.short_error() {
@@ -54,9 +56,12 @@ impl Answer {
         }
     }
 
-    /// The value with the digits that its error leaves, six at most; six without an error.
+    /// The value with the digits that its error leaves, six at most; six without an error; a bound as `< 3.0e-7`.
     #[must_use]
     pub fn short_value(&self) -> String {
+        if let Some(bound) = self.bound {
+            return below(bound);
+        }
         let Some(error) = self.error.filter(|&error| error > 0.0) else {
             return long(self.value);
         };
@@ -69,19 +74,29 @@ impl Answer {
         digits_of(self.value, digits)
     }
 
-    /// The error with two digits.
+    /// The error with two digits; a bound has none.
     #[must_use]
     pub fn short_error(&self) -> Option<String> {
+        if self.bound.is_some() {
+            return None;
+        }
         let short = |error: f64| if error == 0.0 { "0".to_owned() } else { digits_of(error, 2.0) };
         self.error.map(short)
     }
 
-    /// The error over the magnitude of the value, e.g. `0.31 %`; empty for an error as large as the value.
+    /// The error over the magnitude of the value, e.g. `0.31 %`; empty for an error as large as the value and for a bound.
     #[must_use]
     pub fn relative_error(&self) -> String {
-        let known = self.error.filter(|&error| error < self.value.abs());
+        let is_known = |&error: &f64| self.bound.is_none() && error < self.value.abs();
+        let known = self.error.filter(is_known);
         known.map_or_else(String::new, |error| percent(error / self.value.abs()))
     }
+}
+
+/// An upper bound in place of a value, with two digits: `< 3.0e-7`.
+#[must_use]
+pub fn below(bound: f64) -> String {
+    format!("< {}", if bound == 0.0 { "0".to_owned() } else { digits_of(bound, 2.0) })
 }
 
 /// A number with a number of significant digits, in plain decimals between 1e-4 and 1e6.
@@ -112,7 +127,18 @@ mod tests {
 
     fn answer(value: f64, error: Option<f64>) -> Answer {
         let (quantity, at, unit, how) = ("q".into(), String::new(), "m".into(), String::new());
-        Answer { quantity, at, value, error, unit, how }
+        Answer { quantity, at, value, error, bound: None, unit, how }
+    }
+
+    #[test]
+    fn a_bound_is_shown_in_place_of_value_and_error() {
+        let bound = Answer { bound: Some(4.2e-7), ..answer(1.7e-7, Some(2.5e-7)) };
+        assert_eq!((bound.value_and_error(), bound.short_error()), ("< 4.2e-7".to_owned(), None));
+        let small = Answer { bound: Some(0.012), ..answer(0.01, Some(0.002)) };
+        assert_eq!(
+            (small.short_value(), small.relative_error()),
+            ("< 0.012".to_owned(), String::new())
+        );
     }
 
     #[test]

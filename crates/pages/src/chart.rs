@@ -40,6 +40,9 @@ pub struct Point {
     /// Its error; none if it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// The upper bound, where no more is known: shown under the pointer in place of value and error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound: Option<f64>,
     /// How the error is known, in words.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub how: String,

@@ -9,7 +9,7 @@ mod page;
 mod render;
 mod table;
 
-pub use self::answer::{Answer, Note};
+pub use self::answer::{Answer, Note, below};
 pub use self::chart::{Chart, Point, Series};
 pub use self::error::PageError;
 pub use self::motion::{Cells, Frame, Layer, Motion, Place, Points, Scale};

@@ -130,6 +130,7 @@ fn chart_value(chart: &Chart) -> Value {
             at: String::new(),
             value: point.y,
             error: point.error,
+            bound: point.bound,
             unit: String::new(),
             how: point.how.clone(),
         };

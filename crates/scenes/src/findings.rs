@@ -191,6 +191,7 @@ mod tests {
             at: String::new(),
             value,
             error,
+            bound: None,
             unit: String::new(),
             how: String::new(),
         };

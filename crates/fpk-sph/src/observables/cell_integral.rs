@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{Cell, Part, subdivisions, variation};
-use super::support::Support;
+use super::probability::Probability;
 use crate::error::{Error, finite};
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
@@ -23,40 +23,59 @@ pub struct CellIntegral<const D: usize> {
     mass_outside: f64,
 }
 
-/// A probability of exceedance, with what it rests on.
+/// An exceedance probability with its parts: [`probability`](Self::probability) names what it rests on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct Exceedance {
-    /// `P(y > T)`.
-    pub probability: f64,
-    /// The part of it that lies beyond the outermost particles' own cells, by extrapolation of the fit.
-    pub beyond_the_cloud: f64,
-    /// The part of it that rests on cells that the estimator does not resolve: turned over, or far smaller than those
-    /// around them.
-    pub unresolved: f64,
-    /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
-    pub distrusted: f64,
-    /// What the lattice left outside ([`mass_outside`](crate::Simulation::mass_outside)); no part of the probability.
-    pub outside: f64,
+    estimate: f64,
+    beyond_the_cloud: f64,
+    unresolved: f64,
+    distrusted: f64,
+    outside: f64,
 }
 
 impl Exceedance {
-    /// What the probability rests on: a number without it says too much.
-    pub fn support(&self) -> Support {
-        Support::of(self.probability, self.unresolved, self.beyond_the_cloud, self.outside)
+    /// `P(y > T)` with what it rests on.
+    pub fn probability(&self) -> Probability {
+        Probability::of(self.estimate, self.unresolved, self.beyond_the_cloud, self.outside)
+    }
+
+    /// The part of it that lies beyond the outermost particles' own cells, by extrapolation of the fit.
+    #[must_use]
+    pub const fn beyond_the_cloud(&self) -> f64 {
+        self.beyond_the_cloud
+    }
+
+    /// The part of it that rests on cells that the estimator does not resolve: turned over, or far smaller than those
+    /// around them.
+    #[must_use]
+    pub const fn unresolved(&self) -> f64 {
+        self.unresolved
+    }
+
+    /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
+    #[must_use]
+    pub const fn distrusted(&self) -> f64 {
+        self.distrusted
+    }
+
+    /// What the lattice left outside ([`mass_outside`](crate::Simulation::mass_outside)); no part of the probability.
+    #[must_use]
+    pub const fn outside(&self) -> f64 {
+        self.outside
     }
 
     /// Adds what lies above the threshold of a cell with all its parts.
     fn add<const D: usize>(&mut self, cell: &Cell<D>, parts: &[Part<D>], threshold: f64) {
-        let before = self.probability;
+        let before = self.estimate;
         for part in parts {
             let above = part.mass * part.fraction_above(threshold);
-            self.probability += above;
+            self.estimate += above;
             if part.beyond {
                 self.beyond_the_cloud += above;
             }
         }
-        let of_cell = self.probability - before;
+        let of_cell = self.estimate - before;
         if !cell.map.resolved {
             self.unresolved += of_cell;
         }
@@ -234,7 +253,7 @@ impl<const D: usize> CellIntegral<D> {
 
     const fn none(&self) -> Exceedance {
         Exceedance {
-            probability: 0.0,
+            estimate: 0.0,
             beyond_the_cloud: 0.0,
             unresolved: 0.0,
             distrusted: 0.0,

@@ -18,7 +18,7 @@
 //! | [`FirstPassage`] | the probability, by an absorbing boundary; any limit state, many thresholds at once | a tenth to a half of the steps it watches | this project |
 //! | [`CellIntegral::crossing_rate`] with [`OutcrossingBound`] | an upper bound and the expected number of crossings; the demand must have a rate | a cell integral at every time recorded | Rice 1944 |
 //!
-//! What a probability rests on, and where no more than a bound is known: [`Support`].
+//! A probability comes with what it rests on, or as a bound where no more is known: [`Probability`].
 //!
 //! [`Simulation::exceedance_indicator`]: crate::Simulation::exceedance_indicator
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
@@ -31,11 +31,11 @@ mod exchange;
 mod first_passage;
 mod local_fits;
 mod moments;
-mod support;
+mod probability;
 mod survival;
 
 pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
 pub use density_field::{DensityField, FIELD_REACH};
 pub use first_passage::OutcrossingBound;
-pub use support::Support;
+pub use probability::Probability;
 pub use survival::FirstPassage;

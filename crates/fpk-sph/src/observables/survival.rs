@@ -4,7 +4,7 @@ use sde_integrators::Sde;
 
 use super::absorption::Absorption;
 use super::exchange::Scene;
-use super::support::Support;
+use super::probability::Probability;
 use crate::coefficients::{Coefficients, OfSystem};
 use crate::error::{Error, finite};
 use crate::simulation::Simulation;
@@ -165,18 +165,19 @@ impl<F: Fn(&[f64; D]) -> f64, const D: usize> FirstPassage<F, D> {
         &self.absorption.thresholds
     }
 
-    /// `P(max y > T_k)` over the time watched, in the order of the thresholds.
+    /// `P(max y > T_k)` over the time watched, in the order of the thresholds; what each rests on:
+    /// [`probability`](Self::probability).
     pub fn probabilities(&self) -> &[f64] {
         &self.absorption.absorbed
     }
 
-    /// What the probability of the threshold `k` rests on. `None` where there is no such threshold.
+    /// The probability of the threshold `k` with what it rests on. `None` where there is no such threshold.
     ///
-    /// A probability of 0 is [`Support::Below`] what the lattice left outside at the start. Not resolved is what came from
-    /// particles whose cells were turned over when they passed.
-    pub fn support(&self, k: usize) -> Option<Support> {
+    /// A probability of 0 is [`Probability::Below`] what the lattice left outside at the start. Not resolved is what came
+    /// from particles whose cells were turned over when they passed.
+    pub fn probability(&self, k: usize) -> Option<Probability> {
         let Absorption { absorbed, unresolved, mass_outside, .. } = &self.absorption;
-        Some(Support::of(*absorbed.get(k)?, unresolved[k], 0.0, *mass_outside))
+        Some(Probability::of(*absorbed.get(k)?, unresolved[k], 0.0, *mass_outside))
     }
 
     /// `w_i` of every particle for the threshold `k`: the part of its mass that has stayed below. `None` where there is no

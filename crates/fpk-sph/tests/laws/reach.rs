@@ -1,6 +1,6 @@
 //! How far a lattice goes, and what is known of a probability that it does not hold.
 
-use fpk_sph::observables::{FirstPassage, Support};
+use fpk_sph::observables::{FirstPassage, Probability};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_OUTSIDE, Method, Simulation,
@@ -56,39 +56,44 @@ fn a_probability_that_no_particle_carries_is_a_bound() {
     let outside = simulation.mass_outside();
     assert!((1e-5..4e-4).contains(&outside), "{outside:e}");
     let mut passage = FirstPassage::new(&simulation, |x| x[0].abs(), &[0.1, 0.24, 9.0]).unwrap();
-    let of = |passage: &FirstPassage<_, 2>, k| passage.support(k);
-    assert_eq!(of(&passage, 0), Some(Support::Resolved));
-    assert_eq!(of(&passage, 2), Some(Support::Below { bound: outside }));
+    let of = |passage: &FirstPassage<_, 2>, k| passage.probability(k);
+    let nothing = Probability::Below { estimate: 0.0, bound: outside };
+    assert_eq!(of(&passage, 0), Some(Probability::Resolved(passage.probabilities()[0])));
+    assert_eq!(of(&passage, 2), Some(nothing));
     assert_eq!(of(&passage, 3), None);
     passage.advance_to(&mut simulation, 0.5).unwrap();
-    assert_eq!(of(&passage, 2), Some(Support::Below { bound: outside }));
+    assert_eq!(of(&passage, 2), Some(nothing));
 
     let cells = simulation.cell_integral().unwrap();
     let far = cells.exceedance(|x| x[0].abs(), 9.0).unwrap();
-    assert_eq!(far.support(), Support::Below { bound: outside });
+    assert_eq!((far.probability(), far.outside()), (nothing, outside));
+    assert_eq!(far.probability().to_string(), format!("< {outside:.1e}"));
     let near = cells.exceedance(|x| x[0].abs(), 0.2).unwrap();
-    assert_eq!(near.support(), Support::Resolved);
-    assert!(near.support().to_string().contains("particles"));
+    assert!(near.probability().resolved().is_some_and(|p| p > 100.0 * outside), "{near:?}");
+    assert!(near.probability().basis().contains("particles"));
 }
 
 #[test]
 fn a_tail_beyond_the_outermost_particles_says_so() {
     let simulation = simulation(InitialLattice::Ball { reach: 3.0, spacing: 0.25 });
     let cells = simulation.cell_integral().unwrap();
-    let supports: Vec<Support> = [1.0, 2.0, 2.7, 3.2]
+    let probabilities: Vec<Probability> = [1.0, 2.0, 2.7, 3.2]
         .into_iter()
         .map(|deviations| {
             let threshold = deviations * DEVIATIONS[0];
-            cells.exceedance(|x| x[0].abs(), threshold).unwrap().support()
+            cells.exceedance(|x| x[0].abs(), threshold).unwrap().probability()
         })
         .collect();
     // 1.1 % lie outside: of P = 0.32 next to nothing, of 0.046 a sixth, of 0.0069 all.
-    assert_eq!(supports[0], Support::Resolved);
-    let (Support::Extrapolated { share } | Support::Truncated { share }) = supports[1] else {
-        panic!("{:?}", supports[1]);
+    assert!(probabilities[0].resolved().is_some(), "{}", probabilities[0]);
+    let (Probability::Extrapolated { share, .. } | Probability::Truncated { share, .. }) =
+        probabilities[1]
+    else {
+        panic!("{}", probabilities[1]);
     };
     assert!((0.1..0.3).contains(&share), "{share}");
-    for support in &supports[2..] {
-        assert!(matches!(support, Support::Below { bound } if *bound > 0.009), "{support:?}");
+    for probability in &probabilities[2..] {
+        let is_bound = matches!(probability, Probability::Below { bound, .. } if *bound > 0.009);
+        assert!(is_bound, "{probability}");
     }
 }

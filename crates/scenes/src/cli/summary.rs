@@ -103,9 +103,19 @@ mod tests {
             at: "t = 10 s".to_owned(),
             value: 0.0412345,
             error,
+            bound: None,
             unit: "m".to_owned(),
             how: "standard error of the samples".to_owned(),
         }
+    }
+
+    #[test]
+    fn a_bound_is_printed_in_place_of_a_value_and_its_error() {
+        let bound = Answer { bound: Some(4.2e-7), ..answer("P(|q| > 2)", Some(2.5e-7)) };
+        let found = Findings { answers: vec![bound], ..Findings::default() };
+        let written = [PathBuf::from("out/result.json")];
+        let text = summary(&found, &written[0], &written);
+        assert!(text.starts_with("P(|q| > 2), t = 10 s  < 4.2e-7 m  "), "{text}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A run of the density solver, observed at given times.
 
-use fpk_sph::observables::{CellIntegral, Support};
+use fpk_sph::observables::{CellIntegral, Probability};
 use fpk_sph::{ConditionedSimulation, Config, Error, Simulation, Work};
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
@@ -346,16 +346,28 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
         Ok(Exceedances {
             indicator: simulation.exceedance_indicator(magnitude, threshold)?,
             log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
-            cell_integrated: over_cells.map(|over| over.probability),
-            note: over_cells.and_then(|over| note(over.support())),
+            cell_integrated: over_cells.map(|over| estimate(over.probability())),
+            note: over_cells.and_then(|over| note(over.probability())),
         })
     };
     asked.thresholds.iter().enumerate().map(at).collect()
 }
 
 /// What a probability rests on, where it is less than particles.
-fn note(support: Support) -> Option<String> {
-    (support != Support::Resolved).then(|| support.to_string())
+fn note(probability: Probability) -> Option<String> {
+    probability.resolved().is_none().then(|| probability.basis())
+}
+
+/// The estimate whatever it rests on, for a record that has the note next to it and for comparison with a reference.
+#[must_use]
+pub const fn estimate(probability: Probability) -> f64 {
+    match probability {
+        Probability::Resolved(estimate)
+        | Probability::Truncated { estimate, .. }
+        | Probability::Extrapolated { estimate, .. }
+        | Probability::Unresolved { estimate, .. }
+        | Probability::Below { estimate, .. } => estimate,
+    }
 }
 
 /// A system behind a reference.

@@ -51,7 +51,7 @@ use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
 use tails::{Driven, Estimator, TailsOf};
-use two_resolutions::TwoResolutions;
+use two_resolutions::{TwoResolutions, not_shown};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
@@ -309,7 +309,8 @@ impl Solved<'_> {
             self.density(&name, density, None)
         })?;
         let quantities = series(&both, scene, named);
-        let unknown = no_cells.into_iter().chain(both.unknown()).collect();
+        let parts = [no_cells, both.unknown(), not_shown(&whole)];
+        let unknown = parts.into_iter().flatten().collect();
         let fine = both.fine;
         let (drawings, files) = pictures.finish()?;
         let work = WorkRecord {

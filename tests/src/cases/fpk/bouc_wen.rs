@@ -1,12 +1,13 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
 use figures::ErrorKind;
-use fpk_sph::observables::Support;
+use fpk_sph::observables::Probability;
 use fpk_sph::systems::BoucWen;
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
 use scenes::clock::CpuClock;
+use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
 use work_precision::problems::fpk::methods::{BOUC_WEN_LATTICE, bouc_wen_tail};
@@ -71,9 +72,8 @@ pub(super) struct Seen {
 /// `P(|q| > T)` at one time.
 struct Tail {
     threshold: f64,
-    by_cells: f64,
-    /// What that rests on; none without cells.
-    support: Option<Support>,
+    /// With what it rests on; none without cells.
+    by_cells: Option<Probability>,
     /// By counting particles.
     indicator: f64,
 }
@@ -143,8 +143,7 @@ fn watched(
                 cells.as_ref().map(|cells| cells.exceedance(demand, threshold)).transpose()?;
             Ok(Tail {
                 threshold,
-                by_cells: over_cells.map_or(f64::NAN, |over| over.probability),
-                support: over_cells.map(|over| over.support()),
+                by_cells: over_cells.map(|over| over.probability()),
                 indicator: simulation.exceedance_indicator(demand, threshold)?,
             })
         };
@@ -234,8 +233,11 @@ impl Run {
                 else {
                     continue;
                 };
-                let (value, estimator) =
-                    if cells { (by_cells, "cell") } else { (indicator, "indicator") };
+                let (value, estimator) = if cells {
+                    (by_cells.map_or(f64::NAN, estimate), "cell")
+                } else {
+                    (indicator, "indicator")
+                };
                 let name = format!("exceedance-{estimator}/threshold-{threshold}/t{t}");
                 let quantity = format!("P(|q| > {threshold})");
                 let what = (name.as_str(), quantity.as_str(), "");
@@ -269,12 +271,12 @@ impl Run {
                 let Some(reference) = self.reference.exceedance(tail.threshold, *t) else {
                     continue;
                 };
-                match tail.support {
-                    Some(Support::Resolved) => {
+                match tail.by_cells {
+                    Some(Probability::Resolved(p)) => {
                         n_resolved += 1;
-                        worst = worst.max((tail.by_cells / reference.value).log10().abs());
+                        worst = worst.max((p / reference.value).log10().abs());
                     }
-                    Some(Support::Below { bound }) => {
+                    Some(Probability::Below { bound, .. }) => {
                         n_bounds += 1;
                         beyond += i32::from(reference.value > bound);
                     }

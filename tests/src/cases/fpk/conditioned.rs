@@ -6,6 +6,7 @@ use fpk_sph::systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 use fpk_sph::{
     ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation,
 };
+use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::{Additive, GaussianMixture, Sde};
 use serde::Deserialize;
@@ -152,7 +153,7 @@ fn exceedances<S: Sde<D, 1>, const D: usize>(
         let quantity = format!("P(|q| > {threshold})");
         let reference = Reference::uncertain(p, (p * (1.0 - p) / n).sqrt());
         let what = (name.as_str(), quantity.as_str(), "");
-        lines.judge(what, ErrorKind::Log10, found.probability, reference, within)
+        lines.judge(what, ErrorKind::Log10, estimate(found.probability()), reference, within)
     };
     Ok(known.iter().zip(&found).map(claim).collect())
 }

@@ -2,6 +2,7 @@
 
 use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
+use scenes::fpk::density::estimate;
 use sde_integrators::{GaussianComponent, GaussianMixture, Sde};
 use work_precision::order;
 use work_precision::problems::fpk::mixture::{MixtureLaw, mixture_laws};
@@ -168,7 +169,7 @@ fn tail<S: Sde<2, 1>>(
         if exact < FLOOR {
             continue;
         }
-        let value = cells.exceedance(|x| x[0].abs(), threshold)?.probability;
+        let value = estimate(cells.exceedance(|x| x[0].abs(), threshold)?.probability());
         let name = format!("exceedance-cell/threshold-{threshold}/t{}", law.t);
         let quantity = format!("P(|q| > {threshold}) >= {FLOOR:e}");
         let criterion = Criterion::Within { tolerance: asks.tolerances[4], reason: asks.reason };

@@ -3,7 +3,7 @@
 use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Config, Estimator, Method, Simulation};
-use scenes::fpk::density::{DensityRun, Row, run_on};
+use scenes::fpk::density::{DensityRun, Row, estimate, run_on};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;
 
@@ -112,12 +112,12 @@ fn look<S: sde_integrators::Sde<2, 1>>(
     let cells = simulation.cell_integral()?;
     // A limit state that no axis carries: q + v/3 beyond three of its standard deviations.
     let deviation = (qq + 2.0 * qv / 3.0 + vv / 9.0).sqrt();
-    let probability = cells.exceedance(|x| x[0] + x[1] / 3.0, 3.0 * deviation)?.probability;
+    let probability = cells.exceedance(|x| x[0] + x[1] / 3.0, 3.0 * deviation)?;
     Ok(Exactness {
         t: row.t,
         density_error: simulation.density_error(exact)?,
         marginal_error: marginal_error(&cells, qq.sqrt())?,
-        limit_state: (probability, UPPER_TAIL_AT_3),
+        limit_state: (estimate(probability.probability()), UPPER_TAIL_AT_3),
         entropy: (
             row.entropy,
             0.5 * ((std::f64::consts::TAU * std::f64::consts::E).powi(2) * determinant).ln(),

@@ -6,6 +6,7 @@ use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation,
     StepRule,
 };
+use scenes::fpk::density::estimate;
 use sde_integrators::{GaussianMixture, Sde};
 use work_precision::order;
 use work_precision::problems::fpk::oscillator::Oscillator;
@@ -58,7 +59,7 @@ fn observed<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
     simulation.advance_to(t)?;
     let powers = std::array::from_fn(|k| if k == 1 { 2 } else { 0 });
     let tail = simulation.cell_integral()?.exceedance(|x| x[0].abs(), threshold)?;
-    Ok([simulation.raw_moment(powers), tail.probability])
+    Ok([simulation.raw_moment(powers), estimate(tail.probability())])
 }
 
 /// The order of a tail probability of the linear oscillator, whose drift has no kink, at t = 1.5.

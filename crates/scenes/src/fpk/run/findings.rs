@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use figures::number::{counted, percent, short};
-use pages::{Answer, Cell, Chart, Note, Point, Series, Source, Table};
+use pages::{Answer, Cell, Chart, Note, Point, Series, Source, Table, below};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -57,9 +57,23 @@ const PROBABILITIES: [(&str, &str); 5] = [
 /// Probabilities, and moments, among the answers.
 const FIRST: usize = 3;
 
+impl ReadValue {
+    /// The upper bound of a probability of which no more is known.
+    fn bound(&self) -> Option<f64> {
+        let error = self.error.filter(|&error| error >= self.value)?;
+        let bound = self.value + error;
+        (self.error_kind == "bound" && bound > 0.0).then_some(bound)
+    }
+}
+
 impl ReadSeries {
     fn group(&self) -> &str {
         self.id.split('/').next().unwrap_or_default()
+    }
+
+    /// The upper bound of a value in place of it: of probabilities alone, which are not negative.
+    fn bound(&self, value: &ReadValue) -> Option<f64> {
+        PROBABILITIES.iter().any(|(group, _)| *group == self.group()).then(|| value.bound())?
     }
 
     /// Sum of the powers of a moment.
@@ -75,6 +89,7 @@ impl ReadSeries {
             at: format!("t = {} s", last.t),
             value: last.value,
             error: last.error,
+            bound: self.bound(last),
             unit: self.unit.clone(),
             how: how(&last.error_kind),
         })
@@ -85,6 +100,7 @@ impl ReadSeries {
             x: it.t,
             y: it.value,
             error: it.error,
+            bound: self.bound(it),
             how: how(&it.error_kind),
             spread: None,
         };
@@ -93,12 +109,16 @@ impl ReadSeries {
 
     fn rows(&self, from: usize) -> impl Iterator<Item = Vec<Cell>> {
         self.values[from..].iter().map(|it| {
+            let [value, error] = match self.bound(it) {
+                Some(bound) => [Cell::number(below(bound), bound), Cell::text("")],
+                None => [cell(Some(it.value)), short_cell(it.error)],
+            };
             vec![
                 Cell::text(&self.quantity),
                 Cell::text(self.id.clone()),
                 Cell::number(it.t.to_string(), it.t),
-                cell(Some(it.value)),
-                short_cell(it.error),
+                value,
+                error,
                 Cell::text(how(&it.error_kind)),
                 Cell::text(it.note.clone().unwrap_or_default()),
             ]
@@ -256,4 +276,37 @@ fn sources(scene: &Value) -> Vec<Source> {
         () => &[CANOR_2013],
     };
     of_method.to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_probability_that_no_particle_carries_is_a_bound_on_terminal_page_and_chart() {
+        let value = |t: f64, value: f64, error: f64, kind: &str| json!({ "t": t, "value": value, "error": error, "error_kind": kind });
+        let series = |id: &str, last: Value| {
+            let first = value(1.0, 0.5, 0.01, "two_resolutions");
+            json!({ "id": id, "quantity": id, "unit": "", "values": [first, last] })
+        };
+        let result = json!({
+            "scene": { "method": "flow_map_fit" }, "work": {}, "unknown": [],
+            "quantities": [
+                series("exceedance-cell/2", value(2.0, 1.7e-7, 2.5e-7, "bound")),
+                series("exceedance-cell/1", value(2.0, 1e-3, 2e-5, "bound")),
+                // A covariance may have either sign: its bound is one of the error.
+                series("moment/1-1", value(2.0, -0.01, 0.02, "bound")),
+            ]
+        });
+        let found = findings(&result).unwrap();
+        let shown: Vec<String> = found.answers.iter().map(Answer::value_and_error).collect();
+        assert_eq!(shown, ["< 4.2e-7", "0.001000 ± 2.0e-5", "-0.010 ± 0.020"]);
+        let points = &found.charts[0].series[0].points;
+        assert_eq!((points[0].bound, points[1].bound), (None, Some(1.7e-7 + 2.5e-7)));
+        let cells: Vec<&str> =
+            found.tables[0].rows[1].iter().map(|cell| cell.text.as_str()).collect();
+        assert_eq!(cells[3..5], ["< 4.2e-7", ""]);
+    }
 }

@@ -81,6 +81,11 @@ impl Observed {
         *error += outside;
     }
 
+    /// A probability that is no larger than what the lattice left outside: their sum is a bound, and no more is known.
+    pub(super) fn bounded_by(&mut self, outside: f64) {
+        (self.error, self.error_kind) = (Some(outside), ErrorOrigin::Bound);
+    }
+
     /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
     pub(super) fn without_zero_error(mut self, note: &str) -> Self {
         if self.value == 0.0 {
@@ -119,6 +124,9 @@ mod tests {
         let mut large = Observed::by_two(1.0, 0.5, Some(0.01));
         large.may_lack(1e-7);
         assert_eq!((large.error, large.error_kind), (Some(0.0100001), ErrorOrigin::TwoResolutions));
+        let mut small = Observed::by_two(1.0, 1.7e-7, Some(1e-9));
+        small.bounded_by(2.5e-7);
+        assert_eq!((small.error, small.error_kind), (Some(2.5e-7), ErrorOrigin::Bound));
         let mut unknown = Observed::by_two(1.0, 0.5, None);
         unknown.may_lack(1e-7);
         assert_eq!(unknown.error, None);

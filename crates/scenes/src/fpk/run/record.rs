@@ -68,9 +68,12 @@ pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -
                 let Some(row) = both.fine.at(observed.t) else { continue };
                 if name == CELL {
                     observed.note.clone_from(&row.exceedances[k].note);
-                }
-                // Counts of masses end with the cloud; the fits of the cells go on beyond it.
-                if name != CELL || observed.value <= row.mass_outside {
+                    // `Probability::Below`: a difference of runs says nothing of what no particle carries.
+                    if observed.value <= row.mass_outside {
+                        observed.bounded_by(row.mass_outside);
+                    }
+                } else {
+                    // Counts of masses end with the cloud; the fits of the cells go on beyond it.
                     observed.may_lack(row.mass_outside);
                 }
             }

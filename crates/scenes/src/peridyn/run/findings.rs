@@ -142,6 +142,7 @@ fn answer(quantity: String, unit: &str, number: &ReadNumber) -> Answer {
         at: String::new(),
         value: number.value,
         error: number.error,
+        bound: None,
         unit: unit.to_owned(),
         how: how(&number.error_kind),
     }
@@ -158,6 +159,7 @@ fn answers(read: &Read, findings: &mut Findings) {
                 at: String::new(),
                 value: deviation.value,
                 error: Some(half),
+                bound: None,
                 unit: unit.to_owned(),
                 how: "half of the 95 % bootstrap interval".to_owned(),
             });
@@ -213,6 +215,7 @@ fn charts(read: &Read, findings: &mut Findings) {
         x,
         y: number.value,
         error: number.error,
+        bound: None,
         how: how(&number.error_kind),
         spread,
     };

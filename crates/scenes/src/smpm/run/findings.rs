@@ -186,6 +186,7 @@ fn answers(gauge: &ReadGauge, quantity: &ReadQuantity, time: &str) -> Vec<Answer
         at: at.clone(),
         value,
         error,
+        bound: None,
         unit: quantity.unit.clone(),
         how: last.how(),
     };
@@ -242,6 +243,7 @@ fn charts(read: &Read, time: &str, findings: &mut Findings) {
             x: it.window[1],
             y: it.mean,
             error: it.mean_standard_error,
+            bound: None,
             how: it.how(),
             spread: it.standard_deviation,
         };
@@ -282,6 +284,7 @@ fn index_charts(read: &Read, time: &str, findings: &mut Findings) {
                     x: response.window[1],
                     y: share.total,
                     error: Some(share.total_standard_error),
+                    bound: None,
                     how: "standard error of the samples".to_owned(),
                     spread: None,
                 });

@@ -77,6 +77,7 @@ fn answers(advice: &Advice) -> Vec<Answer> {
             at: String::new(),
             value: judgement.value,
             error: Some(judgement.error),
+            bound: None,
             unit: String::new(),
             how: format!("from the most accurate trial, {method}"),
         }
@@ -97,7 +98,8 @@ fn charts(advice: &Advice) -> Vec<Chart> {
         let Some(((y, q), answer)) = largest.zip(trial.answer()) else { continue };
         if answer.cpu_seconds > 0.0 && y.is_finite() {
             let how = format!("in {}", advice.judgements[q].words);
-            let point = Point { x: answer.cpu_seconds, y, error: None, how, spread: None };
+            let point =
+                Point { x: answer.cpu_seconds, y, error: None, bound: None, how, spread: None };
             series[trial.method].points.push(point);
         }
     }

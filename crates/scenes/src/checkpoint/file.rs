@@ -41,12 +41,7 @@ impl Head {
     /// run can resume from a shorter one. The seed is stored separately, so that an error can name it. `files` are the
     /// files named by the scene.
     #[must_use]
-    pub fn new(
-        solver: &str,
-        scene: &Value,
-        seed: Option<u64>,
-        files: &[NamedFile],
-    ) -> Self {
+    pub fn new(solver: &str, scene: &Value, seed: Option<u64>, files: &[NamedFile]) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             simd: sde_integrators::SimdLevel::best().name().to_owned(),
@@ -59,12 +54,7 @@ impl Head {
 
     /// The same for results joined from several machines: they are bitwise identical for all instruction sets.
     #[must_use]
-    pub fn of_shards(
-        solver: &str,
-        scene: &Value,
-        seed: Option<u64>,
-        files: &[NamedFile],
-    ) -> Self {
+    pub fn of_shards(solver: &str, scene: &Value, seed: Option<u64>, files: &[NamedFile]) -> Self {
         Self { simd: "any".to_owned(), ..Self::new(solver, scene, seed, files) }
     }
 

@@ -236,6 +236,19 @@ pub enum Error {
         /// Below what it must be.
         limit: f64,
     },
+    /// A drawn strength that no number holds.
+    #[error(
+        "realisation {realisation}: the strength of element {element} is {value}; it must be greater than 0 and finite: raise the \
+         Weibull modulus"
+    )]
+    StrengthOfElement {
+        /// Which bond, node or block.
+        element: usize,
+        /// Which realisation.
+        realisation: u64,
+        /// What was drawn.
+        value: f64,
+    },
     /// A path that left what numbers can hold.
     #[error(
         "step {step}, time {time}, realisation {realisation}: a displacement of node {node} is {value}"

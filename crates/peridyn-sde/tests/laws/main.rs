@@ -20,3 +20,4 @@ mod repulsion;
 mod repulsion_bits;
 mod shards;
 mod statics;
+mod weakest_link;

@@ -39,6 +39,7 @@ mod steps;
 mod stiffest;
 mod strain;
 mod surface;
+mod swing;
 mod weakest_link;
 
 pub use body::{AtStrength, Body};

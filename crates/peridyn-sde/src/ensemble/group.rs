@@ -71,7 +71,11 @@ impl CrackStudy<'_> {
             match self.follow(&mut simulation, cut) {
                 Ok(seen) => break (simulation, seen),
                 Err(error) => {
-                    let Error::Lost { realisation, .. } = error else { return Err(error) };
+                    let (Error::Lost { realisation, .. } | Error::Swings { realisation, .. }) =
+                        error
+                    else {
+                        return Err(error);
+                    };
                     let lane = ids.iter().position(|&id| id == realisation);
                     match lane.filter(|&lane| lost[lane].is_none()) {
                         Some(lane) => lost[lane] = Some(error.to_string()),

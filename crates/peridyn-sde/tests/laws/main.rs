@@ -20,4 +20,5 @@ mod repulsion;
 mod repulsion_bits;
 mod shards;
 mod statics;
+mod swing;
 mod weakest_link;

@@ -1,4 +1,4 @@
-//! Strengths of the weakest link: independent draws whose scale depends on the volume that each stands for.
+//! Strengths of the weakest link: independent draws whose scale depends on the volume of each element.
 
 use random_fields::field_stream;
 use sde_integrators::Noise;

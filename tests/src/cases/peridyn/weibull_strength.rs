@@ -94,7 +94,7 @@ impl Bar {
         Ok(Self { nodes, bonds })
     }
 
-    /// Strengths of its bonds. The modulus of a fibre cancels: a stress stands for its stretch.
+    /// Strengths of its bonds. The modulus of a fibre cancels: a stress is written for its stretch.
     fn strength(
         &self,
         (scale, modulus): (f64, f64),
@@ -105,7 +105,7 @@ impl Bar {
         Ok(WeibullStrength::new(&self.nodes, &self.bonds, law, 0)?)
     }
 
-    /// The stretches at which eight bars are pulled apart, in steps of `step`.
+    /// The stretches at which eight bars break, in steps of `step`.
     fn pull(&self, strengths: &[Vec<f64>], step: f64, n_steps: u32) -> Result<[f64; 8], CaseError> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         let n = nodes.positions().len();
@@ -218,7 +218,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// Bars that are pulled apart step by step.
+/// Bars loaded in tension step by step.
 fn pulled(context: &Context<'_>, test: &[f64]) -> Result<Claim, CaseError> {
     let posterior = WeibullPosterior::new(test);
     let (bar, parameters) = (Bar::new(20)?, (1e-3, posterior.modulus().0));

@@ -236,6 +236,19 @@ pub enum Error {
         /// Below what it must be.
         limit: f64,
     },
+    /// A drawn strength that no number holds.
+    #[error(
+        "realisation {realisation}: the strength of element {element} is {value}; it must be greater than 0 and finite: raise the \
+         Weibull modulus"
+    )]
+    StrengthOfElement {
+        /// Which bond, node or block.
+        element: usize,
+        /// Which realisation.
+        realisation: u64,
+        /// What was drawn.
+        value: f64,
+    },
     /// A path that left what numbers can hold.
     #[error(
         "step {step}, time {time}, realisation {realisation}: a displacement of node {node} is {value}"
@@ -251,6 +264,28 @@ pub enum Error {
         realisation: u64,
         /// What it is.
         value: f64,
+    },
+    /// A step that has become too long for a body as it is stretched, whose nodes swing about it.
+    #[error(
+        "step {step}, time {time}, realisation {realisation}: the body swings, most at node {node}: in units of the stiffest mode \
+         of the body as it is stretched now the step is {value}, stable is less than {limit}; tension makes bonds stiff across \
+         themselves: take a step of less than {dt} times {limit}/{value}, or stretch the body less"
+    )]
+    Swings {
+        /// Which step, from 1 on.
+        step: u64,
+        /// The time at its end.
+        time: f64,
+        /// The node that moved farthest in it.
+        node: usize,
+        /// Which realisation.
+        realisation: u64,
+        /// `z` of the change over the step, in inertial dynamics `(omega h)^2`.
+        value: f64,
+        /// Of the scheme.
+        limit: f64,
+        /// The step.
+        dt: f64,
     },
     /// A bridge between steps that are not those of a diffusive path.
     #[error(

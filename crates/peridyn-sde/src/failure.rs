@@ -73,6 +73,11 @@ impl Failures {
         Ok(())
     }
 
+    /// The lanes of which a bond broke since the last report.
+    pub(crate) fn lanes(&self) -> u16 {
+        self.broken.iter().fold(0, |lanes, broken| lanes | broken.lanes)
+    }
+
     /// The bonds that broke since the last report.
     pub(crate) fn take(&mut self) -> Vec<BrokenBond> {
         self.applied = 0;

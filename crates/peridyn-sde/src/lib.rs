@@ -39,6 +39,8 @@ mod steps;
 mod stiffest;
 mod strain;
 mod surface;
+mod swing;
+mod weakest_link;
 
 pub use body::{AtStrength, Body};
 pub use bond_config::{BondConfig, VolumeCorrection};
@@ -72,3 +74,4 @@ pub use scheme::{Dynamics, Scheme};
 pub use simulation::Simulation;
 pub use strain::Strain;
 pub use surface::SurfaceCorrection;
+pub use weakest_link::{StrengthElement, WeibullByVolume, WeibullStrength};

@@ -17,6 +17,7 @@ use crate::repulsion::Repulsion;
 use crate::resistance::Resistance;
 use crate::scheme::Dynamics;
 use crate::stiffest::stiffest;
+use crate::swing::{Evaluation, Swing};
 
 /// State of a body in time and all that a scheme reads. The body itself comes as an argument, behind `dyn`: what is here is
 /// compiled once for all kinds of bodies, and a virtual call goes through all bonds.
@@ -42,6 +43,9 @@ pub(crate) struct Motion<T, const D: usize, const L: usize> {
     crossing: Option<Crossing<L>>,
     contact: Option<Box<Contact<T, D, L>>>,
     failures: Failures,
+    swing: Swing<T>,
+    /// The largest stable `z`, in inertial dynamics its square.
+    limit: f64,
     realisations: [u64; L],
 }
 
@@ -64,6 +68,10 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
                 Some(Crossing::new(noise, realisations, rates))
             }
         };
+        let limit = match &config.dynamics {
+            Dynamics::Overdamped { scheme, .. } => scheme.stability_limit(),
+            Dynamics::Inertial { .. } => 4.0,
+        };
         let zeros = || vec![T::ZERO; n_nodes * D * L];
         Ok(Self {
             kicks: Kicks::new(noise, realisations, resistance.n_motions(D)),
@@ -81,18 +89,17 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
             crossing,
             contact: None,
             failures: Failures::default(),
+            swing: Swing::default(),
+            limit,
             realisations,
         })
     }
 
     /// `z` of the stiffest mode of the body, in inertial dynamics `(h omega)^2`; an error where that is not stable.
     pub(crate) fn stable_step(&mut self, body: &mut dyn Body<T, D, L>) -> Result<f64, Error> {
-        let (dt, confinement) = (self.config.dt, self.config.confinement);
+        let SimulationConfig { dt, confinement, .. } = self.config;
         let rate = stiffest(body, &self.resistance, &mut self.kicks, confinement)?;
-        let (value, limit) = match &self.config.dynamics {
-            Dynamics::Overdamped { scheme, .. } => (dt * rate, scheme.stability_limit()),
-            Dynamics::Inertial { .. } => (dt * dt * rate, 4.0),
-        };
+        let (value, limit) = (self.step_power() * rate, self.limit);
         if value < limit { Ok(value) } else { Err(Error::Unstable { dt, value, limit }) }
     }
 
@@ -134,6 +141,7 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
         bonds: &[usize],
     ) -> Result<(), Error> {
         self.failures.cut(body, bonds)?;
+        self.swing.leave_out(u16::MAX);
         self.evaluate_intact(body)
     }
 
@@ -165,6 +173,7 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
 
     fn report(&mut self) -> StepReport {
         let (step, time) = (self.step, self.time);
+        self.swing.leave_out(self.failures.lanes());
         let broken = self.failures.take().into_iter();
         let broken = broken.map(|BrokenBond { bond, lanes, cause }| BrokenAt {
             bond,
@@ -178,11 +187,52 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
 
     /// Forces at the displacements of a finished step: bonds at their strength break.
     pub(crate) fn evaluate(&mut self, body: &mut dyn Body<T, D, L>) -> Result<(), Error> {
-        if !self.breaks_in_forces(body) {
-            return self.evaluate_intact(body);
+        if self.breaks_in_forces(body) {
+            self.failures.forces(body, &self.u, &mut self.bond_forces)?;
+            self.find_contacts(body)?;
+        } else {
+            self.evaluate_intact(body)?;
         }
-        self.failures.forces(body, &self.u, &mut self.bond_forces)?;
-        self.find_contacts(body)
+        if self.swing.is_due(self.step) { self.watch(body) } else { Ok(()) }
+    }
+
+    /// Whether the step has become too long for the body.
+    fn watch(&mut self, body: &dyn Body<T, D, L>) -> Result<(), Error> {
+        let Resistance::Diagonal { values, .. } = &self.resistance else { return Ok(()) };
+        if body.has_memory() || self.limit.is_infinite() {
+            return Ok(());
+        }
+        // Forces are those where a step begins, in inertial dynamics those at its end.
+        let to = match &self.config.dynamics {
+            Dynamics::Overdamped { .. } => self.time,
+            Dynamics::Inertial { .. } => self.time_after(),
+        };
+        let from = to - self.config.dt;
+        let driven = |node: usize, k: usize| {
+            self.loading.field(node, to)[k] - self.loading.field(node, from)[k]
+        };
+        let still = |_: usize, _: usize| 0.0;
+        let at = Evaluation {
+            step: self.step + 1,
+            time: self.time_after(),
+            realisations: &self.realisations,
+            step_power: self.step_power(),
+            dt: self.config.dt,
+            limit: self.limit,
+            spacing: body.nodes().spacing(),
+            driven: if self.loading.is_driven() { &driven } else { &still },
+        };
+        let seen = (&self.u[..], &self.bond_forces[..]);
+        self.swing.see::<D, L>(seen, values, self.failures.lanes(), &at)
+    }
+
+    /// `h`, in inertial dynamics its square.
+    fn step_power(&self) -> f64 {
+        let dt = self.config.dt;
+        match &self.config.dynamics {
+            Dynamics::Overdamped { .. } => dt,
+            Dynamics::Inertial { .. } => dt * dt,
+        }
     }
 
     /// Forces at displacements at which no bond breaks.

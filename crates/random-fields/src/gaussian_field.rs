@@ -13,6 +13,13 @@ const OFF_LATTICE: f64 = 1e-6;
 /// Words of 32 bits that are set aside for one field of a realisation, as a power of two.
 const WORDS_OF_FIELD: u32 = 36;
 
+/// The random numbers of field `number` of a realisation, `2^36` words of 32 bits: for values at elements of a body that are no
+/// [`GaussianField`], yet independent of all fields with other numbers.
+#[must_use]
+pub fn field_stream(noise: Noise, realisation: u64, number: u32) -> Stream {
+    normals_of(noise, realisation, number)
+}
+
 /// The normals of field `number` of a realisation: `2^35` of them.
 pub(crate) fn normals_of(noise: Noise, realisation: u64, number: u32) -> Stream {
     let mut stream = noise.stream(Purpose::Field, realisation);

@@ -20,7 +20,7 @@ mod truncation;
 pub use conditioned::{ConditionedField, Measurement};
 pub use correlation::{Correlation, CorrelationFunction};
 pub use error::Error;
-pub use gaussian_field::GaussianField;
+pub use gaussian_field::{GaussianField, field_stream};
 pub use marginal::Marginal;
 pub use pivoted_cholesky::{Enough, LowRank, pivoted_cholesky};
 pub use random_field::RandomField;

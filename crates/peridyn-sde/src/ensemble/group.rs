@@ -24,6 +24,14 @@ pub(super) struct Ended {
     pub(super) kept: Option<FinalState>,
 }
 
+/// Strengths of the realisations of a group.
+struct Strengths {
+    /// Of the bonds, lane by lane, or one for all.
+    of_bonds: Vec<Vec<f64>>,
+    /// At the nodes, lane by lane; none where they are one.
+    at_nodes: Vec<Vec<f64>>,
+}
+
 /// A path that was lost, and why.
 type Lost<const L: usize> = [Option<String>; L];
 
@@ -56,18 +64,18 @@ impl CrackStudy<'_> {
         keep: &[u64],
         wanted: &dyn Fn(u64) -> bool,
     ) -> Result<Vec<Ended>, Error> {
-        let fields = match self.strength {
-            Strength::Uniform(_) => Vec::new(),
-            Strength::Field { field, .. } => self.sample(field, ids)?,
-            Strength::Given { values, .. } => vec![values.to_vec(); L],
-        };
+        let strengths = self.strengths(ids)?;
         let mut lost: Lost<L> = std::array::from_fn(|_| None);
         let (simulation, seen) = loop {
-            let mut simulation = self.start::<T, L>(cut, ids, &fields, &lost)?;
+            let mut simulation = self.start::<T, L>(cut, ids, &strengths.of_bonds, &lost)?;
             match self.follow(&mut simulation, cut) {
                 Ok(seen) => break (simulation, seen),
                 Err(error) => {
-                    let Error::Lost { realisation, .. } = error else { return Err(error) };
+                    let (Error::Lost { realisation, .. } | Error::Swings { realisation, .. }) =
+                        error
+                    else {
+                        return Err(error);
+                    };
                     let lane = ids.iter().position(|&id| id == realisation);
                     match lane.filter(|&lane| lost[lane].is_none()) {
                         Some(lane) => lost[lane] = Some(error.to_string()),
@@ -90,7 +98,7 @@ impl CrackStudy<'_> {
                         history: &seen.histories[lane],
                         damage: simulation.damage(lane),
                         displacements: keep.then(|| simulation.displacements(lane)),
-                        strength: fields.get(lane),
+                        strength: strengths.at_nodes.get(lane),
                     },
                     cut,
                 )
@@ -113,32 +121,45 @@ impl CrackStudy<'_> {
             .collect()
     }
 
+    /// The strengths of a group.
+    fn strengths<const L: usize>(&self, ids: [u64; L]) -> Result<Strengths, Error> {
+        let (of_bonds, at_nodes) = match self.strength {
+            Strength::Uniform(strength) => (vec![vec![strength; self.bonds.len()]], Vec::new()),
+            Strength::Given { values, value } => {
+                (vec![between_nodes(self.bonds, values, value)?], vec![values.to_vec(); L])
+            }
+            Strength::Field { field, value } => {
+                let fields = self.sample(field, ids)?;
+                let of = |field: &Vec<f64>| between_nodes(self.bonds, field, value);
+                (fields.iter().map(of).collect::<Result<_, _>>()?, fields)
+            }
+            Strength::Weibull(weibull) => {
+                let mut drawn = vec![vec![0.0; self.bonds.len()]; L];
+                for (strengths, &id) in drawn.iter_mut().zip(&ids) {
+                    weibull.sample(&self.simulation.noise, id, strengths)?;
+                }
+                let at_nodes =
+                    drawn.iter().map(|of| weibull.weakest_at_nodes(self.bonds, of)).collect();
+                (drawn, at_nodes)
+            }
+        };
+        let of_bonds =
+            of_bonds.into_iter().map(|of| self.protected(of)).collect::<Result<_, _>>()?;
+        Ok(Strengths { of_bonds, at_nodes })
+    }
+
     fn start<T: Real, const L: usize>(
         &self,
         cut: &[usize],
         ids: [u64; L],
-        fields: &[Vec<f64>],
+        strengths: &[Vec<f64>],
         lost: &Lost<L>,
     ) -> Result<Lanes<T, L>, Error> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
-        let n_bonds = bonds.len();
-        let mut body = match self.strength {
-            Strength::Uniform(strength) => {
-                let strengths = self.protected(vec![strength; n_bonds])?;
-                BondList::new(nodes, bonds, self.strain, &strengths)?
-            }
-            Strength::Given { values, value } => {
-                let strengths = self.protected(between_nodes(self.bonds, values, value)?)?;
-                BondList::new(nodes, bonds, self.strain, &strengths)?
-            }
-            Strength::Field { value, .. } => {
-                let of =
-                    |field: &Vec<f64>| self.protected(between_nodes(self.bonds, field, value)?);
-                let strengths = fields.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-                BondList::new(nodes, bonds, self.strain, &strengths[0])?
-                    .with_strengths(&strengths)?
-            }
-        };
+        let mut body = BondList::new(nodes, bonds, self.strain, &strengths[0])?;
+        if let Strength::Field { .. } | Strength::Weibull(_) = self.strength {
+            body = body.with_strengths(strengths)?;
+        }
         if let Some(factors) = self.stiffness_factors(ids)? {
             body = body.with_stiffness_factors(&factors)?;
         }

@@ -7,6 +7,7 @@ use crate::loading::Loading;
 use crate::nodes::Nodes;
 use crate::path::{Notch, PathConfig};
 use crate::strain::Strain;
+use crate::weakest_link::WeibullStrength;
 
 /// The stretches at which bonds break.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +28,8 @@ pub enum Strength<'a> {
         /// Between them.
         value: BondValue,
     },
+    /// Independent strengths of bonds, nodes or blocks, by their volumes; others in each realisation.
+    Weibull(&'a WeibullStrength),
 }
 
 /// Factors on the stiffness of bonds.

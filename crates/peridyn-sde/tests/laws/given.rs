@@ -69,6 +69,10 @@ impl Plate {
         Self::new(Nodes::lattice(1.0, ([0.0; 2], [N as f64; 2]), condition, |_| true).unwrap())
     }
 
+    pub(super) fn body(&self) -> (&Nodes<2>, &Bonds) {
+        (&self.nodes, &self.bonds)
+    }
+
     pub(super) fn study<'a>(
         &'a self,
         strength: Strength<'a>,

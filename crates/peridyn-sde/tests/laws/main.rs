@@ -20,3 +20,5 @@ mod repulsion;
 mod repulsion_bits;
 mod shards;
 mod statics;
+mod swing;
+mod weakest_link;

@@ -35,6 +35,7 @@ pub struct CrackScene {
     /// Step length and number of steps.
     pub time: TimeScene,
     /// Spatial variation of the critical stretch.
+    #[schemars(example = VariationScene::BY_VOLUME)]
     pub strength: VariationScene,
     /// Spatial variation of the bond stiffness.
     #[serde(default, skip_serializing_if = "VariationScene::is_uniform")]

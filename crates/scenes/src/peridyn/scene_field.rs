@@ -1,6 +1,6 @@
 //! Spatial variation in a crack scene.
 
-use peridyn_sde::BondValue;
+use peridyn_sde::{BondValue, StrengthElement, WeibullByVolume};
 use random_fields::{Correlation, CorrelationFunction, Marginal};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,11 +20,17 @@ pub enum VariationScene {
     ///
     /// The value is that of the material times the column `strength_factor`, or `stiffness_factor`.
     Column(ColumnScene),
+    /// Independent Weibull strengths that scale with volume: the strength of a body follows from its volume, not from the mesh.
+    ///
+    /// The value of the material is the scale of bodies of the reference volume: 63.2 % of them are weaker.
+    WeibullByVolume(WeibullByVolumeScene),
 }
 
 impl VariationScene {
     pub(super) const COLUMN: Self =
         Self::Column(ColumnScene { between_nodes: BetweenScene::Minimum });
+
+    pub(super) const BY_VOLUME: Self = Self::WeibullByVolume(WeibullByVolumeScene::EXAMPLE);
 
     /// Whether the value is uniform.
     #[must_use]
@@ -40,6 +46,56 @@ pub struct ColumnScene {
     /// Value of a bond from the values of its nodes.
     #[serde(default)]
     pub between_nodes: BetweenScene,
+}
+
+/// Weibull strengths by volume.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(example = Self::EXAMPLE)]
+pub struct WeibullByVolumeScene {
+    /// Weibull modulus (no unit).
+    pub modulus: f64,
+    /// Reference volume (m^3).
+    pub reference_volume: f64,
+    /// What has a strength of its own.
+    #[serde(default)]
+    pub element: ElementScene,
+}
+
+impl WeibullByVolumeScene {
+    const EXAMPLE: Self = Self {
+        modulus: 10.0,
+        reference_volume: 1e-6,
+        element: ElementScene::Block { size: 0.004 },
+    };
+
+    /// The law with a scale.
+    #[must_use]
+    pub fn of(self, scale: f64) -> WeibullByVolume {
+        let Self { modulus, reference_volume, element } = self;
+        let element = match element {
+            ElementScene::Bond => StrengthElement::Bond,
+            ElementScene::Node => StrengthElement::Node,
+            ElementScene::Block { size } => StrengthElement::Block { size },
+        };
+        WeibullByVolume { scale, modulus, reference_volume, element }
+    }
+}
+
+/// What has a strength of its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ElementScene {
+    /// Each bond, with its share of the volumes of its nodes.
+    Bond,
+    /// Each node. A bond is as strong as its weaker node. With a finer mesh, nodes are stronger and cracks stop more easily.
+    #[default]
+    Node,
+    /// Each box of a square grid, the same on every mesh: for bodies in which cracks grow.
+    Block {
+        /// Edge of a box (m).
+        size: f64,
+    },
 }
 
 /// A random field.

@@ -2,7 +2,7 @@
 
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Condition, DisorderField, Error, Horizon, Nodes, Stiffness,
-    Strain, Strength, critical_stretch,
+    Strain, Strength, WeibullStrength, critical_stretch,
 };
 use random_fields::{Correlation, GaussianField};
 
@@ -40,6 +40,8 @@ pub(super) enum Variation {
     Field(DisorderField, BondValue),
     /// From the file of points.
     Given(Vec<f64>, BondValue),
+    /// Independent, by volume.
+    Weibull(WeibullStrength),
 }
 
 impl Variation {
@@ -49,13 +51,15 @@ impl Variation {
             Self::Uniform => Strength::Uniform(of_material),
             Self::Field(field, value) => Strength::Field { field, value: *value },
             Self::Given(values, value) => Strength::Given { values, value: *value },
+            Self::Weibull(weibull) => Strength::Weibull(weibull),
         }
     }
 
     /// As factors of the stiffness.
     pub(super) fn stiffness(&self) -> Stiffness<'_> {
         match self {
-            Self::Uniform => Stiffness::Uniform,
+            // `Plate::stiffness` refuses the last.
+            Self::Uniform | Self::Weibull(_) => Stiffness::Uniform,
             Self::Field(field, value) => Stiffness::Field { field, value: *value },
             Self::Given(values, value) => Stiffness::Given { values, value: *value },
         }
@@ -87,6 +91,11 @@ impl Plate {
 
     /// Value of the key `stiffness`.
     pub(super) fn stiffness(&self, scene: &CrackScene) -> Result<Variation, Objection> {
+        if let VariationScene::WeibullByVolume(_) = scene.stiffness {
+            let message = "a stiffness is no weakest link, and does not scale with volume";
+            let help = "`strength` has this key; a random stiffness is a `field`";
+            return Err(Objection::new("stiffness.weibull_by_volume", message).with_help(help));
+        }
         self.variation(&scene.stiffness, (1.0, 1), "stiffness")
     }
 
@@ -113,6 +122,14 @@ impl Plate {
                 let factors = cloud.required(&format!("{key}_factor"), &path)?;
                 let values = factors.iter().map(|factor| factor * mean).collect();
                 Ok(Variation::Given(values, scene.between_nodes.into()))
+            }
+            VariationScene::WeibullByVolume(scene) => {
+                let weibull =
+                    WeibullStrength::new(&self.nodes, &self.bonds, scene.of(mean), number);
+                let weibull = weibull.map_err(|error| {
+                    Objection::new(format!("{key}.weibull_by_volume"), error.to_string())
+                })?;
+                Ok(Variation::Weibull(weibull))
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
 use crate::problems::peridyn::first_passage::rate as rate_of_breaking;
 use crate::problems::peridyn::network::{Network, lanes_of, rate};
-use crate::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
+use crate::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use crate::problems::peridyn::one_bond::{BONDS, seen};
 
 pub(crate) const CHART: ChartKind = ChartKind {
@@ -230,6 +230,8 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
         rows: 32,
         horizon: three_shells(32),
         cause: Cause::WhiteNoise { ratio: 10.0, scheme, z },
+        rotation: 0.0,
+        tip: NOTCH,
     };
     let bootstrap = Bootstrap::new(Noise::new(41));
     let spread = |heights: &[f64]| -> Result<Measured, CaseError> {

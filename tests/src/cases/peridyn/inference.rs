@@ -6,7 +6,7 @@ use peridyn_sde::inference::{
     ParameterSpace, Posterior, Prior, SamplerConfig, Scale, Summaries, SummaryConfig, Verdict,
 };
 use sde_integrators::{Estimate, Noise, Purpose};
-use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
+use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
@@ -82,7 +82,7 @@ fn space() -> Result<ParameterSpace, CaseError> {
 /// Plates of a lattice at a point of the parameters. The horizon is one length on all lattices.
 fn plates(rows: u32, point: &[f64]) -> NotchedPlate {
     let cause = Cause::Sample { strength: point[0], length: point[1], temperature: point[2] };
-    NotchedPlate { rows, horizon: three_shells(32), cause }
+    NotchedPlate { rows, horizon: three_shells(32), cause, rotation: 0.0, tip: NOTCH }
 }
 
 /// Ensembles at the points of a design, by what is looked at.

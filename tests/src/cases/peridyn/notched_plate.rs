@@ -4,7 +4,7 @@ use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, Interval};
 use sde_integrators::Noise;
-use work_precision::problems::peridyn::notched_plate::{Cause, NotchedPlate, three_shells};
+use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use work_precision::problems::peridyn::sample::mean;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -57,7 +57,7 @@ impl Family {
             }
             Self::Local | Self::FixedHorizon => Cause::Stiffness,
         };
-        NotchedPlate { rows, horizon, cause }
+        NotchedPlate { rows, horizon, cause, rotation: 0.0, tip: NOTCH }
     }
 
     const fn method(self) -> &'static str {
@@ -375,7 +375,8 @@ fn loads(context: &Context<'_>, one: &Scatter, other: &Scatter) -> Result<[Claim
 fn cold(context: &Context<'_>) -> Result<Claim, CaseError> {
     context.progress("a millionth of kT");
     let cause = Cause::WhiteNoise { ratio: 1e3 * RATIO, scheme: Scheme::EulerMaruyama, z: 0.9 };
-    let plate = NotchedPlate { rows: 32, horizon: three_shells(32), cause };
+    let plate =
+        NotchedPlate { rows: 32, horizon: three_shells(32), cause, rotation: 0.0, tip: NOTCH };
     let heights = plate.cracks::<f32, 16>(64, SEED)?.heights(ABSCISSA);
     let deviation = 32.0 * bootstrap().deviation(&heights)?.value;
     let method = "white noise, s0/sigma = 10,000, 32 rows, otherwise as above, 64 realisations";

@@ -8,7 +8,8 @@ use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
     DisorderField, Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch,
     PathConfig, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain, Strength,
-    SurfaceCorrection, VolumeCorrection, critical_stretch, merge_shards,
+    StrengthElement, SurfaceCorrection, VolumeCorrection, WeibullByVolume, WeibullStrength,
+    critical_stretch, merge_shards,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -18,13 +19,16 @@ use crate::context::CaseError;
 /// `G0`, for strains of 1e-3.
 const ENERGY_RELEASE_RATE: f64 = 1e-6;
 const PLANE: Condition = Condition::PlaneStress { thickness: 1.0 };
-const TIP: [f64; 2] = [0.3, 0.0];
+/// Weibull's modulus of independent strengths, and `Gamma(1 + 1/5)`, the mean over the scale.
+const MODULUS: (f64, f64) = (5.0, 0.918_168_742_399_761);
+/// Largest variance that a field on a rotated lattice may omit at a point before it is rescaled to one.
+const LEFT_OUT: f64 = 1e-3;
 /// Height of a prescribed edge, three rows of 32.
 const GRIP: f64 = 3.0 / 32.0;
 /// Within so much of both ends no bond breaks.
 const PROTECTED: f64 = 6.0 / 32.0;
 /// The length over which stiffness is correlated: three horizons of three shells of 32 rows.
-const CORRELATION: f64 = 9.045 / 32.0;
+pub const CORRELATION: f64 = 9.045 / 32.0;
 
 /// What makes one crack differ from the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +56,38 @@ pub enum Cause {
         /// `kT`, over the one at which `s0/sigma` is ten.
         temperature: f64,
     },
+    /// The critical stretch, of mean `s0` and coefficient of variation 0.229. Inertial with friction, without noise, the ramp of
+    /// [`Cause::Sample`].
+    Strength(StrengthLaw),
+    /// One lognormal field, and the ramp of [`Cause::Sample`], without noise.
+    Field {
+        /// What varies.
+        of: Varies,
+        /// Standard deviation over mean.
+        coefficient_of_variation: f64,
+        /// Its correlation length (widths of the plate).
+        length: f64,
+    },
+}
+
+/// What a field is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Varies {
+    /// The critical stretch.
+    Strength,
+    /// The stiffness of bonds.
+    Stiffness,
+}
+
+/// Independent strengths, Weibull's with the modulus 5.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StrengthLaw {
+    /// Of each bond, the same law on every lattice.
+    Bonds,
+    /// Of each node, scaled by its volume: mean `s0` on 32 rows, on finer lattices more.
+    NodesByVolume,
+    /// Of each box of the edge 3.015/32, scaled by its volume, the same on every lattice.
+    BlocksByVolume,
 }
 
 /// A plate on a lattice.
@@ -63,7 +99,14 @@ pub struct NotchedPlate {
     pub horizon: f64,
     /// What is random.
     pub cause: Cause,
+    /// By which angle the lattice is rotated against the edges (degrees).
+    pub rotation: f64,
+    /// Where the notch ends (widths of the plate); one that ends within a spacing leaves the plate whole.
+    pub tip: f64,
 }
+
+/// Where the notch ends that the cases have (widths of the plate).
+pub const NOTCH: f64 = 0.3;
 
 /// Three shells of so many rows: a horizon (widths of the plate).
 #[must_use]
@@ -135,8 +178,18 @@ impl NotchedPlate {
         run: impl FnOnce(&CrackStudy<'_>) -> Result<R, Error>,
     ) -> Result<R, CaseError> {
         let ready = self.ready(Noise::new(seed))?;
+        let weibull = match self.cause {
+            Cause::Strength(law) => Some(Self::weibull(&ready, law)?),
+            _ => None,
+        };
         let (strengths, stiffness) = match self.cause {
-            Cause::WhiteNoise { .. } => (None, None),
+            Cause::WhiteNoise { .. } | Cause::Strength(_) => (None, None),
+            Cause::Field { of, coefficient_of_variation, length } => {
+                let mean = if of == Varies::Strength { ready.strength } else { 1.0 };
+                let field =
+                    Some(self.field(&ready.nodes, length, (mean, coefficient_of_variation))?);
+                if of == Varies::Strength { (field, None) } else { (None, field) }
+            }
             Cause::Stiffness => (None, Some(self.field(&ready.nodes, CORRELATION, (1.0, 0.5))?)),
             Cause::Sample { strength, length, .. } => {
                 (Some(self.field(&ready.nodes, length, (strength * ready.strength, 0.4))?), None)
@@ -146,15 +199,17 @@ impl NotchedPlate {
             nodes: &ready.nodes,
             bonds: &ready.bonds,
             strain: Strain::Finite,
-            strength: strengths.as_ref().map_or(Strength::Uniform(ready.strength), |field| {
-                Strength::Field { field, value: BondValue::Mean }
-            }),
+            strength: match (&strengths, &weibull) {
+                (Some(field), _) => Strength::Field { field, value: BondValue::Mean },
+                (None, Some(weibull)) => Strength::Weibull(weibull),
+                (None, None) => Strength::Uniform(ready.strength),
+            },
             stiffness: stiffness.as_ref().map_or(Stiffness::Uniform, |field| Stiffness::Field {
                 field,
                 value: BondValue::Mean,
             }),
             no_fail: &ready.protected,
-            notch: Notch { mouth: [-self.spacing(), 0.0], tip: TIP },
+            notch: Notch { mouth: [-self.spacing(), 0.0], tip: [self.tip, 0.0] },
             loading: &ready.loading,
             simulation: &ready.config,
             n_steps: ready.n_steps,
@@ -175,15 +230,53 @@ impl NotchedPlate {
         (mean, coefficient_of_variation): (f64, f64),
     ) -> Result<DisorderField, CaseError> {
         let correlation = Correlation { function: CorrelationFunction::Gaussian, length };
-        let gaussian =
-            GaussianField::by_circulant_embedding(nodes.positions(), self.spacing(), correlation)
-                .map_err(Error::from)?;
+        let x = nodes.positions();
+        let gaussian = if self.rotation == 0.0 {
+            GaussianField::by_circulant_embedding(x, self.spacing(), correlation)
+        } else {
+            GaussianField::by_pivoted_cholesky(x, correlation, LEFT_OUT)
+        };
+        let gaussian = gaussian.map_err(Error::from)?;
         let law = Marginal::Lognormal { mean, coefficient_of_variation };
         Ok(DisorderField::new(gaussian, law, 0)?)
     }
 
+    fn weibull(ready: &Ready, law: StrengthLaw) -> Result<WeibullStrength, CaseError> {
+        let (block, coarse) = (three_shells(32), f64::from(32_u32).recip());
+        let volume: f64 = ready.nodes.volumes().iter().sum();
+        let (element, reference_volume) = match law {
+            StrengthLaw::Bonds => (StrengthElement::Bond, volume / ready.bonds.len() as f64),
+            StrengthLaw::NodesByVolume => (StrengthElement::Node, coarse * coarse),
+            StrengthLaw::BlocksByVolume => (StrengthElement::Block { size: block }, block * block),
+        };
+        let (modulus, mean) = MODULUS;
+        let law =
+            WeibullByVolume { scale: ready.strength / mean, modulus, reference_volume, element };
+        Ok(WeibullStrength::new(&ready.nodes, &ready.bonds, law, 0)?)
+    }
+
+    /// Nodes of a square lattice in the plate, rotated about the tip of the notch.
+    #[allow(clippy::cast_possible_wrap, reason = "some hundreds of rows")]
+    fn nodes(&self) -> Result<Nodes<2>, CaseError> {
+        let dx = self.spacing();
+        if self.rotation == 0.0 {
+            return Ok(Nodes::lattice(dx, ([0.0, -0.5], [1.0, 0.5]), PLANE, |_| true)?);
+        }
+        let (sine, cosine) = self.rotation.to_radians().sin_cos();
+        let reach = 2 * self.rows as i32;
+        let all = (-reach..reach).flat_map(|j| (-reach..reach).map(move |i| [i, j]));
+        let place = |at: [i32; 2]| {
+            let [a, b] = at.map(|k| (f64::from(k) + 0.5) * dx);
+            [NOTCH + cosine * a - sine * b, sine * a + cosine * b]
+        };
+        let inside = |x: &[f64; 2]| x[0] > 0.0 && x[0] < 1.0 && x[1].abs() < 0.5;
+        let x: Vec<[f64; 2]> = all.map(place).filter(inside).collect();
+        let volumes = vec![dx * dx; x.len()];
+        Ok(Nodes::new(x, volumes, dx, PLANE)?)
+    }
+
     fn ready(&self, noise: Noise) -> Result<Ready, CaseError> {
-        let nodes = Nodes::lattice(self.spacing(), ([0.0, -0.5], [1.0, 0.5]), PLANE, |_| true)?;
+        let nodes = self.nodes()?;
         let horizon = Horizon::new(self.horizon, self.spacing())?;
         let bonds = Bonds::new(
             &nodes,
@@ -204,13 +297,14 @@ impl NotchedPlate {
         };
         let (grips, protected) = (near_ends(GRIP), near_ends(PROTECTED));
         let free: Vec<bool> = x.iter().map(|x| x[1].abs() <= 0.5 - GRIP).collect();
+        let is_upper: Vec<bool> = x.iter().map(|x| x[1] > 0.0).collect();
         let mut ready = Ready {
             loading: Loading::new(x.len()).hold(&grips)?,
             config: self.config(&bonds, strength, &free, noise)?,
             nodes,
             bonds,
             strength,
-            grips: grips.iter().copied().filter(|&node| node >= free.len() / 2).collect(),
+            grips: grips.iter().copied().filter(|&node| is_upper[node]).collect(),
             protected,
             n_steps: 0,
         };
@@ -241,7 +335,7 @@ impl NotchedPlate {
                 temperature: temperature(ratio),
                 scheme,
             },
-            Cause::Stiffness => inertial(0.0),
+            Cause::Stiffness | Cause::Strength(_) | Cause::Field { .. } => inertial(0.0),
             Cause::Sample { temperature: over, .. } => inertial(over * temperature(10.0)),
         };
         let (dt, breaking) = (1e-9, Breaking::AtEnds);
@@ -271,7 +365,10 @@ impl NotchedPlate {
             }
             // 0.6 leaves room for places ten times as stiff as the mean; 2 is the limit.
             Cause::Stiffness => slowly(ready, 0.6, 24.0),
-            Cause::Sample { .. } => slowly(ready, 1.6, 48.0),
+            Cause::Sample { .. }
+            | Cause::Strength(_)
+            | Cause::Field { of: Varies::Strength, .. } => slowly(ready, 1.6, 48.0),
+            Cause::Field { of: Varies::Stiffness, .. } => slowly(ready, 0.6, 48.0),
         };
         let gradient = [[0.0; 2], [0.0, 1.0]];
         let still = Loading::new(ready.nodes.positions().len());

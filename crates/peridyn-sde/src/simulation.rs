@@ -142,7 +142,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
 }
 
 /// The damage of each node in a lane.
-fn damage_of_nodes<T: Real, const D: usize, const L: usize>(
+pub(crate) fn damage_of_nodes<T: Real, const D: usize, const L: usize>(
     body: &dyn Body<T, D, L>,
     lane: usize,
 ) -> Vec<f64> {

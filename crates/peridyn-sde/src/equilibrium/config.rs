@@ -6,7 +6,7 @@ use crate::error::{Error, at_least, positive};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EquilibriumMethod {
     /// Newton's method, one step for linear strains, each solved by conjugate gradients with a two-level preconditioner: the
-    /// blocks of the nodes, and a coarse system of the rigid motions of boxes two bonds wide (Nicolaides 1987). For finite strains
+    /// blocks of the nodes, and a coarse system of the rigid motions of boxes one and a half bonds wide (Nicolaides 1987). For finite strains
     /// the tangent is a difference of forces (Knoll & Keyes 2004).
     ConjugateGradients,
     /// Adaptive dynamic relaxation (Kilic & Madenci 2010): explicit steps of a fictitious mass, with the damping of the lowest mode

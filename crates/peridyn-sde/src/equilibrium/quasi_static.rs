@@ -203,7 +203,7 @@ fn next_breakage<const D: usize>(
     (load, largest, is_unit): (&mut f64, &mut f64, &mut bool),
 ) -> Result<NextBreakage, Error> {
     if !*is_unit {
-        start_unit(body, statics, load)?;
+        start_unit(body, statics, *load)?;
         *is_unit = true;
     }
     let before = statics.works();
@@ -220,16 +220,12 @@ fn next_breakage<const D: usize>(
         statics.pass(body, (bond, 1.0))?;
     }
     let kept = statics.u.clone();
-    let solved = match statics.equilibrate(body, (factor, factor), Forces::Secant) {
-        Ok(Some(solved)) => solved,
-        Ok(None) => {
-            statics.u = kept;
-            statics.evaluate(body, Forces::Secant)?;
-            *load = factor;
-            *largest = f64::INFINITY;
-            return Ok(NextBreakage::Separated);
-        }
-        Err(error) => return Err(error),
+    let Some(solved) = statics.equilibrate(body, (factor, factor), Forces::Secant)? else {
+        statics.u = kept;
+        statics.evaluate(body, Forces::Secant)?;
+        *load = factor;
+        *largest = f64::INFINITY;
+        return Ok(NextBreakage::Separated);
     };
     *load = factor;
     let after = statics.works();
@@ -248,13 +244,13 @@ fn next_breakage<const D: usize>(
 fn start_unit<const D: usize>(
     body: &mut dyn Body<f64, D, 1>,
     statics: &mut Statics<D>,
-    load: &f64,
+    load: f64,
 ) -> Result<(), Error> {
     if !statics.loading.is_proportional() {
         return Err(Error::NotProportional);
     }
-    if *load > 0.0 {
-        statics.u.iter_mut().for_each(|u| *u /= *load);
+    if load > 0.0 {
+        statics.u.iter_mut().for_each(|u| *u /= load);
     } else {
         start_affine(statics);
     }

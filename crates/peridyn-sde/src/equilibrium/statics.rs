@@ -1,7 +1,7 @@
 //! A body at rest under a load: displacements in equilibrium, and what its bonds are there.
 
 use super::config::{EquilibriumConfig, EquilibriumMethod};
-use super::relaxation::relax;
+use super::relaxation::Relaxation;
 use super::solver::{Solver, Stop, dot, norm};
 use super::two_level::{TwoLevel, direction};
 use crate::body::{AtStrength, Body};
@@ -163,7 +163,7 @@ impl<const D: usize> Statics<D> {
     }
 
     /// The residual at the displacements, and the reaction to compare it with.
-    pub(super) fn residual(
+    fn residual(
         &mut self,
         body: &mut dyn Body<f64, D, 1>,
         forces: Forces,
@@ -201,10 +201,6 @@ impl<const D: usize> Statics<D> {
             if !left.is_finite() {
                 return Err(Error::LoadStep { from, load, iterations: newton, residual, limit });
             }
-            if method == EquilibriumMethod::DynamicRelaxation {
-                iterations += relax(self, body, (load, limit), forces)?;
-                continue;
-            }
             // Newton's method needs three digits of a step; a linear system is solved once.
             let tangent = forces == Forces::Body && body.strain() == Strain::Finite;
             let goal = if tangent {
@@ -212,7 +208,15 @@ impl<const D: usize> Statics<D> {
             } else {
                 0.7 * limit * reaction
             };
-            match self.correct(body, (goal, most - iterations), forces)? {
+            let stop = match method {
+                EquilibriumMethod::ConjugateGradients => {
+                    self.correct(body, (goal, most - iterations), forces)?
+                }
+                EquilibriumMethod::DynamicRelaxation => {
+                    self.relax(body, (limit, most - iterations), forces)?
+                }
+            };
+            match stop {
                 Stop::Solved(used) => iterations += used,
                 Stop::Singular => return Ok(None),
                 Stop::Stalled(left) => {
@@ -269,6 +273,26 @@ impl<const D: usize> Statics<D> {
         for (u, change) in u.iter_mut().zip(change) {
             *u += change;
         }
+        Ok(stop)
+    }
+
+    /// Moves the displacements by dynamic relaxation.
+    fn relax(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        goal: (f64, usize),
+        forces: Forces,
+    ) -> Result<Stop, Error> {
+        let relaxation = Relaxation::new(body.nodes(), body.bonds(), &self.weights, &self.free);
+        let mut u = self.u.clone();
+        let stop = relaxation.relax(&mut u, goal, |u, residual| {
+            std::mem::swap(&mut self.u, u);
+            let norms = self.residual(body, forces);
+            std::mem::swap(&mut self.u, u);
+            residual.clone_from(&self.solver.residual);
+            norms
+        })?;
+        self.u = u;
         Ok(stop)
     }
 
@@ -363,14 +387,5 @@ impl<const D: usize> Statics<D> {
         self.critical[bond] = self.critical_of(body, bond);
         let ends = body.bonds().ends(bond);
         self.preconditioner.change(ends, direction(body.nodes(), ends, of.length), change)
-    }
-
-    /// A component of the last residual.
-    pub(super) fn residual_at(&self, component: usize) -> f64 {
-        self.solver.residual[component]
-    }
-
-    pub(super) fn is_free(&self, component: usize) -> bool {
-        self.free[component]
     }
 }

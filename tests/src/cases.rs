@@ -107,6 +107,8 @@ pub const ALL: &[Case] = &[
     peridyn::horizon_inference::CASE,
     peridyn::inference::CASE,
     peridyn::precracked_block::CASE,
+    peridyn::quasi_static::CASE,
+    peridyn::concrete::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,

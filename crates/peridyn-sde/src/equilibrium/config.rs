@@ -29,7 +29,7 @@ pub struct EquilibriumConfig {
     /// `p` of a bond that softens: a damaged bond is taken along its secant until its stretch is `(1 + p)` times the largest before,
     /// and continues from `(1 + p)` times that, so that the teeth lie about the curve of its law (Rots et al. 2008). No matter where
     /// bonds break at once.
-    pub ripple: f64,
+    pub tooth: f64,
 }
 
 impl EquilibriumConfig {
@@ -39,13 +39,13 @@ impl EquilibriumConfig {
         tolerance: 1e-8,
         most_iterations: 100_000,
         batch: 0.0,
-        ripple: 0.05,
+        tooth: 0.05,
     };
 
     pub(super) fn check(&self) -> Result<(), Error> {
         positive("tolerance of an equilibrium", self.tolerance)?;
         at_least("iterations of an equilibrium", self.most_iterations, 1)?;
-        positive("ripple of a softening bond", self.ripple)?;
+        positive("tooth of a softening bond", self.tooth)?;
         if self.batch >= 0.0 && self.batch < 1.0 {
             return Ok(());
         }

@@ -69,7 +69,7 @@ pub struct LoadStep {
 ///
 /// The body's law must be piecewise linear ([`Body::is_piecewise_linear`]): a bond that breaks at a stretch, or one that softens
 /// ([`Bilinear`](crate::law::Bilinear)), which is then taken along its secant in teeth (see
-/// [`EquilibriumConfig::ripple`]). A damaged bond is taken for as soft under compression as under tension.
+/// [`EquilibriumConfig::tooth`]). A damaged bond is taken for as soft under compression as under tension.
 #[derive(Debug)]
 pub struct QuasiStatic<B, const D: usize> {
     body: B,

@@ -124,7 +124,7 @@ impl<const D: usize> Statics<D> {
     /// The stretch at which a bond is next taken past: of a damaged one the tip of its tooth.
     fn trigger(&self, body: &dyn Body<f64, D, 1>, bond: usize) -> f64 {
         let is_damaged = body.bond_damage(bond, 0) > 0.0;
-        let above = if is_damaged { 1.0 + self.config.ripple } else { 1.0 };
+        let above = if is_damaged { 1.0 + self.config.tooth } else { 1.0 };
         above * body.next_stretch(bond, 0)
     }
 
@@ -380,7 +380,7 @@ impl<const D: usize> Statics<D> {
         (bond, ratio): (usize, f64),
     ) -> Result<(), Error> {
         let stretch = self.trigger(body, bond) * ratio.max(1.0);
-        body.pass(bond, (1.0 + self.config.ripple) * stretch);
+        body.pass(bond, (1.0 + self.config.tooth) * stretch);
         let of = body.bonds().all()[bond];
         let weight = of.stiffness * body.secant(bond, 0) / of.length;
         let change = weight - std::mem::replace(&mut self.weights[bond], weight);

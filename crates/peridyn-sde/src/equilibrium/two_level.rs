@@ -172,7 +172,7 @@ impl<const D: usize> TwoLevel<D> {
                         band.add(a.0 + row, a.0 + column, weight * from * one);
                         band.add(b.0 + row, b.0 + column, weight * b.1[row] * two);
                     }
-                    // An entry between one box and itself stands for itself and its mirror image.
+                    // Within one box an entry and its mirror image are added at once.
                     if a.0 != b.0 {
                         band.add(a.0 + row, b.0 + column, -weight * from * two);
                     } else if column <= row {

@@ -237,20 +237,20 @@ fn a_softening_bond_follows_its_law_and_releases_its_energy() {
     let stiffness = bonds.all()[0].stiffness;
     let strengths = vec![2e-3, 1e-3, 2e-3, 2e-3];
     let ductility = 8.0;
-    for ripple in [0.1, 0.05] {
+    for tooth in [0.1, 0.05] {
         let law = Bilinear::new(ductility).unwrap();
         let body = Network::new(nodes.clone(), bonds.clone(), law, strengths.clone()).unwrap();
-        let config = EquilibriumConfig { ripple, ..CONFIG };
+        let config = EquilibriumConfig { tooth, ..CONFIG };
         let mut run = QuasiStatic::new(body, loading.clone(), config).unwrap();
         let (mut released, mut first, mut teeth) = (0.0, None, 0);
         while let NextBreakage::At(event) = run.next_breakage().unwrap() {
             assert_eq!(event.bonds, [1]);
             let force = 2.0 * event.energy[0] / event.factor;
             let _ = first.get_or_insert(force);
-            // The law at the largest stretch: within the ripple of it.
+            // The law at the largest stretch: within the tooth of it.
             let stretch = event.factor - 3.0 * force / stiffness;
             let on_law = stiffness * (8e-3 - stretch).max(0.0) / 7.0;
-            assert!((force - on_law).abs() < 1.3 * ripple * stiffness * 1e-3, "{force} {on_law}");
+            assert!((force - on_law).abs() < 1.3 * tooth * stiffness * 1e-3, "{force} {on_law}");
             released += event.released;
             teeth += 1;
         }
@@ -258,9 +258,9 @@ fn a_softening_bond_follows_its_law_and_releases_its_energy() {
         assert!(teeth > 10, "{teeth}");
         let energy = 0.5 * stiffness * 1e-3 * 8e-3;
         // A tooth drops at one extension, at which the other three bonds give (1 + 3 f)/(1 + 3 f') times what the law asks for, with
-        // the secants f before and f' after: at most 1.5 ripples, and more than nothing.
+        // the secants f before and f' after: at most 1.5 teeth, and more than nothing.
         let excess = released / energy - 1.0;
-        assert!(excess > 0.0 && excess < 1.5 * ripple, "{ripple}: {excess}");
+        assert!(excess > 0.0 && excess < 1.5 * tooth, "{tooth}: {excess}");
     }
 }
 
@@ -270,7 +270,7 @@ fn a_step_finds_the_equilibrium_of_softening_bonds() {
     let stiffness = bonds.all()[0].stiffness;
     let law = Bilinear::new(8.0).unwrap();
     let body = Network::new(nodes, bonds, law, vec![2e-3, 1e-3, 2e-3, 2e-3]).unwrap();
-    let config = EquilibriumConfig { ripple: 0.01, ..CONFIG };
+    let config = EquilibriumConfig { tooth: 0.01, ..CONFIG };
     let mut run = QuasiStatic::new(body, loading, config).unwrap();
     for step in 1..=20_u32 {
         let extension = 4.5e-3 * f64::from(step) / 20.0;
@@ -281,7 +281,7 @@ fn a_step_finds_the_equilibrium_of_softening_bonds() {
             if extension <= 4e-3 { extension / 4.0 } else { (7.0 * extension - 24e-3) / 4.0 };
         let exact = if extension <= 4e-3 { stretch } else { (8e-3 - stretch) / 7.0 };
         let force = run.pull_on(&[0])[0] / stiffness;
-        // A largest stretch that is off by the ripple changes the secant by 1.31 of it, and the force in this bar by 1/(1 - 3/7)
+        // A largest stretch that is off by the tooth changes the secant by 1.31 of it, and the force in this bar by 1/(1 - 3/7)
         // of that.
         assert!((force / exact - 1.0).abs() < 2.3 * 0.01, "{extension}: {force} {exact}");
     }
@@ -323,7 +323,7 @@ fn what_cannot_be_is_refused() {
         Error::TooFew { .. }
     ));
     assert!(matches!(
-        refused(EquilibriumConfig { ripple: f64::NAN, ..CONFIG }),
+        refused(EquilibriumConfig { tooth: f64::NAN, ..CONFIG }),
         Error::NotPositive { .. }
     ));
     let all: Vec<usize> = (0..6).collect();

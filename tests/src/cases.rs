@@ -109,6 +109,8 @@ pub const ALL: &[Case] = &[
     peridyn::inference::CASE,
     peridyn::precracked_block::CASE,
     peridyn::weibull_strength::CASE,
+    peridyn::quasi_static::CASE,
+    peridyn::concrete::CASE,
     smoothing_kernels::CASE,
     neighbour_search::CASE,
     particle_store::CASE,

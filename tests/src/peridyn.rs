@@ -1,4 +1,5 @@
 //! What only cases of `peridyn-sde` use.
 
+pub mod concrete;
 pub mod plate;
 pub mod rest;

@@ -3,7 +3,8 @@
 use crate::bonds::Bonds;
 use crate::broken_bond::BrokenBond;
 use crate::crossing::{BondOverStep, Crossing};
-use crate::error::{Error, same_length};
+use crate::error::Error;
+use crate::linear_pull::linear_pull;
 use crate::nodes::Nodes;
 use crate::real::Real;
 use crate::strain::Strain;
@@ -87,26 +88,45 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     /// # Errors
     /// [`Error::Length`] for columns of another body.
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        same_length("displacements", v.len(), self.bonds().n_nodes() * D * L)?;
-        same_length("forces", forces.len(), v.len())?;
-        forces.fill(T::ZERO);
-        let x = self.nodes().positions();
-        for (bond, ((i, j), of)) in self.bonds().pairs().zip(self.bonds().all()).enumerate() {
-            let inverse = 1.0 / of.length;
-            let e: [f64; D] = std::array::from_fn(|k| inverse * (x[j][k] - x[i][k]));
-            for lane in 0..L {
-                let at = |node: usize, k: usize| (node * D + k) * L + lane;
-                let elongation: f64 =
-                    (0..D).map(|k| e[k] * (v[at(j, k)] - v[at(i, k)]).to_f64()).sum();
-                let tension = of.stiffness * self.slope(bond, lane) * inverse * elongation;
-                for k in 0..D {
-                    let force = T::of(tension * e[k]);
-                    forces[at(i, k)] += force;
-                    forces[at(j, k)] -= force;
-                }
-            }
-        }
-        Ok(())
+        linear_pull::<T, D, L>(
+            self.nodes(),
+            self.bonds(),
+            |bond, lane| self.slope(bond, lane),
+            v,
+            forces,
+        )
+    }
+
+    /// The tension of a pulled bond over that of the same bond undamaged: its secant stiffness in a lane as a part of the
+    /// intact one. What an [equilibrium](crate::QuasiStatic) takes a bond for.
+    fn secant(&self, bond: usize, lane: usize) -> f64 {
+        self.slope(bond, lane)
+    }
+
+    /// As [`linear_forces`](Self::linear_forces), by the [`secant`](Self::secant) of each bond.
+    ///
+    /// # Errors
+    /// As [`linear_forces`](Self::linear_forces).
+    fn secant_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
+        self.linear_forces(v, forces)
+    }
+
+    /// The stretch at which the secant of a bond next changes for good in a lane; infinite for never. The strength, unless a
+    /// body says otherwise.
+    fn next_stretch(&self, bond: usize, lane: usize) -> f64 {
+        self.strength(bond, lane)
+    }
+
+    /// Takes a bond past a stretch without time, in all lanes: what it is afterwards is seen by its secant. It breaks, unless a
+    /// body says otherwise.
+    fn pass(&mut self, bond: usize, _stretch: f64) {
+        self.set_intact(bond, 0);
+    }
+
+    /// Whether the tension of a pulled bond is its secant times its stretch up to [`next_stretch`](Self::next_stretch), and
+    /// depends on no rate: what equilibrium event by event is exact for.
+    fn is_piecewise_linear(&self) -> bool {
+        true
     }
 
     /// Whether bonds remember more than whether they are intact. Such bonds change in [`advance`](Self::advance) alone, and

@@ -307,6 +307,59 @@ pub enum Error {
         /// What is asked.
         limit: f64,
     },
+    /// Equilibrium that was not reached.
+    #[error(
+        "load {load}: the residual of the equilibrium is {residual:e} of the reaction after {iterations} iterations; {limit:e} is \
+         asked: allow more iterations or a larger tolerance, or hold parts that hang by few bonds"
+    )]
+    NotInEquilibrium {
+        /// The load.
+        load: f64,
+        /// The residual over the reaction.
+        residual: f64,
+        /// How many.
+        iterations: usize,
+        /// What is asked.
+        limit: f64,
+    },
+    /// A load step that Newton's method does not follow.
+    #[error(
+        "the load step from {from} to {load} is too large: after {iterations} Newton steps the residual is {residual:e} of the \
+         reaction, {limit:e} is asked; take a smaller step"
+    )]
+    LoadStep {
+        /// The load before.
+        from: f64,
+        /// The load.
+        load: f64,
+        /// How many.
+        iterations: usize,
+        /// The residual over the reaction.
+        residual: f64,
+        /// What is asked.
+        limit: f64,
+    },
+    /// A body that its prescribed displacements do not hold.
+    #[error(
+        "load {load}: the stiffness is singular: a part of the body carries load and can move without stretching a bond; \
+         prescribe displacements that hold it"
+    )]
+    SingularStiffness {
+        /// The load.
+        load: f64,
+    },
+    /// Equilibrium event by event under a load of another course.
+    #[error(
+        "event by event all loads must be proportional to time: Program::Linear, or Program::Constant(0); for other programs \
+         go by load steps"
+    )]
+    NotProportional,
+    /// Bonds whose tension is no secant times their stretch.
+    #[error(
+        "the bonds of this body have no quasi-static equilibrium: their tension must be a secant times the stretch, with a \
+         damage by the largest stretch alone, as CriticalStretch and Bilinear have"
+    )]
+    NotPiecewiseLinear,
     /// A dimension that the conditions of the body do not have.
     #[error("{condition} has {expected} dimensions; the body has {value}")]
     Dimension {

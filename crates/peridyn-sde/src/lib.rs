@@ -12,6 +12,7 @@ mod cut;
 mod disorder;
 mod elasticity;
 mod ensemble;
+mod equilibrium;
 mod error;
 mod failure;
 mod fast;
@@ -19,6 +20,7 @@ mod horizon;
 pub mod inference;
 mod kicks;
 pub mod law;
+mod linear_pull;
 mod loading;
 mod mobility;
 mod motion;
@@ -52,6 +54,10 @@ pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use ensemble::{
     BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, Stiffness, Strength, merge_shards,
+};
+pub use equilibrium::{
+    Breakage, EquilibriumConfig, EquilibriumMethod, LoadStep, NextBreakage, QuasiStatic, Solved,
+    envelope,
 };
 pub use error::Error;
 pub use fast::{BondList, LatticeBody};

@@ -244,6 +244,15 @@ impl<const D: usize> Loading<D> {
         self.drives.iter().any(|drive| drive.program != Program::Constant(0.0))
     }
 
+    /// Whether all displacements and loads grow in proportion to time.
+    pub(crate) fn is_proportional(&self) -> bool {
+        let programs = self.drives.iter().map(|drive| &drive.program);
+        let mut all = programs.chain(self.loads.iter().map(|load| &load.program));
+        all.all(|program| {
+            matches!(program, Program::Linear { .. }) || *program == Program::Constant(0.0)
+        })
+    }
+
     /// Calls `add(node, force)` for every load at a time.
     pub(crate) fn for_each_force(&self, t: f64, mut add: impl FnMut(usize, [f64; D])) {
         for load in &self.loads {

@@ -6,6 +6,7 @@ use crate::broken_bond::{BrokenBond, Cause};
 use crate::crossing::{BondOverStep, Crossing};
 use crate::error::{Error, same_length};
 use crate::law::BondLaw;
+use crate::linear_pull::linear_pull;
 use crate::nodes::Nodes;
 
 /// A body whose bonds follow a law.
@@ -262,6 +263,31 @@ impl<L: BondLaw + Send, const D: usize> Body<f64, D, 1> for Network<L, D> {
             return 0.0;
         }
         self.law.slope(self.strengths[bond], &self.states[bond])
+    }
+
+    fn secant(&self, bond: usize, _lane: usize) -> f64 {
+        1.0 - self.damage_of(bond)
+    }
+
+    fn secant_forces(&mut self, v: &[f64], forces: &mut [f64]) -> Result<(), Error> {
+        let secant = |bond, _| 1.0 - self.damage_of(bond);
+        linear_pull::<f64, D, 1>(&self.nodes, &self.bonds, secant, v, forces)
+    }
+
+    fn next_stretch(&self, bond: usize, _lane: usize) -> f64 {
+        if self.is_cut[bond] {
+            return f64::INFINITY;
+        }
+        let threshold = self.law.threshold(self.strengths[bond], &self.states[bond]);
+        threshold.unwrap_or(f64::INFINITY)
+    }
+
+    fn pass(&mut self, bond: usize, stretch: f64) {
+        self.law.advance(self.strengths[bond], 0.0, stretch, 0.0, &mut self.states[bond]);
+    }
+
+    fn is_piecewise_linear(&self) -> bool {
+        self.law.is_piecewise_linear()
     }
 
     fn bond_damage(&self, bond: usize, _lane: usize) -> f64 {

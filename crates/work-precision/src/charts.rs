@@ -53,4 +53,5 @@ pub const STABILITY: &[ChartKind] = &[
     stability::peridyn::nugget::MAP,
     stability::peridyn::damage::MAP,
     stability::peridyn::influence::MAP,
+    stability::peridyn::quasi_static::MAP,
 ];

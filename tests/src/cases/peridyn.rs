@@ -2,6 +2,7 @@
 
 pub(crate) mod branching;
 pub(crate) mod breaking;
+pub(crate) mod concrete;
 pub(crate) mod dispersion;
 pub(crate) mod equilibrium;
 pub(crate) mod forces;
@@ -17,6 +18,7 @@ pub(crate) mod notched_plate;
 pub(crate) mod note;
 pub(crate) mod one_bond;
 pub(crate) mod precracked_block;
+pub(crate) mod quasi_static;
 pub(crate) mod rest;
 pub(crate) mod two_notches;
 mod weibull_posterior;

@@ -58,6 +58,10 @@ impl BondLaw for Bilinear {
         self.lost(strength, *largest)
     }
 
+    fn is_piecewise_linear(&self) -> bool {
+        true
+    }
+
     fn threshold(&self, strength: f64, largest: &f64) -> Option<f64> {
         (self.lost(strength, *largest) < 1.0).then(|| strength.max(*largest))
     }

@@ -28,6 +28,10 @@ impl BondLaw for CriticalStretch {
         f64::from(*broken)
     }
 
+    fn is_piecewise_linear(&self) -> bool {
+        true
+    }
+
     fn threshold(&self, strength: f64, broken: &bool) -> Option<f64> {
         (!*broken).then_some(strength)
     }

@@ -44,6 +44,12 @@ pub trait BondLaw: Debug + Sync {
         None
     }
 
+    /// Whether a pulled bond has the tension `(1 - damage) s` up to the [`threshold`](Self::threshold), with a damage that depends
+    /// on the largest stretch alone: what a quasi-static equilibrium needs. No, unless a law says otherwise.
+    fn is_piecewise_linear(&self) -> bool {
+        false
+    }
+
     /// `d sigma/ds` at rest: what the step is checked against, and what an implicit step takes the bond for.
     ///
     /// Unless a law says otherwise, the steeper of both sides over a stretch of a millionth, or of a millionth of the strength

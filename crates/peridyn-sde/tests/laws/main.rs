@@ -16,6 +16,7 @@ mod inference;
 mod mobility;
 mod note;
 mod paths;
+mod quasi_static;
 mod repulsion;
 mod repulsion_bits;
 mod shards;

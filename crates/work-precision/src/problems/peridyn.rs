@@ -9,4 +9,5 @@ pub mod nonlinear;
 pub mod notched_plate;
 pub mod one_bond;
 pub mod sample;
+pub mod slow_plate;
 pub mod stationary;

@@ -1,6 +1,7 @@
 //! Stability limits of `peridyn-sde`.
 //!
-//! Swept are step, temperature, horizon, unbonded nodes, loading rate, mobility, damage and influence.
+//! Swept are step, temperature, horizon, unbonded nodes, loading rate, mobility, damage, influence, and
+//! load steps and batches of a quasi-static run.
 
 pub(crate) mod damage;
 pub(crate) mod horizon;
@@ -9,6 +10,7 @@ pub(crate) mod load;
 pub(crate) mod loose;
 pub(crate) mod noise;
 pub(crate) mod nugget;
+pub(crate) mod quasi_static;
 pub(crate) mod z;
 
 use figures::CurvePoint;

@@ -1,0 +1,54 @@
+//! How equilibrium is found, and how bonds break in it.
+
+use crate::error::{Error, at_least, positive};
+
+/// How the displacements of an equilibrium are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EquilibriumMethod {
+    /// Newton's method, one step for linear strains, each solved by conjugate gradients with a two-level preconditioner: the
+    /// blocks of the nodes, and a coarse system of the rigid motions of boxes one and a half bonds wide (Nicolaides 1987). For finite strains
+    /// the tangent is a difference of forces (Knoll & Keyes 2004).
+    ConjugateGradients,
+    /// Adaptive dynamic relaxation (Kilic & Madenci 2010): explicit steps of a fictitious mass, with the damping of the lowest mode
+    /// excited. Simple, needs nothing but forces, and takes more evaluations.
+    DynamicRelaxation,
+}
+
+/// What is needed to find equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EquilibriumConfig {
+    /// How displacements are found.
+    pub method: EquilibriumMethod,
+    /// The residual force over the reaction, both as the root of the sum of squares, at which equilibrium counts as reached.
+    pub tolerance: f64,
+    /// Iterations of the method after which a solution is given up.
+    pub most_iterations: usize,
+    /// Bonds that break together: those within this part of the stretch over strength of the most critical one. 0 for one at a
+    /// time.
+    pub batch: f64,
+    /// `p` of a bond that softens: a damaged bond is taken along its secant until its stretch is `(1 + p)` times the largest before,
+    /// and continues from `(1 + p)` times that, so that the teeth lie about the curve of its law (Rots et al. 2008). No matter where
+    /// bonds break at once.
+    pub tooth: f64,
+}
+
+impl EquilibriumConfig {
+    /// One bond at a time, to a residual of 1e-8, with teeth of 5 %.
+    pub const EVENT_BY_EVENT: Self = Self {
+        method: EquilibriumMethod::ConjugateGradients,
+        tolerance: 1e-8,
+        most_iterations: 100_000,
+        batch: 0.0,
+        tooth: 0.05,
+    };
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        positive("tolerance of an equilibrium", self.tolerance)?;
+        at_least("iterations of an equilibrium", self.most_iterations, 1)?;
+        positive("tooth of a softening bond", self.tooth)?;
+        if self.batch >= 0.0 && self.batch < 1.0 {
+            return Ok(());
+        }
+        Err(Error::OutOfRange { name: "batch of bonds", value: self.batch, from: 0.0, to: 1.0 })
+    }
+}

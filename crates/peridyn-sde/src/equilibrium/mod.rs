@@ -1,0 +1,13 @@
+//! Quasi-static equilibrium.
+
+mod band;
+mod config;
+mod quasi_static;
+mod relaxation;
+mod solver;
+mod statics;
+mod two_level;
+
+pub use config::{EquilibriumConfig, EquilibriumMethod};
+pub use quasi_static::{Breakage, LoadStep, NextBreakage, QuasiStatic, envelope};
+pub use statics::Solved;

@@ -1,0 +1,391 @@
+//! A body at rest under a load: displacements in equilibrium, and what its bonds are there.
+
+use super::config::{EquilibriumConfig, EquilibriumMethod};
+use super::relaxation::Relaxation;
+use super::solver::{Solver, Stop, dot, norm};
+use super::two_level::{TwoLevel, direction};
+use crate::body::{AtStrength, Body};
+use crate::error::{Error, same_length};
+use crate::loading::Loading;
+use crate::strain::Strain;
+
+/// How far a displacement is moved for a difference of forces, over the spacing of the nodes.
+const DIFFERENCE: f64 = 1e-6;
+
+/// Newton steps after which a solution is given up.
+const MOST_NEWTON: usize = 40;
+
+/// The least reaction that a residual is compared with, over the largest that a load had.
+const LEAST_REACTION: f64 = 1e-3;
+
+/// Work of finding one equilibrium.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Solved {
+    /// Iterations of conjugate gradients or of dynamic relaxation: an evaluation of all forces each.
+    pub iterations: usize,
+    /// The residual over the reaction.
+    pub residual: f64,
+}
+
+/// Which forces are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Forces {
+    /// Of the body, at its strains.
+    Body,
+    /// Linear in the displacements, by the secant of each bond.
+    Secant,
+}
+
+/// All that an equilibrium needs beside the body.
+#[derive(Debug)]
+pub(super) struct Statics<const D: usize> {
+    pub(super) loading: Loading<D>,
+    pub(super) config: EquilibriumConfig,
+    /// Displacements, and the forces of the bonds there.
+    pub(super) u: Vec<f64>,
+    pub(super) bond_forces: Vec<f64>,
+    /// The stiffness of each bond (force over length): what is left of it.
+    pub(super) weights: Vec<f64>,
+    /// `1/(r^2 s)` with the stretch `s` at which a bond next changes; zero for never.
+    critical: Vec<f64>,
+    free: Vec<bool>,
+    preconditioner: TwoLevel<D>,
+    stiffest: f64,
+    solver: Solver,
+    /// Iterations that are a reason to make the coarse matrix anew.
+    expected: Option<usize>,
+    renewed: bool,
+    /// Forces that loads put on nodes.
+    outer: Vec<f64>,
+    largest_reaction: f64,
+    moved: Vec<f64>,
+}
+
+impl<const D: usize> Statics<D> {
+    pub(super) fn new(
+        body: &dyn Body<f64, D, 1>,
+        loading: Loading<D>,
+        config: EquilibriumConfig,
+    ) -> Result<Self, Error> {
+        config.check()?;
+        let (nodes, bonds) = (body.nodes(), body.bonds());
+        let n = nodes.positions().len();
+        same_length("nodes of the loading", loading.n_nodes(), n)?;
+        if !body.is_piecewise_linear() {
+            return Err(Error::NotPiecewiseLinear);
+        }
+        let free: Vec<[bool; D]> =
+            loading.prescribed().iter().map(|prescribed| prescribed.map(|held| !held)).collect();
+        if !free.iter().flatten().any(|&free| free) {
+            return Err(Error::NoFreeNode { n_nodes: n });
+        }
+        let all = bonds.all().iter().enumerate();
+        let weights: Vec<f64> =
+            all.map(|(bond, of)| of.stiffness * body.secant(bond, 0) / of.length).collect();
+        let preconditioner = TwoLevel::new(nodes, bonds, &weights, free.clone())?;
+        let mut sums = vec![0.0; n];
+        for ((i, j), weight) in bonds.pairs().zip(&weights) {
+            sums[i] += 2.0 * weight;
+            sums[j] += 2.0 * weight;
+        }
+        let mut made = Self {
+            loading,
+            config,
+            u: vec![0.0; n * D],
+            bond_forces: vec![0.0; n * D],
+            critical: vec![0.0; weights.len()],
+            weights,
+            free: free.into_flattened(),
+            preconditioner,
+            stiffest: sums.into_iter().fold(0.0, f64::max),
+            solver: Solver::default(),
+            expected: None,
+            renewed: true,
+            outer: vec![0.0; n * D],
+            largest_reaction: 0.0,
+            moved: Vec::new(),
+        };
+        for bond in 0..made.weights.len() {
+            made.critical[bond] = made.critical_of(body, bond);
+        }
+        Ok(made)
+    }
+
+    fn critical_of(&self, body: &dyn Body<f64, D, 1>, bond: usize) -> f64 {
+        let trigger = self.trigger(body, bond);
+        let length = body.bonds().all()[bond].length;
+        if trigger.is_finite() && self.weights[bond] > 0.0 {
+            1.0 / (length * length * trigger)
+        } else {
+            0.0
+        }
+    }
+
+    /// The stretch at which a bond is next taken past: of a damaged one the tip of its tooth.
+    fn trigger(&self, body: &dyn Body<f64, D, 1>, bond: usize) -> f64 {
+        let is_damaged = body.bond_damage(bond, 0) > 0.0;
+        let above = if is_damaged { 1.0 + self.config.tooth } else { 1.0 };
+        above * body.next_stretch(bond, 0)
+    }
+
+    /// Displacements that are prescribed at a load, and forces of loads there.
+    pub(super) fn impose(&mut self, load: f64) {
+        for node in 0..self.loading.n_nodes() {
+            let place = self.loading.field(node, load);
+            for k in (0..D).filter(|k| !self.free[node * D + k]) {
+                self.u[node * D + k] = place[k];
+            }
+        }
+        self.outer.fill(0.0);
+        let outer = &mut self.outer;
+        self.loading.for_each_force(load, |node, force| {
+            for k in 0..D {
+                outer[node * D + k] += force[k];
+            }
+        });
+    }
+
+    /// Bond forces at the displacements, into `bond_forces`.
+    pub(super) fn evaluate(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        forces: Forces,
+    ) -> Result<(), Error> {
+        match forces {
+            Forces::Secant => body.secant_forces(&self.u, &mut self.bond_forces),
+            Forces::Body => body.forces(&self.u, &mut self.bond_forces, AtStrength::Hold),
+        }
+    }
+
+    /// Work of the bond forces on the displacements, `u^T K u` for linear forces, and that of the loads.
+    pub(super) fn works(&self) -> [f64; 2] {
+        [-dot(&self.u, &self.bond_forces), dot(&self.u, &self.outer)]
+    }
+
+    /// The residual at the displacements, and the reaction to compare it with.
+    fn residual(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        forces: Forces,
+    ) -> Result<[f64; 2], Error> {
+        self.evaluate(body, forces)?;
+        let residual = &mut self.solver.residual;
+        residual.clear();
+        let mut reaction = 0.0;
+        for ((&force, &outer), &free) in self.bond_forces.iter().zip(&self.outer).zip(&self.free) {
+            residual.push(if free { force + outer } else { 0.0 });
+            reaction += if free { outer * outer } else { force * force };
+        }
+        let least = LEAST_REACTION * self.largest_reaction;
+        Ok([norm(residual), f64::max(reaction.sqrt(), least)])
+    }
+
+    /// Finds equilibrium from the present displacements, with those that are prescribed in place; none where a part of the body
+    /// carries load and is held by nothing.
+    pub(super) fn equilibrate(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        (from, load): (f64, f64),
+        forces: Forces,
+    ) -> Result<Option<Solved>, Error> {
+        let EquilibriumConfig { method, tolerance: limit, most_iterations: most, .. } = self.config;
+        let mut iterations = 0;
+        for newton in 0..MOST_NEWTON {
+            let [left, reaction] = self.residual(body, forces)?;
+            let residual = if left > 0.0 { left / reaction } else { 0.0 };
+            if residual <= limit {
+                self.largest_reaction = self.largest_reaction.max(reaction);
+                self.learn(iterations, body)?;
+                return Ok(Some(Solved { iterations, residual }));
+            }
+            if !left.is_finite() {
+                return Err(Error::LoadStep { from, load, iterations: newton, residual, limit });
+            }
+            // Newton's method needs three digits of a step; a linear system is solved once.
+            let tangent = forces == Forces::Body && body.strain() == Strain::Finite;
+            let goal = if tangent {
+                f64::max(1e-3 * left, 0.3 * limit * reaction)
+            } else {
+                0.7 * limit * reaction
+            };
+            let stop = match method {
+                EquilibriumMethod::ConjugateGradients => {
+                    self.correct(body, (goal, most - iterations), forces)?
+                }
+                EquilibriumMethod::DynamicRelaxation => {
+                    self.relax(body, (limit, most - iterations), forces)?
+                }
+            };
+            match stop {
+                Stop::Solved(used) => iterations += used,
+                Stop::Singular => return Ok(None),
+                Stop::Stalled(left) => {
+                    let residual = left / reaction;
+                    return Err(Error::NotInEquilibrium {
+                        load,
+                        residual,
+                        iterations: most,
+                        limit,
+                    });
+                }
+            }
+        }
+        let [left, reaction] = self.residual(body, forces)?;
+        let residual = left / reaction;
+        Err(Error::LoadStep { from, load, iterations: MOST_NEWTON, residual, limit })
+    }
+
+    /// Moves the displacements by the solution of the linear system of the residual.
+    fn correct(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        goal: (f64, usize),
+        forces: Forces,
+    ) -> Result<Stop, Error> {
+        let is_linear = forces == Forces::Secant || body.strain() == Strain::Linear;
+        let spacing = body.nodes().spacing();
+        let Self { u, bond_forces, free, preconditioner, solver, moved, .. } = self;
+        let mut change = vec![0.0; u.len()];
+        let stop = solver.solve(
+            &mut change,
+            goal,
+            self.stiffest,
+            |residual, image| preconditioner.apply(residual, image),
+            |v, image| {
+                if is_linear {
+                    body.secant_forces(v, image)?;
+                    for (image, &free) in image.iter_mut().zip(&*free) {
+                        *image = if free { -*image } else { 0.0 };
+                    }
+                    return Ok(());
+                }
+                let largest = v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+                let scale = DIFFERENCE * spacing / largest;
+                moved.clear();
+                moved.extend(u.iter().zip(v).map(|(u, v)| u + scale * v));
+                body.forces(moved, image, AtStrength::Hold)?;
+                for ((image, &before), &free) in image.iter_mut().zip(&*bond_forces).zip(&*free) {
+                    *image = if free { (before - *image) / scale } else { 0.0 };
+                }
+                Ok(())
+            },
+        )?;
+        for (u, change) in u.iter_mut().zip(change) {
+            *u += change;
+        }
+        Ok(stop)
+    }
+
+    /// Moves the displacements by dynamic relaxation.
+    fn relax(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        goal: (f64, usize),
+        forces: Forces,
+    ) -> Result<Stop, Error> {
+        let relaxation = Relaxation::new(body.nodes(), body.bonds(), &self.weights, &self.free);
+        let mut u = self.u.clone();
+        let stop = relaxation.relax(&mut u, goal, |u, residual| {
+            std::mem::swap(&mut self.u, u);
+            let norms = self.residual(body, forces);
+            std::mem::swap(&mut self.u, u);
+            residual.clone_from(&self.solver.residual);
+            norms
+        })?;
+        self.u = u;
+        Ok(stop)
+    }
+
+    /// Makes the coarse matrix anew where iterations have grown by half since it was made.
+    fn learn(&mut self, iterations: usize, body: &dyn Body<f64, D, 1>) -> Result<(), Error> {
+        if self.renewed {
+            // Of the first solution from afar nothing is learnt about the next ones, which start near.
+            self.expected = (iterations > 0).then_some(iterations);
+            self.renewed = false;
+        } else if self.expected.is_some_and(|expected| 2 * iterations > 3 * expected + 4) {
+            self.preconditioner.renew(body.nodes(), body.bonds(), &self.weights)?;
+            self.renewed = true;
+        }
+        Ok(())
+    }
+
+    /// The largest stretch of a bond over that at which it next changes, and which bond; none where no bond is stretched.
+    pub(super) fn most_critical(
+        &self,
+        body: &dyn Body<f64, D, 1>,
+        strain: Strain,
+    ) -> Option<(usize, f64)> {
+        let mut most: Option<(usize, f64)> = None;
+        self.for_each_ratio(body, strain, |bond, ratio| {
+            if ratio > most.map_or(0.0, |most| most.1) {
+                most = Some((bond, ratio));
+            }
+        });
+        most
+    }
+
+    /// Bonds whose stretch is at least so large a part of that at which they next change.
+    pub(super) fn critical_from(
+        &self,
+        body: &dyn Body<f64, D, 1>,
+        strain: Strain,
+        least: f64,
+    ) -> Vec<(usize, f64)> {
+        let mut found = Vec::new();
+        self.for_each_ratio(body, strain, |bond, ratio| {
+            if ratio >= least {
+                found.push((bond, ratio));
+            }
+        });
+        found
+    }
+
+    fn for_each_ratio(
+        &self,
+        body: &dyn Body<f64, D, 1>,
+        strain: Strain,
+        mut each: impl FnMut(usize, f64),
+    ) {
+        let (x, u, bonds) = (body.nodes().positions(), self.u.as_chunks::<D>().0, body.bonds());
+        for i in 0..x.len() {
+            for bond in bonds.row(i) {
+                let critical = self.critical[bond];
+                if critical <= 0.0 {
+                    continue;
+                }
+                let j = bonds.partner(bond);
+                let (mut along, mut square) = (0.0, 0.0);
+                for k in 0..D {
+                    let eta = u[j][k] - u[i][k];
+                    along += eta * (x[j][k] - x[i][k]);
+                    square += eta * eta;
+                }
+                let ratio = match strain {
+                    Strain::Linear => along * critical,
+                    Strain::Finite => {
+                        let square_length = bonds.all()[bond].length.powi(2);
+                        let w = (2.0 * along + square) / square_length;
+                        Strain::Finite.stretch(w) * critical * square_length
+                    }
+                };
+                each(bond, ratio);
+            }
+        }
+    }
+
+    /// Takes a bond past where it next changes, or past its stretch where that is larger; `ratio` is its stretch over that.
+    pub(super) fn pass(
+        &mut self,
+        body: &mut dyn Body<f64, D, 1>,
+        (bond, ratio): (usize, f64),
+    ) -> Result<(), Error> {
+        let stretch = self.trigger(body, bond) * ratio.max(1.0);
+        body.pass(bond, (1.0 + self.config.tooth) * stretch);
+        let of = body.bonds().all()[bond];
+        let weight = of.stiffness * body.secant(bond, 0) / of.length;
+        let change = weight - std::mem::replace(&mut self.weights[bond], weight);
+        self.critical[bond] = self.critical_of(body, bond);
+        let ends = body.bonds().ends(bond);
+        self.preconditioner.change(ends, direction(body.nodes(), ends, of.length), change)
+    }
+}

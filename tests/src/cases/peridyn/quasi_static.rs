@@ -1,0 +1,146 @@
+//! A notched plate in quasi-static equilibrium against a slow explicit run: path of the crack, peak load, balance of energy.
+
+use peridyn_sde::EquilibriumConfig;
+use work_precision::problems::peridyn::slow_plate::{Pulled, SlowPlate};
+
+use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::lines::Lines;
+use crate::report::Claim;
+
+pub(crate) const CASE: Case = Case {
+    id: "peridyn-sde/quasi-static",
+    title: "A notched plate with a hole, pulled to failure event by event, in load steps, and by slow explicit steps",
+    source: "the crate's explicit overdamped run; work = stored + released energy",
+    cost: Profile::Default,
+    schedule: Schedule::Together,
+    run,
+};
+
+const EVENTS: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
+
+/// Bonds that break together, and how far the run was seen from that one bond at a time.
+struct Batch {
+    name: &'static str,
+    /// Part of the stretch over strength of the most critical bond.
+    part: f64,
+    /// Of the paths, in spacings.
+    path: (f64, f64),
+    /// Of the peak, relative.
+    peak: (f64, f64),
+}
+
+const BATCHES: [Batch; 2] = [
+    Batch { name: "batch-0.01", part: 0.01, path: (0.5, 1.5), peak: (-0.005, 0.005) },
+    Batch { name: "batch-0.05", part: 0.05, path: (0.5, 1.6), peak: (0.03, 0.08) },
+];
+
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let mut claims = small(context)?;
+    if context.profile == Profile::Full {
+        claims.extend(large(context)?);
+    } else {
+        context.skip("256 x 256 nodes");
+    }
+    Ok(claims)
+}
+
+const PATH: &str = "largest distance in height of the cracks, in spacings";
+const A_SPACING: &str =
+    "a spacing, as asked: a path is read from the damage of nodes that are a spacing apart";
+
+/// One bond at a time, against two explicit runs and against batches.
+fn small(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let plate = SlowPlate::new(64)?;
+    context.progress("64 x 64 nodes, event by event");
+    let reference = plate.by_events(EVENTS)?;
+    context.progress("64 x 64 nodes, explicit steps");
+    let [fast, slow] = [20_000, 80_000].map(|n_steps| plate.explicit(n_steps));
+    let (fast, slow) = (fast?, slow?);
+    let lines = lines(context, "n-64", 64, "one bond at a time");
+    let mut claims = of_run(&lines, &reference)?;
+    claims.push(lines.bounded(
+        ("path/explicit", &format!("{PATH}, against 80,000 explicit overdamped steps"), ""),
+        apart(&plate, &reference, &slow)?,
+        1.0,
+        A_SPACING,
+    ));
+    claims.push(lines.relative(
+        ("peak/explicit", "largest load, against explicit runs of 20,000 and 80,000 steps, extrapolated to infinitely many", ""),
+        reference.peak,
+        slow.peak + (slow.peak - fast.peak) / 3.0,
+        0.01,
+        "the load lags behind in proportion to the rate, and the extrapolation takes off 2.2 % of it: a third of that is left, and what the loads of an explicit run, every 16 steps, miss",
+    ));
+    for Batch { name, part: batch, path, peak } in BATCHES {
+        context.progress(&format!("64 x 64 nodes, {name}"));
+        let found = plate.by_events(EquilibriumConfig { batch, ..EVENTS })?;
+        let id = format!("n-64/{name}");
+        let lines = self::lines(context, &id, 64, &format!("batch {batch}"));
+        let reason = "bonds that break together would not all break if the first were let go alone";
+        claims.push(lines.measured(
+            ("path", &format!("{PATH}, against one bond at a time"), ""),
+            apart(&plate, &found, &reference)?,
+            path,
+            reason,
+        ));
+        claims.push(lines.measured(
+            ("peak", "largest load over that one bond at a time, less one", ""),
+            found.peak / reference.peak - 1.0,
+            peak,
+            reason,
+        ));
+    }
+    Ok(claims)
+}
+
+/// In batches, against an explicit run.
+fn large(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    let plate = SlowPlate::new(256)?;
+    context.progress("256 x 256 nodes, event by event");
+    let batch = 0.02;
+    let found = plate.by_events(EquilibriumConfig { batch, tolerance: 1e-6, ..EVENTS })?;
+    context.progress("256 x 256 nodes, explicit steps");
+    let explicit = plate.explicit(80_000)?;
+    let lines = lines(context, "n-256", 256, "batch 0.02, tolerance 1e-6");
+    Ok(vec![lines.bounded(
+        ("path/explicit", &format!("{PATH}, against 80,000 explicit overdamped steps"), ""),
+        apart(&plate, &found, &explicit)?,
+        1.0,
+        A_SPACING,
+    )])
+}
+
+fn lines<'a>(context: &'a Context<'a>, id: &'a str, n: usize, how: &str) -> Lines<'a> {
+    let method =
+        format!("{n} x {n} nodes, horizon 3.015 dx, linear strains, event by event, {how}");
+    Lines { context, id, method }
+}
+
+fn of_run(lines: &Lines<'_>, found: &Pulled) -> Result<Vec<Claim>, CaseError> {
+    Ok(vec![
+        lines.bounded(
+            ("balance", "work of the reactions less stored and released energy, over the work, at its largest", ""),
+            found.imbalance.ok_or("no bond broke")?,
+            1.5e-8,
+            "the residual of each equilibrium is 1e-8 of the reaction",
+        ),
+        lines.bounded(
+            ("residual", "largest residual of an equilibrium, over the reaction", ""),
+            found.residual,
+            EVENTS.tolerance,
+            "the tolerance that is asked",
+        ),
+    ])
+}
+
+fn apart(plate: &SlowPlate, one: &Pulled, two: &Pulled) -> Result<f64, CaseError> {
+    let (Some(one), Some(two)) = (&one.path, &two.path) else {
+        return Err("no crack grew from the notch".into());
+    };
+    let (worst, columns) = plate.apart(one, two);
+    // To the hole it is a fifth of the width.
+    if columns as f64 * plate.nodes.spacing() < 0.1 {
+        return Err(format!("the cracks share no more than {columns} columns").into());
+    }
+    Ok(worst)
+}

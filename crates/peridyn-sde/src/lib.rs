@@ -34,6 +34,7 @@ mod resistance;
 mod saved;
 mod scheme;
 mod simulation;
+mod solid;
 pub mod statistics;
 mod steps;
 mod stiffest;
@@ -70,5 +71,8 @@ pub use repulsion::Repulsion;
 pub use saved::SavedState;
 pub use scheme::{Dynamics, Scheme};
 pub use simulation::Simulation;
+pub use solid::{
+    BondFailure, SolidBonds, SolidNetwork, critical_bond_energy, critical_stretch_of_solid,
+};
 pub use strain::Strain;
 pub use surface::SurfaceCorrection;

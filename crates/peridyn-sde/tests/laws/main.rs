@@ -19,4 +19,5 @@ mod paths;
 mod repulsion;
 mod repulsion_bits;
 mod shards;
+mod solid;
 mod statics;

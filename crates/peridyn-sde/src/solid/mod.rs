@@ -1,0 +1,10 @@
+//! The linear peridynamic solid: bonds whose tension depends on the dilatation at both of their ends.
+
+mod bonds;
+mod criterion;
+mod network;
+mod surface;
+
+pub use bonds::SolidBonds;
+pub use criterion::{critical_bond_energy, critical_stretch_of_solid};
+pub use network::{BondFailure, SolidNetwork};

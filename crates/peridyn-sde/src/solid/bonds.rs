@@ -55,6 +55,8 @@ pub struct SolidBonds {
     /// For each node `D^2 A/(m^2 V)`.
     nodal: Vec<f64>,
     weighted_volumes: Vec<f64>,
+    /// `B` (stress).
+    b: f64,
 }
 
 /// Moduli of the law.
@@ -147,6 +149,7 @@ impl SolidBonds {
             bonds,
             volumes,
             weighted_volumes: m,
+            b: moduli.b,
         })
     }
 
@@ -175,5 +178,10 @@ impl SolidBonds {
     /// `D^2 A/(m^2 V)` of each node.
     pub(crate) fn nodal(&self) -> &[f64] {
         &self.nodal
+    }
+
+    /// `B/m` of a node.
+    pub(crate) fn distortion(&self, node: usize) -> f64 {
+        self.b / self.weighted_volumes[node]
     }
 }

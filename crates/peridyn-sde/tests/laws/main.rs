@@ -20,4 +20,5 @@ mod repulsion;
 mod repulsion_bits;
 mod shards;
 mod solid;
+mod solid_lattice;
 mod statics;

@@ -9,7 +9,7 @@ use crate::broken_bond::BrokenBond;
 use crate::config::SimulationConfig;
 use crate::crossing::Crossing;
 use crate::error::Error;
-use crate::fast::{BondList, LatticeBody, SolidLattice};
+use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
 use crate::loading::Loading;
 use crate::motion::Motion;
 use crate::nodes::Nodes;
@@ -115,12 +115,22 @@ impl<T: Real, const D: usize> Solids<T, D> {
     const HERE: Self = Self { new: SolidLattice::undamaged, pull: SolidLattice::pull };
 }
 
+/// What goes through all bonds of a linear peridynamic solid in a list.
+pub(crate) struct SolidLists<T, const D: usize, const L: usize> {
+    pub(crate) pull: Pull<SolidList<T, D, L>, T>,
+}
+
+impl<T: Real, const D: usize, const L: usize> SolidLists<T, D, L> {
+    const HERE: Self = Self { pull: SolidList::pull };
+}
+
 /// All of them.
 struct All<T, const D: usize, const L: usize> {
     motions: Motions<T, D, L>,
     lists: Lists<T, D, L>,
     lattices: Lattices<T, D>,
     solids: Solids<T, D>,
+    solid_lists: SolidLists<T, D, L>,
 }
 
 impl<T: Real, const D: usize, const L: usize> All<T, D, L> {
@@ -129,6 +139,7 @@ impl<T: Real, const D: usize, const L: usize> All<T, D, L> {
         lists: Lists::HERE,
         lattices: Lattices::HERE,
         solids: Solids::HERE,
+        solid_lists: SolidLists::HERE,
     };
 
     /// Whether they are compiled with this crate. Unit tests compile what they run.
@@ -204,5 +215,15 @@ pub(crate) fn solids<T: Real, const D: usize>() -> &'static Solids<T, D> {
         &All::<T, D, 1>::of_this_crate().solids
     } else {
         const { &Solids::HERE }
+    }
+}
+
+/// The passes over lists of a linear peridynamic solid.
+pub(crate) fn solid_lists<T: Real, const D: usize, const L: usize>() -> &'static SolidLists<T, D, L>
+{
+    if const { All::<T, D, L>::COMPILED } {
+        &All::of_this_crate().solid_lists
+    } else {
+        const { &SolidLists::HERE }
     }
 }

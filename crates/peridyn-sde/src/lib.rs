@@ -53,7 +53,7 @@ pub use ensemble::{
     CrackRun, CrackShard, CrackStudy, FinalState, Stiffness, Strength, merge_shards,
 };
 pub use error::Error;
-pub use fast::{BondList, LatticeBody, SolidLattice};
+pub use fast::{BondList, LatticeBody, SolidLattice, SolidList};
 pub use horizon::Horizon;
 pub use law::BondLaw;
 pub use loading::{Loading, Program};

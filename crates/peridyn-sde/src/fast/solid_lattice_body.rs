@@ -7,7 +7,7 @@ use crate::compiled::solids;
 use crate::error::Error;
 use crate::nodes::Nodes;
 use crate::real::Real;
-use crate::solid::SolidBonds;
+use crate::solid::{SolidBonds, energy};
 use crate::strain::Strain;
 
 impl<T: Real, const D: usize> SolidLattice<T, D> {
@@ -60,19 +60,7 @@ impl<T: Real, const D: usize> Body<T, D, 1> for SolidLattice<T, D> {
     }
 
     fn energy(&self, u: &[T], lane: usize) -> f64 {
-        let (bonds, weights) = (self.bonds(), self.solid.weights());
-        let (mut sums, mut energy) = (vec![0.0; bonds.n_nodes()], 0.0);
-        for (bond, ((i, j), of)) in bonds.pairs().zip(bonds.all()).enumerate() {
-            if self.intact(bond) != 0 {
-                let stretch = self.stretch(bond, (i, j), u, lane);
-                energy += 0.5 * of.stiffness * of.length * stretch * stretch;
-                let part = weights[bond] * of.length * of.length * stretch;
-                sums[i] += part;
-                sums[j] += part;
-            }
-        }
-        let of_nodes = self.solid.nodal().iter().zip(&sums).map(|(n, sum)| 0.5 * n * sum * sum);
-        energy + of_nodes.sum::<f64>()
+        energy(self, &self.solid, u, lane)
     }
 
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {

@@ -247,7 +247,11 @@ impl<T: Real, const D: usize> ForceRow<'_, T, D> {
 
 /// A number of bonds, zero where they are broken.
 #[inline(always)]
-fn intact<T: Real, R: Registers<T>>(registers: R, of: R::Vector, word: LaneBits) -> R::Vector {
+pub(super) fn intact<T: Real, R: Registers<T>>(
+    registers: R,
+    of: R::Vector,
+    word: LaneBits,
+) -> R::Vector {
     let all = LaneBits::MAX >> (MOST_LANES - R::N);
     if R::MASKS_ARE_BITS || word & all != all {
         return R::Vector::select(registers.mask(word.into()), of, registers.splat(T::ZERO));

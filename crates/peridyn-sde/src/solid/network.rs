@@ -28,7 +28,7 @@ pub enum BondFailure {
 
 /// A body of a linear peridynamic solid, whose law is that of [`SolidBonds`]. One realisation, in `f64`, without registers: the
 /// reference of [`SolidLattice`](crate::SolidLattice), and the body of unequal nodes, strengths, and of failure by energy.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct SolidNetwork<const D: usize> {
     nodes: Nodes<D>,
     solid: SolidBonds,
@@ -37,14 +37,13 @@ pub struct SolidNetwork<const D: usize> {
     intact: Vec<bool>,
     /// Done on each bond, where it breaks by energy.
     work: Vec<f64>,
+    /// Of bonds and of nodes, in an evaluation of forces.
+    stretches: Vec<f64>,
+    sums: Vec<f64>,
 }
 
-/// A bond as deformed.
-struct Deformed<const D: usize> {
-    stretch: f64,
-    /// From the first node to the second, of length one.
-    direction: [f64; D],
-}
+/// The stretch of a bond that carries nothing, which none that does can have.
+const NONE: f64 = f64::NEG_INFINITY;
 
 impl<const D: usize> SolidNetwork<D> {
     /// A body at rest, unbroken.
@@ -72,7 +71,8 @@ impl<const D: usize> SolidNetwork<D> {
             BondFailure::Energy(_) => vec![0.0; bonds.len()],
         };
         let intact = vec![true; bonds.len()];
-        Ok(Self { nodes, solid, strain, failure, intact, work })
+        let (stretches, sums) = (Vec::new(), Vec::new());
+        Ok(Self { nodes, solid, strain, failure, intact, work, stretches, sums })
     }
 
     /// The dilatation `theta` of each node under displacements (length).
@@ -80,7 +80,7 @@ impl<const D: usize> SolidNetwork<D> {
     /// # Errors
     /// Those of the forces.
     pub fn dilatations(&self, u: &[[f64; D]]) -> Result<Vec<f64>, Error> {
-        let mut sums = self.sums(&self.deformed(u, self.strain)?);
+        let mut sums = self.sums(&self.stretches(u)?);
         let of_nodes = self.nodes.volumes().iter().zip(self.solid.weighted_volumes());
         for (sum, (volume, m)) in sums.iter_mut().zip(of_nodes) {
             *sum *= D as f64 / (volume * m);
@@ -93,19 +93,19 @@ impl<const D: usize> SolidNetwork<D> {
     /// # Errors
     /// Those of the forces.
     pub fn energies(&self, u: &[[f64; D]]) -> Result<Vec<f64>, Error> {
-        Ok(self.energies_of(&self.deformed(u, self.strain)?))
+        Ok(self.energies_of(&self.stretches(u)?))
     }
 
-    fn energies_of(&self, deformed: &[Option<Deformed<D>>]) -> Vec<f64> {
+    fn energies_of(&self, stretches: &[f64]) -> Vec<f64> {
         let (bonds, m) = (self.solid.bonds(), self.solid.weighted_volumes());
-        let mut energies = self.sums(deformed);
+        let mut energies = self.sums(stretches);
         for (energy, n) in energies.iter_mut().zip(self.solid.nodal()) {
             *energy = 0.5 * n * *energy * *energy;
         }
-        for (((i, j), of), now) in bonds.pairs().zip(bonds.all()).zip(deformed) {
-            if let Some(now) = now {
+        for (((i, j), of), &stretch) in bonds.pairs().zip(bonds.all()).zip(stretches) {
+            if stretch > NONE {
                 // The part of either end is inverse to its weighted volume.
-                let energy = 0.5 * of.stiffness * of.length * now.stretch * now.stretch;
+                let energy = 0.5 * of.stiffness * of.length * stretch * stretch;
                 energies[i] += energy * m[j] / (m[i] + m[j]);
                 energies[j] += energy * m[i] / (m[i] + m[j]);
             }
@@ -119,50 +119,75 @@ impl<const D: usize> SolidNetwork<D> {
         &self.work
     }
 
-    /// The intact bonds; `None` for the others.
-    fn deformed(&self, u: &[[f64; D]], strain: Strain) -> Result<Vec<Option<Deformed<D>>>, Error> {
-        same_length("displacements", u.len(), self.nodes.positions().len())?;
+    /// Of the intact bonds, [`NONE`] of the others.
+    fn stretches(&self, u: &[[f64; D]]) -> Result<Vec<f64>, Error> {
+        let mut stretches = Vec::new();
+        self.find_stretches(u, self.strain, &mut stretches)?;
+        Ok(stretches)
+    }
+
+    fn find_stretches(
+        &self,
+        u: &[[f64; D]],
+        strain: Strain,
+        stretches: &mut Vec<f64>,
+    ) -> Result<(), Error> {
+        let bonds = self.solid.bonds();
+        same_length("displacements", u.len(), bonds.n_nodes())?;
         for (node, u) in u.iter().enumerate() {
             if let Some(&value) = u.iter().find(|c| !c.is_finite()) {
                 return Err(Error::Node { name: "a displacement", node, value, must: "finite" });
             }
         }
-        let of = |(bond, (i, j)): (usize, (usize, usize))| {
-            if !self.intact[bond] {
-                return Ok(None);
+        stretches.clear();
+        let is_linear = strain == Strain::Linear;
+        for i in 0..bonds.n_nodes() {
+            for bond in bonds.row(i) {
+                if !self.intact[bond] {
+                    stretches.push(NONE);
+                    continue;
+                }
+                let j = bonds.partner(bond);
+                let (x, r) = (self.nodes.positions(), bonds.all()[bond].length);
+                let (mut elongation, mut square) = (0.0, 0.0);
+                for k in 0..D {
+                    let (xi, eta) = (x[j][k] - x[i][k], u[j][k] - u[i][k]);
+                    let now = if is_linear { xi } else { xi + eta };
+                    elongation += eta * (xi + now);
+                    square += now * now;
+                }
+                let length = square.sqrt();
+                if length <= 0.0 {
+                    return Err(Error::Coincident { first: i, second: j });
+                }
+                // With linear strains the length is r, but for roundoff.
+                stretches.push(elongation / (r * (r + length)));
             }
-            let (x, r) = (self.nodes.positions(), self.solid.bonds().all()[bond].length);
-            let (mut now, mut elongation, mut square) = ([0.0; D], 0.0, 0.0);
-            for k in 0..D {
-                let (xi, eta) = (x[j][k] - x[i][k], u[j][k] - u[i][k]);
-                now[k] = if strain == Strain::Linear { xi } else { xi + eta };
-                elongation += eta * (xi + now[k]);
-                square += now[k] * now[k];
-            }
-            let length = square.sqrt();
-            if length <= 0.0 {
-                return Err(Error::Coincident { first: i, second: j });
-            }
-            // With linear strains the length is r, but for roundoff.
-            let stretch = elongation / (r * (r + length));
-            Ok(Some(Deformed { stretch, direction: now.map(|c| c / length) }))
-        };
-        self.solid.bonds().pairs().enumerate().map(of).collect()
+        }
+        Ok(())
     }
 
     /// `sum omega beta V_i V_j |xi| e` of each node.
-    fn sums(&self, deformed: &[Option<Deformed<D>>]) -> Vec<f64> {
-        let bonds = self.solid.bonds();
-        let mut sums = vec![0.0; bonds.n_nodes()];
-        for (bond, ((i, j), now)) in bonds.pairs().zip(deformed).enumerate() {
-            if let Some(now) = now {
-                let length = bonds.all()[bond].length;
-                let part = self.solid.weights()[bond] * length * length * now.stretch;
-                sums[i] += part;
-                sums[j] += part;
-            }
-        }
+    fn sums(&self, stretches: &[f64]) -> Vec<f64> {
+        let mut sums = Vec::new();
+        self.find_sums(stretches, &mut sums);
         sums
+    }
+
+    fn find_sums(&self, stretches: &[f64], sums: &mut Vec<f64>) {
+        let bonds = self.solid.bonds();
+        sums.clear();
+        sums.resize(bonds.n_nodes(), 0.0);
+        for i in 0..bonds.n_nodes() {
+            let mut sum = 0.0;
+            for bond in bonds.row(i).filter(|&bond| stretches[bond] > NONE) {
+                let length = bonds.all()[bond].length;
+                let part = self.solid.weights()[bond] * length * length * stretches[bond];
+                sum += part;
+                sums[bonds.partner(bond)] += part;
+            }
+            sums[i] += sum;
+        }
     }
 
     /// The tension of a bond, given the sums of its ends.
@@ -172,17 +197,59 @@ impl<const D: usize> SolidNetwork<D> {
         of.stiffness * stretch + self.solid.weights()[bond] * of.length * of_dilatation
     }
 
-    fn add_forces(&self, deformed: &[Option<Deformed<D>>], forces: &mut [[f64; D]]) {
-        let sums = self.sums(deformed);
+    /// Forces by bonds of these stretches.
+    fn find_forces(
+        &self,
+        (u, strain): (&[[f64; D]], Strain),
+        (stretches, sums): (&[f64], &[f64]),
+        forces: &mut [[f64; D]],
+    ) {
+        let (bonds, x) = (self.solid.bonds(), self.nodes.positions());
+        let moved = if strain == Strain::Linear { 0.0 } else { 1.0 };
         forces.fill([0.0; D]);
-        for (bond, ((i, j), now)) in self.solid.bonds().pairs().zip(deformed).enumerate() {
-            let Some(Deformed { stretch, direction }) = now else { continue };
-            let tension = self.tension((i, j), bond, *stretch, &sums);
+        for i in 0..bonds.n_nodes() {
+            let mut sum = [0.0; D];
+            for bond in bonds.row(i).filter(|&bond| stretches[bond] > NONE) {
+                let (j, stretch) = (bonds.partner(bond), stretches[bond]);
+                let length = bonds.all()[bond].length * (1.0 + moved * stretch);
+                let tension = self.tension((i, j), bond, stretch, sums) / length;
+                for k in 0..D {
+                    let now = x[j][k] - x[i][k] + moved * (u[j][k] - u[i][k]);
+                    sum[k] += tension * now;
+                    forces[j][k] -= tension * now;
+                }
+            }
             for k in 0..D {
-                forces[i][k] += tension * direction[k];
-                forces[j][k] -= tension * direction[k];
+                forces[i][k] += sum[k];
             }
         }
+    }
+
+    /// Forces under displacements; bonds at their strength carry none where they are to break.
+    fn evaluate(
+        &mut self,
+        (u, strain): (&[f64], Strain),
+        forces: &mut [f64],
+        at: AtStrength<'_>,
+    ) -> Result<(), Error> {
+        same_length("displacements", u.len(), self.nodes.positions().len() * D)?;
+        same_length("forces", forces.len(), u.len())?;
+        let u = u.as_chunks().0;
+        let (mut stretches, mut sums) =
+            (std::mem::take(&mut self.stretches), std::mem::take(&mut self.sums));
+        self.find_stretches(u, strain, &mut stretches)?;
+        if let (AtStrength::Break(reached), BondFailure::Stretch(strengths)) = (at, &self.failure) {
+            for (bond, (stretch, &strength)) in stretches.iter_mut().zip(strengths).enumerate() {
+                if *stretch >= strength {
+                    *stretch = NONE;
+                    reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                }
+            }
+        }
+        self.find_sums(&stretches, &mut sums);
+        self.find_forces((u, strain), (&stretches, &sums), forces.as_chunks_mut().0);
+        (self.stretches, self.sums) = (stretches, sums);
+        Ok(())
     }
 
     /// Takes the work of each bond over a step and adds the bonds that break to a list.
@@ -192,16 +259,19 @@ impl<const D: usize> SolidNetwork<D> {
         broken: &mut Vec<BrokenBond>,
     ) -> Result<(), Error> {
         let BondFailure::Energy(critical) = &self.failure else { return Ok(()) };
-        let (before, after) = (self.deformed(from, self.strain)?, self.deformed(to, self.strain)?);
+        let (before, after) = (self.stretches(from)?, self.stretches(to)?);
         let sums = [self.sums(&before), self.sums(&after)];
         let (bonds, volumes) = (self.solid.bonds(), self.solid.volumes());
         let mut work = std::mem::take(&mut self.work);
         for (bond, (pair, of)) in bonds.pairs().zip(bonds.all()).enumerate() {
-            let (Some(before), Some(after)) = (&before[bond], &after[bond]) else { continue };
-            let tension = self.tension(pair, bond, before.stretch, &sums[0])
-                + self.tension(pair, bond, after.stretch, &sums[1]);
-            work[bond] += 0.5 * tension * of.length * (after.stretch - before.stretch);
-            if after.stretch > 0.0 && work[bond] >= critical[bond] * volumes[bond] {
+            let (before, after) = (before[bond], after[bond]);
+            if before <= NONE {
+                continue;
+            }
+            let tension = self.tension(pair, bond, before, &sums[0])
+                + self.tension(pair, bond, after, &sums[1]);
+            work[bond] += 0.5 * tension * of.length * (after - before);
+            if after > 0.0 && work[bond] >= critical[bond] * volumes[bond] {
                 broken.push(BrokenBond { bond, lanes: 1, cause: Cause::Energy });
             }
         }
@@ -220,18 +290,7 @@ impl<const D: usize> Body<f64, D, 1> for SolidNetwork<D> {
     }
 
     fn forces(&mut self, u: &[f64], forces: &mut [f64], at: AtStrength<'_>) -> Result<(), Error> {
-        same_length("displacements", u.len(), self.nodes.positions().len() * D)?;
-        same_length("forces", forces.len(), u.len())?;
-        let mut deformed = self.deformed(u.as_chunks().0, self.strain)?;
-        if let (AtStrength::Break(reached), BondFailure::Stretch(strengths)) = (at, &self.failure) {
-            for (bond, (now, &strength)) in deformed.iter_mut().zip(strengths).enumerate() {
-                if now.take_if(|now| now.stretch >= strength).is_some() {
-                    reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
-                }
-            }
-        }
-        self.add_forces(&deformed, forces.as_chunks_mut().0);
-        Ok(())
+        self.evaluate((u, self.strain), forces, at)
     }
 
     fn intact(&self, bond: usize) -> u16 {
@@ -262,16 +321,14 @@ impl<const D: usize> Body<f64, D, 1> for SolidNetwork<D> {
     }
 
     fn energy(&self, u: &[f64], _lane: usize) -> f64 {
-        let Ok(deformed) = self.deformed(u.as_chunks().0, self.strain) else { return f64::NAN };
-        self.energies_of(&deformed).iter().sum()
+        match self.stretches(u.as_chunks().0) {
+            Ok(stretches) => self.energies_of(&stretches).iter().sum(),
+            Err(_) => f64::NAN,
+        }
     }
 
     fn linear_forces(&mut self, v: &[f64], forces: &mut [f64]) -> Result<(), Error> {
-        same_length("displacements", v.len(), self.nodes.positions().len() * D)?;
-        same_length("forces", forces.len(), v.len())?;
-        let deformed = self.deformed(v.as_chunks().0, Strain::Linear)?;
-        self.add_forces(&deformed, forces.as_chunks_mut().0);
-        Ok(())
+        self.evaluate((v, Strain::Linear), forces, AtStrength::Hold)
     }
 
     fn has_memory(&self) -> bool {

@@ -21,4 +21,5 @@ mod repulsion_bits;
 mod shards;
 mod solid;
 mod solid_lattice;
+mod solid_list;
 mod statics;

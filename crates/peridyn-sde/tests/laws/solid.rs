@@ -277,7 +277,11 @@ fn a_homogeneous_strain_has_the_energy_of_the_elastic_body() {
 }
 
 /// Equilibrium under forces, by conjugate gradients.
-fn at_rest<const D: usize>(body: &mut SolidNetwork<D>, load: &[[f64; D]]) -> Vec<[f64; D]> {
+fn at_rest<const D: usize>(
+    body: &mut SolidNetwork<D>,
+    load: &[[f64; D]],
+    is_held: &dyn Fn(usize) -> bool,
+) -> Vec<[f64; D]> {
     let b = load.as_flattened();
     let (mut u, mut r) = (vec![0.0; b.len()], b.to_vec());
     let (mut p, mut image) = (r.clone(), r.clone());
@@ -286,6 +290,11 @@ fn at_rest<const D: usize>(body: &mut SolidNetwork<D>, load: &[[f64; D]]) -> Vec
     let end = 1e-18 * square;
     while square > end {
         body.linear_forces(&p, &mut image).unwrap();
+        for (node, image) in image.as_chunks_mut::<D>().0.iter_mut().enumerate() {
+            if is_held(node) {
+                *image = [0.0; D];
+            }
+        }
         let along = -square / dot(&p, &image);
         for at in 0..b.len() {
             u[at] += along * p[at];
@@ -298,6 +307,67 @@ fn at_rest<const D: usize>(body: &mut SolidNetwork<D>, load: &[[f64; D]]) -> Vec
         square = next;
     }
     u.as_chunks().0.to_vec()
+}
+
+/// Long runs of a small plate with linear strains: `cov(a u, b u) = kT a K^-1 b`, by an exact scheme far from small steps.
+#[test]
+fn the_stationary_covariance_is_kt_over_the_stiffness() {
+    const TEMPERATURE: f64 = 0.7;
+    const BATCHES: usize = 64;
+    let nodes = cube::<2>(4.0, PLANE_STRESS);
+    let solid = SolidBonds::new(&nodes, &config(2), 0.05).unwrap();
+    let failure = unbreakable(&solid);
+    let mut body = SolidNetwork::new(nodes, solid, Strain::Linear, failure).unwrap();
+    let is_held = |node: usize| node % 4 == 0;
+    let held: Vec<usize> = (0..16).filter(|&node| is_held(node)).collect();
+    let free: Vec<bool> = (0..16).map(|node| !is_held(node)).collect();
+    let weights = |of: f64| -> Vec<[f64; 2]> {
+        let entry = |node: usize, k: usize| (of + 1.3 * node as f64 + 2.1 * k as f64).sin();
+        (0..16).map(|i| [0, 1].map(|k| if is_held(i) { 0.0 } else { entry(i, k) })).collect()
+    };
+    let pairs = [(0.0, 0.0), (0.0, 0.9), (0.9, 0.9), (2.0, 0.9)];
+    let dot = |a: &[[f64; 2]], b: &[[f64; 2]]| -> f64 {
+        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+    };
+    let exact = pairs
+        .map(|(a, b)| TEMPERATURE * dot(&weights(a), &at_rest(&mut body, &weights(b), &is_held)));
+    let config = SimulationConfig {
+        dynamics: Dynamics::Overdamped {
+            mobility: Mobility::identity(&free, 1.0).unwrap(),
+            temperature: TEMPERATURE,
+            scheme: Scheme::LeimkuhlerMatthews,
+        },
+        dt: 1.0,
+        breaking: Breaking::AtEnds,
+        confinement: 0.0,
+        noise: Noise::new(8),
+    };
+    let loading = || Loading::new(16).hold(&held).unwrap();
+    let small = SimulationConfig { dt: 1e-6, ..config.clone() };
+    let z = Simulation::new(body.clone(), loading(), small, [0]).unwrap().relative_step();
+    let config = SimulationConfig { dt: 1.2e-6 / z, ..config };
+    let mut run = Simulation::new(body, loading(), config, [0]).unwrap();
+    for _ in 0..2000 {
+        let _ = run.step().unwrap();
+    }
+    let mut means = vec![[0.0; 4]; BATCHES];
+    for mean in &mut means {
+        for _ in 0..2000 {
+            let _ = run.step().unwrap();
+            let u = run.displacements(0);
+            for (mean, (a, b)) in mean.iter_mut().zip(pairs) {
+                *mean += dot(&weights(a), &u) * dot(&weights(b), &u) / 2000.0;
+            }
+        }
+    }
+    for (of, exact) in exact.iter().enumerate() {
+        let mean = means.iter().map(|batch| batch[of]).sum::<f64>() / BATCHES as f64;
+        let square: f64 = means.iter().map(|batch| (batch[of] - mean).powi(2)).sum();
+        let error = (square / (BATCHES * (BATCHES - 1)) as f64).sqrt();
+        assert!((mean - exact).abs() < 4.0 * error, "{of}: {mean} +- {error}, {exact}");
+        // The test sees an error of 10 % of a variance.
+        assert!(of % 2 == 1 || error < 0.025 * exact, "{of}: {error} of {exact}");
+    }
 }
 
 /// Poisson's ratio between the nodes beside the middle of a bar in two dimensions that is pulled at its ends.
@@ -314,7 +384,7 @@ fn poisson_ratio(
         [pull, 0.0]
     };
     let load: Vec<[f64; 2]> = nodes.positions().iter().map(load).collect();
-    let u = at_rest(&mut body, &load);
+    let u = at_rest(&mut body, &load, &|_| false);
     let elongation = |k: usize| {
         let at = |side: f64| {
             let mut place = [0.5 * length, 0.5 * width];

@@ -135,6 +135,15 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
         false
     }
 
+    /// Whether a bond that is intact at both ends of a step has a probability of having failed in between, given by its stretch at
+    /// both ends and the noise.
+    ///
+    /// # Errors
+    /// That with which [`Breaking::Bridge`](crate::Breaking::Bridge) is refused.
+    fn check_bridge(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Takes bonds over a step from one displacement to another and adds those that break to a list. With `crossing`, bonds
     /// that crossed their strength between the ends of the step break too.
     ///
@@ -148,16 +157,29 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
         crossing: Option<&mut Crossing<L>>,
         broken: &mut Vec<BrokenBond>,
     ) -> Result<(), Error> {
-        let Some(crossing) = crossing else { return Ok(()) };
-        for (bond, ends) in self.bonds().pairs().enumerate() {
-            let intact = self.intact(bond);
-            for lane in (0..L).filter(|lane| intact & 1 << lane != 0) {
-                let stretch = [from, to].map(|u| self.stretch(bond, ends, u, lane));
-                let over = BondOverStep { stretch, strength: self.strength(bond, lane) };
-                let cause = crossing.test(bond, lane, over);
-                broken.extend(cause.map(|cause| BrokenBond { bond, lanes: 1 << lane, cause }));
-            }
+        if let Some(crossing) = crossing {
+            test_all(self, crossing, (from, to), broken);
         }
         Ok(())
+    }
+}
+
+/// Tests every intact bond over a step from one displacement to another.
+pub(crate) fn test_all<B, T: Real, const D: usize, const L: usize>(
+    body: &B,
+    crossing: &mut Crossing<L>,
+    (from, to): (&[T], &[T]),
+    broken: &mut Vec<BrokenBond>,
+) where
+    B: Body<T, D, L> + ?Sized,
+{
+    for (bond, ends) in body.bonds().pairs().enumerate() {
+        let intact = body.intact(bond);
+        for lane in (0..L).filter(|lane| intact & 1 << lane != 0) {
+            let stretch = [from, to].map(|u| body.stretch(bond, ends, u, lane));
+            let over = BondOverStep { stretch, strength: body.strength(bond, lane) };
+            let cause = crossing.test(bond, lane, over);
+            broken.extend(cause.map(|cause| BrokenBond { bond, lanes: 1 << lane, cause }));
+        }
     }
 }

@@ -34,7 +34,8 @@ impl VolumeCorrection {
         }
     }
 
-    fn reach(self, horizon: Horizon) -> f64 {
+    /// How far nodes are bonded.
+    pub(crate) fn reach(self, horizon: Horizon) -> f64 {
         match self {
             Self::None | Self::Partial => horizon.radius(),
             Self::Ramp => horizon.radius() + 0.5 * horizon.spacing(),

@@ -74,6 +74,13 @@ impl Bonds {
         }
     }
 
+    /// Replaces the stiffness of each bond.
+    pub(crate) fn set_stiffness(&mut self, stiffness: Vec<f64>) {
+        for (bond, stiffness) in self.all.iter_mut().zip(stiffness) {
+            bond.stiffness = stiffness;
+        }
+    }
+
     /// How many bonds there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -9,13 +9,14 @@ use crate::broken_bond::BrokenBond;
 use crate::config::SimulationConfig;
 use crate::crossing::Crossing;
 use crate::error::Error;
-use crate::fast::{BondList, LatticeBody};
+use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
 use crate::loading::Loading;
 use crate::motion::Motion;
 use crate::nodes::Nodes;
 use crate::real::Real;
 use crate::report::StepReport;
 use crate::repulsion::Repulsion;
+use crate::solid::SolidBonds;
 use crate::steps::Stepper;
 use crate::strain::Strain;
 
@@ -104,16 +105,42 @@ impl<T: Real, const D: usize> Lattices<T, D> {
     const HERE: Self = Self { new: LatticeBody::undamaged, pull: LatticeBody::pull };
 }
 
+/// What goes through all bonds of a linear peridynamic solid on a lattice.
+pub(crate) struct Solids<T, const D: usize> {
+    pub(crate) new: fn(Nodes<D>, SolidBonds, Strain, f64) -> Result<SolidLattice<T, D>, Error>,
+    pub(crate) pull: Pull<SolidLattice<T, D>, T>,
+}
+
+impl<T: Real, const D: usize> Solids<T, D> {
+    const HERE: Self = Self { new: SolidLattice::undamaged, pull: SolidLattice::pull };
+}
+
+/// What goes through all bonds of a linear peridynamic solid in a list.
+pub(crate) struct SolidLists<T, const D: usize, const L: usize> {
+    pub(crate) pull: Pull<SolidList<T, D, L>, T>,
+}
+
+impl<T: Real, const D: usize, const L: usize> SolidLists<T, D, L> {
+    const HERE: Self = Self { pull: SolidList::pull };
+}
+
 /// All of them.
 struct All<T, const D: usize, const L: usize> {
     motions: Motions<T, D, L>,
     lists: Lists<T, D, L>,
     lattices: Lattices<T, D>,
+    solids: Solids<T, D>,
+    solid_lists: SolidLists<T, D, L>,
 }
 
 impl<T: Real, const D: usize, const L: usize> All<T, D, L> {
-    const HERE: Self =
-        Self { motions: Motions::HERE, lists: Lists::HERE, lattices: Lattices::HERE };
+    const HERE: Self = Self {
+        motions: Motions::HERE,
+        lists: Lists::HERE,
+        lattices: Lattices::HERE,
+        solids: Solids::HERE,
+        solid_lists: SolidLists::HERE,
+    };
 
     /// Whether they are compiled with this crate. Unit tests compile what they run.
     const COMPILED: bool =
@@ -179,5 +206,24 @@ pub(crate) fn lattices<T: Real, const D: usize>() -> &'static Lattices<T, D> {
         &All::<T, D, 1>::of_this_crate().lattices
     } else {
         const { &Lattices::HERE }
+    }
+}
+
+/// The passes over lattices of a linear peridynamic solid.
+pub(crate) fn solids<T: Real, const D: usize>() -> &'static Solids<T, D> {
+    if const { All::<T, D, 1>::COMPILED } {
+        &All::<T, D, 1>::of_this_crate().solids
+    } else {
+        const { &Solids::HERE }
+    }
+}
+
+/// The passes over lists of a linear peridynamic solid.
+pub(crate) fn solid_lists<T: Real, const D: usize, const L: usize>() -> &'static SolidLists<T, D, L>
+{
+    if const { All::<T, D, L>::COMPILED } {
+        &All::of_this_crate().solid_lists
+    } else {
+        const { &SolidLists::HERE }
     }
 }

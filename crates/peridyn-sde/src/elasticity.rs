@@ -129,7 +129,7 @@ impl Condition {
         }
     }
 
-    fn check(self) -> Result<(), Error> {
+    pub(crate) fn check(self) -> Result<(), Error> {
         match self {
             Self::Bar { area } => positive("cross-section", area),
             Self::PlaneStress { thickness } | Self::PlaneStrain { thickness } => {
@@ -193,16 +193,21 @@ pub fn critical_stretch(
     let c = micromodulus(young_modulus, horizon, influence, condition)?;
     let (_, power) = sphere(condition);
     let moment = influence.moment(power + 1) * horizon.powi(signed(power) + 2);
-    let factor = match condition {
+    Ok((energy_release_rate / (c * across_plane(condition) * moment)).sqrt())
+}
+
+/// `kappa`: a number `f(xi)` of every pair of volumes on both sides of a plane sums to `2 kappa int f xi^D dxi` for each unit of
+/// its area.
+pub(crate) fn across_plane(condition: Condition) -> f64 {
+    match condition {
         Condition::Bar { area } => 0.5 * area,
         Condition::PlaneStress { thickness } | Condition::PlaneStrain { thickness } => thickness,
         Condition::Solid => 0.5 * PI,
-    };
-    Ok((energy_release_rate / (c * factor * moment)).sqrt())
+    }
 }
 
 /// The surface of the unit ball, and the dimension.
-fn sphere(condition: Condition) -> (f64, u32) {
+pub(crate) fn sphere(condition: Condition) -> (f64, u32) {
     match condition {
         Condition::Bar { .. } => (2.0, 1),
         Condition::PlaneStress { .. } | Condition::PlaneStrain { .. } => (2.0 * PI, 2),
@@ -210,7 +215,7 @@ fn sphere(condition: Condition) -> (f64, u32) {
     }
 }
 
-fn signed(power: u32) -> i32 {
+pub(crate) fn signed(power: u32) -> i32 {
     i32::try_from(power).unwrap_or(i32::MAX)
 }
 

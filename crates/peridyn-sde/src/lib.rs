@@ -36,6 +36,7 @@ mod resistance;
 mod saved;
 mod scheme;
 mod simulation;
+mod solid;
 pub mod statistics;
 mod steps;
 mod stiffest;
@@ -60,7 +61,7 @@ pub use equilibrium::{
     envelope,
 };
 pub use error::Error;
-pub use fast::{BondList, LatticeBody};
+pub use fast::{BondList, LatticeBody, SolidLattice, SolidList};
 pub use horizon::Horizon;
 pub use law::BondLaw;
 pub use loading::{Loading, Program};
@@ -78,6 +79,9 @@ pub use repulsion::Repulsion;
 pub use saved::SavedState;
 pub use scheme::{Dynamics, Scheme};
 pub use simulation::Simulation;
+pub use solid::{
+    BondFailure, SolidBonds, SolidNetwork, critical_bond_energy, critical_stretch_of_solid,
+};
 pub use strain::Strain;
 pub use surface::SurfaceCorrection;
 pub use weakest_link::{StrengthElement, WeibullByVolume, WeibullStrength};

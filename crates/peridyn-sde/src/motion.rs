@@ -64,6 +64,7 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
         let crossing = match breaking {
             Breaking::AtEnds => None,
             Breaking::Bridge => {
+                body.check_bridge()?;
                 let rates = resistance.rates_of_bonds(body, dynamics)?;
                 Some(Crossing::new(noise, realisations, rates))
             }

@@ -32,7 +32,15 @@ pub(crate) fn factors<const D: usize>(
     bonds: &Bonds,
     young_modulus: f64,
 ) -> Vec<f64> {
-    let relative = relative_energies(nodes, bonds, young_modulus);
+    factors_of(nodes, bonds, &relative_energies(nodes, bonds, young_modulus))
+}
+
+/// The factor of each bond that makes numbers of nodes, one for each axis, equal to 1.
+pub(crate) fn factors_of<const D: usize>(
+    nodes: &Nodes<D>,
+    bonds: &Bonds,
+    relative: &[[f64; D]],
+) -> Vec<f64> {
     let pairs = bonds.pairs().zip(bonds.all());
     let factor = |((i, j), bond): ((usize, usize), &crate::Bond)| {
         let n = direction(nodes, (i, j), bond.length);
@@ -71,7 +79,12 @@ fn relative_energies<const D: usize>(
     energies
 }
 
-fn direction<const D: usize>(nodes: &Nodes<D>, (i, j): (usize, usize), length: f64) -> [f64; D] {
+/// From the first node of a bond to the second, of length one.
+pub(crate) fn direction<const D: usize>(
+    nodes: &Nodes<D>,
+    (i, j): (usize, usize),
+    length: f64,
+) -> [f64; D] {
     let x = nodes.positions();
     std::array::from_fn(|k| (x[j][k] - x[i][k]) / length)
 }

@@ -235,14 +235,20 @@ pub(super) struct Vector<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Stencil<T, D> {
-    pub(super) fn new(nodes: &Nodes<D>, bonds: &Bonds, sites: &Sites<D>) -> Result<Self, Error> {
+    /// Of bonds with a stiffness over length.
+    pub(super) fn new(
+        nodes: &Nodes<D>,
+        bonds: &Bonds,
+        sites: &Sites<D>,
+        stiffness: &dyn Fn(usize) -> f64,
+    ) -> Result<Self, Error> {
         let spacing = nodes.spacing();
         // By their components, the first first: bonds to the same row are far from each other, whose forces overlap in memory.
         let mut found: BTreeMap<[i32; D], (usize, f64)> = [].into();
-        for (bond, pair) in bonds.all().iter().zip(bonds.pairs()) {
+        for (bond, pair) in bonds.pairs().enumerate() {
             let (i, j) = sites.in_order(pair);
             let (a, b) = (sites.coordinates[i], sites.coordinates[j]);
-            let stiffness = bond.stiffness / bond.length;
+            let stiffness = stiffness(bond);
             let vector = std::array::from_fn(|k| b[k] - a[k]);
             let (_, known) = *found.entry(vector).or_insert((sites.offset((i, j)), stiffness));
             if (known - stiffness).abs() > UNLIKE * stiffness {

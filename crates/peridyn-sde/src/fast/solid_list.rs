@@ -1,0 +1,156 @@
+//! A linear peridynamic solid in a list of bonds, realisations side by side.
+
+use lanes::{MOST_LANES, SimdLevel};
+
+use super::LaneBits;
+use super::limit::Limit;
+use super::list_columns::{inverse_square, limits};
+use super::realisations::Realisations;
+use super::solid_lanes::{ForceLanes, SolidColumns, SumLanes};
+use crate::body::AtStrength;
+use crate::bonds::Bonds;
+use crate::broken_bond::BrokenBond;
+use crate::error::{Error, same_length};
+use crate::failure::all_lanes;
+use crate::nodes::Nodes;
+use crate::real::Real;
+use crate::solid::SolidBonds;
+use crate::strain::Strain;
+
+/// A linear peridynamic solid whose bonds break at a critical stretch, `L` realisations side by side in the lanes of wide registers:
+/// the law of [`SolidBonds`], in the two passes of [`SolidLattice`](crate::SolidLattice).
+///
+/// `L` is a multiple of 8 in `f64` and of 16 in `f32`, up to 16; one realisation is a [`SolidNetwork`](crate::SolidNetwork). Each
+/// realisation may have strengths of its own. The bits are the same at any level.
+#[derive(Debug, Clone)]
+pub struct SolidList<T, const D: usize, const L: usize> {
+    pub(super) nodes: Nodes<D>,
+    pub(super) solid: SolidBonds,
+    pub(super) strain: Strain,
+    pub(super) columns: SolidColumns<T>,
+    /// `D^2 A/(m^2 V)` of each node.
+    nodal: Vec<T>,
+    /// In which lanes a bond is intact.
+    pub(super) intact: Vec<LaneBits>,
+    /// Of each node and lane: sums of dilatations, then `tau`.
+    tau: Vec<T>,
+    level: SimdLevel,
+}
+
+impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
+    /// An undamaged body with strengths (stretch) for each lane and bond, in the order of [`Bonds::all`].
+    ///
+    /// # Errors
+    /// [`Error::Length`] where nodes, bonds and strengths are not of one body, or strengths not as many as lanes;
+    /// [`Error::NotPositive`] for a strength.
+    pub fn new(
+        nodes: Nodes<D>,
+        solid: SolidBonds,
+        strain: Strain,
+        strengths: &[Vec<f64>],
+    ) -> Result<Self, Error> {
+        const {
+            assert!(L.is_multiple_of(8) && L <= MOST_LANES, "8 or 16 lanes");
+        }
+        let bonds = solid.bonds();
+        same_length("nodes", nodes.positions().len(), bonds.n_nodes())?;
+        same_length("lanes of strengths", strengths.len(), L)?;
+        let mut of_lanes = vec![T::ZERO; bonds.len() * L];
+        for (lane, strengths) in strengths.iter().enumerate() {
+            let of_lane = limits::<T>(strain, strengths, bonds.len())?;
+            for (bond, limit) in of_lane.into_iter().enumerate() {
+                of_lanes[bond * L + lane] = limit;
+            }
+        }
+        let weights = bonds.all().iter().zip(solid.weights());
+        let columns = SolidColumns {
+            inverse_squares: bonds.all().iter().map(inverse_square).collect(),
+            weights: solid.weights().iter().map(|&weight| T::of(weight)).collect(),
+            moments: weights.map(|(of, w)| T::of(w * of.length * of.length)).collect(),
+            stiffness: bonds.all().iter().map(|of| T::of(of.stiffness / of.length)).collect(),
+            limits: of_lanes,
+        };
+        Ok(Self {
+            columns,
+            nodal: solid.nodal().iter().map(|&n| T::of(n)).collect(),
+            intact: vec![all_lanes::<L>(); bonds.len()],
+            tau: vec![T::ZERO; bonds.n_nodes() * L],
+            nodes,
+            solid,
+            strain,
+            level: SimdLevel::best(),
+        })
+    }
+
+    /// With the instructions of a level; the bits are the same with any.
+    #[must_use]
+    pub fn at_level(self, level: SimdLevel) -> Self {
+        Self { level, ..self }
+    }
+
+    pub(super) fn all_bonds(&self) -> &Bonds {
+        self.solid.bonds()
+    }
+
+    /// Forces under displacements, with strains measured in one way.
+    pub(crate) fn pull(
+        &mut self,
+        strain: Strain,
+        u: &[T],
+        forces: &mut [T],
+        at: AtStrength<'_>,
+    ) -> Result<(), Error> {
+        same_length("displacements", u.len(), self.all_bonds().n_nodes() * D * L)?;
+        same_length("forces", forces.len(), u.len())?;
+        match strain {
+            Strain::Finite => self.evaluate::<false>(u, forces, at),
+            Strain::Linear => self.evaluate::<true>(u, forces, at),
+        }
+        Ok(())
+    }
+
+    fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
+        // By a constant, so that lanes of one realisation, which cannot be made, are not compiled.
+        if L == 1 {
+            return;
+        }
+        let mut none = Vec::new();
+        let (limit, reached) = Limit::of(at, &mut none);
+        let first = reached.len();
+        self.sum::<LINEAR>(u, limit, reached);
+        let reached = &reached[first..];
+        if !reached.is_empty() {
+            // Both ends lose them from their dilatation: once more, without them.
+            for found in reached {
+                self.intact[found.bond] &= !found.lanes;
+            }
+            self.sum::<LINEAR>(u, Limit::Unreached, &mut Vec::new());
+        }
+        for (tau, &n) in self.tau.as_chunks_mut::<L>().0.iter_mut().zip(&self.nodal) {
+            *tau = tau.map(|sum| n * sum);
+        }
+        let Self { nodes, solid, columns, intact, tau, level, .. } = self;
+        let realisations = realisations(nodes, solid, columns, intact);
+        level.run(ForceLanes::<T, D, L, LINEAR> { realisations, columns, u, tau, forces });
+        for found in reached {
+            self.intact[found.bond] |= found.lanes;
+        }
+    }
+
+    fn sum<const LINEAR: bool>(&mut self, u: &[T], limit: Limit, reached: &mut Vec<BrokenBond>) {
+        let Self { nodes, solid, columns, intact, tau, level, .. } = self;
+        let realisations = realisations(nodes, solid, columns, intact);
+        let sums = &mut tau[..];
+        level.run(SumLanes::<T, D, L, LINEAR> { realisations, columns, u, sums, limit, reached });
+    }
+}
+
+fn realisations<'a, T: Real, const D: usize, const L: usize>(
+    nodes: &'a Nodes<D>,
+    solid: &'a SolidBonds,
+    columns: &'a SolidColumns<T>,
+    intact: &'a [LaneBits],
+) -> Realisations<'a, T, D, L> {
+    let (bonds, inverse_squares) = (solid.bonds(), &columns.inverse_squares[..]);
+    Realisations { nodes, bonds, inverse_squares, intact }
+}

@@ -2,11 +2,11 @@
 
 use crate::bond_config::BondConfig;
 use crate::bonds::{Bond, Bonds};
-use crate::elasticity::Condition;
-use crate::error::{Error, between, positive};
+use crate::error::Error;
 use crate::nodes::Nodes;
 use crate::surface::SurfaceCorrection;
 
+use super::moduli::Moduli;
 use super::surface::{check, factors};
 
 /// Bonds of a linear peridynamic solid (ordinary state-based; Silling et al. 2007, section 15), in one to three dimensions.
@@ -41,7 +41,7 @@ use super::surface::{check, factors};
 /// bond would be as stiff as one inside the body, and the force would not vanish with the last bond.
 ///
 /// **Near a surface**, `m` is that of the node's own bonds, which are therefore stiffer: in itself a surface correction by volume
-/// (Le & Bobaru 2018). [`SurfaceCorrection::Energy`] multiplies `omega beta`, but in `m`, by a factor of each bond, so that each node
+/// (Le & Bobaru 2018). [`SurfaceCorrection::Energy`] multiplies `omega beta`, but in `m`, by a factor of each bond. Each node then
 /// has the dilatation 1 under a unit strain along each axis (Madenci & Oterkus 2014, section 4.2), and the energy of the elastic
 /// body under a mean extension. In the interior of a square or cubic lattice the factor is 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,36 +57,6 @@ pub struct SolidBonds {
     weighted_volumes: Vec<f64>,
     /// `B` (stress).
     b: f64,
-}
-
-/// Moduli of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Moduli {
-    /// `Lambda - G` (stress).
-    pub(crate) a: f64,
-    /// `D (D + 2) G` (stress).
-    pub(crate) b: f64,
-}
-
-impl Moduli {
-    /// # Errors
-    /// [`Error::NotPositive`] for Young's modulus, [`Error::OutOfRange`] for Poisson's ratio.
-    pub(crate) fn new(
-        young_modulus: f64,
-        poisson_ratio: f64,
-        condition: Condition,
-    ) -> Result<Self, Error> {
-        positive("Young's modulus", young_modulus)?;
-        between("Poisson's ratio", poisson_ratio, -1.0, 0.5)?;
-        let (nu, dimension) = (poisson_ratio, condition.dimension() as f64);
-        let g = young_modulus / (2.0 * (1.0 + nu));
-        let lame = match condition {
-            Condition::Bar { .. } => 2.0 * g * nu,
-            Condition::PlaneStress { .. } => 2.0 * g * nu / (1.0 - nu),
-            Condition::PlaneStrain { .. } | Condition::Solid => 2.0 * g * nu / (1.0 - 2.0 * nu),
-        };
-        Ok(Self { a: lame - g, b: dimension * (dimension + 2.0) * g })
-    }
 }
 
 impl SolidBonds {

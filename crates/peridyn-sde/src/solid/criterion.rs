@@ -1,6 +1,6 @@
 //! Strengths of bonds of a linear peridynamic solid from the energy of a crack.
 
-use super::bonds::Moduli;
+use super::moduli::Moduli;
 use crate::elasticity::{Condition, Influence, across_plane, signed, sphere};
 use crate::error::{Error, positive};
 use crate::horizon::Horizon;
@@ -33,7 +33,7 @@ pub fn critical_bond_energy(
     Ok(energy_release_rate / (2.0 * across_plane(condition) * integral))
 }
 
-/// The stretch `s_0` at which bonds of a linear peridynamic solid break, so that two halves of a body that are pulled apart along a
+/// The stretch `s_0` at which bonds of a linear peridynamic solid break, so that two halves of a body that separate along a
 /// plane, each rigid, take the energy `G0` for each unit of area:
 ///
 /// $$ G_0 = s_0^2 \left( \frac{2 \kappa B}{m} \int_0^\delta \omega \xi^{D + 2} d\xi + A \delta J \right), \qquad

@@ -3,6 +3,7 @@
 mod bonds;
 mod criterion;
 mod energy;
+mod moduli;
 mod network;
 mod surface;
 

@@ -1,6 +1,6 @@
 //! What bonds near a surface lack in a linear peridynamic solid.
 
-use super::bonds::Moduli;
+use super::moduli::Moduli;
 use crate::bonds::Bonds;
 use crate::error::Error;
 use crate::nodes::Nodes;

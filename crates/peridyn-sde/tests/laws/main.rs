@@ -21,6 +21,7 @@ mod repulsion;
 mod repulsion_bits;
 mod shards;
 mod solid;
+mod solid_failure;
 mod solid_lattice;
 mod solid_list;
 mod statics;

@@ -45,6 +45,7 @@ fn answer(quantity: &str, value: f64, error: Option<f64>) -> Answer {
         at: "t = 10 s".into(),
         value,
         error,
+        bound: None,
         unit: "m^2".into(),
         how: "from a coarser run".into(),
     }
@@ -54,7 +55,14 @@ fn chart(is_logarithmic: bool) -> Chart {
     let point = |k: i32, phase: f64| {
         let x = 0.5 * f64::from(k);
         let y = SHOWN * (-phase * (x - 10.0) / 10.0).exp();
-        Point { x, y, error: Some(4.2e-4), how: "from a coarser run".into(), spread: Some(0.1 * y) }
+        Point {
+            x,
+            y,
+            error: Some(4.2e-4),
+            bound: None,
+            how: "from a coarser run".into(),
+            spread: Some(0.1 * y),
+        }
     };
     let series = |phase: f64| Series {
         name: format!("series {phase} {HOSTILE}"),

@@ -122,7 +122,7 @@ fn files_of_another_scene_are_refused_by_name_and_nothing_is_run() {
         "{error}"
     );
     std::fs::write(folder.0.join("checkpoint-0.bin"), "{}").unwrap();
-    let mut reasons = |magic: &[u8; 8]| {
+    let reasons = |magic: &[u8; 8]| {
         let bytes = [magic.as_slice(), &[255; 8]].concat();
         std::fs::write(folder.0.join("checkpoint-1.bin"), bytes).unwrap();
         refusals(open(&folder, Start::GoOn).unwrap_err())

@@ -90,6 +90,7 @@ pub const ALL: &[Case] = &[
     smpm::paper_size::CASE,
     smpm::invariance::CASE,
     peridyn::forces::CASE,
+    peridyn::state_based::CASE,
     peridyn::equilibrium::CASE,
     peridyn::nonlinear_equilibrium::CASE,
     peridyn::one_bond::CASE,

@@ -20,6 +20,8 @@ pub(crate) mod one_bond;
 pub(crate) mod precracked_block;
 pub(crate) mod quasi_static;
 pub(crate) mod rest;
+pub(crate) mod state_based;
+mod state_based_law;
 pub(crate) mod two_notches;
 mod weibull_posterior;
 pub(crate) mod weibull_strength;

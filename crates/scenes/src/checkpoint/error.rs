@@ -23,7 +23,9 @@ pub enum CheckpointError {
     },
     /// A signal ended the run.
     #[error("interrupted; {} holds the run up to here", .path.display())]
-    #[diagnostic(help("--resume continues it, with the same bits as without the interruption"))]
+    #[diagnostic(help(
+        "--resume continues it; the results are bitwise identical to those of an uninterrupted run"
+    ))]
     Interrupted {
         /// The last checkpoint.
         path: PathBuf,

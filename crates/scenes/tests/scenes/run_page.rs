@@ -279,7 +279,7 @@ fn a_signal_ends_a_run_at_its_next_checkpoint_and_it_resumes_to_the_same_bits() 
         command
     };
     let mut child = command("ended", &[]).stderr(Stdio::piped()).spawn().unwrap();
-    // The first line tells that realisations run.
+    // The first line reports that realisations run.
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
     lines.by_ref().find(|line| line.as_ref().unwrap().contains("realisations")).unwrap().unwrap();
     let killed = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();

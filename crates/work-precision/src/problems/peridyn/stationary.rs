@@ -67,8 +67,9 @@ pub fn law_of<const D: usize>(
     Ok(Law { covariance, kick })
 }
 
-/// Of `x' = A x + B (z_0 + z_1)/2`, whose memory `z_0` is part of the state.
-fn averaged(map: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
+/// The covariance of `x' = A x + B (z_0 + z_1)/2`, whose memory `z_0` is part of the state.
+#[must_use]
+pub fn averaged(map: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
     let (n, m) = noise.shape();
     let (mut large, mut kicks) = (DMatrix::zeros(n + m, n + m), DMatrix::zeros(n + m, m));
     large.view_mut((0, 0), (n, n)).copy_from(map);

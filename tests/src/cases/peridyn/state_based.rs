@@ -198,7 +198,7 @@ fn bar(context: &Context<'_>) -> Result<Claim, CaseError> {
     ))
 }
 
-/// The work of pulling two rigid halves of a plate apart for each unit of area, over the energy release rate.
+/// The work of moving two rigid halves of a plate from each other for each unit of area, over the energy release rate.
 fn work(config: &BondConfig, nu: f64, of: (f64, BondFailureOf)) -> Result<f64, CaseError> {
     let (far, failure) = of;
     let shells = config.horizon.radius().floor();
@@ -212,7 +212,7 @@ fn work(config: &BondConfig, nu: f64, of: (f64, BondFailureOf)) -> Result<f64, C
     let apart = |opening: f64| -> Vec<f64> {
         x.iter().flat_map(|x| [if is_upper(x) { opening } else { 0.0 }, 0.0]).collect()
     };
-    // Nodes on the line through the middle: each stands for the area of one spacing.
+    // Nodes on the line through the middle: each has the area of one spacing.
     let line = |x: &[f64; 2]| is_upper(x) && (x[1] - 0.5 * width).abs() < 0.1;
     let (steps, mut from, mut work, mut before) = (400, apart(0.0), 0.0, 0.0);
     let mut forces = vec![0.0; from.len()];
@@ -255,7 +255,7 @@ fn crack(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     }
     let mut claims = Vec::new();
     for (name, worst) in [("stretch", by_stretch), ("energy", by_energy)] {
-        let method = worst.method("plane stress, two rigid halves pulled apart in 400 steps, volumes with a ramp, 3 to 5 shells, nu from 0.1 to 0.45");
+        let method = worst.method("plane stress, two rigid halves moved from each other in 400 steps, volumes with a ramp, 3 to 5 shells, nu from 0.1 to 0.45");
         claims.push(Lines { context, id: "crack", method }.bounded(
             (name, "work for each unit of area, relative to the energy release rate", ""),
             worst.value(),

@@ -70,8 +70,7 @@ fn a_run_starts_anew_over_one_that_has_ended_and_over_another_only_where_it_is_t
     let (anew, found) = open(&folder, Start::Anew).unwrap();
     assert_eq!((anew.part::<u64>("number").unwrap(), found.file), (None, None));
     // It has stored nothing yet, so the other run can still be resumed.
-    let go_on =
-        || Checkpoint::open(&folder.0, head("another scene"), Start::GoOn, OFTEN).unwrap().0;
+    let go_on = || Checkpoint::open(&folder.0, head("another"), Start::GoOn, OFTEN).unwrap().0;
     assert_eq!(go_on().part("number").unwrap(), Some(3_u64));
     anew.end().unwrap();
     assert_eq!(go_on().part("number").unwrap(), Some(3_u64));

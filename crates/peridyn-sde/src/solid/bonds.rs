@@ -24,7 +24,7 @@ use super::surface::{check, factors};
 ///
 /// $$ t_{ij} = \omega \beta V_i V_j \left( D A |\xi| \left( \frac{\theta_i}{m_i} + \frac{\theta_j}{m_j} \right) + B e \left( \frac{1}{m_i} + \frac{1}{m_j} \right) \right) . $$
 ///
-/// `G` is the shear modulus, and `Lambda` the Lamé constant of the [`Condition`] after strains across are eliminated: `2 G nu/(1 - 2 nu)`
+/// `G` is the shear modulus, and `Lambda` the Lamé constant of the [`Condition`](crate::Condition) after strains across are eliminated: `2 G nu/(1 - 2 nu)`
 /// in three dimensions and plane strain, `2 G nu/(1 - nu)` in plane stress, `2 G nu` for a bar. `theta` is the trace of the strain
 /// in the `D` dimensions of the body. In three dimensions `D A = 3 K - 5 G` and `B = 15 G`, as in Silling et al.; in two they are
 /// those of Le, Chan & Schwartz 2014. A homogeneous deformation of the interior has the energy of the elastic body (of a lattice:

@@ -34,7 +34,7 @@ use crate::solver::Solver;
 ///
 /// Errors: that of the density, that of a threshold between layers of particles, and numerical diffusion across the noise.
 /// All fall with the spacing; compare two resolutions. Mass that lay beyond the lattice at the start is not in it:
-/// [`Self::support`] says where that is as large as the probability.
+/// [`Self::probability`] says where that is as large as the probability.
 /// Works with every method, since every method starts on a lattice, but not across a fresh one: what has survived is not
 /// carried over. The source is this project.
 ///

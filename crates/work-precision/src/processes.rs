@@ -202,13 +202,19 @@ pub fn outcome(folder: &Path) -> Result<BTreeSet<String>, CaseError> {
     }
     let mut entries = BTreeSet::new();
     flatten(&result, &mut String::new(), &mut entries);
-    for series in ["cloud", "fields"].map(|name| folder.join(name)) {
-        if !series.exists() {
-            continue;
-        }
+    let mut folders: Vec<PathBuf> = ["cloud", "fields"]
+        .map(|name| folder.join(name))
+        .into_iter()
+        .filter(|it| it.exists())
+        .collect();
+    while let Some(series) = folders.pop() {
         for file in std::fs::read_dir(series)? {
             let path = file?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(folder).unwrap_or(&path).display();
             entries.insert(format!("{name} {:?}", std::fs::read(&path)?));
         }
     }

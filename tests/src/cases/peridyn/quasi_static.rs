@@ -57,7 +57,17 @@ fn small(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let [fast, slow] = [20_000, 80_000].map(|n_steps| plate.explicit(n_steps));
     let (fast, slow) = (fast?, slow?);
     let lines = lines(context, "n-64", 64, "one bond at a time");
-    let mut claims = of_run(&lines, &reference)?;
+    // A residual above its tolerance is an error of the solver, so nothing is claimed of it.
+    let mut claims = vec![lines.bounded(
+        (
+            "balance",
+            "work of the reactions less stored and released energy, over the work, at its largest",
+            "",
+        ),
+        reference.imbalance.ok_or("no bond broke")?,
+        1.5e-8,
+        "the residual of each equilibrium is 1e-8 of the reaction",
+    )];
     claims.push(lines.bounded(
         ("path/explicit", &format!("{PATH}, against 80,000 explicit overdamped steps"), ""),
         apart(&plate, &reference, &slow)?,
@@ -114,23 +124,6 @@ fn lines<'a>(context: &'a Context<'a>, id: &'a str, n: usize, how: &str) -> Line
     let method =
         format!("{n} x {n} nodes, horizon 3.015 dx, linear strains, event by event, {how}");
     Lines { context, id, method }
-}
-
-fn of_run(lines: &Lines<'_>, found: &Pulled) -> Result<Vec<Claim>, CaseError> {
-    Ok(vec![
-        lines.bounded(
-            ("balance", "work of the reactions less stored and released energy, over the work, at its largest", ""),
-            found.imbalance.ok_or("no bond broke")?,
-            1.5e-8,
-            "the residual of each equilibrium is 1e-8 of the reaction",
-        ),
-        lines.bounded(
-            ("residual", "largest residual of an equilibrium, over the reaction", ""),
-            found.residual,
-            EVENTS.tolerance,
-            "the tolerance that is asked",
-        ),
-    ])
 }
 
 fn apart(plate: &SlowPlate, one: &Pulled, two: &Pulled) -> Result<f64, CaseError> {

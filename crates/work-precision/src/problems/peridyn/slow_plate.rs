@@ -48,8 +48,6 @@ pub struct Pulled {
     pub evaluations: u64,
     /// Work of the reactions less what is stored and what was released, over the work, at its largest; of a run event by event.
     pub imbalance: Option<f64>,
-    /// The largest residual of an equilibrium, over its reaction.
-    pub residual: f64,
 }
 
 impl SlowPlate {
@@ -135,7 +133,6 @@ impl SlowPlate {
             found.peak = found.peak.max(stiffness * event.factor);
             found.order.extend(event.bonds);
             found.evaluations += event.solved.iterations as u64;
-            found.residual = found.residual.max(event.solved.residual);
             let imbalance = (work - released - run.energy()).abs() / work.abs();
             found.imbalance = Some(found.imbalance.unwrap_or(0.0).max(imbalance));
             if before > STRAIN * STRENGTH {
@@ -158,7 +155,6 @@ impl SlowPlate {
             let report = run.step_to(load)?;
             found.order.extend(report.bonds);
             found.evaluations += report.solved.iterations as u64;
-            found.residual = found.residual.max(report.solved.residual);
             found.peak = found.peak.max(self.load(|nodes| run.pull_on(nodes)));
             if report.is_separated {
                 break;
@@ -242,13 +238,6 @@ impl SlowPlate {
 
 impl Pulled {
     fn none() -> Self {
-        Self {
-            order: Vec::new(),
-            peak: 0.0,
-            path: None,
-            evaluations: 0,
-            imbalance: None,
-            residual: 0.0,
-        }
+        Self { order: Vec::new(), peak: 0.0, path: None, evaluations: 0, imbalance: None }
     }
 }

@@ -104,7 +104,7 @@ pub fn cracks(realisations: u64) -> Result<Scene, CaseError> {
     let text = include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json");
     let mut scene: CrackScene = built_in(text)?;
     scene.ensemble.realisations = realisations;
-    scene.time.steps = 600;
+    scene.time.as_mut().ok_or("the scene has no steps")?.steps = 600;
     scene.output.vtu = vec![0, 12];
     let named = Scene::new("cracks", &scene, true)?;
     scene.ensemble.realisations = 20;

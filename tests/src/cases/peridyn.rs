@@ -20,6 +20,7 @@ pub(crate) mod one_bond;
 pub(crate) mod precracked_block;
 pub(crate) mod quasi_static;
 pub(crate) mod rest;
+pub(crate) mod slow_scenes;
 pub(crate) mod state_based;
 mod state_based_law;
 pub(crate) mod two_notches;

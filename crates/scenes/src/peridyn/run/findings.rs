@@ -84,7 +84,8 @@ struct ReadRealisation {
 
 #[derive(Debug, Deserialize)]
 struct ReadLoad {
-    strain: f64,
+    strain: Option<f64>,
+    displacement: Option<f64>,
     load: ReadNumber,
     standard_deviation: f64,
 }
@@ -193,7 +194,7 @@ fn notes(read: &Read, findings: &mut Findings) {
     let n_at_edges = read.realisations.iter().filter(|it| it.outcome == at_edges).count();
     if n_at_edges > 0 {
         findings.notes.push(Note::Warning(format!(
-            "{n_at_edges} of {} broke at the prescribed displacement: raise the key `grips.protected` of the scene",
+            "{n_at_edges} of {} broke at the prescribed displacement: raise the key `protected` of the grips, or of supports and load",
             counted(n, "realisation")
         )));
     }
@@ -238,15 +239,19 @@ fn charts(read: &Read, findings: &mut Findings) {
         };
     let deviation = "standard deviation over realisations";
     let loads = read.load.iter();
-    let loads =
-        loads.map(|it| point(it.strain / MICRO, &it.load, Some(it.standard_deviation))).collect();
-    push(
-        "Load over mean strain",
-        ["mean strain (1e-6)", "load (N)"],
-        deviation,
-        "mean load",
-        loads,
-    );
+    let is_displaced = read.load.iter().any(|it| it.displacement.is_some());
+    let (title, x_label) = if is_displaced {
+        ("Load over displacement", "displacement (m)")
+    } else {
+        ("Load over mean strain", "mean strain (1e-6)")
+    };
+    let loads = loads
+        .filter_map(|it| {
+            let x = it.displacement.or(it.strain.map(|strain| strain / MICRO))?;
+            Some(point(x, &it.load, Some(it.standard_deviation)))
+        })
+        .collect();
+    push(title, [x_label, "load (N)"], deviation, "mean load", loads);
     let mut by_x: Vec<&ReadPath> = read.path.iter().collect();
     by_x.sort_by(|a, b| a.x.total_cmp(&b.x));
     let height = |it: &&ReadPath| {

@@ -45,7 +45,11 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let tested = by_hand(concrete(&scene)?, scene.body.spacing)?;
         let lines = Lines { context, id: name, method: "uniform strength, one realisation".into() };
         claims.push(lines.relative(
-            ("peak", "largest load of the scene, against the same specimen built by calls of the crate", "N"),
+            (
+                "peak",
+                "largest load of the scene, against the same specimen built by calls of the crate",
+                "N",
+            ),
             peak,
             tested.peak()?.load,
             REASONED.0,
@@ -56,8 +60,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-const REASONED: (f64, &str) =
-    (1e-3, "the work of the load over its displacement, or the reaction: the same but for the residual of an equilibrium");
+const REASONED: (f64, &str) = (
+    1e-3,
+    "the work of the load over its displacement, or the reaction: the same but for the residual of an equilibrium",
+);
 
 /// The mean of the largest loads with a random strength, and how much they scatter.
 fn scatter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
@@ -68,7 +74,8 @@ fn scatter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let cracks = CrackEnsemble::new(n, run.records)?;
     let load = cracks.failure_load(&Bootstrap::new(Noise::new(scene.ensemble.seed)))?;
     let deviation = load.deviation.ok_or("too few loads")?;
-    let method = format!("{n} realisations, strength lognormal with a deviation of 15 % over 10 mm");
+    let method =
+        format!("{n} realisations, strength lognormal with a deviation of 15 % over 10 mm");
     let lines = Lines { context, id: "notched-beam", method };
     let [low, high] = MEASURED;
     let error = load.mean.standard_error().ok_or("the mean has no error")?;

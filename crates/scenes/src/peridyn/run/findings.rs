@@ -92,6 +92,8 @@ struct ReadLoad {
 
 /// Strain for a unit of the axis of loads.
 const MICRO: f64 = 1e-6;
+/// Displacement for a unit of that axis (m).
+const MILLI: f64 = 1e-3;
 
 impl Read {
     /// Distributions with their names and units.
@@ -241,13 +243,14 @@ fn charts(read: &Read, findings: &mut Findings) {
     let loads = read.load.iter();
     let is_displaced = read.load.iter().any(|it| it.displacement.is_some());
     let (title, x_label) = if is_displaced {
-        ("Load over displacement", "displacement (m)")
+        ("Load over displacement", "displacement (mm)")
     } else {
         ("Load over mean strain", "mean strain (1e-6)")
     };
     let loads = loads
         .filter_map(|it| {
-            let x = it.displacement.or(it.strain.map(|strain| strain / MICRO))?;
+            let x =
+                it.displacement.map(|u| u / MILLI).or(it.strain.map(|strain| strain / MICRO))?;
             Some(point(x, &it.load, Some(it.standard_deviation)))
         })
         .collect();

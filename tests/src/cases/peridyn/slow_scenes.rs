@@ -52,17 +52,18 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             ),
             peak,
             tested.peak()?.load,
-            REASONED.0,
-            REASONED.1,
+            SAME.0,
+            SAME.1,
         ));
     }
     claims.extend(scatter(context)?);
     Ok(claims)
 }
 
-const REASONED: (f64, &str) = (
-    1e-3,
-    "the work of the load over its displacement, or the reaction: the same but for the residual of an equilibrium",
+/// Tolerance and reason of loads that differ by how they are computed alone.
+const SAME: (f64, &str) = (
+    7e-7,
+    "the reaction of the scene, the work of the load by hand: the same but for the residual of an equilibrium, 1e-6 of the reaction",
 );
 
 /// The mean of the largest loads with a random strength, and how much they scatter.
@@ -94,8 +95,8 @@ fn scatter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         lines.measured(
             ("deviation", "standard deviation of the largest loads over their mean", ""),
             deviation.value / load.mean.value,
-            (0.02, 0.12),
-            "less than the 15 % of the strength: a zone of softening averages over some correlation lengths",
+            (0.08, 0.16),
+            "near the 15 % of the strength: one correlation length in the ligament, of which little is averaged",
         ),
     ])
 }
@@ -120,5 +121,5 @@ fn hand_made_beam(of: Concrete, spacing: f64) -> Result<Tested, CaseError> {
 }
 
 fn hand_made_panel(of: Concrete, spacing: f64) -> Result<Tested, CaseError> {
-    panel(of, Lattice { spacing, shells: 3 }, 3e-4)
+    panel(of, Lattice { spacing, shells: 3 }, 3e-4, Some([[0.256, 0.244], [0.25, 0.25]]))
 }

@@ -32,27 +32,11 @@ impl<const D: usize> Config<D> {
     /// states, on spacings of one standard deviation, it can be ten times what the two lattices differ by.
     #[must_use]
     pub fn with_slower_settling(&self) -> Option<Self> {
-        self.with_settling_slowed(2.0)
-    }
-
-    /// The same with time constants of [`Settling`] in units of another period than that of the steps: for a structure behind a
-    /// filter, whose steps follow the shorter period of the filter, while settling must leave the motion of the structure. `None`
-    /// where the estimator does not settle.
-    ///
-    /// With a soil of 0.4 s, settling in its period made second moments of a structure of 2 s up to 6 % too large (measured
-    /// once, 2026-11-26).
-    #[must_use]
-    pub fn with_settling_in(&self, period: f64) -> Option<Self> {
-        self.with_settling_slowed(period / self.reference_period)
-    }
-
-    fn with_settling_slowed(&self, factor: f64) -> Option<Self> {
         let combination = self.method.combination_in(D);
         let Estimator::FlowMapFit { degree, thinnest, settling } = combination.estimator else {
             return None;
         };
-        let Settling { inside, outside } = settling;
-        let settling = Settling { inside: factor * inside, outside: factor * outside };
+        let settling = Settling { inside: 2.0 * settling.inside, outside: 2.0 * settling.outside };
         let estimator = Estimator::FlowMapFit { degree, thinnest, settling };
         Some(Self { method: Method::Custom(Combination { estimator, ..combination }), ..*self })
     }
@@ -94,7 +78,5 @@ mod tests {
             "settling alone"
         );
         assert_eq!(config(Method::LogDensityFit).with_slower_settling(), None);
-        let flow_map = config(Method::FlowMapFit);
-        assert_eq!(flow_map.with_settling_in(4.0), flow_map.with_slower_settling());
     }
 }

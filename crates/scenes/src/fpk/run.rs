@@ -269,12 +269,7 @@ impl Solved<'_> {
     ) -> Result<Outcome, RunError> {
         let law: GaussianMixture<D> = law(self.scene, self.system)?;
         let period = self.system.reference_period();
-        // Settling leaves the motion of the structure, whose period is longer than that of its soil.
-        let slow = self.system.structure_period().unwrap_or(period);
-        self.at_two_resolutions(period, |config| {
-            let config = config.with_settling_in(slow.max(period)).unwrap_or(*config);
-            Simulation::new(Erased(system), &law, &config)
-        })
+        self.at_two_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
     }
 
     /// The density of a simulation that `start` returns, at two resolutions.

@@ -126,10 +126,13 @@ fn marginal(parameter: &Parameter, posterior: &Posterior, i: usize) -> Vec<Bin> 
     let bin = |(k, &count): (usize, &u64)| {
         let (from, to) = (value(edge(k)), value(edge(k + 1)));
         let share = count as f64 / n as f64;
-        let (width, error) = (to - from, (share * (1.0 - share) / effective).sqrt());
-        // An empty bin: three over the number of independent draws.
-        let error = if count == 0 { 3.0 / effective } else { error };
-        let uncertainty = Uncertainty::StandardError(error / width);
+        let width = to - from;
+        let uncertainty = if count == 0 {
+            // No draw: three over the number of independent ones.
+            Uncertainty::Bound(3.0 / effective / width)
+        } else {
+            Uncertainty::StandardError((share * (1.0 - share) / effective).sqrt() / width)
+        };
         let posterior = Estimate { value: share / width, uncertainty }.into();
         Bin { low: from, high: to, posterior, prior: (below(edge(k + 1)) - below(edge(k))) / width }
     };

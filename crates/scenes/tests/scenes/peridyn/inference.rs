@@ -134,6 +134,26 @@ fn every_number_of_a_posterior_has_its_error_and_the_truth_lies_in_it() {
     }
 }
 
+#[test]
+fn the_horizon_is_a_parameter_where_the_plate_gives_it_as_a_length() {
+    let plate = MODEL.replace("{ \"shells\": 2 }", "{ \"length\": 0.0045 }");
+    let changes = [
+        (KEY, "bonds.horizon.length"),
+        ("\"low\": 3, \"high\": 6", "\"low\": 0.0042, \"high\": 0.0068"),
+        ("\"points\": 8", "\"points\": 7"),
+    ];
+    let [paths, loads] = &*PLATES;
+    let ran = inferred("horizon", &changed(&changes), &plate, paths, loads);
+    let result = ran.result();
+    let mean = result["parameters"][0]["mean"]["value"].as_f64().unwrap();
+    assert!((0.0042..0.0068).contains(&mean), "{mean}");
+    // Two lengths are two ensembles: the horizon reaches the plate.
+    let points = result["emulator"]["points"].as_array().unwrap();
+    let lengths: Vec<f64> =
+        points.iter().map(|point| point["point"][0].as_f64().unwrap()).collect();
+    assert!(lengths.windows(2).all(|pair| (pair[0] - pair[1]).abs() > 1e-5), "{lengths:?}");
+}
+
 /// The result without machine and clock.
 fn numbers(folder: &Path) -> Value {
     let text = std::fs::read_to_string(folder.join("out/result.json")).unwrap();

@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use scenes::crack_inference::scene::{DesignScene, InferenceScene, PredictiveScene, SamplerScene};
+use scenes::crack_inference::scene::{
+    DesignScene, InferenceScene, MeasuredScene, PredictiveScene, SamplerScene,
+};
 use scenes::fpk::method_scene::MethodScene as FpkMethod;
 use scenes::fpk::scene::{CloudScene, FpkScene, PlanesScene, Times};
 use scenes::peridyn::scene::CrackScene;
@@ -118,10 +120,11 @@ fn inference() -> Result<Scene, CaseError> {
     let mut scene: InferenceScene =
         built_in(include_str!("../../../tests/scenes/peridyn/infer_toughness.json"))?;
     let folder = crate::record::workspace().join("tests/scenes/peridyn");
-    let inside = |file: &str| folder.join(file).display().to_string();
-    scene.plate = inside(&scene.plate);
-    for file in [&mut scene.measured.paths, &mut scene.measured.failure_loads] {
-        *file = file.as_deref().map(inside);
+    let MeasuredScene { paths, failure_loads, .. } = &mut scene.measured;
+    for file in
+        [Some(&mut scene.plate), paths.as_mut(), failure_loads.as_mut()].into_iter().flatten()
+    {
+        *file = folder.join(&*file).display().to_string();
     }
     scene.parameters.truncate(1);
     scene.design = DesignScene { points: 9, realisations: 64, emulators: 8 };

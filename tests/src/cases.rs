@@ -109,6 +109,7 @@ pub const ALL: &[Case] = &[
     peridyn::lattice_locking::CASE,
     peridyn::horizon_inference::CASE,
     peridyn::inference::CASE,
+    peridyn::infer_scene::CASE,
     peridyn::precracked_block::CASE,
     peridyn::weibull_strength::CASE,
     peridyn::quasi_static::CASE,

@@ -7,6 +7,7 @@ pub(crate) mod dispersion;
 pub(crate) mod equilibrium;
 pub(crate) mod forces;
 pub(crate) mod horizon_inference;
+pub(crate) mod infer_scene;
 pub(crate) mod inference;
 pub(crate) mod kalthoff_winkler;
 pub(crate) mod lattice;

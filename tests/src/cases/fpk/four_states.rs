@@ -91,7 +91,7 @@ impl Runs {
         let [fine, coarse, slow] = &self.values;
         let square = RATIO * RATIO;
         let (mut most, mut by_two, mut by_three, mut words) =
-            (0.0, Vec::new(), Vec::new(), String::new());
+            (0.0, Vec::new(), Vec::new(), Vec::new());
         for (k, &[value, error]) in self.references.iter().enumerate() {
             let made = (fine[k] - value).abs();
             most = f64::max(most, made / value);
@@ -101,14 +101,12 @@ impl Runs {
                 by_two.push(lattices / made);
                 by_three.push(lattices.hypot(settling) / made);
                 let [two, three] = [&by_two, &by_three].map(|all| all[all.len() - 1]);
-                words += &format!(", {} {two:.2} and {three:.2}", self.names[k]);
+                words.push(format!("{} {two:.2} and {three:.2}", self.names[k]));
             }
         }
-        let method = format!("flow-map fit, 3121 particles; estimated over true error{words}");
+        let method =
+            format!("flow-map fit, 3121 particles; estimated over true error {}", words.join(", "));
         let lines = Lines { context, id: "cubic-spring", method };
-        let share = |indices: &[f64], is: &dyn Fn(f64) -> bool| {
-            indices.iter().filter(|&&index| is(index)).count() as f64 / indices.len() as f64
-        };
         let small = |index: f64| index < 0.5;
         let good = |index: f64| (0.5..=2.0).contains(&index);
         let shared = "two coarse lattices share the error of settling";
@@ -149,4 +147,9 @@ impl Runs {
             ),
         ]
     }
+}
+
+/// The part of some indices.
+fn share(indices: &[f64], is: &dyn Fn(f64) -> bool) -> f64 {
+    indices.iter().filter(|&&index| is(index)).count() as f64 / indices.len() as f64
 }

@@ -94,11 +94,12 @@ fn a_realisation_is_what_a_test_of_a_prescribed_displacement_sees_of_the_path() 
     assert_eq!(run.loads[0].len() as u64, N_WINDOWS);
     // Up to the first failure the load is proportional to the displacement.
     let (first, slope) = points[0];
-    let elastic = (first * N_WINDOWS as f64).floor() as usize;
-    assert!(elastic >= 1, "{first}");
-    for (window, load) in run.loads[0][..elastic].iter().enumerate() {
-        let expected = slope * (window + 1) as f64 / N_WINDOWS as f64;
-        assert!((load / expected - 1.0).abs() < 1e-12, "{window}: {load} {expected}");
+    assert!(first * N_WINDOWS as f64 > 1.0, "{first}");
+    for (window, load) in run.loads[0].iter().enumerate() {
+        let factor = (window + 1) as f64 / N_WINDOWS as f64;
+        if factor < first {
+            assert!((load / (slope * factor) - 1.0).abs() < 1e-12, "{window}: {load}");
+        }
     }
     assert!(run.loads[0].iter().all(|&load| load <= peak));
     let damage = run.kept[0].damage_at(bonds, 200).unwrap();
@@ -166,7 +167,7 @@ fn realisations_have_the_same_bits_alone_in_shards_and_all_together() {
     assert_eq!((&alone.records[0], &alone.loads[0]), (&whole.records[2], &whole.loads[2]));
     assert_eq!(alone.kept, whole.kept);
     let loads: Vec<_> = whole.records.iter().filter_map(|record| record.failure_load).collect();
-    assert!(loads.windows(2).any(|pair| pair[0] != pair[1]), "{loads:?}");
+    assert!(loads.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits()), "{loads:?}");
 }
 
 #[test]

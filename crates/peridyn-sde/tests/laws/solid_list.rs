@@ -142,12 +142,12 @@ fn a_small_plate_in_metres_has_its_forces_in_single_precision() {
         SolidList::<f32, 2, 16>::new(nodes.clone(), solid.clone(), Strain::Finite, &strengths)
             .unwrap();
     let mut forces = vec![0.0; n * 16];
-    let side_by_side: Vec<f32> = u.iter().flat_map(|&u| [u as f32; 16]).collect();
+    let side_by_side: Vec<f32> = u.iter().flat_map(|&u| [f32::of(u); 16]).collect();
     list.forces(&side_by_side, &mut forces, AtStrength::Hold).unwrap();
     check(&forces.iter().step_by(16).copied().collect::<Vec<_>>());
     let mut lattice = SolidLattice::<f32, 2>::new(nodes, solid, Strain::Finite, 1.0).unwrap();
     let mut forces = vec![0.0; n];
-    let u: Vec<f32> = u.iter().map(|&u| u as f32).collect();
+    let u: Vec<f32> = u.iter().map(|&u| f32::of(u)).collect();
     lattice.forces(&u, &mut forces, AtStrength::Hold).unwrap();
     check(&forces);
 }

@@ -31,7 +31,7 @@ enum Edges {
     Velocity,
 }
 
-/// What a load is told by at the end of a run.
+/// The measure of a load at the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoadEnd {
     /// A mean strain.

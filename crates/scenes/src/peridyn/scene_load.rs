@@ -43,7 +43,7 @@ impl HoldScene {
     }
 }
 
-/// The prescribed motion: of grips along the vertical, or of the nodes of a region.
+/// The prescribed motion: of the edges along the vertical, or of the nodes of a region.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Velocity { speed: 0.5 })]

@@ -196,7 +196,7 @@ fn notes(read: &Read, findings: &mut Findings) {
     let n_at_edges = read.realisations.iter().filter(|it| it.outcome == at_edges).count();
     if n_at_edges > 0 {
         findings.notes.push(Note::Warning(format!(
-            "{n_at_edges} of {} broke at the prescribed displacement: raise the key `protected` of the grips, or of supports and load",
+            "{n_at_edges} of {} broke at the prescribed displacement: raise `grips.protected` of the scene, or the key `protected` of its supports and load",
             counted(n, "realisation")
         )));
     }

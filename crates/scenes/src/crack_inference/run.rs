@@ -6,7 +6,6 @@
 
 mod ensembles;
 mod findings;
-mod number;
 mod pictures;
 mod posterior_record;
 mod predictive;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::findings::sources::{OHAGAN_2006, PARKS_2008, VEHTARI_2021, WOOD_2010};
-use crate::findings::{Findings, ReadNumber, cell, given_cell, how, short_cell};
+use crate::findings::{Findings, ReadNumber, ReadQuantile, cell, given_cell, how, short_cell};
 
 #[derive(Debug, Deserialize)]
 struct Read {
@@ -33,13 +33,6 @@ struct ReadParameter {
     effective_sample_size: f64,
     error_of_ensembles: f64,
     marginal: Vec<ReadBin>,
-}
-
-#[derive(Debug, Deserialize)]
-struct ReadQuantile {
-    probability: f64,
-    #[serde(flatten)]
-    number: ReadNumber,
 }
 
 #[derive(Debug, Deserialize)]

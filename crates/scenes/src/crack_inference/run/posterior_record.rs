@@ -7,8 +7,8 @@ use peridyn_sde::inference::{
 use sde_integrators::{Estimate, Uncertainty, normal_probability};
 use serde::Serialize;
 
-use super::number::Number;
 use crate::kind::RunError;
+use crate::run_result::Number;
 
 /// Bins of a marginal distribution, of equal width on the scale of the parameter.
 const BINS: usize = 24;

@@ -7,11 +7,11 @@ use sde_integrators::Estimate;
 use serde::Serialize;
 
 use super::ensembles::Ended;
-use super::number::Number;
 use super::posterior_record::{Correlation, ParameterRecord};
 use super::predictive::{Band, Compared, share};
 use crate::crack_inference::measured::MeasuredPlate;
 use crate::kind::RunError;
+use crate::run_result::Number;
 use crate::scene::NamedFile;
 
 /// Keys that this kind adds to every result.

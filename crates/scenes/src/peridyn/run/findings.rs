@@ -10,7 +10,8 @@ use serde_json::Value;
 
 use crate::findings::sources::{PARKS_2008, TIM_2019};
 use crate::findings::{
-    Findings, ReadNumber, ReadUnknown, cell, given_cell, how, method_words, short_cell,
+    Findings, ReadNumber, ReadQuantile, ReadUnknown, cell, given_cell, how, method_words,
+    short_cell,
 };
 
 #[derive(Debug, Deserialize)]
@@ -63,13 +64,6 @@ struct ReadInterval {
     value: f64,
     low: f64,
     high: f64,
-}
-
-#[derive(Debug, Deserialize)]
-struct ReadQuantile {
-    probability: f64,
-    #[serde(flatten)]
-    number: ReadNumber,
 }
 
 #[derive(Debug, Deserialize)]

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::kind::RunError;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::{CrackProblem, Resolved};
-use crate::run_result::{ErrorOrigin, Unknown, error_of};
+use crate::run_result::{Number, Unknown};
 use crate::scene::NamedFile;
 
 /// Default distance of path abscissae, in spacings.
@@ -99,21 +99,6 @@ pub(super) struct Failure {
 struct Outcome {
     outcome: &'static str,
     probability: Number,
-}
-
-/// A number with its error.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct Number {
-    pub(super) value: f64,
-    pub(super) error: Option<f64>,
-    error_kind: ErrorOrigin,
-}
-
-impl From<Estimate> for Number {
-    fn from(estimate: Estimate) -> Self {
-        let (error, error_kind) = error_of(&estimate);
-        Self { value: estimate.value, error, error_kind }
-    }
 }
 
 /// Distribution of a number.

@@ -4,6 +4,9 @@
 //! 100 x 100 nodes. The horizon is 3.015 spacings, strains are about 1e-4, no bond breaks. An element is a bond,
 //! counted once, in one realisation. One thread.
 //!
+//! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces. The list of
+//! one realisation has no registers, and the same rate at every level.
+//!
 //! A step is one of the Leimkuhler-Matthews method at z = 1 with unit mobility: forces, test of every bond, new
 //! normals for every component of every node, update, test for non-finite numbers. The same step at `kT = 0` draws no
 //! normals; the difference is the share of noise.
@@ -21,9 +24,10 @@ use benches::CpuTime;
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon,
-    Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig,
-    Strain, SurfaceCorrection, VolumeCorrection,
+    AtStrength, Body, BondConfig, BondFailure, BondList, Bonds, Breaking, Condition, Dynamics,
+    Horizon, Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation,
+    SimulationConfig, SolidBonds, SolidLattice, SolidList, SolidNetwork, Strain, SurfaceCorrection,
+    VolumeCorrection,
 };
 use rayon::ThreadPoolBuilder;
 use sde_integrators::{Noise, Purpose, SimdLevel};
@@ -35,6 +39,8 @@ const PLATE: u32 = 100;
 const SMALL: u32 = 8;
 
 const STRENGTH: f64 = 0.01;
+/// Of the linear peridynamic solid.
+const POISSON_RATIO: f64 = 0.2;
 /// Standard deviation of the bond stretch by noise, for equal bonds.
 const NOISE: f64 = 1e-4;
 
@@ -53,6 +59,7 @@ struct Shape<const D: usize> {
     name: &'static str,
     nodes: Nodes<D>,
     bonds: Bonds,
+    solid: SolidBonds,
 }
 
 impl<const D: usize> Shape<D> {
@@ -67,12 +74,30 @@ impl<const D: usize> Shape<D> {
             surface_correction: SurfaceCorrection::None,
         };
         let bonds = Bonds::new(&nodes, &config).unwrap();
-        Self { name, nodes, bonds }
+        let solid = SolidBonds::new(&nodes, &config, POISSON_RATIO).unwrap();
+        Self { name, nodes, bonds, solid }
     }
 
     fn lattice<T: Real>(&self, level: SimdLevel) -> LatticeBody<T, D> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         LatticeBody::new(nodes, bonds, Strain::Finite, STRENGTH).unwrap().at_level(level)
+    }
+
+    fn solid_lattice<T: Real>(&self, level: SimdLevel) -> SolidLattice<T, D> {
+        let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
+        SolidLattice::new(nodes, solid, Strain::Finite, STRENGTH).unwrap().at_level(level)
+    }
+
+    fn solid_list<T: Real, const L: usize>(&self, level: SimdLevel) -> SolidList<T, D, L> {
+        let strengths = vec![vec![STRENGTH; self.bonds.len()]; L];
+        let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
+        SolidList::new(nodes, solid, Strain::Finite, &strengths).unwrap().at_level(level)
+    }
+
+    fn solid_network(&self) -> SolidNetwork<D> {
+        let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
+        let strengths = BondFailure::Stretch(vec![STRENGTH; self.bonds.len()]);
+        SolidNetwork::new(nodes, solid, Strain::Finite, strengths).unwrap()
     }
 
     fn list<T: Real, const L: usize>(&self, level: SimdLevel) -> BondList<T, D, L> {
@@ -104,13 +129,18 @@ impl<const D: usize> Shape<D> {
 
     /// Each path at a level, created on demand.
     fn paths(&self, level: SimdLevel) -> impl Iterator<Item = Path> {
-        (0..6).map(move |which| match which {
+        (0..11).map(move |which| match which {
             0 => self.forces("lattice", level, self.lattice::<f64>(level)),
             1 => self.forces("lattice", level, self.lattice::<f32>(level)),
             2 => self.forces("list", level, self.list::<f64, 1>(level)),
             3 => self.forces("list", level, self.list::<f32, 1>(level)),
             4 => self.forces("ensemble of 8", level, self.list::<f64, 8>(level)),
-            _ => self.forces("ensemble of 16", level, self.list::<f32, 16>(level)),
+            5 => self.forces("ensemble of 16", level, self.list::<f32, 16>(level)),
+            6 => self.forces("solid lattice", level, self.solid_lattice::<f64>(level)),
+            7 => self.forces("solid lattice", level, self.solid_lattice::<f32>(level)),
+            8 => self.forces("solid ensemble of 8", level, self.solid_list::<f64, 8>(level)),
+            9 => self.forces("solid ensemble of 16", level, self.solid_list::<f32, 16>(level)),
+            _ => self.forces("solid list", level, self.solid_network()),
         })
     }
 }

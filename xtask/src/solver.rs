@@ -3,8 +3,13 @@
 use std::path::Path;
 
 /// The solvers that a scene may name, and the feature of `scenes` that has each.
-const FEATURES: [(&str, &str); 4] =
-    [("fpk-sph", "fpk"), ("random-vibration", "fpk"), ("smpm", "smpm"), ("peridyn-sde", "peridyn")];
+const FEATURES: [(&str, &str); 5] = [
+    ("fpk-sph", "fpk"),
+    ("random-vibration", "fpk"),
+    ("smpm", "smpm"),
+    ("peridyn-sde", "peridyn"),
+    ("peridyn-sde-inference", "peridyn"),
+];
 
 /// Options for cargo that leave out all solvers but that of the scene among these arguments of `run`, `advise` or `merge`.
 ///
@@ -44,6 +49,7 @@ mod tests {
             ("fpk/two_storey.json", "fpk"),
             ("smpm/contact_explosion.json", "smpm"),
             ("peridyn/plate_with_hole.json", "peridyn"),
+            ("peridyn/infer_toughness.json", "peridyn"),
         ] {
             let expected =
                 ["--no-default-features".to_owned(), format!("--features=cli,{feature}")];

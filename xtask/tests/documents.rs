@@ -273,3 +273,24 @@ fn paths_are_read_up_to_their_placeholders() {
         "`crates/smpm/src/<name>.rs`, `tests/scenes/a.json`, `not/a/path`\n```\n`tests/x`\n```\n";
     assert_eq!(named_paths(page), ["crates/smpm/src", "tests/scenes/a.json"]);
 }
+
+// ---- merges ----
+
+/// Lines that an unfinished merge leaves.
+fn merge_marks(text: &str) -> Vec<usize> {
+    let is_mark = |line: &str| {
+        ["<<<<<<<", ">>>>>>>"].iter().any(|mark| line.starts_with(mark)) || line == "======="
+    };
+    let lines = text.lines().enumerate().filter(|(_, line)| is_mark(line));
+    lines.map(|(number, _)| number + 1).collect()
+}
+
+#[test]
+fn no_page_holds_the_marks_of_a_merge() -> Outcome {
+    for page in files(&root(), ".md")? {
+        let marks = merge_marks(&fs::read_to_string(&page)?);
+        assert!(marks.is_empty(), "{}: lines {marks:?}", page.display());
+    }
+    assert_eq!(merge_marks("a\n<<<<<<< HEAD\n=======\n>>>>>>> b\n"), [2, 3, 4]);
+    Ok(())
+}

@@ -119,6 +119,14 @@
     });
     const tick = (value) => (value === null ? "" : Number(value.toPrecision(4)).toString().replace("e+", "e"));
     const ticks = (u, splits) => splits.map(tick);
+    // On a logarithmic axis the fewer decades, the more values have a label.
+    const labelled = (u, splits) => {
+      const decades = Math.log10(splits[splits.length - 1] / splits[0]);
+      const kept = decades > 3 ? [1] : decades > 1 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+      const first = (value) => Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
+      return splits.map((value) => (kept.includes(first(value)) ? value : null));
+    };
+    const logarithmic = { values: ticks, filter: labelled };
     const width = () => Math.max(200, place.clientWidth);
     const u = new uPlot({
       width: width(),
@@ -131,8 +139,8 @@
         y: chart.is_logarithmic ? { distr: 3, range: () => range } : { range: () => range },
       },
       axes: [
-        chart.x_is_logarithmic ? axis(chart.x_label, 40) : { ...axis(chart.x_label, 40), values: ticks },
-        chart.is_logarithmic ? axis(chart.y_label, 62) : { ...axis(chart.y_label, 62), values: ticks },
+        { ...axis(chart.x_label, 40), ...(chart.x_is_logarithmic ? logarithmic : { values: ticks }) },
+        { ...axis(chart.y_label, 62), ...(chart.is_logarithmic ? logarithmic : { values: ticks }) },
       ],
       series: [
         {},

@@ -9,12 +9,11 @@ const theme = (() => {
   const show = () => {
     if (button) {
       button.textContent = isDark() ? "Light" : "Dark";
-      button.setAttribute("aria-pressed", String(isDark()));
+      button.setAttribute("aria-label", `${button.textContent} colours`);
     }
     for (const listener of listeners) listener();
   };
   if (button) {
-    button.setAttribute("aria-label", "Dark colours");
     button.addEventListener("click", () => {
       root.dataset.theme = isDark() ? "light" : "dark";
       show();

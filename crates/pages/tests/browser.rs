@@ -5,7 +5,7 @@ mod sample;
 
 use std::io::Write;
 
-use drive::{browser, drive, width_in_a_narrow_frame};
+use drive::{axe, browser, drive, violations, width_in_a_narrow_frame};
 use pages::render;
 use sample::page;
 
@@ -68,4 +68,17 @@ fn the_page_fits_a_narrow_screen() {
     };
     let width = width_in_a_narrow_frame(&browser, &render(&page()).unwrap());
     assert!(width <= 400.0, "{width}");
+}
+
+/// Contrast, names, roles and labels by axe-core in both themes: skipped, by this name, without it.
+#[test]
+fn axe_finds_nothing_to_object_to() {
+    let (Some(browser), Some(axe)) = (browser(), axe()) else {
+        let _ =
+            writeln!(std::io::stderr(), "skipped: no Chromium, or AXE_CORE names no axe.min.js");
+        return;
+    };
+    let seen = violations(&browser, &axe, &render(&page()).unwrap());
+    assert_eq!(seen["violations"], serde_json::json!([]), "{seen:#}");
+    assert!(seen["passes"].as_u64().unwrap() > 40, "{}", seen["passes"]);
 }

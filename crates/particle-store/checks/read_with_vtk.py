@@ -85,6 +85,15 @@ def check_empty():
     assert (grid.GetNumberOfPoints(), grid.GetNumberOfCells()) == (0, 0)
 
 
+def check_texts():
+    field = read("texts.vtu").GetFieldData()
+    texts = {"unit of density": "kg/m³", "body 0": "plate <1>"}
+    for name, text in texts.items():
+        array = field.GetAbstractArray(name)
+        assert (array.GetNumberOfValues(), array.GetValue(0)) == (1, text), (name, array)
+    assert rows(field.GetArray("step")) == [(7,)]
+
+
 def check_series():
     root = ElementTree.parse(GOLDEN / "series.pvd").getroot()
     frames = [(float(frame.get("timestep")), frame.get("file")) for frame in root.iter("DataSet")]
@@ -96,5 +105,6 @@ def check_series():
 if __name__ == "__main__":
     check_three()
     check_empty()
+    check_texts()
     check_series()
     print(f"VTK {vtk.vtkVersion.GetVTKVersion()} read all of it")

@@ -32,7 +32,35 @@ impl<const D: usize> ParticleStore<D> {
     /// control character; [`Error::DuplicateName`] for a column `id`, or for an attribute `TimeValue` besides the
     /// time; for the handle those of [`get`](Self::get); [`Error::Io`] if the writer fails. All but the last occur
     /// before anything is written.
-    pub fn write_vtu(&self, positions: Handle<[f64; D]>, mut out: impl Write) -> Result<(), Error> {
+    pub fn write_vtu(&self, positions: Handle<[f64; D]>, out: impl Write) -> Result<(), Error> {
+        self.write_vtu_with(positions, &[], out)
+    }
+
+    /// As [`write_vtu`](Self::write_vtu), with texts in the field data, each under its name: units of the columns, what numbers of
+    /// bodies mean. ParaView shows them under Information and in a spreadsheet of the field data.
+    ///
+    /// ```
+    /// use particle_store::ParticleStore;
+    ///
+    /// let mut store = ParticleStore::<2>::new(1);
+    /// let places = store.add("position", vec![[0.0, 1.0]])?;
+    /// let mut file = Vec::new();
+    /// store.write_vtu_with(places, &[("unit of position", "m")], &mut file)?;
+    /// let text = String::from_utf8_lossy(&file);
+    /// assert!(text.contains(r#"<DataArray type="String" Name="unit of position" NumberOfTuples="1""#));
+    /// # Ok::<(), particle_store::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`write_vtu`](Self::write_vtu); [`Error::DuplicateName`] for a text of the name of an attribute or of another text;
+    /// [`Error::NameNotXml`] for a text with a control character.
+    pub fn write_vtu_with(
+        &self,
+        positions: Handle<[f64; D]>,
+        texts: &[(&str, &str)],
+        mut out: impl Write,
+    ) -> Result<(), Error> {
         let points = self.get(positions)?;
         if D > 3 {
             return Err(Error::TooManyDimensions { dimension: D });
@@ -42,7 +70,7 @@ impl<const D: usize> ParticleStore<D> {
             return Err(Error::NotFinite { what });
         }
         let n = self.len();
-        let field = self.field_arrays()?;
+        let field = self.field_arrays(texts)?;
         let point_data = self.point_arrays(positions)?;
         let points = [Array::new("Points", "Float64", 3, points.iter().map(padded))];
         let cells = [
@@ -72,7 +100,7 @@ impl<const D: usize> ParticleStore<D> {
         Ok(out.flush()?)
     }
 
-    fn field_arrays(&self) -> Result<Vec<Array<'_>>, Error> {
+    fn field_arrays<'a>(&'a self, texts: &[(&'a str, &'a str)]) -> Result<Vec<Array<'a>>, Error> {
         let mut arrays = Vec::new();
         for (name, value) in self.attributes() {
             arrays.push(match value {
@@ -88,6 +116,15 @@ impl<const D: usize> ParticleStore<D> {
                 Attribute::Real(value) => Array::new(name, "Float64", 1, core::iter::once(value)),
                 Attribute::Count(value) => Array::new(name, "UInt64", 1, core::iter::once(value)),
             });
+        }
+        for &(name, text) in texts {
+            if arrays.iter().any(|array| array.name == name) {
+                return Err(Error::DuplicateName { name: name.to_owned() });
+            }
+            if text.chars().any(char::is_control) {
+                return Err(Error::NameNotXml { name: text.to_owned() });
+            }
+            arrays.push(Array::of_text(name, text));
         }
         Ok(arrays)
     }
@@ -168,6 +205,23 @@ impl<'a> Array<'a> {
         let write = move |out: &mut dyn Write| put_all(values.clone(), out);
         let n_bytes = n_tuples as u64 * T::SIZE as u64;
         Self { name, vtk_type, n_components, n_tuples, n_bytes, write: Box::new(write) }
+    }
+
+    /// One string, which a zero ends.
+    fn of_text(name: &'a str, text: &'a str) -> Self {
+        let write = move |out: &mut dyn Write| {
+            out.write_all(text.as_bytes())?;
+            out.write_all(&[0])
+        };
+        let n_bytes = text.len() as u64 + 1;
+        Self {
+            name,
+            vtk_type: "String",
+            n_components: 1,
+            n_tuples: 1,
+            n_bytes,
+            write: Box::new(write),
+        }
     }
 }
 

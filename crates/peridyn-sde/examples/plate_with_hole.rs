@@ -7,8 +7,8 @@
 
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Breaking, Condition, CrackStudy, DisorderField, Dynamics, Error,
-    Horizon, Influence, Loading, Nodes, Notch, PathConfig, Program, SimulationConfig, Stiffness,
-    Strain, Strength, SurfaceCorrection, VolumeCorrection, critical_stretch,
+    Horizon, Influence, Loading, Nodes, Notch, PathConfig, Procedure, Program, SimulationConfig,
+    Stiffness, Strain, Strength, StudyLaw, SurfaceCorrection, VolumeCorrection, critical_stretch,
     statistics::{Bootstrap, CrackEnsemble},
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
@@ -85,14 +85,14 @@ fn main() -> Result<(), Error> {
     let study = CrackStudy {
         nodes: &nodes,
         bonds: &bonds,
+        law: StudyLaw::BondBased,
         strain: Strain::Finite,
         strength: Strength::Field { field: &strength, value: BondValue::Mean },
         stiffness: Stiffness::Uniform,
         no_fail: &[],
         notch: Notch { mouth: [0.0, 0.032], tip: [0.0192, 0.032] },
         loading: &loading,
-        simulation: &simulation,
-        n_steps: N_STEPS,
+        procedure: Procedure::Dynamic { simulation: &simulation, n_steps: N_STEPS },
         load: (&upper, 1),
         n_windows: 50,
         path: PathConfig::of_horizon(radius),

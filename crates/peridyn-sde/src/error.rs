@@ -366,6 +366,19 @@ pub enum Error {
          damage by the largest stretch alone, as CriticalStretch and Bilinear have"
     )]
     NotPiecewiseLinear,
+    /// Bonds that soften, in steps of the equations of motion.
+    #[error(
+        "bonds that soften are followed in equilibrium alone: use a quasi-static procedure, or bonds that break at their strength"
+    )]
+    SofteningInTime,
+    /// A law of a uniform stiffness, and one that varies.
+    #[error(
+        "the stiffness of {law} is uniform; leave its variation out, or use bonds that break at their strength"
+    )]
+    UniformStiffness {
+        /// The law.
+        law: &'static str,
+    },
     /// A dimension that the conditions of the body do not have.
     #[error("{condition} has {expected} dimensions; the body has {value}")]
     Dimension {

@@ -18,5 +18,7 @@ pub static ALL: &[SceneKind] = if cfg!(test) {
         crate::smpm::run::KIND,
         #[cfg(feature = "peridyn")]
         crate::peridyn::run::KIND,
+        #[cfg(feature = "peridyn")]
+        crate::crack_inference::run::KIND,
     ]
 };

@@ -49,6 +49,14 @@ pub(crate) struct ReadNumber {
     pub(crate) error_kind: String,
 }
 
+/// A quantile of `result.json`.
+#[derive(Debug, Deserialize)]
+pub(crate) struct ReadQuantile {
+    pub(crate) probability: f64,
+    #[serde(flatten)]
+    pub(crate) number: ReadNumber,
+}
+
 /// Largest number of rows of a table that holds all values over time.
 const MOST_ROWS: usize = 400;
 

@@ -141,6 +141,8 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("smpm", "smpm"),
     #[cfg(not(feature = "peridyn"))]
     ("peridyn-sde", "peridyn"),
+    #[cfg(not(feature = "peridyn"))]
+    ("peridyn-sde-inference", "peridyn"),
 ];
 
 /// Looks up the kind of a scene.

@@ -9,6 +9,8 @@ pub mod checkpoint;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod clock;
+#[cfg(feature = "peridyn")]
+pub mod crack_inference;
 pub mod findings;
 #[cfg(feature = "fpk")]
 pub mod fpk;

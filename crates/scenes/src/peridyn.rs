@@ -1,12 +1,16 @@
 //! Crack scenes: their types and their execution.
 
+pub mod held;
 mod named;
 pub mod points;
 mod positive;
+mod procedure;
 pub mod run;
 pub mod scene;
 pub mod scene_body;
+mod scene_check;
 pub mod scene_dynamics;
 pub mod scene_field;
+pub mod scene_load;
 mod scene_plate;
 pub mod scene_problem;

@@ -74,3 +74,20 @@ pub const fn error_of(estimate: &Estimate) -> (Option<f64>, ErrorOrigin) {
         Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
     }
 }
+
+/// A number with its error.
+#[cfg(feature = "peridyn")]
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Number {
+    pub(crate) value: f64,
+    pub(crate) error: Option<f64>,
+    error_kind: ErrorOrigin,
+}
+
+#[cfg(feature = "peridyn")]
+impl From<Estimate> for Number {
+    fn from(estimate: Estimate) -> Self {
+        let (error, error_kind) = error_of(&estimate);
+        Self { value: estimate.value, error, error_kind }
+    }
+}

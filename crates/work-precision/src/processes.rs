@@ -5,6 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use scenes::crack_inference::scene::{
+    DesignScene, InferenceScene, MeasuredScene, PredictiveScene, SamplerScene,
+};
 use scenes::fpk::method_scene::MethodScene as FpkMethod;
 use scenes::fpk::scene::{CloudScene, FpkScene, PlanesScene, Times};
 use scenes::peridyn::scene::CrackScene;
@@ -40,6 +43,7 @@ pub fn scenes() -> Result<Vec<Scene>, CaseError> {
         samples_of_a_plate()?,
         grids_of_a_plate()?,
         cracks(32)?,
+        inference()?,
     ])
 }
 
@@ -104,10 +108,30 @@ pub fn cracks(realisations: u64) -> Result<Scene, CaseError> {
     let text = include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json");
     let mut scene: CrackScene = built_in(text)?;
     scene.ensemble.realisations = realisations;
-    scene.time.steps = 600;
+    scene.time.as_mut().ok_or("the scene has no steps")?.steps = 600;
     scene.output.vtu = vec![0, 12];
     let named = Scene::new("cracks", &scene, true)?;
     scene.ensemble.realisations = 20;
+    named.shortened(&scene)
+}
+
+/// Toughness from measured plates: a few points of a design, with more realisations than run at a time.
+fn inference() -> Result<Scene, CaseError> {
+    let mut scene: InferenceScene =
+        built_in(include_str!("../../../tests/scenes/peridyn/infer_toughness.json"))?;
+    let folder = crate::record::workspace().join("tests/scenes/peridyn");
+    let MeasuredScene { paths, failure_loads, .. } = &mut scene.measured;
+    for file in
+        [Some(&mut scene.plate), paths.as_mut(), failure_loads.as_mut()].into_iter().flatten()
+    {
+        *file = folder.join(&*file).display().to_string();
+    }
+    scene.parameters.truncate(1);
+    scene.design = DesignScene { points: 9, realisations: 64, emulators: 8 };
+    scene.sampler = SamplerScene { particles: 100, draws: 200, ..SamplerScene::default() };
+    scene.predictive = PredictiveScene { draws: 4, realisations: 16 };
+    let named = Scene::new("inference", &scene, false)?;
+    scene.design.points = 7;
     named.shortened(&scene)
 }
 

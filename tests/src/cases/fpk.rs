@@ -8,6 +8,7 @@ pub(crate) mod effectivity;
 pub(crate) mod failures;
 pub(crate) mod filtered;
 pub(crate) mod first_passage;
+pub(crate) mod four_states;
 pub(crate) mod gaussian_mixture;
 pub(crate) mod guided_paths;
 pub(crate) mod invariance;

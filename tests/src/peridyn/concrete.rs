@@ -132,11 +132,16 @@ pub fn beam(
 }
 
 /// The L-shaped panel of Winkler 2001: limbs of 250 mm, fixed below, lifted 30 mm from the free end of its upper limb; to a
-/// displacement (m).
+/// displacement (m). With a `cut` from outside to the corner, bonds that pass outside of it are cut.
 ///
 /// # Errors
 /// Those of the solver.
-pub fn panel(of: Concrete, on: Lattice, until: f64) -> Result<Tested, CaseError> {
+pub fn panel(
+    of: Concrete,
+    on: Lattice,
+    until: f64,
+    cut: Option<[[f64; 2]; 2]>,
+) -> Result<Tested, CaseError> {
     let dx = on.spacing;
     let condition = Condition::PlaneStress { thickness: 0.1 };
     let inside = |x: &[f64; 2]| x[0] < 0.25 || x[1] > 0.25;
@@ -154,7 +159,7 @@ pub fn panel(of: Concrete, on: Lattice, until: f64) -> Result<Tested, CaseError>
         *sound |= x[1] < 4.0 * dx;
     }
     let mouth = [Vec::new(), Vec::new()];
-    tested(Specimen { nodes, loading, loaded, sound, mouth, notch: None, until }, of, on)
+    tested(Specimen { nodes, loading, loaded, sound, mouth, notch: cut, until }, of, on)
 }
 
 fn tested(specimen: Specimen, of: Concrete, on: Lattice) -> Result<Tested, CaseError> {

@@ -13,6 +13,8 @@ const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 const LISTENER: &str = include_str!("listen.js");
 /// Uses the page as a reader would, and leaves what it saw.
 const DRIVER: &str = include_str!("drive.js");
+/// Runs axe-core on the page.
+const AXE_DRIVER: &str = include_str!("axe.js");
 /// The text between which the driver leaves it.
 const MARKS: [&str; 2] = ["<pre id=\"outcome\">", "</pre>"];
 /// Width of the narrow frame (pixels).
@@ -29,6 +31,20 @@ pub(crate) fn drive(browser: &Path, html: &str) -> Value {
     let heard = html.replacen("<title>", &format!("<script>{LISTENER}</script><title>"), 1);
     let (start, end) = heard.rsplit_once("</body>").expect("the end of the page");
     outcome(browser, &format!("{start}<script>{DRIVER}</script></body>{end}"))
+}
+
+/// The program of axe-core that `AXE_CORE` names, if it does.
+pub(crate) fn axe() -> Option<String> {
+    let path = std::env::var_os("AXE_CORE")?;
+    Some(std::fs::read_to_string(path).expect("the file that AXE_CORE names"))
+}
+
+/// Rules of axe-core that a page violates in either theme, and how many it keeps.
+pub(crate) fn violations(browser: &Path, axe: &str, html: &str) -> Value {
+    let (start, end) = html.rsplit_once("</body>").expect("the end of the page");
+    let axe = axe.replace("</script>", "<\\/script>");
+    let scripts = format!("<script>{axe}</script><script>{AXE_DRIVER}</script>");
+    outcome(browser, &format!("{start}{scripts}</body>{end}"))
 }
 
 /// The width that the page takes in a frame of 400 pixels.

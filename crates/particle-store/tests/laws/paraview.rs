@@ -46,6 +46,10 @@ fn files_are_the_golden_ones() {
     let empty = &mut ParticleStore::<3>::new(0);
     let nowhere = empty.add("position", Vec::new()).unwrap();
     is_golden("empty.vtu", &vtu(empty, nowhere));
+    let mut with_texts = Vec::new();
+    let texts = [("unit of density", "kg/m³"), ("body 0", "plate <1>")];
+    store.write_vtu_with(position, &texts, &mut with_texts).unwrap();
+    is_golden("texts.vtu", &with_texts);
     let mut series = Vec::new();
     write_pvd([(0.0, "empty.vtu"), (0.5, "three.vtu")], &mut series).unwrap();
     is_golden("series.pvd", &series);
@@ -119,4 +123,15 @@ fn names_that_clash_or_are_no_xml_are_refused() {
     with_bell.add("\u{7}", vec![0_u8; 3]).unwrap();
     assert!(matches!(refused(&with_bell, position), Error::NameNotXml { .. }));
     assert!(matches!(write_pvd([(0.0, "a\nb")], Vec::new()), Err(Error::NameNotXml { .. })));
+}
+
+#[test]
+fn texts_of_a_name_that_is_taken_and_with_control_characters_are_refused() {
+    let (store, position) = store();
+    let refused =
+        |texts: &[(&str, &str)]| store.write_vtu_with(position, texts, Vec::new()).unwrap_err();
+    for taken in [&[("step", "seven")][..], &[("unit", "m"), ("unit", "s")]] {
+        assert!(matches!(refused(taken), Error::DuplicateName { .. }));
+    }
+    assert!(matches!(refused(&[("unit", "m\0s")]), Error::NameNotXml { .. }));
 }

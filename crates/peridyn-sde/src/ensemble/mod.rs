@@ -1,12 +1,15 @@
 //! Many cracks of one body: realisations side by side, in shards.
 
 mod crack_run;
+mod ended;
+mod equilibria;
 mod fate;
 mod group;
+mod inputs;
 mod run;
 mod shard;
 mod study;
 
 pub use crack_run::{BrokenInStep, CrackRun, FinalState};
 pub use shard::{CrackShard, merge_shards};
-pub use study::{CrackStudy, Stiffness, Strength};
+pub use study::{CrackStudy, Procedure, Stiffness, Strength, StudyLaw};

@@ -41,7 +41,7 @@ impl CrackStudy<'_> {
         Ok(CrackShard {
             place: (shard, n_shards),
             n_realisations,
-            seed: self.simulation.noise.seed(),
+            seed: self.noise().seed(),
             precision: T::NAME.to_owned(),
             run,
         })

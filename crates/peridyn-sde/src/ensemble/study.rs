@@ -1,11 +1,16 @@
 //! What an ensemble of cracks is of.
 
+use sde_integrators::Noise;
+
 use crate::bonds::Bonds;
 use crate::config::SimulationConfig;
 use crate::disorder::{BondValue, DisorderField};
+use crate::equilibrium::EquilibriumConfig;
+use crate::law::Bilinear;
 use crate::loading::Loading;
 use crate::nodes::Nodes;
 use crate::path::{Notch, PathConfig};
+use crate::solid::SolidBonds;
 use crate::strain::Strain;
 use crate::weakest_link::WeibullStrength;
 
@@ -53,6 +58,43 @@ pub enum Stiffness<'a> {
     },
 }
 
+/// How bonds pull.
+#[derive(Debug, Clone, Copy)]
+pub enum StudyLaw<'a> {
+    /// A pair potential; a bond breaks at its strength.
+    BondBased,
+    /// A pair potential; a bond softens from its strength on. With [`Procedure::QuasiStatic`] alone, and a uniform stiffness. A
+    /// bond counts as broken once it has lost nine tenths of its stiffness.
+    Softening(Bilinear),
+    /// A linear peridynamic solid, of a uniform stiffness; a bond breaks at its strength.
+    LinearSolid(&'a SolidBonds),
+}
+
+/// How the load is applied.
+#[derive(Debug, Clone, Copy)]
+pub enum Procedure<'a> {
+    /// In time, by steps of the equations of motion.
+    Dynamic {
+        /// How the body moves.
+        simulation: &'a SimulationConfig,
+        /// Steps of each realisation.
+        n_steps: u64,
+    },
+    /// Slowly: equilibrium after equilibrium, event by event, as [`QuasiStatic`](crate::QuasiStatic). Strains are taken for small, and
+    /// displacements are proportional to a load factor, the time of the loading. A realisation ends where a test that prescribes
+    /// the displacement would come to the last factor, or with the separation of the body.
+    QuasiStatic {
+        /// How equilibria are found.
+        config: EquilibriumConfig,
+        /// The last load factor.
+        until: f64,
+        /// Equal parts of that, by whose number the failure of a bond is recorded in place of its step.
+        n_steps: u64,
+        /// Of the random fields.
+        noise: Noise,
+    },
+}
+
 /// A tension-test ensemble of one notched body: each realisation has its own noise or field of strength.
 ///
 /// The numbers of a realisation follow from the seed and its own number alone: not from how many there are, which run side by
@@ -61,8 +103,10 @@ pub enum Stiffness<'a> {
 pub struct CrackStudy<'a> {
     /// The nodes.
     pub nodes: &'a Nodes<2>,
-    /// The bonds.
+    /// The bonds; of a linear peridynamic solid its [`SolidBonds::bonds`].
     pub bonds: &'a Bonds,
+    /// How they pull.
+    pub law: StudyLaw<'a>,
     /// How strains are measured.
     pub strain: Strain,
     /// When bonds break.
@@ -76,14 +120,12 @@ pub struct CrackStudy<'a> {
     pub notch: Notch,
     /// What is done to the body.
     pub loading: &'a Loading<2>,
-    /// How it moves.
-    pub simulation: &'a SimulationConfig,
-    /// Steps of each realisation.
-    pub n_steps: u64,
+    /// How the load is applied.
+    pub procedure: Procedure<'a>,
     /// Load measurement: prescribed nodes, and the component of the force.
     pub load: (&'a [usize], usize),
     /// Load is averaged over so many windows of equal length, without the remainder of the steps; the largest mean is the failure
-    /// load.
+    /// load. Under a quasi-static load it is that at the end of each window, and the failure load the largest of all.
     pub n_windows: u64,
     /// What counts as a crack.
     pub path: PathConfig,
@@ -91,4 +133,22 @@ pub struct CrackStudy<'a> {
     pub border: f64,
     /// Damage from which a node counts as damaged in the map.
     pub damage_threshold: f64,
+}
+
+impl CrackStudy<'_> {
+    /// Of random fields, and of the motion.
+    pub(super) fn noise(&self) -> &Noise {
+        match &self.procedure {
+            Procedure::Dynamic { simulation, .. } => &simulation.noise,
+            Procedure::QuasiStatic { noise, .. } => noise,
+        }
+    }
+
+    /// Steps of each realisation, or parts of the last load factor.
+    #[must_use]
+    pub fn n_steps(&self) -> u64 {
+        match self.procedure {
+            Procedure::Dynamic { n_steps, .. } | Procedure::QuasiStatic { n_steps, .. } => n_steps,
+        }
+    }
 }

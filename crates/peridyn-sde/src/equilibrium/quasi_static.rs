@@ -120,6 +120,44 @@ impl<B: Body<f64, D, 1>, const D: usize> QuasiStatic<B, D> {
         sum
     }
 
+    /// The force of the bonds on some nodes for a unit of the load (force over that of the loading's time): what
+    /// [`pull_on`](Self::pull_on) is over the load, up to the next change of a bond. For small strains.
+    ///
+    /// # Errors
+    /// As [`next_breakage`](Self::next_breakage).
+    pub fn pull_of_unit_load(&mut self, nodes: &[usize]) -> Result<[f64; D], Error> {
+        self.at_unit_load()?;
+        let mut sum = [0.0; D];
+        for &node in nodes {
+            for k in 0..D {
+                sum[k] += self.statics.bond_forces[node * D + k];
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The load at which the next bonds change, as [`next_breakage`](Self::next_breakage) would find it, for small strains; none
+    /// where no bond is stretched that could break.
+    ///
+    /// # Errors
+    /// As [`next_breakage`](Self::next_breakage).
+    pub fn next_factor(&mut self) -> Result<Option<f64>, Error> {
+        self.at_unit_load()?;
+        let first = self.statics.most_critical(&self.body, Strain::Linear);
+        Ok(first.map(|(_, ratio)| 1.0 / ratio))
+    }
+
+    /// Goes to another load without a change of bonds, as up to [`next_factor`](Self::next_factor) none is, for small strains.
+    ///
+    /// # Errors
+    /// As [`next_breakage`](Self::next_breakage); [`Error::NotFinite`] for the load.
+    pub fn scale_to(&mut self, load: f64) -> Result<(), Error> {
+        finite("load", load)?;
+        self.at_unit_load()?;
+        self.load = load;
+        Ok(())
+    }
+
     /// The energy of the bonds (energy), by their stretches.
     #[must_use]
     pub fn energy(&self) -> f64 {
@@ -141,8 +179,9 @@ impl<B: Body<f64, D, 1>, const D: usize> QuasiStatic<B, D> {
     /// [`Error::NotProportional`] for a loading that is not proportional to time; [`Error::NotInEquilibrium`];
     /// [`Error::SingularStiffness`] for a body that nothing holds before any bond has broken; those of the body.
     pub fn next_breakage(&mut self) -> Result<NextBreakage, Error> {
-        let Self { body, statics, load, largest, is_unit } = self;
-        next_breakage(body, statics, (load, largest, is_unit))
+        self.at_unit_load()?;
+        let Self { body, statics, load, largest, .. } = self;
+        next_breakage(body, statics, (load, largest))
     }
 
     /// Goes to a load and finds equilibrium there, while bonds over their strength break.
@@ -158,6 +197,14 @@ impl<B: Body<f64, D, 1>, const D: usize> QuasiStatic<B, D> {
         let step = step_to(body, statics, (*from, load), largest)?;
         self.load = load;
         Ok(step)
+    }
+
+    fn at_unit_load(&mut self) -> Result<(), Error> {
+        if !self.is_unit {
+            start_unit(&mut self.body, &mut self.statics, self.load)?;
+            self.is_unit = true;
+        }
+        Ok(())
     }
 
     fn scale(&self) -> f64 {
@@ -200,12 +247,8 @@ fn came_apart(largest: &mut f64, stiffness: f64) -> bool {
 fn next_breakage<const D: usize>(
     body: &mut dyn Body<f64, D, 1>,
     statics: &mut Statics<D>,
-    (load, largest, is_unit): (&mut f64, &mut f64, &mut bool),
+    (load, largest): (&mut f64, &mut f64),
 ) -> Result<NextBreakage, Error> {
-    if !*is_unit {
-        start_unit(body, statics, *load)?;
-        *is_unit = true;
-    }
     let before = statics.works();
     if came_apart(largest, before[0]) {
         return Ok(NextBreakage::Separated);

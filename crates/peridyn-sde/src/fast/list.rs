@@ -112,13 +112,6 @@ impl<T: Real, const D: usize, const L: usize> BondList<T, D, L> {
         Ok(self)
     }
 
-    /// Leaves a lane out: all its bonds are broken.
-    pub(crate) fn leave_out(&mut self, lane: usize) {
-        for bond in 0..self.bonds.len() {
-            self.set_intact(bond, self.intact[bond] & !(1 << lane));
-        }
-    }
-
     /// With the instructions of a level; the bits are the same with any.
     #[must_use]
     pub fn at_level(self, level: SimdLevel) -> Self {

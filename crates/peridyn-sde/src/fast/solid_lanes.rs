@@ -20,7 +20,7 @@ pub(super) struct SolidColumns<T> {
     pub(super) inverse_squares: Vec<T>,
     /// `omega beta V_i V_j`.
     pub(super) weights: Vec<T>,
-    /// The same times `|xi|^2`.
+    /// The same times `|xi|^2`, in the unit of [`SolidBonds::moment_unit`](crate::SolidBonds).
     pub(super) moments: Vec<T>,
     /// Stiffness over length.
     pub(super) stiffness: Vec<T>,

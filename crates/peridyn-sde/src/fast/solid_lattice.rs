@@ -35,7 +35,7 @@ pub struct SolidLattice<T, const D: usize> {
     pub(super) strain: Strain,
     pub(super) strength: f64,
     grid: Grid<T, D>,
-    /// `phi |xi|^2` of each vector.
+    /// `phi |xi|^2` of each vector, in the unit of [`SolidBonds::moment_unit`](crate::SolidBonds).
     moments: Vec<T>,
     /// Of each site `B/m`, and `tau` over the sum of its bonds; zero without a node.
     constants: Components<T, 2>,
@@ -55,15 +55,17 @@ impl<T: Real, const D: usize> SolidLattice<T, D> {
         let weights = solid.weights();
         let grid: Grid<T, D> = Grid::new(&nodes, solid.bonds(), &|bond| weights[bond])?;
         positive("strength of a bond", strength)?;
-        let vectors = grid.stencil.vectors.iter();
-        let moments = vectors.map(|of| T::of(of.stiffness.to_f64() / of.inverse_square.to_f64()));
+        let (unit, vectors) = (solid.moment_unit(), grid.stencil.vectors.iter());
+        let moment = |stiffness: f64, inverse_square: f64| stiffness / inverse_square / unit;
+        let moments =
+            vectors.map(|of| T::of(moment(of.stiffness.to_f64(), of.inverse_square.to_f64())));
         let moments = moments.collect();
         let mut constants = Components::new(grid.sites.len());
         let [own, of_sum] = constants.all_mut();
         for node in 0..nodes.positions().len() {
             let site = grid.sites.of(node);
             own[site] = T::of(solid.distortion(node));
-            of_sum[site] = T::of(solid.nodal()[node]);
+            of_sum[site] = T::of(solid.nodal()[node] * unit);
         }
         let nodal = Components::new(grid.sites.len());
         let bands = grid.bands().into_iter().map(SolidBand::new).collect();

@@ -28,7 +28,7 @@ pub struct SolidList<T, const D: usize, const L: usize> {
     pub(super) solid: SolidBonds,
     pub(super) strain: Strain,
     pub(super) columns: SolidColumns<T>,
-    /// `D^2 A/(m^2 V)` of each node.
+    /// `D^2 A/(m^2 V)` of each node, in the inverse of the unit of moments.
     nodal: Vec<T>,
     /// In which lanes a bond is intact.
     pub(super) intact: Vec<LaneBits>,
@@ -63,16 +63,17 @@ impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
             }
         }
         let weights = bonds.all().iter().zip(solid.weights());
+        let unit = solid.moment_unit();
         let columns = SolidColumns {
             inverse_squares: bonds.all().iter().map(inverse_square).collect(),
             weights: solid.weights().iter().map(|&weight| T::of(weight)).collect(),
-            moments: weights.map(|(of, w)| T::of(w * of.length * of.length)).collect(),
+            moments: weights.map(|(of, w)| T::of(w * of.length * of.length / unit)).collect(),
             stiffness: bonds.all().iter().map(|of| T::of(of.stiffness / of.length)).collect(),
             limits: of_lanes,
         };
         Ok(Self {
             columns,
-            nodal: solid.nodal().iter().map(|&n| T::of(n)).collect(),
+            nodal: solid.nodal().iter().map(|&n| T::of(n * unit)).collect(),
             intact: vec![all_lanes::<L>(); bonds.len()],
             tau: vec![T::ZERO; bonds.n_nodes() * L],
             nodes,

@@ -145,6 +145,14 @@ impl SolidBonds {
         &self.volumes
     }
 
+    /// A power of two next to the largest `omega beta V_i V_j |xi|^2`: sums over bonds in this unit, and `D^2 A/(m^2 V)` in the
+    /// inverse one, stay within single precision whatever the unit of length.
+    pub(crate) fn moment_unit(&self) -> f64 {
+        let moments = self.bonds.all().iter().zip(&self.weights);
+        let largest = moments.map(|(of, w)| w * of.length * of.length).fold(0.0, f64::max);
+        if largest > 0.0 { largest.log2().round().exp2() } else { 1.0 }
+    }
+
     /// `D^2 A/(m^2 V)` of each node.
     pub(crate) fn nodal(&self) -> &[f64] {
         &self.nodal

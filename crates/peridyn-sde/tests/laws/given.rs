@@ -3,8 +3,8 @@
 use peridyn_sde::{
     BondConfig, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy, DisorderField,
     Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes, Notch, PathConfig,
-    Program, Scheme, SimulationConfig, Stiffness, Strain, Strength, SurfaceCorrection,
-    VolumeCorrection,
+    Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain, Strength, StudyLaw,
+    SurfaceCorrection, VolumeCorrection,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -81,14 +81,14 @@ impl Plate {
         CrackStudy {
             nodes: &self.nodes,
             bonds: &self.bonds,
+            law: StudyLaw::BondBased,
             strain: Strain::Finite,
             strength,
             stiffness,
             no_fail: &[],
             notch: NOTCH,
             loading: &self.loading,
-            simulation: &self.simulation,
-            n_steps: 400,
+            procedure: Procedure::Dynamic { simulation: &self.simulation, n_steps: 400 },
             load: (&self.upper, 1),
             n_windows: 10,
             path: PathConfig::of_horizon(2.0),
@@ -102,7 +102,7 @@ impl Plate {
         study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION], &|_| {})
     }
 
-    fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {
+    pub(super) fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {
         let correlation = Correlation { function: CorrelationFunction::Matern32, length: 4.0 };
         let gaussian =
             GaussianField::by_circulant_embedding(self.nodes.positions(), 1.0, correlation);

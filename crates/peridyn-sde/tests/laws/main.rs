@@ -20,6 +20,7 @@ mod quasi_static;
 mod repulsion;
 mod repulsion_bits;
 mod shards;
+mod slow_ensemble;
 mod solid;
 mod solid_failure;
 mod solid_lattice;

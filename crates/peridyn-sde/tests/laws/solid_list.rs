@@ -2,7 +2,7 @@
 
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondFailure, Condition, Horizon, Influence, Nodes, Real,
-    SolidBonds, SolidList, SolidNetwork, Strain, SurfaceCorrection, VolumeCorrection,
+    SolidBonds, SolidLattice, SolidList, SolidNetwork, Strain, SurfaceCorrection, VolumeCorrection,
 };
 use sde_integrators::SimdLevel;
 
@@ -108,4 +108,46 @@ fn every_lane_has_the_forces_and_failures_of_the_reference_at_every_level() {
     agrees::<f64, 2, 8>(plate, 1e-11);
     agrees::<f64, 3, 8>(Condition::Solid, 1e-11);
     agrees::<f32, 2, 16>(plate, 1e-5);
+}
+
+/// `D^2 A/(m^2 V)` of this plate in metres is beyond the numbers of single precision.
+#[test]
+fn a_small_plate_in_metres_has_its_forces_in_single_precision() {
+    let (spacing, condition) = (2e-3, Condition::PlaneStress { thickness: 1e-3 });
+    let nodes = Nodes::<2>::lattice(spacing, ([0.0; 2], [0.022; 2]), condition, |_| true).unwrap();
+    let config = BondConfig {
+        horizon: Horizon::of_shells(3, spacing).unwrap(),
+        young_modulus: 72e9,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::Ramp,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let solid = SolidBonds::new(&nodes, &config, 0.22).unwrap();
+    let (n, n_bonds) = (2 * nodes.positions().len(), solid.bonds().len());
+    let u = shaken(n, 1e-4 * spacing, 0);
+    let mut exact = vec![0.0; n];
+    let failure = BondFailure::Stretch(vec![1.0; n_bonds]);
+    SolidNetwork::new(nodes.clone(), solid.clone(), Strain::Finite, failure)
+        .unwrap()
+        .forces(&u, &mut exact, AtStrength::Hold)
+        .unwrap();
+    let largest = exact.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+    let check = |forces: &[f32]| {
+        for (force, exact) in forces.iter().zip(&exact) {
+            assert!((f64::from(*force) - exact).abs() < 5e-6 * largest, "{force} {exact}");
+        }
+    };
+    let strengths = vec![vec![1.0; n_bonds]; 16];
+    let mut list =
+        SolidList::<f32, 2, 16>::new(nodes.clone(), solid.clone(), Strain::Finite, &strengths)
+            .unwrap();
+    let mut forces = vec![0.0; n * 16];
+    let side_by_side: Vec<f32> = u.iter().flat_map(|&u| [f32::of(u); 16]).collect();
+    list.forces(&side_by_side, &mut forces, AtStrength::Hold).unwrap();
+    check(&forces.iter().step_by(16).copied().collect::<Vec<_>>());
+    let mut lattice = SolidLattice::<f32, 2>::new(nodes, solid, Strain::Finite, 1.0).unwrap();
+    let mut forces = vec![0.0; n];
+    let u: Vec<f32> = u.iter().map(|&u| f32::of(u)).collect();
+    lattice.forces(&u, &mut forces, AtStrength::Hold).unwrap();
+    check(&forces);
 }

@@ -81,6 +81,27 @@ pub(crate) const TIM_2019: Source = source(
     "Tim (2019). Quick Notes on Probabilistic Peridynamics. Note dated 26 November 2019.",
     "peridynamics driven by Brownian motion",
 );
+#[cfg(feature = "peridyn")]
+pub(crate) const WOOD_2010: Source = source(
+    "wood2010",
+    "Wood, S. N. (2010). Statistical inference for noisy nonlinear ecological dynamic systems. Nature 466, 1102-1104. \
+     doi:10.1038/nature09319",
+    "the likelihood of summaries from ensembles",
+);
+#[cfg(feature = "peridyn")]
+pub(crate) const OHAGAN_2006: Source = source(
+    "ohagan2006",
+    "O'Hagan, A. (2006). Bayesian analysis of computer code outputs: a tutorial. Reliability Engineering and System Safety \
+     91(10-11), 1290-1300. doi:10.1016/j.ress.2005.11.025",
+    "the average over emulators",
+);
+#[cfg(feature = "peridyn")]
+pub(crate) const VEHTARI_2021: Source = source(
+    "vehtari2021",
+    "Vehtari, A., Gelman, A., Simpson, D., Carpenter, B. and Bürkner, P.-C. (2021). Rank-normalization, folding, and \
+     localization: an improved R-hat for assessing convergence of MCMC. Bayesian Analysis 16(2), 667-718. doi:10.1214/20-BA1221",
+    "R-hat and the effective sample size",
+);
 
 #[cfg(all(test, feature = "fpk", feature = "smpm", feature = "peridyn"))]
 mod tests {
@@ -103,6 +124,9 @@ mod tests {
             SALTELLI_2010,
             PARKS_2008,
             TIM_2019,
+            WOOD_2010,
+            OHAGAN_2006,
+            VEHTARI_2021,
         ] {
             let (_, entry) = bibliography.split_once(&format!("{{{},", source.key)).unwrap();
             let entry = &entry[..entry.find("\n}").unwrap()];

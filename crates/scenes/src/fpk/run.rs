@@ -51,7 +51,7 @@ use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use sampled::Sampled;
 use tails::{Driven, Estimator, TailsOf};
-use two_resolutions::{TwoResolutions, not_shown};
+use two_resolutions::TwoResolutions;
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
@@ -302,14 +302,13 @@ impl Solved<'_> {
             )?
             .map_err(RunError::solver)?;
         run.progress.stage("density at the coarser resolution, for its error");
-        let both = TwoResolutions::new(fine, config, |part, config| {
-            let name = format!("density at {part:.3} of the resolution");
-            let Kept { reached, .. } = self.checkpoint.part(&name)?.unwrap_or_default();
+        let both = TwoResolutions::new(fine, config, |name, config| {
+            let Kept { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
             let density = Density { start: || start(config), asked, past: reached };
-            self.density(&name, density, None)
+            self.density(name, density, None)
         })?;
         let quantities = series(&both, scene, named);
-        let parts = [no_cells, both.unknown(), not_shown(&whole)];
+        let parts = [no_cells, both.unknown(), both.not_shown()];
         let unknown = parts.into_iter().flatten().collect();
         let fine = both.fine;
         let (drawings, files) = pictures.finish()?;

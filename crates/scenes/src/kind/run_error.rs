@@ -51,6 +51,14 @@ pub enum RunError {
         "run it in one process, on all cores, and without --shard; `monte_carlo` has shards and ranks"
     ))]
     NoShardsOfAPlan,
+    /// The scene has no other methods or sizes with which its own could be compared.
+    #[error("a scene of `{solver}` has one method and one size: {reason}")]
+    NoLadder {
+        /// The solver.
+        solver: &'static str,
+        /// Why.
+        reason: &'static str,
+    },
     /// The shards are not one ensemble.
     #[error(transparent)]
     Shards(#[from] ShardsError),

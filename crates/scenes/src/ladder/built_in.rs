@@ -45,7 +45,8 @@ pub enum BuiltInError {
 }
 
 impl BuiltIn {
-    /// All scenes in the folders below `root`, by name.
+    /// All scenes in the folders below `root` that methods can be compared on, by name: those of a kind without a ladder, such as
+    /// inference, and files that are no scenes are left out.
     ///
     /// # Errors
     /// [`BuiltInError`].
@@ -53,13 +54,20 @@ impl BuiltIn {
         let mut scenes = Vec::new();
         for folder in listed(root)? {
             for path in listed(&folder)? {
-                scenes.push(Self::read(table, root, &path)?);
+                if path.extension().is_some_and(|ending| ending == "json") {
+                    scenes.extend(Self::read(table, root, &path)?);
+                }
             }
         }
         Ok(scenes)
     }
 
-    fn read(table: &'static [SceneKind], root: &Path, path: &Path) -> Result<Self, BuiltInError> {
+    /// None for a scene of a kind without a ladder.
+    fn read(
+        table: &'static [SceneKind],
+        root: &Path,
+        path: &Path,
+    ) -> Result<Option<Self>, BuiltInError> {
         let inside = path.strip_prefix(root).unwrap_or(path).with_extension("");
         let name = inside.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/");
         let read = || -> Result<_, RunError> {
@@ -69,7 +77,10 @@ impl BuiltIn {
             Ok((file, kind, ladder))
         };
         match read() {
-            Ok((file, kind, ladder)) => Ok(Self { name, file, kind, ladder: Arc::new(ladder) }),
+            Ok((file, kind, ladder)) => {
+                Ok(Some(Self { name, file, kind, ladder: Arc::new(ladder) }))
+            }
+            Err(RunError::NoLadder { .. }) => Ok(None),
             Err(source) => Err(BuiltInError::Scene { name, source }),
         }
     }

@@ -10,7 +10,7 @@
 //! A `.csv` file has a header with these names, in any order. A `.vtu` file has `x` and `y` in its points and the
 //! others as point arrays. Other columns are ignored.
 
-mod csv;
+pub(crate) mod csv;
 mod table;
 mod vtu;
 

@@ -130,8 +130,8 @@ fn on_ranks(
     problem: &CrackProblem,
     run: &Run<'_>,
 ) -> Result<Option<Vec<Ended>>, RunError> {
-    let EnsembleScene { realisations: n, precision, .. } = inputs.scene.ensemble;
-    let blocks = Cut { n, unit: precision.n_lanes() };
+    let EnsembleScene { realisations: n, .. } = inputs.scene.ensemble;
+    let blocks = Cut { n, unit: inputs.scene.n_side_by_side() };
     let compute = |block: u64| {
         let clock = CpuClock::start();
         let ended = problem.run(inputs.scene, blocks.range(block), None, |_| Ok::<_, RunError>(()));

@@ -146,8 +146,12 @@ impl From<ConditionScene> for Condition {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialScene {
-    /// Young's modulus (Pa). The bond model fixes Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
+    /// Young's modulus (Pa). Without the key `law` bonds fix Poisson's ratio: 1/3 in plane stress, 1/4 in plane strain.
     pub young_modulus: f64,
+    /// Constitutive law.
+    #[serde(default, skip_serializing_if = "LawScene::is_bond_based")]
+    #[schemars(extend("default" = LawScene::default()))]
+    pub law: LawScene,
     /// Mass per volume (kg/m^3), required by inertial dynamics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
@@ -155,15 +159,46 @@ pub struct MaterialScene {
     pub toughness: ToughnessScene,
 }
 
+/// Constitutive law.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LawScene {
+    /// Bonds of a pair potential.
+    #[default]
+    BondBased,
+    /// Linear peridynamic solid (ordinary state-based), whose stiffness is uniform.
+    LinearSolid {
+        /// Poisson's ratio, greater than -1 and less than 0.5 (no unit).
+        poisson_ratio: f64,
+    },
+}
+
+impl LawScene {
+    /// Whether it is the default.
+    #[must_use]
+    pub const fn is_bond_based(&self) -> bool {
+        matches!(self, Self::BondBased)
+    }
+}
+
 /// Fracture criterion of bonds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::CriticalStretch(1.5e-4))]
 pub enum ToughnessScene {
     /// `G0`, the energy release rate; with the horizon it gives the critical stretch (J/m^2).
     EnergyReleaseRate(f64),
     /// `s0`, the critical stretch at which a bond breaks (no unit).
     CriticalStretch(f64),
+    /// Bonds that soften, as of concrete: elastic up to the stretch `f_t/E`, from where their tension falls on a line to zero.
+    ///
+    /// Under a quasi-static load alone.
+    Softening {
+        /// `f_t`, the tensile strength (Pa).
+        tensile_strength: f64,
+        /// `G_f`, the energy that a crack takes; with the horizon it determines where the line ends (J/m^2).
+        fracture_energy: f64,
+    },
 }
 
 /// Bonds between nodes.

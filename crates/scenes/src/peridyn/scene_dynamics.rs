@@ -32,6 +32,26 @@ pub enum DynamicsScene {
         /// `kT`, the intensity of the noise.
         temperature: TemperatureScene,
     },
+    /// Equilibrium after equilibrium while the load grows slowly, as in a laboratory; small strains, no noise.
+    ///
+    /// Bonds fail one after the other, each at the load at which it is at its strength. Loads are those of a test that prescribes
+    /// the displacement.
+    QuasiStatic {
+        /// Bonds that fail together: those within this part of the stretch over strength of the most critical one; 0 for one at a
+        /// time (no unit).
+        #[serde(default)]
+        #[schemars(example = 0.02)]
+        batch: f64,
+        /// Residual force over reaction at which an equilibrium counts as reached (no unit).
+        #[serde(default = "tolerance")]
+        #[schemars(example = 1e-8)]
+        tolerance: f64,
+    },
+}
+
+/// Default tolerance of an equilibrium.
+const fn tolerance() -> f64 {
+    1e-6
 }
 
 /// The intensity of noise.
@@ -186,6 +206,7 @@ impl DynamicsScene {
         match self {
             Self::Overdamped { .. } => "dynamics.overdamped",
             Self::Inertial { .. } => "dynamics.inertial",
+            Self::QuasiStatic { .. } => "dynamics.quasi_static",
         }
     }
 
@@ -196,6 +217,7 @@ impl DynamicsScene {
             Self::Overdamped { temperature, .. } | Self::Inertial { temperature, .. } => {
                 *temperature
             }
+            Self::QuasiStatic { .. } => TemperatureScene::Zero,
         }
     }
 
@@ -220,7 +242,7 @@ impl DynamicsScene {
         }
     }
 
-    /// The dynamics of nodes, some of which are free.
+    /// The dynamics of nodes, some of which are free; none under a quasi-static load.
     ///
     /// # Errors
     /// An [`Objection`] to a mobility that is not positive definite, and to inertia without a density.
@@ -230,11 +252,12 @@ impl DynamicsScene {
         free: &[bool],
         temperature: f64,
         density: Option<f64>,
-    ) -> Result<Dynamics, Objection> {
+    ) -> Result<Option<Dynamics>, Objection> {
         match self {
+            Self::QuasiStatic { .. } => Ok(None),
             Self::Overdamped { mobility, scheme, .. } => {
                 let mobility = mobility.build(nodes, free)?;
-                Ok(Dynamics::Overdamped { mobility, temperature, scheme: (*scheme).into() })
+                Ok(Some(Dynamics::Overdamped { mobility, temperature, scheme: (*scheme).into() }))
             }
             Self::Inertial { friction, .. } => {
                 let Some(density) = density else {
@@ -246,7 +269,7 @@ impl DynamicsScene {
                     let message = format!("the friction is {friction}/s; it must not be negative");
                     return Err(Objection::new("dynamics.inertial.friction", message));
                 }
-                Ok(Dynamics::Inertial { density, friction: *friction, temperature })
+                Ok(Some(Dynamics::Inertial { density, friction: *friction, temperature }))
             }
         }
     }

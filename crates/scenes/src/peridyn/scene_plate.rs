@@ -1,15 +1,17 @@
 //! The plate of a crack scene: nodes from a lattice or a file, and their bonds.
 
+use peridyn_sde::law::Bilinear;
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Condition, DisorderField, Error, Horizon, Nodes, Stiffness,
-    Strain, Strength, WeibullStrength, critical_stretch,
+    BondConfig, BondValue, Bonds, Condition, DisorderField, Error, Horizon, Nodes, SolidBonds,
+    Stiffness, Strain, Strength, StudyLaw, WeibullStrength, critical_stretch,
+    critical_stretch_of_solid,
 };
 use random_fields::{Correlation, GaussianField};
 
 use super::points::Cloud;
 use super::positive::positive;
 use super::scene::CrackScene;
-use super::scene_body::{BodyScene, ToughnessScene};
+use super::scene_body::{BodyScene, LawScene, ToughnessScene};
 use super::scene_field::{FieldScene, VariationScene};
 use crate::scene::Objection;
 
@@ -21,6 +23,7 @@ const LEFT_OUT: f64 = 1e-2;
 pub(super) struct Plate {
     pub(super) nodes: Nodes<2>,
     pub(super) bonds: Bonds,
+    pub(super) law: PlateLaw,
     pub(super) strain: Strain,
     /// Horizon (m).
     pub(super) horizon: f64,
@@ -29,6 +32,28 @@ pub(super) struct Plate {
     pub(super) cut_bonds: usize,
     /// File of the nodes.
     pub(super) cloud: Option<Cloud>,
+}
+
+/// How its bonds pull.
+#[derive(Debug)]
+pub(super) enum PlateLaw {
+    /// By a pair potential, up to their strength.
+    BondBased,
+    /// By a pair potential, and soften from their strength on.
+    Softening(Bilinear),
+    /// As a linear peridynamic solid.
+    LinearSolid(SolidBonds),
+}
+
+impl PlateLaw {
+    /// In the form that a study borrows.
+    pub(super) const fn of_study(&self) -> StudyLaw<'_> {
+        match self {
+            Self::BondBased => StudyLaw::BondBased,
+            Self::Softening(law) => StudyLaw::Softening(*law),
+            Self::LinearSolid(solid) => StudyLaw::LinearSolid(solid),
+        }
+    }
 }
 
 /// Strength or stiffness at the nodes, in the form that a study borrows.
@@ -75,13 +100,24 @@ impl Plate {
             None => lattice(&scene.body)?,
         };
         let config = bond_config(scene, horizon);
-        let bonds =
-            Bonds::new(&nodes, &config).map_err(|error| of_bonds(&error, cloud.as_ref()))?;
+        let refused = |error: Error| of_bonds(&error, cloud.as_ref());
+        let (bonds, mut law) = match scene.material.law {
+            LawScene::BondBased => {
+                (Bonds::new(&nodes, &config).map_err(refused)?, PlateLaw::BondBased)
+            }
+            LawScene::LinearSolid { poisson_ratio } => {
+                let solid = SolidBonds::new(&nodes, &config, poisson_ratio).map_err(refused)?;
+                (solid.bonds().clone(), PlateLaw::LinearSolid(solid))
+            }
+        };
         let stretch = stretch_of(scene, &config, condition)?;
+        if let ToughnessScene::Softening { fracture_energy, .. } = scene.material.toughness {
+            law = PlateLaw::Softening(softening(&config, condition, stretch, fracture_energy)?);
+        }
         let cut_bonds = notched(scene, &nodes, &bonds)?;
         let strain = Strain::from(scene.bonds.strain);
         let horizon = horizon.radius();
-        Ok(Self { nodes, bonds, strain, horizon, stretch, cut_bonds, cloud })
+        Ok(Self { nodes, bonds, law, strain, horizon, stretch, cut_bonds, cloud })
     }
 
     /// Value of the key `strength`.
@@ -162,6 +198,9 @@ fn of_bonds(error: &Error, cloud: Option<&Cloud>) -> Objection {
             let message = format!("{row}: no other point lies within the horizon, {horizon} m");
             Objection::new("body.points", message)
         }
+        (Error::OutOfRange { name: "Poisson's ratio", .. }, _) => {
+            Objection::new("material.law.linear_solid.poisson_ratio", error.to_string())
+        }
         _ => Objection::new("bonds", error.to_string()),
     }
 }
@@ -189,10 +228,48 @@ fn stretch_of(
         }
         ToughnessScene::EnergyReleaseRate(rate) => {
             let BondConfig { horizon, young_modulus, influence, .. } = *config;
-            critical_stretch(rate, young_modulus, horizon.radius(), influence, condition)
-                .map_err(at("material.toughness.energy_release_rate"))
+            let stretch = match scene.material.law {
+                LawScene::BondBased => {
+                    critical_stretch(rate, young_modulus, horizon.radius(), influence, condition)
+                }
+                LawScene::LinearSolid { poisson_ratio } => {
+                    let moduli = (young_modulus, poisson_ratio);
+                    critical_stretch_of_solid(rate, moduli, horizon, influence, condition)
+                }
+            };
+            stretch.map_err(at("material.toughness.energy_release_rate"))
+        }
+        ToughnessScene::Softening { tensile_strength, .. } => {
+            let path = "material.toughness.softening.tensile_strength";
+            positive(path, "the tensile strength", tensile_strength)?;
+            Ok(tensile_strength / config.young_modulus)
         }
     }
+}
+
+/// The law of bonds that soften from a stretch on, so that a crack takes an energy.
+///
+/// Bonds that break at once at the stretch `s_0` take `(s_0/s_1)^2`, with `s_1` that of the unit of energy; under a line that falls
+/// from there to `m s_0` is `m` times as much.
+fn softening(
+    config: &BondConfig,
+    condition: Condition,
+    stretch: f64,
+    energy: f64,
+) -> Result<Bilinear, Objection> {
+    let path = "material.toughness.softening.fracture_energy";
+    positive(path, "the fracture energy", energy)?;
+    let BondConfig { horizon, young_modulus, influence, .. } = *config;
+    let of_unit = critical_stretch(1.0, young_modulus, horizon.radius(), influence, condition)
+        .map_err(at(path))?;
+    let at_once = (stretch / of_unit).powi(2);
+    Bilinear::new(energy / at_once).map_err(|_| {
+        let message = format!(
+            "the fracture energy is {energy} J/m^2; bonds of this strength and horizon that break at once take {at_once:.4} J/m^2"
+        );
+        let help = "use a shorter horizon, or `energy_release_rate`: bonds then break at once";
+        Objection::new(path, message).with_help(help)
+    })
 }
 
 /// Number of bonds that the notch cuts; its tip must be inside the body.

@@ -23,6 +23,7 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let mut files: Vec<_> = folders
         .flat_map(|folder| std::fs::read_dir(folder).unwrap())
         .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
         .collect();
     files.sort();
     let built_in = files.iter().map(|file| std::fs::read_to_string(file).unwrap());

@@ -1,6 +1,8 @@
 //! A complete run of a small scene, and its errors one by one.
 
+mod inference;
 mod points;
+mod slow;
 
 use std::path::{Path, PathBuf};
 
@@ -212,9 +214,9 @@ const MISTAKES: [[&str; 5]; 17] = [
     [
         "\"mouth\": [0, 0.008]",
         "\"mouth\": [0.003, 0.008]",
-        "notch.mouth[0]",
-        "inside the body",
-        "0.003",
+        "notch.mouth",
+        "the mouth of the notch, [0.003, 0.008] m, is on no edge",
+        "\"mouth\"",
     ],
     [
         "\"spacing\": 0.001",
@@ -344,7 +346,14 @@ fn built_in_scenes_can_be_read_and_built() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes/peridyn");
     let mut n_scenes = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
-        let file = SceneFile::read(&entry.unwrap().path()).unwrap();
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|ending| ending != "json") {
+            continue;
+        }
+        let file = SceneFile::read(&path).unwrap();
+        if file.text_at_top("solver").unwrap() != "peridyn-sde" {
+            continue;
+        }
         let scene: CrackScene = file.parse().unwrap();
         let cloud = Cloud::of_body(&scene.body, file.folder()).unwrap();
         let nodes = CrackProblem::new(&scene, cloud).unwrap().resolved.nodes;
@@ -353,5 +362,5 @@ fn built_in_scenes_can_be_read_and_built() {
         assert!(if scene.body.holes.is_empty() { holes < 0.5 } else { holes > 0.5 });
         n_scenes += 1;
     }
-    assert!(n_scenes >= 2);
+    assert!(n_scenes >= 4);
 }

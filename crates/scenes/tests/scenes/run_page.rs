@@ -7,7 +7,7 @@ use figures::number::short;
 use scenes::{ALL, Options, Progress, run};
 use serde_json::Value;
 
-use crate::drive::{browser, drive, width_in_a_narrow_frame};
+use crate::drive::{axe, browser, drive, violations, width_in_a_narrow_frame};
 
 /// Largest page (bytes).
 const MOST_BYTES: usize = 3_000_000;
@@ -132,6 +132,10 @@ impl Ran {
         }
         for theme in seen["themes"].as_array().unwrap() {
             assert!(theme["contrast"].as_f64().unwrap() >= 4.5, "{theme:#}");
+        }
+        if let Some(axe) = axe() {
+            let found = violations(&browser, &axe, &self.html);
+            assert_eq!(found["violations"], serde_json::json!([]), "{found:#}");
         }
         let width = width_in_a_narrow_frame(&browser, &self.html);
         assert!(width <= 400.0, "{width}");

@@ -28,24 +28,31 @@ pub(crate) const CASE: Case = Case {
 
 /// `tests/reference/derived/fpk/conditioned_filter.json`.
 #[derive(Debug, Deserialize)]
-struct Derived {
-    viscous_damper: Paths,
+pub(super) struct Derived {
+    pub(super) viscous_damper: Paths,
     bouc_wen: Paths,
-    cubic_spring: Paths,
+    pub(super) cubic_spring: Paths,
+}
+
+impl Derived {
+    pub(super) fn read() -> Result<Self, CaseError> {
+        let text = include_str!("../../../reference/derived/fpk/conditioned_filter.json");
+        Ok(serde_json::from_str(text)?)
+    }
 }
 
 /// What paths of a structure give.
 #[derive(Debug, Deserialize)]
-struct Paths {
-    paths: f64,
-    rows: Vec<Row>,
+pub(super) struct Paths {
+    pub(super) paths: f64,
+    pub(super) rows: Vec<Row>,
 }
 
 /// At a time: second moments with their standard errors, and thresholds with their probabilities of exceedance.
 #[derive(Debug, Deserialize)]
-struct Row {
-    t: f64,
-    second_moments: Vec<[f64; 2]>,
+pub(super) struct Row {
+    pub(super) t: f64,
+    pub(super) second_moments: Vec<[f64; 2]>,
     exceedance: Vec<[f64; 2]>,
 }
 
@@ -160,8 +167,19 @@ fn exceedances<S: Sde<D, 1>, const D: usize>(
 
 /// A cubic spring and a quadratic damper: `q'' + 0.04 pi q' + 0.5 |q'| q' + pi^2 (q + 5 q^3) = a(t) u`.
 #[derive(Debug, Clone)]
-struct CubicSpring {
+pub(super) struct CubicSpring {
     window: Window,
+}
+
+impl CubicSpring {
+    /// Behind firm soil, with the law of the start.
+    pub(super) fn behind_soil() -> Result<(Filtered<Self, 2, 2>, GaussianMixture<4>), CaseError> {
+        let structure = Self { window: Window::CANOR_DENOEL_2013 };
+        let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
+        let system = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
+        let law = system.initial_distribution(&[0.0; 2], &[0.05, 0.15])?;
+        Ok((system, law))
+    }
 }
 
 impl Sde<2, 1> for CubicSpring {
@@ -180,8 +198,7 @@ impl Sde<2, 1> for CubicSpring {
 const OTHER: &str = "the scene holds another system";
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let text = include_str!("../../../reference/derived/fpk/conditioned_filter.json");
-    let derived: Derived = serde_json::from_str(text)?;
+    let derived = Derived::read()?;
     let mut claims = damper(context, &derived.viscous_damper)?;
     claims.extend(cubic_spring(context, &derived.cubic_spring)?);
     claims.extend(bouc_wen(context, &derived.bouc_wen)?);
@@ -215,10 +232,7 @@ fn damper(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError>
 }
 
 fn cubic_spring(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError> {
-    let structure = CubicSpring { window: Window::CANOR_DENOEL_2013 };
-    let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
-    let system = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15])?;
+    let (system, law) = CubicSpring::behind_soil()?;
     let first =
         "the fit at a spacing of 0.35, one covariance for all states, and 0.1 % of the paths";
     let last = "the same; the spring begins to fold the cloud, whose tail is then lost: at t = 6 E[q^2] is 1.9 % low";

@@ -220,7 +220,7 @@ fn l_panel(context: &Context<'_>, measured: &Panel, energy: f64) -> Result<Vec<C
         tensile_strength: 1e6 * tensile_strength,
         fracture_energy: energy,
     };
-    let tested = panel(of, PANEL, 3e-4)?;
+    let tested = panel(of, PANEL, 3e-4, None)?;
     let id = format!("l-panel/g-{energy}");
     let lines = Lines { context, id: &id, method: words(of, PANEL) };
     let horizon = PANEL.spacing * (f64::from(PANEL.shells) + 0.5);

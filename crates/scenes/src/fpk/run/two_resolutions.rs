@@ -18,6 +18,19 @@ pub(super) struct TwoResolutions {
     coarser: Vec<Coarser>,
     /// Why coarser runs are missing.
     failed: Vec<String>,
+    /// What the error by these runs leaves out.
+    shared: Shared,
+}
+
+/// An error that runs at two resolutions share.
+#[derive(Debug, Clone, PartialEq)]
+enum Shared {
+    /// None that is known.
+    None,
+    /// In four states and more, that of the reach of the lattice.
+    Reach { states: usize },
+    /// That of settling too: the run that would show it is missing from a time on, for a reason.
+    Settling { states: usize, from: f64, reason: String },
 }
 
 /// A coarser run.
@@ -25,23 +38,29 @@ struct Coarser {
     run: DensityRun,
     /// Its spacing over that of the fine run.
     ratio: f64,
+    /// The same run with settling half as fast, in four states and more.
+    slower: Option<DensityRun>,
 }
 
 impl TwoResolutions {
-    /// Runs coarser configurations by `solve` until their results cover every time of the fine run.
+    /// Runs coarser configurations by `solve` until their results cover every time of the fine run. In four states and more, where
+    /// lattices are coarse, the flow-map fit runs once more with settling half as fast
+    /// ([`Config::with_slower_settling`]).
     ///
-    /// The argument is the configuration for a fraction of the particles along a length. The steps of a coarser run are
-    /// longer too ([`with_longer_steps`]). A failure of a coarser run does not count against the fine one.
+    /// The argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
+    /// The steps of a coarser run are longer too ([`with_longer_steps`]). A failure of a coarser run does not count against
+    /// the fine one.
     ///
     /// # Errors
     /// Errors of `solve` that are not errors of the solver.
     pub(super) fn new<E, const D: usize>(
         fine: DensityRun,
         config: impl Fn(f64) -> Option<Config<D>>,
-        solve: impl Fn(f64, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
+        solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
     ) -> Result<Self, E> {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
         let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
+        let mut slow_failure = "no coarser run came so far".to_owned();
         for part in COARSER {
             let Some(config) = config(part) else { continue };
             let ratio = resolution / per_length(&config.lattice);
@@ -49,13 +68,28 @@ impl TwoResolutions {
                 failed.push(format!("at {part:.2} of the resolution the lattice is the same"));
                 continue;
             }
-            match solve(part, &with_longer_steps(config, part))? {
+            let config = with_longer_steps(config, part);
+            let name = format!("density at {part:.3} of the resolution");
+            match solve(&name, &config)? {
                 Ok(run) => {
                     let complete = run.rows.len() >= fine.rows.len();
                     if let Some(error) = &run.stopped {
                         failed.push(format!("at {part:.2} of the resolution: {error}"));
                     }
-                    coarser.push(Coarser { run, ratio });
+                    let mut slower = None;
+                    if let Some(config) = slower_of(&config) {
+                        match solve(&format!("{name}, settling half as fast"), &config)? {
+                            Ok(run) => {
+                                slow_failure = run
+                                    .stopped
+                                    .as_ref()
+                                    .map_or_else(String::new, ToString::to_string);
+                                slower = Some(run);
+                            }
+                            Err(error) => slow_failure = error.to_string(),
+                        }
+                    }
+                    coarser.push(Coarser { run, ratio, slower });
                     if complete {
                         break;
                     }
@@ -63,7 +97,24 @@ impl TwoResolutions {
                 Err(error) => failed.push(format!("at {part:.2} of the resolution: {error}")),
             }
         }
-        Ok(Self { fine, coarser, failed })
+        let mut both = Self { fine, coarser, failed, shared: Shared::None };
+        if config(1.0).is_some_and(|config| slower_of(&config).is_some()) {
+            both.shared = match both.first_without_settling() {
+                None => Shared::Reach { states: D },
+                Some(from) => Shared::Settling { states: D, from, reason: slow_failure },
+            };
+        }
+        Ok(both)
+    }
+
+    /// The first time at which no run shows the error of settling.
+    fn first_without_settling(&self) -> Option<f64> {
+        let shows = |t: f64| {
+            let seen =
+                |coarser: &Coarser| coarser.slower.as_ref().is_some_and(|it| it.at(t).is_some());
+            self.coarser.iter().find(|coarser| coarser.run.at(t).is_some()).is_some_and(seen)
+        };
+        self.fine.rows.iter().map(|row| row.t).find(|&t| !shows(t))
     }
 
     /// Errors that no coarser run estimates.
@@ -79,16 +130,42 @@ impl TwoResolutions {
         })
     }
 
-    /// The fine value with Richardson's error estimate.
+    /// The part of all errors that these runs do not show: that of the reach, and where a run is missing that of settling.
+    pub(super) fn not_shown(&self) -> Option<Unknown> {
+        let see = "See \"The error of a run\" in docs/methods/fpk-sph.md";
+        let (what, reason) = match &self.shared {
+            Shared::None => return None,
+            Shared::Reach { states } => (
+                "the part of the errors that these runs share".to_owned(),
+                format!(
+                    "that of the reach of the lattice does not show in their difference in {states} states. {see}"
+                ),
+            ),
+            Shared::Settling { states, from, reason } => (
+                format!("the part of the errors that these runs share from t = {from} on"),
+                format!(
+                    "that of settling and of the reach of the lattice does not show in their difference; with {states} states and \
+                     a nonlinear spring it was up to ten times the error stated for second moments. The run that shows \
+                     settling is missing: {reason}. {see}"
+                ),
+            ),
+        };
+        Some(Unknown { what, reason })
+    }
+
+    /// The fine value with Richardson's error estimate and that of settling where a run shows it, as independent parts.
     ///
-    /// The estimate is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the
-    /// verification measures.
+    /// The first is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the verification
+    /// measures; the second `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
             let estimate = |coarser: &Coarser| {
                 let coarse = pick(coarser.run.at(row.t)?)?;
-                let error = (value - coarse).abs() / (coarser.ratio * coarser.ratio - 1.0);
+                let square = coarser.ratio * coarser.ratio;
+                let slow = coarser.slower.as_ref().and_then(|slow| pick(slow.at(row.t)?));
+                let settling = slow.map_or(0.0, |slow| 2.0 * (coarse - slow).abs() / square);
+                let error = ((value - coarse) / (square - 1.0)).hypot(settling);
                 error.is_finite().then_some(error)
             };
             Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
@@ -97,19 +174,12 @@ impl TwoResolutions {
     }
 }
 
-/// States from which two lattices share most of an error: those of four states are coarse.
+/// States from which two lattices share much of an error: those of four states are coarse.
 const SHARED_FROM: usize = 4;
 
-/// The part of all errors that no coarser run shows: that of settling, which only the flow-map fit has, and of the reach.
-pub(super) fn not_shown<const D: usize>(config: &Config<D>) -> Option<Unknown> {
-    (D >= SHARED_FROM && config.with_slower_settling().is_some()).then(|| Unknown {
-        what: "the part of the errors that runs at two resolutions share".to_owned(),
-        reason: format!(
-            "that of settling and of the reach of the lattice does not show in their difference; with {D} states and a \
-             nonlinear spring it was up to ten times the error stated for second moments. See \"The error of a run\" in \
-             docs/methods/fpk-sph.md"
-        ),
-    })
+/// The configuration with settling half as fast, where two lattices share its error.
+fn slower_of<const D: usize>(config: &Config<D>) -> Option<Config<D>> {
+    if D >= SHARED_FROM { config.with_slower_settling() } else { None }
 }
 
 /// The configuration with steps longer by the square of the ratio of the spacings, where the rule is a fraction of the period.
@@ -178,7 +248,7 @@ mod tests {
     }
 
     fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> TwoResolutions {
-        let solve = |_: f64, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
+        let solve = |_: &str, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
         TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, solve).unwrap()
     }
 
@@ -218,18 +288,57 @@ mod tests {
         assert!((error_of(2) - 3.0).abs() < 1e-9, "{}", error_of(2));
     }
 
-    #[test]
-    fn four_states_by_the_flow_map_fit_say_what_their_errors_leave_out() {
-        let of = |method| Config::<4> {
-            method,
-            lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 },
-            reference_period: 1.0,
-            most_steps: DEFAULT_MOST_STEPS,
+    fn in_four_states(method: Method, slow: f64) -> TwoResolutions {
+        let config = |part: f64| {
+            Some(Config::<4> {
+                method,
+                lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
+                reference_period: 1.0,
+                most_steps: DEFAULT_MOST_STEPS,
+            })
         };
-        let said = not_shown(&of(Method::FlowMapFit)).unwrap();
+        TwoResolutions::new(run(1.0, &[1.0]), config, |name, _| {
+            let value = if name.contains("half as fast") { slow } else { 1.1 };
+            Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn four_states_by_the_flow_map_fit_add_the_error_of_settling() {
+        let slow = in_four_states(Method::FlowMapFit, 1.4);
+        // 0.1 by two lattices whose spacings are apart by the root of two; 2 (1.4 - 1.1)/2 by settling, independent of it.
+        let error = slow.values(|row| Some(row.moments[0]))[0].error.unwrap();
+        assert!((error - 0.1_f64.hypot(0.3)).abs() < 1e-12, "{error}");
+        assert!(slow.not_shown().unwrap().reason.starts_with("that of the reach"));
+        let none = in_four_states(Method::LogDensityFit, 1.4);
+        let error = none.values(|row| Some(row.moments[0]))[0].error.unwrap();
+        assert!((error - 0.1).abs() < 1e-12, "{error}");
+        assert_eq!(none.not_shown(), None);
+        assert_eq!(of(|_| Ok(run(1.0, &[1.0, 2.0]))).not_shown(), None);
+    }
+
+    #[test]
+    fn a_run_that_would_show_settling_and_stopped_is_said_to_be_missing() {
+        let config = |part: f64| {
+            Some(Config::<4> {
+                method: Method::FlowMapFit,
+                lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
+                reference_period: 1.0,
+                most_steps: DEFAULT_MOST_STEPS,
+            })
+        };
+        let both = TwoResolutions::new(run(1.0, &[1.0, 2.0]), config, |name, _| {
+            Ok::<_, std::convert::Infallible>(if name.contains("half as fast") {
+                Err(Error::NotPositive { name: "a name", value: 0.0 })
+            } else {
+                Ok(run(1.1, &[1.0, 2.0]))
+            })
+        });
+        let said = both.unwrap().not_shown().unwrap();
+        assert_eq!(said.what, "the part of the errors that these runs share from t = 1 on");
+        assert!(said.reason.contains("settling is missing: a name"), "{}", said.reason);
         assert!(said.reason.contains("with 4 states"), "{}", said.reason);
-        assert_eq!(not_shown(&of(Method::LogDensityFit)), None);
-        assert_eq!(not_shown(&config(1.0).unwrap()), None);
     }
 
     #[test]

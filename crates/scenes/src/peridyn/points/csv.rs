@@ -4,7 +4,7 @@ use super::table::{COLUMNS, MOST_POINTS, Table};
 
 /// An error with its location.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Wrong {
+pub(crate) enum Wrong {
     /// In the file.
     File(String),
     /// In a line.
@@ -13,7 +13,7 @@ pub(super) enum Wrong {
 
 impl Wrong {
     /// The error on one line, with the name of the file.
-    pub(super) fn of(&self, file: &str) -> String {
+    pub(crate) fn of(&self, file: &str) -> String {
         match self {
             Self::File(what) => format!("{file} {what}"),
             Self::Line(line, what) => format!("{file} line {line} {what}"),
@@ -23,6 +23,29 @@ impl Wrong {
 
 /// Reads a header and rows with as many fields. Lines that begin with `#` and blanks around fields are ignored.
 pub(super) fn read(bytes: &[u8]) -> Result<Table, Wrong> {
+    let (mut columns, mut lines) = ([const { None }; COLUMNS.len()], Vec::new());
+    let names = rows(bytes, "points", |names, line, row| {
+        if lines.len() == MOST_POINTS {
+            return Err(Wrong::File(format!("has more points than {MOST_POINTS}")));
+        }
+        for (column, values) in COLUMNS.iter().zip(&mut columns) {
+            if let Some(place) = names.iter().position(|name| name == column) {
+                let value = number(&row[place], line, (place, column))?;
+                values.get_or_insert_with(Vec::new).push(value);
+            }
+        }
+        lines.push(line);
+        Ok(())
+    })?;
+    Ok(Table { names, columns, lines: Some(lines) })
+}
+
+/// Reads a header and passes its names with each row and its line; returns the names. `what` names the rows in messages.
+pub(crate) fn rows(
+    bytes: &[u8],
+    what: &str,
+    mut each: impl FnMut(&[String], u64, &::csv::StringRecord) -> Result<(), Wrong>,
+) -> Result<Vec<String>, Wrong> {
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
         .comment(Some(b'#'))
@@ -34,9 +57,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, Wrong> {
     if names.is_empty() {
         return Err(Wrong::File("is empty".to_owned()));
     }
-    let places = COLUMNS.map(|column| names.iter().position(|name| name == column));
-    let mut columns = places.map(|place| place.map(|_| Vec::new()));
-    let mut lines = Vec::new();
+    let mut is_empty = true;
     for row in reader.records() {
         let row = row.map_err(|error| broken(&error, &mut counted))?;
         let line = counted.line_of(row.position());
@@ -44,23 +65,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Table, Wrong> {
             let what = format!("has {} fields; the head has {}", row.len(), names.len());
             return Err(Wrong::Line(line, what));
         }
-        if lines.len() == MOST_POINTS {
-            return Err(Wrong::File(format!("has more points than {MOST_POINTS}")));
-        }
-        for (place, values) in places.iter().zip(&mut columns) {
-            if let (Some(place), Some(values)) = (place, values) {
-                values.push(number(&row[*place], line, (*place, &names[*place]))?);
-            }
-        }
-        lines.push(line);
+        each(&names, line, &row)?;
+        is_empty = false;
     }
-    if lines.is_empty() {
-        return Err(Wrong::File("has a head and no points".to_owned()));
+    if is_empty {
+        return Err(Wrong::File(format!("has a head and no {what}")));
     }
-    Ok(Table { names, columns, lines: Some(lines) })
+    Ok(names)
 }
 
-fn number(text: &str, line: u64, (place, name): (usize, &str)) -> Result<f64, Wrong> {
+/// The number in a field, which is in a column with a name.
+pub(crate) fn number(text: &str, line: u64, (place, name): (usize, &str)) -> Result<f64, Wrong> {
     text.parse().map_err(|_| {
         let what = if text.is_empty() { "empty".to_owned() } else { format!("`{text}`") };
         let column = place + 1;

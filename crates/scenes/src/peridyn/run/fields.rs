@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use particle_store::{Attribute, Handle, ParticleStore, write_pvd};
 use peridyn_sde::{CrackRun, FinalState};
 
-use super::growth::Growth;
+use super::growth::{Growth, axis};
 use crate::kind::{RunError, SolverError};
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
@@ -50,6 +50,30 @@ fn files(
     Ok(written)
 }
 
+/// Units of the columns, as field data.
+const UNITS: [(&str, &str); 7] = [
+    ("unit of position", "m"),
+    ("unit of displacement", "m"),
+    ("unit of damage", "1 (part of the stiffness of the bonds of a node that is lost)"),
+    ("unit of critical_stretch", "1"),
+    ("unit of damage_probability", "1"),
+    ("unit of damage_mean", "1"),
+    ("unit of damage_mean_standard_error", "1"),
+];
+
+/// Writes a store with the units of its columns.
+fn write_with_units(
+    store: &ParticleStore<2>,
+    places: Handle<[f64; 2]>,
+    file: &Path,
+) -> Result<(), SolverError> {
+    let columns: Vec<&str> = store.columns().map(|(name, _)| name).collect();
+    let has = |name: &str| name.strip_prefix("unit of ").is_some_and(|of| columns.contains(&of));
+    let units: Vec<_> = UNITS.into_iter().filter(|(name, _)| has(name)).collect();
+    store.write_vtu_with(places, &units, BufWriter::new(File::create(file)?))?;
+    Ok(())
+}
+
 /// Nodes at their initial positions.
 fn at_rest(problem: &CrackProblem) -> Result<(ParticleStore<2>, Handle<[f64; 2]>), SolverError> {
     let positions = problem.nodes().positions();
@@ -65,9 +89,8 @@ fn realisation(problem: &CrackProblem, state: &FinalState, file: &Path) -> Resul
     if let Some(strength) = &state.strength {
         store.add("critical_stretch", strength.clone())?;
     }
-    store.set_attribute("time", Attribute::Real(problem.resolved.duration));
-    store.write_vtu(places, BufWriter::new(File::create(file)?))?;
-    Ok(())
+    store.set_attribute("time", Attribute::Real(axis(problem).1));
+    write_with_units(&store, places, file)
 }
 
 /// Damage over time: a `.pvd` file, and a folder of the same name with the file of each time.
@@ -83,7 +106,7 @@ fn series(
         let (mut store, places) = at_rest(problem)?;
         store.add("damage", damage.clone())?;
         store.set_attribute("time", Attribute::Real(time));
-        store.write_vtu(places, BufWriter::new(File::create(folder.join(&frame))?))?;
+        write_with_units(&store, places, &folder.join(&frame))?;
         frames.push((time, frame));
     }
     let path = folder.join(format!("{name}.pvd"));
@@ -103,7 +126,6 @@ fn ensemble(problem: &CrackProblem, run: &CrackRun, file: &Path) -> Result<(), S
     store.add("damage_probability", values(&probability))?;
     store.add("damage_mean", values(&mean))?;
     store.add::<f64>("damage_mean_standard_error", errors)?;
-    store.set_attribute("time", Attribute::Real(problem.resolved.duration));
-    store.write_vtu(places, BufWriter::new(File::create(file)?))?;
-    Ok(())
+    store.set_attribute("time", Attribute::Real(axis(problem).1));
+    write_with_units(&store, places, file)
 }

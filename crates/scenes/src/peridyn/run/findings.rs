@@ -10,7 +10,8 @@ use serde_json::Value;
 
 use crate::findings::sources::{PARKS_2008, TIM_2019};
 use crate::findings::{
-    Findings, ReadNumber, ReadUnknown, cell, given_cell, how, method_words, short_cell,
+    Findings, ReadNumber, ReadQuantile, ReadUnknown, cell, given_cell, how, method_words,
+    short_cell,
 };
 
 #[derive(Debug, Deserialize)]
@@ -66,13 +67,6 @@ struct ReadInterval {
 }
 
 #[derive(Debug, Deserialize)]
-struct ReadQuantile {
-    probability: f64,
-    #[serde(flatten)]
-    number: ReadNumber,
-}
-
-#[derive(Debug, Deserialize)]
 struct ReadRealisation {
     number: u64,
     outcome: String,
@@ -84,13 +78,16 @@ struct ReadRealisation {
 
 #[derive(Debug, Deserialize)]
 struct ReadLoad {
-    strain: f64,
+    strain: Option<f64>,
+    displacement: Option<f64>,
     load: ReadNumber,
     standard_deviation: f64,
 }
 
 /// Strain for a unit of the axis of loads.
 const MICRO: f64 = 1e-6;
+/// Displacement for a unit of that axis (m).
+const MILLI: f64 = 1e-3;
 
 impl Read {
     /// Distributions with their names and units.
@@ -193,7 +190,7 @@ fn notes(read: &Read, findings: &mut Findings) {
     let n_at_edges = read.realisations.iter().filter(|it| it.outcome == at_edges).count();
     if n_at_edges > 0 {
         findings.notes.push(Note::Warning(format!(
-            "{n_at_edges} of {} broke at the prescribed displacement: raise the key `grips.protected` of the scene",
+            "{n_at_edges} of {} broke at the prescribed displacement: raise `grips.protected` of the scene, or the key `protected` of its supports and load",
             counted(n, "realisation")
         )));
     }
@@ -238,15 +235,20 @@ fn charts(read: &Read, findings: &mut Findings) {
         };
     let deviation = "standard deviation over realisations";
     let loads = read.load.iter();
-    let loads =
-        loads.map(|it| point(it.strain / MICRO, &it.load, Some(it.standard_deviation))).collect();
-    push(
-        "Load over mean strain",
-        ["mean strain (1e-6)", "load (N)"],
-        deviation,
-        "mean load",
-        loads,
-    );
+    let is_displaced = read.load.iter().any(|it| it.displacement.is_some());
+    let (title, x_label) = if is_displaced {
+        ("Load over displacement", "displacement (mm)")
+    } else {
+        ("Load over mean strain", "mean strain (1e-6)")
+    };
+    let loads = loads
+        .filter_map(|it| {
+            let x =
+                it.displacement.map(|u| u / MILLI).or(it.strain.map(|strain| strain / MICRO))?;
+            Some(point(x, &it.load, Some(it.standard_deviation)))
+        })
+        .collect();
+    push(title, [x_label, "load (N)"], deviation, "mean load", loads);
     let mut by_x: Vec<&ReadPath> = read.path.iter().collect();
     by_x.sort_by(|a, b| a.x.total_cmp(&b.x));
     let height = |it: &&ReadPath| {

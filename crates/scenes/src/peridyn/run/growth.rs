@@ -4,6 +4,7 @@ use pages::Motion;
 use peridyn_sde::{Bonds, FinalState};
 
 use crate::kind::RunError;
+use crate::peridyn::held::LoadEnd;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::CrackProblem;
 
@@ -14,8 +15,10 @@ const LEAST: usize = 4;
 
 /// Damage at the nodes at some times.
 pub(super) struct Growth {
-    /// From the start to the end (s).
+    /// From the start to the end: times (s), or under a quasi-static load mean strains or displacements (m).
     pub(super) times: Vec<f64>,
+    /// What these are: symbol and unit.
+    pub(super) axis: (&'static str, &'static str),
     /// By realisation and time, in the order of the realisations that were given.
     pub(super) damage: Vec<Vec<Vec<f64>>>,
 }
@@ -31,10 +34,21 @@ impl Growth {
         let bytes = study.bonds.n_nodes() * states.len();
         // Half of what the fields of a page may take; the map and the strengths are in the other half.
         let n = (Motion::BUDGET / 2 / bytes.max(1)).clamp(LEAST, MOST);
-        let steps = steps(states, study.n_steps, n);
+        let n_steps = study.n_steps();
+        let steps = steps(states, n_steps, n);
         let damage = states.iter().map(|state| follow(state, study.bonds, &steps));
-        let times = steps.iter().map(|&step| step as f64 * study.simulation.dt).collect();
-        Ok(Self { times, damage: damage.collect::<Result<_, _>>()? })
+        let (axis, end) = axis(problem);
+        let times = steps.iter().map(|&step| end * (step as f64 / n_steps as f64)).collect();
+        Ok(Self { times, axis, damage: damage.collect::<Result<_, _>>()? })
+    }
+}
+
+/// Along what cracks grow: symbol, unit, and its value at the end of a run.
+pub(super) fn axis(problem: &CrackProblem) -> ((&'static str, &'static str), f64) {
+    match (problem.resolved.duration, problem.load_end) {
+        (Some(duration), _) => (("t", "s"), duration),
+        (None, LoadEnd::Strain(strain)) => (("mean strain", ""), strain),
+        (None, LoadEnd::Displacement(u)) => (("u", "m"), u),
     }
 }
 

@@ -21,12 +21,16 @@ pub(super) fn ingredients(scene: &CrackScene) -> Vec<Ingredient> {
         without("the surface correction", |s| {
             replace(&mut s.bonds.surface_correction, SurfaceScene::None)
         }),
-        without("the noise", |s| {
-            let (DynamicsScene::Overdamped { temperature, .. }
-            | DynamicsScene::Inertial { temperature, .. }) = &mut s.dynamics;
-            replace(temperature, TemperatureScene::Zero)
+        without("the noise", |s| match &mut s.dynamics {
+            DynamicsScene::Overdamped { temperature, .. }
+            | DynamicsScene::Inertial { temperature, .. } => {
+                replace(temperature, TemperatureScene::Zero)
+            }
+            DynamicsScene::QuasiStatic { .. } => false,
         }),
-        without("double precision", |s| replace(&mut s.ensemble.precision, PrecisionScene::F32)),
+        without("double precision", |s| {
+            !s.is_quasi_static() && replace(&mut s.ensemble.precision, PrecisionScene::F32)
+        }),
     ];
     all.into_iter().flatten().collect()
 }

@@ -28,15 +28,17 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             [SchemeScene::EulerMaruyama, SchemeScene::LeimkuhlerMatthews, SchemeScene::Heun];
         let is_allowed = |scheme: &SchemeScene| {
             *scheme != SchemeScene::LeimkuhlerMatthews
-                || scene.time.breaking != BreakingScene::Bridge
+                || scene.time.as_ref().is_none_or(|time| time.breaking != BreakingScene::Bridge)
         };
         schemes.extend(others.into_iter().filter(is_allowed).map(Some).filter(|s| *s != own));
     }
-    let precisions = match scene.ensemble.precision {
-        PrecisionScene::F32 => [PrecisionScene::F32, PrecisionScene::F64],
-        PrecisionScene::F64 => [PrecisionScene::F64, PrecisionScene::F32],
+    let precisions: &[PrecisionScene] = match scene.ensemble.precision {
+        _ if scene.is_quasi_static() => &[PrecisionScene::F64],
+        PrecisionScene::F32 => &[PrecisionScene::F32, PrecisionScene::F64],
+        PrecisionScene::F64 => &[PrecisionScene::F64, PrecisionScene::F32],
     };
-    let ways = schemes.iter().flat_map(|&scheme| precisions.map(|precision| (scheme, precision)));
+    let each = |&scheme| precisions.iter().map(move |&precision| (scheme, precision));
+    let ways = schemes.iter().flat_map(each);
     let methods = ways.map(|way| method(&scene, way)).collect();
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
@@ -60,7 +62,7 @@ fn scheme_words(scheme: SchemeScene) -> String {
 const fn scheme(dynamics: &DynamicsScene) -> Option<SchemeScene> {
     match dynamics {
         DynamicsScene::Overdamped { scheme, .. } => Some(*scheme),
-        DynamicsScene::Inertial { .. } => None,
+        DynamicsScene::Inertial { .. } | DynamicsScene::QuasiStatic { .. } => None,
     }
 }
 
@@ -79,7 +81,8 @@ fn method(
         PrecisionScene::F64 => "f64",
         PrecisionScene::F32 => "f32",
     };
-    let name = scheme.map_or_else(|| "BAOAB".to_owned(), scheme_words);
+    let own = if scene.is_quasi_static() { "quasi-static" } else { "BAOAB" };
+    let name = scheme.map_or_else(|| own.to_owned(), scheme_words);
     let ensemble = EnsembleScene { precision, ..scene.ensemble.clone() };
     let scene = CrackScene { dynamics, ensemble, ..scene.clone() };
     let rung = move |size: f64| {

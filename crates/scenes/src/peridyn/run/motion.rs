@@ -124,6 +124,9 @@ fn realisations(
         "Part of the stiffness of its bonds that a node has lost, at the start, between the first and the last failure of a \
          bond, and at the end.{left_out}"
     );
-    let names = growth.times.iter().map(|&t| format!("t = {} s", short(Some(t)))).collect();
-    Ok(nodes.motion(("Growth of cracks", "time"), &about, names, layers))
+    let (symbol, unit) = growth.axis;
+    let name = |&at: &f64| format!("{symbol} = {} {unit}", short(Some(at))).trim_end().to_owned();
+    let names = growth.times.iter().map(name).collect();
+    let slider = if symbol == "t" { "time" } else { "load" };
+    Ok(nodes.motion(("Growth of cracks", slider), &about, names, layers))
 }

@@ -144,22 +144,31 @@ fn boxes(count: f64) -> usize {
 
 /// Mean load over mean strain, with the range of most realisations.
 fn load(scene: &CrackScene, run: &CrackRun, record: &Record) -> TimeSeries {
-    let strain = |at: &LoadAt| 1e6 * at.strain;
-    let mean = |at: &LoadAt| (strain(at), Some(at.load.value));
+    let is_displaced = record.load.iter().any(|at| at.displacement.is_some());
+    let abscissa = |at: &LoadAt| match at.displacement {
+        Some(displacement) => MM * displacement,
+        None => 1e6 * at.strain.unwrap_or(0.0),
+    };
+    let (x_label, place) = if is_displaced {
+        ("displacement (mm)", "Load on the displaced region")
+    } else {
+        ("mean strain (10⁻⁶)", "Reaction at the upper edge")
+    };
+    let mean = |at: &LoadAt| (abscissa(at), Some(at.load.value));
     let band = |(window, at): (usize, &LoadAt)| {
         let of_window = run.loads.iter().filter_map(|loads| loads.get(window).copied());
         let mut loads: Vec<f64> = of_window.collect();
         loads.sort_unstable_by(f64::total_cmp);
-        Some((strain(at), rank(&loads, QUANTILES[0])?, rank(&loads, QUANTILES[4])?))
+        Some((abscissa(at), rank(&loads, QUANTILES[0])?, rank(&loads, QUANTILES[4])?))
     };
     TimeSeries {
         words: Words {
             title: scene.title.clone(),
             subtitle: format!(
-                "Reaction at the upper edge, mean over {} realisations; shaded: from 5 % to 95 % of them",
+                "{place}, mean over {} realisations; shaded: from 5 % to 95 % of them",
                 scene.ensemble.realisations
             ),
-            x_label: "mean strain (10⁻⁶)".into(),
+            x_label: x_label.into(),
             y_label: "load (N)".into(),
             caption: vec![Machine::read().caption()],
         },

@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::kind::RunError;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::{CrackProblem, Resolved};
-use crate::run_result::{ErrorOrigin, Unknown, error_of};
+use crate::run_result::{Number, Unknown};
 use crate::scene::NamedFile;
 
 /// Default distance of path abscissae, in spacings.
@@ -31,18 +31,19 @@ pub(super) struct Content<'a> {
 /// Work counters.
 #[derive(Debug, Serialize)]
 pub(super) struct WorkRecord {
-    /// Steps of each realisation.
-    steps: u64,
+    /// Steps of each realisation; none under a quasi-static load.
+    steps: Option<u64>,
     /// Bonds times steps times realisations.
-    bond_steps: u64,
+    bond_steps: Option<u64>,
     /// CPU time of the run on all threads.
     cpu_seconds: f64,
 }
 
 impl WorkRecord {
     pub(super) fn new(scene: &CrackScene, resolved: &Resolved, cpu_seconds: f64) -> Self {
-        let steps = scene.time.steps;
-        let bond_steps = resolved.bonds as u64 * steps * scene.ensemble.realisations;
+        let steps = scene.time.as_ref().map(|time| time.steps);
+        let bonds = resolved.bonds as u64 * scene.ensemble.realisations;
+        let bond_steps = steps.map(|steps| bonds * steps);
         Self { steps, bond_steps, cpu_seconds }
     }
 }
@@ -68,7 +69,7 @@ pub(super) struct Record {
     broken_bonds: Option<Number>,
     /// One entry for each realisation, by number.
     realisations: Vec<Realisation>,
-    /// The mean load at the upper edge (N), window by window.
+    /// The mean load at the upper edge or the displaced region (N), window by window.
     pub(super) load: Vec<LoadAt>,
 }
 
@@ -98,21 +99,6 @@ pub(super) struct Failure {
 struct Outcome {
     outcome: &'static str,
     probability: Number,
-}
-
-/// A number with its error.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct Number {
-    pub(super) value: f64,
-    pub(super) error: Option<f64>,
-    error_kind: ErrorOrigin,
-}
-
-impl From<Estimate> for Number {
-    fn from(estimate: Estimate) -> Self {
-        let (error, error_kind) = error_of(&estimate);
-        Self { value: estimate.value, error, error_kind }
-    }
 }
 
 /// Distribution of a number.
@@ -171,10 +157,13 @@ impl From<&Band> for PathAt {
 /// Load in a window.
 #[derive(Debug, Serialize)]
 pub(super) struct LoadAt {
-    /// Centre of the window (s).
-    time: f64,
-    /// Mean strain at that time.
-    pub(super) strain: f64,
+    /// Centre of the window (s); none under a quasi-static load, which is observed at the end of each window.
+    time: Option<f64>,
+    /// Mean strain there; none where a region is displaced.
+    pub(super) strain: Option<f64>,
+    /// Displacement of the region there (m); none where a mean strain is prescribed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) displacement: Option<f64>,
     pub(super) load: Number,
     /// Standard deviation over realisations.
     pub(super) standard_deviation: f64,
@@ -210,7 +199,7 @@ impl Record {
         let ran = |id: usize| !matches!(run.records[id].outcome, CrackOutcome::Failed(_));
         let broken = (0..run.broken.len()).filter(|&id| ran(id)).map(|id| run.broken[id] as f64);
         let broken_bonds = mean(broken).map(|(mean, _)| mean);
-        let load = loads(scene, &problem.resolved, run);
+        let load = loads(scene, problem, run);
         if broken_bonds.is_none() || load.is_empty() {
             let reason = "fewer than two realisations ran to their end".to_owned();
             unknown.push(Unknown { what: "broken_bonds, load".into(), reason });
@@ -281,15 +270,25 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, f64)> {
     Some((sample.estimate().ok()?.into(), sample.variance().ok()?.sqrt()))
 }
 
-fn loads(scene: &CrackScene, resolved: &Resolved, run: &CrackRun) -> Vec<LoadAt> {
-    let (steps, windows) = (scene.time.steps, scene.output.windows);
-    let length = (steps / windows) as f64;
+fn loads(scene: &CrackScene, problem: &CrackProblem, run: &CrackRun) -> Vec<LoadAt> {
+    let (steps, windows) = (scene.n_steps(), scene.output.windows);
+    // Windows are without the remainder of the steps.
+    let length = (steps / windows) as f64 / steps as f64;
+    let (length, place) = match problem.resolved.duration {
+        Some(_) => (length, 0.5),
+        None => (1.0 / windows as f64, 1.0),
+    };
     let at = |window: usize| {
         let of_window = run.loads.iter().filter_map(|loads| loads.get(window).copied());
         let (load, standard_deviation) = mean(of_window)?;
-        let time = (window as f64 + 0.5) * length * resolved.dt;
-        let strain = resolved.final_strain * time / resolved.duration;
-        Some(LoadAt { time, strain, load, standard_deviation })
+        let part = (window as f64 + place) * length;
+        Some(LoadAt {
+            time: problem.resolved.duration.map(|duration| part * duration),
+            strain: problem.load_end.strain().map(|strain| part * strain),
+            displacement: problem.load_end.displacement().map(|u| part * u),
+            load,
+            standard_deviation,
+        })
     };
     let longest = run.loads.iter().map(Vec::len).max().unwrap_or(0);
     (0..longest).filter_map(at).collect()

@@ -14,7 +14,7 @@ use super::shown::Shown;
 use crate::kind::SolverError;
 use crate::output::write_to_disk;
 use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::SmpmScene;
+use crate::smpm::scene::{SmpmScene, UnitsScene};
 
 /// Quantities that are always written, besides those of the scene.
 const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];
@@ -31,6 +31,8 @@ pub(super) struct Fields {
     constants: Vec<(String, Vec<f64>)>,
     failure: Option<SolverError>,
     shown: Shown,
+    units: UnitsScene,
+    bodies: Vec<String>,
 }
 
 impl Fields {
@@ -52,6 +54,8 @@ impl Fields {
             constants: Vec::new(),
             failure: None,
             shown,
+            units: scene.units,
+            bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
         }
     }
 
@@ -159,8 +163,24 @@ impl Fields {
             store.add(name, column.clone())?;
         }
         store.set_attribute("time", Attribute::Real(time));
-        write_to_disk(&self.folder.join(name), |out| store.write_vtu(places, out))?;
+        let texts = self.texts();
+        let texts: Vec<(&str, &str)> =
+            texts.iter().map(|(name, text)| (&**name, &**text)).collect();
+        write_to_disk(&self.folder.join(name), |out| store.write_vtu_with(places, &texts, out))?;
         Ok(())
+    }
+
+    /// Names of the bodies by their numbers, and units of the columns.
+    fn texts(&self) -> Vec<(String, String)> {
+        let bodies = self.bodies.iter().enumerate();
+        let bodies = bodies.map(|(number, name)| (format!("body {number}"), name.clone()));
+        let [length, ..] = self.units.names();
+        let position = ("unit of position".to_owned(), length.to_owned());
+        let quantities = self
+            .quantities
+            .iter()
+            .map(|&quantity| (format!("unit of {quantity}"), self.units.of(quantity).to_owned()));
+        bodies.chain([position]).chain(quantities).collect()
     }
 
     /// Files written, the series first, and the frames for the page.

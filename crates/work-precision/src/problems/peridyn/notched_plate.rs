@@ -7,9 +7,9 @@ use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
     BondConfig, BondList, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
     DisorderField, Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch,
-    PathConfig, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain, Strength,
-    StrengthElement, SurfaceCorrection, VolumeCorrection, WeibullByVolume, WeibullStrength,
-    critical_stretch, merge_shards,
+    PathConfig, Procedure, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain,
+    Strength, StrengthElement, StudyLaw, SurfaceCorrection, VolumeCorrection, WeibullByVolume,
+    WeibullStrength, critical_stretch, merge_shards,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -198,6 +198,7 @@ impl NotchedPlate {
         let study = CrackStudy {
             nodes: &ready.nodes,
             bonds: &ready.bonds,
+            law: StudyLaw::BondBased,
             strain: Strain::Finite,
             strength: match (&strengths, &weibull) {
                 (Some(field), _) => Strength::Field { field, value: BondValue::Mean },
@@ -211,8 +212,7 @@ impl NotchedPlate {
             no_fail: &ready.protected,
             notch: Notch { mouth: [-self.spacing(), 0.0], tip: [self.tip, 0.0] },
             loading: &ready.loading,
-            simulation: &ready.config,
-            n_steps: ready.n_steps,
+            procedure: Procedure::Dynamic { simulation: &ready.config, n_steps: ready.n_steps },
             load: (&ready.grips, 1),
             n_windows: 40,
             path: PathConfig::of_horizon(self.horizon),

@@ -1,0 +1,198 @@
+//! Posterior prediction: plates at draws of the posterior beside those that were measured.
+
+use peridyn_sde::CrackPath;
+use peridyn_sde::Error;
+use peridyn_sde::inference::{Summaries, SummaryConfig};
+use peridyn_sde::statistics::CrackRecord;
+use sde_integrators::{Estimate, Noise, Purpose, Uncertainty};
+
+use super::ensembles::Ended;
+
+/// Probabilities of the ends of a band and of its middle.
+pub(super) const BAND: [f64; 3] = [0.05, 0.5, 0.95];
+
+/// Of the predicted values of one number of a plate.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Band {
+    /// Number of values.
+    pub(super) n: usize,
+    /// Quantiles at [`BAND`], with the errors that finite draws and realisations leave.
+    pub(super) quantiles: [Estimate; 3],
+}
+
+/// A summary of the measured plates beside its prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Compared {
+    pub(super) band: Band,
+    /// Number of measured values inside the band.
+    pub(super) inside: u64,
+    /// Number of measured values.
+    pub(super) plates: u64,
+}
+
+/// Plates at draws of the posterior, measured with the errors of the measured ones.
+#[derive(Debug)]
+pub(super) struct Predicted<'a> {
+    /// Ensembles at the draws.
+    pub(super) ensembles: &'a [Ended],
+    pub(super) summaries: &'a SummaryConfig,
+    /// Standard deviations of the errors of measurement, one for each summary.
+    pub(super) errors: &'a [f64],
+    /// Standard deviation of that of a height (m).
+    pub(super) height_error: f64,
+    pub(super) seed: u64,
+}
+
+impl Predicted<'_> {
+    /// Each summary of the measured plates beside its predicted band.
+    pub(super) fn compare(&self, measured: &Summaries) -> Result<Vec<Compared>, Error> {
+        let k = measured.n_summaries();
+        // By summary, draw and realisation.
+        let mut values = vec![Vec::new(); k];
+        for ended in self.ensembles {
+            let no_loads = vec![Vec::new(); ended.records.len()];
+            let rows = self.summaries.of_records(&ended.records, &no_loads)?;
+            let mut of_draw = vec![Vec::new(); k];
+            // A stream for each row, by the number of the first realisation of its draw.
+            let first = ended.records.first().map_or(0, |record| record.realisation);
+            for (number, row) in (first..).zip(rows.rows()) {
+                let normals = self.normals(number, 0, k);
+                for i in 0..k {
+                    of_draw[i].push(row[i] + self.errors[i] * normals[i]);
+                }
+            }
+            for (values, of_draw) in values.iter_mut().zip(of_draw) {
+                values.push(of_draw);
+            }
+        }
+        let compared = |(i, values): (usize, &Vec<Vec<f64>>)| {
+            let band = band(values)?;
+            let [low, _, high] = band.quantiles.map(|quantile| quantile.value);
+            let inside = measured.rows().filter(|row| (low..=high).contains(&row[i])).count();
+            let plates = measured.n_realisations() as u64;
+            Some(Compared { band, inside: inside as u64, plates })
+        };
+        Ok(values.iter().enumerate().filter_map(compared).collect())
+    }
+
+    /// Bands of the height of the crack at abscissae that at least half of the cracks come to.
+    pub(super) fn heights(&self, abscissae: &[f64]) -> Result<Vec<(f64, Band)>, Error> {
+        let mut values = vec![Vec::new(); abscissae.len()];
+        let mut n_cracks = 0;
+        for ended in self.ensembles {
+            let mut of_draw = vec![Vec::new(); abscissae.len()];
+            for record in ended.records.iter().filter(|record| record.outcome.counts()) {
+                n_cracks += 1;
+                let normals = self.normals(record.realisation, 1, abscissae.len());
+                for (i, height) in heights(record, abscissae)?.into_iter().enumerate() {
+                    of_draw[i].extend(height.map(|y| y + self.height_error * normals[i]));
+                }
+            }
+            for (values, of_draw) in values.iter_mut().zip(of_draw) {
+                values.push(of_draw);
+            }
+        }
+        let bands =
+            abscissae.iter().zip(&values).filter_map(|(&x, values)| Some((x, band(values)?)));
+        Ok(bands.filter(|(_, band)| 2 * band.n >= n_cracks).collect())
+    }
+
+    /// Standard normals of a realisation.
+    fn normals(&self, number: u64, kind: u64, n: usize) -> Vec<f64> {
+        let mut stream = Noise::new(self.seed).stream(Purpose::Bootstrap, 2 * number + kind);
+        let mut normals = vec![0.0; n];
+        stream.fill_normal(&mut normals);
+        normals
+    }
+}
+
+fn heights(record: &CrackRecord, abscissae: &[f64]) -> Result<Vec<Option<f64>>, Error> {
+    if record.path.is_empty() {
+        return Ok(vec![None; abscissae.len()]);
+    }
+    let path = CrackPath::from_points(record.path.clone())?;
+    Ok(abscissae.iter().map(|&x| path.height_at(x)).collect())
+}
+
+/// Share of all measured values that lie inside their bands.
+///
+/// Its error is that of as many independent values as there are plates, since the values of one plate depend on each other; for none
+/// or all inside it is the bound `3/P`.
+pub(super) fn share(compared: &[Compared]) -> Option<Estimate> {
+    let plates = compared.iter().map(|it| it.plates).min()? as f64;
+    let (inside, all) =
+        compared.iter().fold((0, 0), |(inside, all), it| (inside + it.inside, all + it.plates));
+    let value = inside as f64 / all as f64;
+    let uncertainty = if inside == 0 || inside == all {
+        Uncertainty::Bound((3.0 / plates).min(1.0))
+    } else {
+        Uncertainty::StandardError((value * (1.0 - value) / plates).sqrt())
+    };
+    Some(Estimate { value, uncertainty })
+}
+
+/// The band of values by draw; none without values.
+///
+/// Standard errors by the jackknife that leaves out a draw at a time with all its realisations:
+/// `s^2 = (D - 1)/D sum_j (q_j - q)^2`, with `q_j` the quantile without draw `j` and `q` their mean (Shao and Wu 1989).
+fn band(by_draw: &[Vec<f64>]) -> Option<Band> {
+    let all = quantiles(by_draw.iter())?;
+    let without = |left_out: usize| {
+        let others = by_draw.iter().enumerate().filter(|(draw, _)| *draw != left_out);
+        quantiles(others.map(|(_, values)| values))
+    };
+    let without: Option<Vec<[f64; 3]>> = (0..by_draw.len()).map(without).collect();
+    let quantile = |k: usize| {
+        let error = without.as_ref().map(|without| {
+            let n = without.len() as f64;
+            let mean = without.iter().map(|q| q[k]).sum::<f64>() / n;
+            let squares = without.iter().map(|q| (q[k] - mean).powi(2)).sum::<f64>();
+            ((n - 1.0) / n * squares).sqrt()
+        });
+        let uncertainty = error.map_or(Uncertainty::Unknown, Uncertainty::StandardError);
+        Estimate { value: all[k], uncertainty }
+    };
+    let n = by_draw.iter().map(Vec::len).sum();
+    Some(Band { n, quantiles: [quantile(0), quantile(1), quantile(2)] })
+}
+
+/// The values of rank `ceil(n p)`; none without values.
+fn quantiles<'a>(values: impl Iterator<Item = &'a Vec<f64>>) -> Option<[f64; 3]> {
+    let mut all: Vec<f64> = values.flatten().copied().collect();
+    all.sort_unstable_by(f64::total_cmp);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to n")]
+    let rank = |p: f64| (all.len() as f64 * p).ceil().max(1.0) as usize;
+    let [low, middle, high] = BAND.map(|p| all.get(rank(p) - 1).copied());
+    Some([low?, middle?, high?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_has_the_quantiles_of_all_draws_and_the_error_of_leaving_one_out() {
+        let by_draw: Vec<Vec<f64>> =
+            (0..5).map(|draw| (0..20).map(|k| f64::from(5 * k + draw)).collect()).collect();
+        let band = band(&by_draw).unwrap();
+        // 0 to 99: ranks 5, 50 and 95.
+        assert_eq!((band.n, band.quantiles.map(|q| q.value)), (100, [4.0, 49.0, 94.0]));
+        // Without draw 4 the value of rank 4 of 80 is 3; without another one it is 4.
+        let error = band.quantiles[0].standard_error().unwrap();
+        let expected = (0.8 * (4.0 * 0.2_f64.powi(2) + 0.8_f64.powi(2))).sqrt();
+        assert!((error - expected).abs() < 1e-12, "{error}");
+        assert_eq!(super::band(&[vec![], vec![]]), None);
+    }
+
+    #[test]
+    fn the_share_counts_plates_and_not_values() {
+        let estimate = |value| Estimate { value, uncertainty: Uncertainty::Unknown };
+        let band = Band { n: 1, quantiles: [estimate(0.0), estimate(0.5), estimate(1.0)] };
+        let of = |inside| Compared { band: band.clone(), inside, plates: 10 };
+        let found = share(&[of(10), of(8)]).unwrap();
+        assert!((found.value - 0.9).abs() < 1e-15);
+        assert!((found.standard_error().unwrap() - (0.09_f64 / 10.0).sqrt()).abs() < 1e-15);
+        assert_eq!(share(&[of(10)]).unwrap().uncertainty, Uncertainty::Bound(0.3));
+        assert_eq!(share(&[]), None);
+    }
+}

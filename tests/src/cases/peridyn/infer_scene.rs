@@ -23,7 +23,7 @@ pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/infer-scene",
     title: "The scene infer_toughness: toughness and scatter of strength from cracks and loads of 16 synthetic plates",
     source: "synthetic truth: the plate's own scene at G0 = 4.8 J/m^2 and a coefficient of variation of 0.15, another seed",
-    cost: Profile::Quick,
+    cost: Profile::Default,
     schedule: Schedule::Together,
     run,
 };

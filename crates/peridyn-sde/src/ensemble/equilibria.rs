@@ -25,7 +25,7 @@ pub(super) struct SlowLoad {
     pub(super) n_steps: u64,
 }
 
-/// What a test that prescribes the displacement sees.
+/// Loads and failures under a prescribed displacement.
 struct Seen {
     /// At the end of each window (force).
     loads: Vec<f64>,

@@ -80,9 +80,10 @@ pub enum Procedure<'a> {
         /// Steps of each realisation.
         n_steps: u64,
     },
-    /// Slowly: equilibrium after equilibrium, event by event, as [`QuasiStatic`](crate::QuasiStatic). Strains are taken for small, and
-    /// displacements are proportional to a load factor, the time of the loading. A realisation ends where a test that prescribes
-    /// the displacement would come to the last factor, or with the separation of the body.
+    /// Quasi-static: equilibrium after equilibrium, event by event (sequentially linear analysis, Rots 2001), by
+    /// [`QuasiStatic`](crate::QuasiStatic). Strains are taken for small, and displacements are proportional to a load factor, the time
+    /// of the loading. A realisation ends where a test that prescribes the displacement would come to the last factor, or with
+    /// the separation of the body.
     QuasiStatic {
         /// How equilibria are found.
         config: EquilibriumConfig,

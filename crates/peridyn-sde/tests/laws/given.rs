@@ -18,6 +18,17 @@ pub(super) const STRETCH: f64 = 1e-3;
 const REALISATION: u64 = 5;
 const NOTCH: Notch = Notch { mouth: [0.0, 8.0], tip: [5.0, 8.0] };
 
+/// Of the bonds of the plate.
+pub(super) fn bond_config() -> BondConfig {
+    BondConfig {
+        horizon: Horizon::of_shells(2, 1.0).unwrap(),
+        young_modulus: 1.0,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::Ramp,
+        surface_correction: SurfaceCorrection::None,
+    }
+}
+
 /// A plate of 16 by 16 nodes whose lowest and highest two rows are loaded in tension.
 pub(super) struct Plate {
     nodes: Nodes<2>,
@@ -29,14 +40,7 @@ pub(super) struct Plate {
 
 impl Plate {
     fn new(nodes: Nodes<2>) -> Self {
-        let config = BondConfig {
-            horizon: Horizon::of_shells(2, 1.0).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::Ramp,
-            surface_correction: SurfaceCorrection::None,
-        };
-        let bonds = Bonds::new(&nodes, &config).unwrap();
+        let bonds = Bonds::new(&nodes, &bond_config()).unwrap();
         let rows = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
             (0..nodes.positions().len()).filter(|&i| wanted(nodes.positions()[i][1])).collect()
         };

@@ -2,13 +2,13 @@
 
 use peridyn_sde::law::Bilinear;
 use peridyn_sde::{
-    Body, BondConfig, BondList, BondValue, CrackRun, CrackStudy, EquilibriumConfig, Error, Horizon,
-    Influence, Loading, NextBreakage, Procedure, Program, QuasiStatic, SolidBonds, Stiffness,
-    Strain, Strength, StudyLaw, SurfaceCorrection, VolumeCorrection, merge_shards,
+    Body, BondList, BondValue, CrackRun, CrackStudy, EquilibriumConfig, Error, Loading,
+    NextBreakage, Procedure, Program, QuasiStatic, SolidBonds, Stiffness, Strain, Strength,
+    StudyLaw, merge_shards,
 };
 use sde_integrators::Noise;
 
-use super::given::{Plate, STRETCH};
+use super::given::{Plate, STRETCH, bond_config};
 
 const CONFIG: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
 const N_WINDOWS: u64 = 10;
@@ -128,14 +128,7 @@ fn a_linear_solid_of_a_ratio_of_one_third_breaks_as_bonds_in_plane_stress() {
     let plate = Plate::lattice();
     let (loading, _) = loading(&plate);
     let (nodes, _) = plate.body();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::Ramp,
-        surface_correction: SurfaceCorrection::None,
-    };
-    let solid = SolidBonds::new(nodes, &config, 1.0 / 3.0).unwrap();
+    let solid = SolidBonds::new(nodes, &bond_config(), 1.0 / 3.0).unwrap();
     let inputs = (Strength::Uniform(STRETCH), Stiffness::Uniform);
     let study = slow(&plate, &loading, StudyLaw::LinearSolid(&solid), inputs);
     let study = CrackStudy { bonds: solid.bonds(), ..study };

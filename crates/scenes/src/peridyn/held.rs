@@ -7,7 +7,7 @@ use super::scene::CrackScene;
 use super::scene_load::{LoadingScene, RegionScene, StrainScene};
 use crate::scene::Objection;
 
-/// Nodes that are held, those that are moved, and those whose bonds do not break.
+/// Nodes with prescribed displacements, and nodes whose bonds do not break.
 #[derive(Debug)]
 pub(super) struct Held {
     supports: Vec<(Vec<usize>, [bool; 2])>,
@@ -31,7 +31,7 @@ enum Edges {
     Velocity,
 }
 
-/// The measure of a load at the end of a run.
+/// The load at the end of a run, as a strain or a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoadEnd {
     /// A mean strain.
@@ -41,14 +41,6 @@ pub enum LoadEnd {
 }
 
 impl LoadEnd {
-    /// The strain or the displacement (m).
-    #[must_use]
-    pub const fn value(self) -> f64 {
-        match self {
-            Self::Strain(value) | Self::Displacement(value) => value,
-        }
-    }
-
     /// The strain, if it is one.
     #[must_use]
     pub const fn strain(self) -> Option<f64> {

@@ -22,7 +22,8 @@ pub(crate) struct Passes<const D: usize> {
     pub(crate) start: Start<D>,
     pub(crate) step_towards:
         fn(&mut Solver<D>, &dyn Coefficients<D>, f64) -> Result<StepReport, Error>,
-    pub(crate) advance_to: fn(&mut Solver<D>, &dyn Coefficients<D>, f64) -> Result<(), Error>,
+    pub(crate) advance_while:
+        fn(&mut Solver<D>, &dyn Coefficients<D>, f64, GoesOn<'_>) -> Result<(), Error>,
     pub(crate) conditional_step: ConditionalStep<D>,
     pub(crate) remap: fn(&mut Solver<D>, &Remapping) -> Result<Remapped, Error>,
     pub(crate) snapshot: fn(&Solver<D>, &mut dyn Write) -> Result<(), Error>,
@@ -30,6 +31,9 @@ pub(crate) struct Passes<const D: usize> {
     pub(crate) cell_integral: fn(&Solver<D>) -> Result<CellIntegral<D>, Error>,
     pub(crate) density_field: fn(&Solver<D>) -> Result<DensityField<D>, Error>,
 }
+
+/// Whether to go on, asked before a step with the present time.
+pub(crate) type GoesOn<'a> = &'a mut (dyn FnMut(f64) -> bool + Send);
 
 /// The solver at the start, with the estimator of the method or that of the caller.
 type Start<const D: usize> = fn(
@@ -49,7 +53,7 @@ impl<const D: usize> Passes<D> {
             Solver::new(law, config, estimator.unwrap_or_else(of_method))
         },
         step_towards: Solver::step_towards,
-        advance_to: Solver::advance_to,
+        advance_while: Solver::advance_while,
         conditional_step: Solver::conditional_step,
         remap: Solver::remap,
         snapshot: Solver::snapshot,

@@ -200,8 +200,20 @@ where
     /// # Errors
     /// Those of [`Self::step`]; [`Error::TimeInThePast`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        self.advance_while(time, |_| true)
+    }
+
+    /// As [`Simulation::advance_while`].
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    pub fn advance_while(
+        &mut self,
+        time: f64,
+        mut goes_on: impl FnMut(f64) -> bool,
+    ) -> Result<(), Error> {
         self.structure.solver.check_not_past(time)?;
-        while self.time() < time {
+        while self.time() < time && goes_on(self.time()) {
             let _ = self.step_towards(time)?;
         }
         Ok(())

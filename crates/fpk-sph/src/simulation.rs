@@ -115,8 +115,21 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// # Errors
     /// Those of [`Self::step`]; [`Error::TimeInThePast`].
     pub fn advance_to(&mut self, time: f64) -> Result<(), Error> {
+        self.advance_while(time, |_| true)
+    }
+
+    /// Steps to the given time as [`advance_to`](Self::advance_to) does, as long as `goes_on` says so, which is asked before each
+    /// step with the present time. Another call then goes on bitwise identically.
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    pub fn advance_while(
+        &mut self,
+        time: f64,
+        mut goes_on: impl FnMut(f64) -> bool + Send,
+    ) -> Result<(), Error> {
         let (n, system) = (self.n_particles(), OfSystem(&self.system));
-        in_pool(n, || (passes().advance_to)(&mut self.solver, &system, time))
+        in_pool(n, || (passes().advance_while)(&mut self.solver, &system, time, &mut goes_on))
     }
 
     /// Runs through the given times, which must not decrease, and calls `observe` at each.

@@ -3,6 +3,7 @@
 use sde_integrators::GaussianMixture;
 
 use crate::coefficients::Coefficients;
+use crate::compiled::GoesOn;
 use crate::config::{COLLAPSED_STEP, Config};
 use crate::discretisation::Discretisation;
 use crate::error::{Error, positive};
@@ -132,14 +133,15 @@ impl<const D: usize> Solver<D> {
         (1.0 - total).abs() + self.state.n_remaps as f64 * outermost_mass
     }
 
-    /// Steps to the given time.
-    pub(crate) fn advance_to(
+    /// Steps to the given time, or as long as `goes_on` says at the present one.
+    pub(crate) fn advance_while(
         &mut self,
         system: &dyn Coefficients<D>,
         time: f64,
+        goes_on: GoesOn<'_>,
     ) -> Result<(), Error> {
         self.check_not_past(time)?;
-        while self.state.time < time {
+        while self.state.time < time && goes_on(self.state.time) {
             self.observed_step(system, time, |_, _, _| ())?;
         }
         Ok(())

@@ -4,6 +4,7 @@ mod answer;
 mod bytes;
 mod chart;
 mod error;
+mod lighter;
 mod motion;
 mod page;
 mod render;

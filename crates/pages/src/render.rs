@@ -38,10 +38,21 @@ struct Data<'a> {
 /// The page as one self-contained file.
 ///
 /// Text is escaped: markup in a title is shown as it is written. The page forbids itself every request.
+/// What would make it larger than [`Page::MOST_BYTES`] is left out, with a remark: frames of fields first, then rows of tables.
 ///
 /// # Errors
 /// [`PageError`] for a number that is not finite, or a field with missing values.
 pub fn render(page: &Page) -> Result<String, PageError> {
+    let mut html = whole(page)?;
+    let mut lighter = None;
+    while html.len() > Page::MOST_BYTES && lighter.get_or_insert_with(|| page.clone()).lighten() {
+        html = lighter.as_ref().map_or(Ok(html), whole)?;
+    }
+    Ok(html)
+}
+
+/// The page as it is.
+fn whole(page: &Page) -> Result<String, PageError> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_template("page.html", TEMPLATE)?;

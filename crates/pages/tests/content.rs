@@ -2,7 +2,7 @@
 
 mod sample;
 
-use pages::{PageError, render};
+use pages::{Cell, Frame, Layer, Motion, Page, PageError, Place, Points, Scale, Table, render};
 use sample::{HOSTILE, page};
 
 /// Size that a page without large fields must not exceed.
@@ -83,4 +83,38 @@ fn sample_page_for_the_eye() {
     let Some(folder) = std::env::var_os("SAMPLE_FOLDER") else { return };
     std::fs::write(std::path::Path::new(&folder).join("index.html"), render(&page()).unwrap())
         .unwrap();
+}
+
+#[test]
+fn a_page_stays_below_its_limit_and_says_what_it_left_out() {
+    let mut large = page();
+    let n = 4000_u16;
+    let frame = |k: usize| Frame { name: format!("t = {k}") };
+    large.motions = vec![Motion {
+        title: "Stress".to_owned(),
+        about: String::new(),
+        slider: "time".to_owned(),
+        axes: vec!["x (m)".to_owned()],
+        frames: (0..1000).map(frame).collect(),
+        place: Place::Points(Points {
+            spacing: 1.0,
+            positions: vec![(0..n).map(f64::from).collect()],
+        }),
+        layers: vec![Layer {
+            name: "stress".to_owned(),
+            unit: "Pa".to_owned(),
+            scale: Scale::Linear,
+            values: (0..1000_u16).map(|k| vec![f32::from(k); n.into()]).collect(),
+        }],
+    }];
+    let row = |k: usize| vec![Cell::text(format!("row {k} {}", "x".repeat(100)))];
+    let (title, about) = ("All values".to_owned(), String::new());
+    let heads = vec!["value".to_owned()];
+    large.tables = vec![Table { title, about, heads, rows: (0..60_000).map(row).collect() }];
+    let html = render(&large).unwrap();
+    assert!(html.len() <= Page::MOST_BYTES, "{}", html.len());
+    assert!(html.contains("left out: frames of &quot;Stress&quot;"));
+    assert!(html.contains("left out: the last rows of &quot;All values&quot;"));
+    // The last frame and the first rows are there.
+    assert!(html.contains("t = 999") && html.contains("row 0 x"));
 }

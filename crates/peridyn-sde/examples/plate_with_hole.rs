@@ -99,7 +99,7 @@ fn main() -> Result<(), Error> {
         border: EDGE - radius,
         damage_threshold: 0.3,
     };
-    let run = study.run::<f32, 16>(0..REALISATIONS, &[], &|_| {})?;
+    let run = study.run::<f32, 16>(0..REALISATIONS, &[])?;
     let cracks = CrackEnsemble::new(REALISATIONS, run.records)?;
     for (outcome, probability) in cracks.outcomes()? {
         println!("{outcome:12} {probability}");

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::real::Real;
 
 /// Steps from one comparison to the next.
-const EVERY: u64 = 8;
+pub(crate) const EVERY: u64 = 8;
 /// Least length of the change of all displacements over a step, in spacings; below it roundoff decides.
 const LEAST: f64 = 1e-3;
 /// The quotient, over its limit, from which a step is too long. An oscillation that nonlinear forces hold at one amplitude has the

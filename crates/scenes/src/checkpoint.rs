@@ -139,6 +139,14 @@ impl Checkpoint {
         self.store(name, part, |_| true)
     }
 
+    /// Stores a part, replacing any part of the same name, for the next time that the checkpoint is written.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Part`] if the part cannot be serialised.
+    pub fn put<T: Serialize>(&self, name: &str, part: &T) -> Result<(), CheckpointError> {
+        self.store(name, part, |_| false)
+    }
+
     /// Stores a part, replacing any part of the same name. The checkpoint is written if [due](Self::is_due), else with a later
     /// part or at the [end](Self::end): an interruption loses at most the interval.
     ///

@@ -71,6 +71,8 @@ pub struct Run {
     /// Minimum interval between two checkpoints
     #[arg(long, value_name = "SECONDS", default_value_t = Options::CHECKPOINT_EVERY.as_secs())]
     checkpoint_every: u64,
+    #[command(flatten)]
+    allowed: Allowed,
     /// Run shard K of N of an ensemble, which `merge` joins
     #[arg(long, value_name = "K/N", conflicts_with = "tolerance")]
     shard: Option<Place>,
@@ -84,6 +86,23 @@ pub struct Run {
     end: End,
     #[command(flatten)]
     wanted: Wanted,
+}
+
+/// How long a run may take.
+#[derive(Debug, Clone, Copy, Args)]
+struct Allowed {
+    /// Refuse a part of the run that would take longer than this, by what its first ten seconds have done
+    #[arg(long, value_name = "HOURS", default_value_t = 24.0, value_parser = hours)]
+    longest: f64,
+    /// Run however long it takes
+    #[arg(long, conflicts_with = "longest")]
+    yes: bool,
+}
+
+impl Allowed {
+    fn longest(self) -> Option<Duration> {
+        (!self.yes).then(|| Duration::from_secs_f64(3600.0 * self.longest))
+    }
 }
 
 /// What is printed at the end.
@@ -211,6 +230,16 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
     }
 }
 
+/// A number of hours, of which a limit can be made.
+fn hours(text: &str) -> Result<f64, String> {
+    const MOST: f64 = 1e6;
+    let hours: f64 = text.parse().map_err(|_| format!("`{text}` is no number of hours"))?;
+    if hours > 0.0 && hours <= MOST {
+        return Ok(hours);
+    }
+    Err(format!("it must be above 0 and at most {MOST}; without a limit: --yes"))
+}
+
 /// Rejects threads that only wait for each other: most likely a typing error.
 fn at_most_threads(threads: usize) -> miette::Result<()> {
     const FOR_EACH_PROCESSOR: usize = 4;
@@ -260,6 +289,7 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
         page: PageFile::Write,
+        longest: arguments.allowed.longest(),
     };
     if let Some(n_ranks) = started {
         if arguments.tolerance.is_some() {
@@ -338,5 +368,13 @@ mod tests {
         };
         assert!(run(&["--resume"]).is_ok() && run(&["--overwrite"]).is_ok());
         assert!(run(&["--resume", "--overwrite"]).is_err());
+    }
+
+    #[test]
+    fn a_limit_is_a_number_of_hours() {
+        for refused in ["0", "-1", "NaN", "inf", "1e7", "day"] {
+            assert!(hours(refused).is_err(), "{refused}");
+        }
+        assert_eq!(hours("0.5"), Ok(0.5));
     }
 }

@@ -9,6 +9,7 @@ mod folder_lock;
 mod inputs;
 mod kind_run;
 mod options;
+mod pace;
 mod part;
 mod progress;
 mod run_error;
@@ -25,6 +26,9 @@ pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
 pub use self::kind_run::Run;
 pub use self::options::{Options, PageFile};
+pub use self::pace::TooLong;
+#[cfg(any(feature = "fpk", feature = "smpm", feature = "peridyn"))]
+pub(crate) use self::pace::{Limit, Pace};
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};

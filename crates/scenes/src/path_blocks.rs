@@ -74,11 +74,16 @@ impl PathBlocks<'_> {
         let range = run.range(self.n_blocks);
         let n = range.end - range.start;
         let at_once = BLOCKS_OF_THREAD * rayon::current_num_threads() as u64;
+        let pace = run.pace("blocks of paths");
         loop {
             let done = finished.blocks.len() as u64;
             run.progress.at((done, n), || "blocks of paths".to_owned());
             if done >= n {
                 return Ok(finished);
+            }
+            if let Err(too_long) = pace.at(done as f64 / n as f64) {
+                checkpoint.keep(BLOCKS, &finished)?;
+                return Err(too_long.into());
             }
             let first = range.start + done;
             let more = self.finished(first..(first + at_once).min(range.end))?;

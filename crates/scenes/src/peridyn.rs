@@ -14,3 +14,4 @@ pub mod scene_field;
 pub mod scene_load;
 mod scene_plate;
 pub mod scene_problem;
+pub mod so_far;

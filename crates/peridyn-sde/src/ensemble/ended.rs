@@ -7,6 +7,8 @@ use crate::path::{Fractured, crack_path};
 use crate::statistics::{CrackOutcome, CrackRecord};
 
 /// A realisation that has ended.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Ended {
     pub(super) record: CrackRecord,
     pub(super) loads: Vec<f64>,

@@ -35,14 +35,14 @@ struct Seen {
 }
 
 impl CrackStudy<'_> {
-    /// One realisation, to the last load factor or its separation.
+    /// One realisation, to the last load factor or its separation; none if it was to go on no longer.
     pub(super) fn equilibria(
         &self,
         load: SlowLoad,
         cut: &[usize],
         id: u64,
-        keep: &[u64],
-    ) -> Result<Ended, Error> {
+        (keep, goes_on): (&[u64], &dyn Fn() -> bool),
+    ) -> Result<Option<Ended>, Error> {
         let mut strengths = self.strengths([id])?;
         let strengths_of_bonds = strengths.of_bonds.swap_remove(0);
         let mut body = self.slow_body(id, strengths_of_bonds)?;
@@ -50,10 +50,11 @@ impl CrackStudy<'_> {
             body.set_intact(bond, 0);
         }
         let mut run = QuasiStatic::new(body, self.loading.clone(), load.config)?;
-        let seen = match self.follow_slowly(&mut run, load, cut) {
-            Ok(seen) => seen,
+        let seen = match self.follow_slowly(&mut run, load, (cut, goes_on)) {
+            Ok(Some(seen)) => seen,
+            Ok(None) => return Ok(None),
             Err(error @ (Error::NotInEquilibrium { .. } | Error::LoadStep { .. })) => {
-                return Ok(failed(id, &error.to_string()));
+                return Ok(Some(failed(id, &error.to_string())));
             }
             Err(error) => return Err(error),
         };
@@ -66,7 +67,7 @@ impl CrackStudy<'_> {
             displacements: keep.contains(&id).then(|| run.displacements()),
             strength: strengths.at_nodes.first(),
         };
-        self.ended(end, cut)
+        self.ended(end, cut).map(Some)
     }
 
     fn slow_body(&self, id: u64, strengths: Vec<f64>) -> Result<Box<dyn Body<f64, 2, 1>>, Error> {
@@ -98,7 +99,12 @@ impl CrackStudy<'_> {
     }
 
     /// From event to event. A prescribed displacement keeps the largest factor so far, while the path may fall behind it.
-    fn follow_slowly(&self, run: &mut Slow, load: SlowLoad, cut: &[usize]) -> Result<Seen, Error> {
+    fn follow_slowly(
+        &self,
+        run: &mut Slow,
+        load: SlowLoad,
+        (cut, goes_on): (&[usize], &dyn Fn() -> bool),
+    ) -> Result<Option<Seen>, Error> {
         let SlowLoad { until, n_steps, .. } = load;
         let (grip, component) = self.load;
         let mut seen = Seen {
@@ -111,6 +117,9 @@ impl CrackStudy<'_> {
         // The load for each unit of the factor.
         let mut slope = run.pull_of_unit_load(grip)?[component].abs();
         while let Some(factor) = run.next_factor()?.filter(|&factor| factor <= until) {
+            if !goes_on() {
+                return Ok(None);
+            }
             if factor > largest {
                 largest = factor;
                 seen.largest_load = seen.largest_load.max(slope * factor);
@@ -131,7 +140,7 @@ impl CrackStudy<'_> {
             seen.largest_load = seen.largest_load.max(slope * until);
         }
         seen.extend(slope, |window| window <= self.n_windows, end);
-        Ok(seen)
+        Ok(Some(seen))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Realisations that run side by side.
 
 use super::crack_run::BrokenInStep;
-use super::ended::{AtEnd, Ended, failed};
+use super::ended::{AtEnd, failed};
+use super::halted::{GroupEnd, Midst, Seen};
 use super::study::{CrackStudy, StudyLaw};
 use crate::body::Body;
 use crate::broken_bond::Cause;
@@ -10,37 +11,61 @@ use crate::error::{Error, same_length};
 use crate::fast::{BondList, SolidList};
 use crate::real::Real;
 use crate::simulation::Simulation;
+use crate::swing;
+
+/// A group may halt after so many steps, and
+const ASKED_AT: u64 = 4;
+/// again and again after so many more: between two looks of the check for swings, whose memory is not saved.
+const ASKED_EVERY: u64 = swing::EVERY;
 
 /// A path that was lost, and why.
 type Lost<const L: usize> = [Option<String>; L];
 
-type Lanes<T, const L: usize> = Simulation<T, Box<dyn Body<T, 2, L>>, 2, L>;
+type Motion<T, const L: usize> = Simulation<T, Box<dyn Body<T, 2, L>>, 2, L>;
 
-/// Loads and broken bonds of each lane, observed at every step.
-struct Seen<const L: usize> {
-    loads: [Vec<f64>; L],
-    histories: [Vec<BrokenInStep>; L],
+/// Realisations of a group.
+pub(super) struct Lanes<'a, const L: usize> {
+    pub(super) ids: [u64; L],
+    /// How it moves, and its steps.
+    pub(super) motion: (&'a SimulationConfig, u64),
+    /// Bonds of the notch.
+    pub(super) cut: &'a [usize],
+    /// Numbers of those whose final state is wanted.
+    pub(super) keep: &'a [u64],
 }
 
 impl CrackStudy<'_> {
-    /// Runs a group to its end. A lane that is lost is left out, and the others run again without it: lanes are independent, so
-    /// their results are bitwise identical.
+    /// Runs a group to its end, or as long as `goes_on` says after a number of steps. A lane that is lost is left out, and the
+    /// others run again without it: lanes are independent, so their results are bitwise identical.
     pub(super) fn group<T: Real, const L: usize>(
         &self,
-        (simulation, n_steps): (&SimulationConfig, u64),
-        cut: &[usize],
-        ids: [u64; L],
-        (keep, wanted): (&[u64], &dyn Fn(u64) -> bool),
-    ) -> Result<Vec<Ended>, Error> {
-        let config = simulation;
+        group: &Lanes<'_, L>,
+        known: Option<GroupEnd>,
+        (wanted, goes_on): (&dyn Fn(u64) -> bool, &dyn Fn(u64) -> bool),
+    ) -> Result<GroupEnd, Error> {
+        let Lanes { ids, motion: (config, n_steps), cut, keep } = *group;
         let strengths = self.strengths(ids)?;
-        let mut lost: Lost<L> = std::array::from_fn(|_| None);
+        let (mut midst, mut lost) = (None, std::array::from_fn(|_| None));
+        if let Some(GroupEnd::AtStep(known)) = known {
+            known.check(L, self.bonds.len(), n_steps)?;
+            let Midst { saved, seen, lost: reasons } = *known;
+            lost.iter_mut().zip(reasons).for_each(|(lost, reason)| *lost = reason);
+            midst = Some((saved, seen));
+        }
         let (simulation, seen) = loop {
             let body = self.body::<T, L>(ids, &strengths.of_bonds, &lost)?;
             let mut simulation = Simulation::new(body, self.loading.clone(), config.clone(), ids)?;
             simulation.cut(cut)?;
-            match self.follow(&mut simulation, n_steps, cut) {
-                Ok(seen) => break (simulation, seen),
+            let mut seen = Seen::new(L, cut);
+            if let Some((saved, before)) = midst.take() {
+                simulation.restore(&saved)?;
+                seen = before;
+            }
+            match self.follow(&mut simulation, n_steps, &mut seen, goes_on) {
+                Ok(()) if simulation.steps() < n_steps => {
+                    return halted(&simulation, seen, &lost);
+                }
+                Ok(()) => break (simulation, seen),
                 Err(error) => {
                     let (Error::Lost { realisation, .. } | Error::Swings { realisation, .. }) =
                         error
@@ -55,7 +80,7 @@ impl CrackStudy<'_> {
                 }
             }
         };
-        (0..L)
+        let ended = (0..L)
             .filter(|&lane| wanted(ids[lane]))
             .map(|lane| {
                 if let Some(message) = &lost[lane] {
@@ -75,7 +100,8 @@ impl CrackStudy<'_> {
                     cut,
                 )
             })
-            .collect()
+            .collect::<Result<_, _>>()?;
+        Ok(GroupEnd::Ended(ended))
     }
 
     /// Undamaged, but for lanes that are left out.
@@ -118,22 +144,21 @@ impl CrackStudy<'_> {
         Ok(body)
     }
 
+    /// Steps until the end, or as long as `goes_on` says.
     fn follow<T: Real, const L: usize>(
         &self,
-        simulation: &mut Lanes<T, L>,
+        simulation: &mut Motion<T, L>,
         n_steps: u64,
-        cut: &[usize],
-    ) -> Result<Seen<L>, Error> {
+        seen: &mut Seen,
+        goes_on: &dyn Fn(u64) -> bool,
+    ) -> Result<(), Error> {
         let (grip, component) = self.load;
-        let mut seen = Seen {
-            loads: std::array::from_fn(|_| Vec::new()),
-            histories: std::array::from_fn(|_| {
-                cut.iter().map(|&bond| BrokenInStep { step: 0, bond }).collect()
-            }),
-        };
         let window = n_steps / self.n_windows;
-        let mut sums = [0.0; L];
-        for step in 1..=n_steps {
+        for step in simulation.steps() + 1..=n_steps {
+            let done = step - 1;
+            if (done == 0 || done % ASKED_EVERY == ASKED_AT) && !goes_on(done) {
+                break;
+            }
             let report = simulation.step()?;
             for event in report.broken.iter().filter(|event| event.cause != Cause::Cut) {
                 for lane in (0..L).filter(|lane| event.lanes & 1 << lane != 0) {
@@ -141,13 +166,29 @@ impl CrackStudy<'_> {
                 }
             }
             for lane in 0..L {
-                sums[lane] += simulation.pull_on(grip, lane)[component].abs();
+                seen.sums[lane] += simulation.pull_on(grip, lane)[component].abs();
                 if step % window == 0 {
-                    seen.loads[lane].push(sums[lane] / window as f64);
-                    sums[lane] = 0.0;
+                    seen.loads[lane].push(seen.sums[lane] / window as f64);
+                    seen.sums[lane] = 0.0;
                 }
             }
         }
-        Ok(seen)
+        Ok(())
+    }
+}
+
+/// The state between two steps, as far as there is one that can be saved.
+fn halted<T: Real, const L: usize>(
+    simulation: &Motion<T, L>,
+    seen: Seen,
+    lost: &Lost<L>,
+) -> Result<GroupEnd, Error> {
+    if simulation.steps() == 0 {
+        return Ok(GroupEnd::Nowhere);
+    }
+    match simulation.save() {
+        Ok(saved) => Ok(GroupEnd::AtStep(Box::new(Midst { saved, seen, lost: lost.to_vec() }))),
+        Err(Error::NotSaved) => Ok(GroupEnd::Nowhere),
+        Err(error) => Err(error),
     }
 }

@@ -5,11 +5,13 @@ mod ended;
 mod equilibria;
 mod fate;
 mod group;
+mod halted;
 mod inputs;
 mod run;
 mod shard;
 mod study;
 
 pub use crack_run::{BrokenInStep, CrackRun, FinalState};
+pub use halted::{HaltedRun, Ran, Under};
 pub use shard::{CrackShard, merge_shards};
 pub use study::{CrackStudy, Procedure, Stiffness, Strength, StudyLaw};

@@ -1,10 +1,15 @@
 //! Runs of an ensemble of cracks.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::crack_run::CrackRun;
 use super::ended::Ended;
 use super::equilibria::SlowLoad;
+use super::group::Lanes;
+use super::halted::{GroupEnd, HaltedGroup, HaltedRun, Under};
 use super::study::{CrackStudy, Procedure};
 use crate::error::{Error, positive};
 use crate::real::Real;
@@ -12,8 +17,8 @@ use crate::statistics::DamageMap;
 
 impl CrackStudy<'_> {
     /// Runs the realisations of a range, `L` side by side (8 or 16) and groups of them in parallel; under a quasi-static load one by
-    /// one in `f64`, whatever `T` and `L`. `keep` are the numbers of those whose final state is wanted; `finished` gets the number
-    /// of realisations that ended since.
+    /// one in `f64`, whatever `T` and `L`. `keep` are the numbers of those whose final state is wanted.
+    /// [`run_while`](Self::run_while) can be halted.
     ///
     /// A realisation whose path is lost, or that comes to no equilibrium, is counted as failed, with its reason.
     ///
@@ -24,10 +29,21 @@ impl CrackStudy<'_> {
     /// those of [`between_nodes`](crate::between_nodes). [`Error::NotPositive`] for the last load factor.
     pub fn run<T: Real, const L: usize>(
         &self,
-        realisations: std::ops::Range<u64>,
+        realisations: Range<u64>,
         keep: &[u64],
-        finished: &(dyn Fn(u64) + Sync),
     ) -> Result<CrackRun, Error> {
+        let groups = self.groups::<T, L>(HaltedRun::at_start(realisations), keep, &|_| true)?;
+        self.joined(groups.into_iter().flat_map(HaltedGroup::ended))
+    }
+
+    /// Runs all groups of a range that have not ended, in parallel.
+    pub(super) fn groups<T: Real, const L: usize>(
+        &self,
+        halted: HaltedRun,
+        keep: &[u64],
+        goes_on: &(dyn Fn(Under) -> bool + Sync),
+    ) -> Result<Vec<HaltedGroup>, Error> {
+        let HaltedRun { realisations, groups: known } = halted;
         let least = |name, value: u64, limit: u64| {
             let [value, limit] = [value, limit].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
             if value < limit { Err(Error::TooFew { name, value, limit }) } else { Ok(()) }
@@ -42,33 +58,29 @@ impl CrackStudy<'_> {
             Procedure::QuasiStatic { config, until, n_steps, .. } => {
                 positive("last load factor", until)?;
                 let load = SlowLoad { config, until, n_steps };
-                return self.run_groups(realisations, &|id| {
-                    let ended = self.equilibria(load, &cut, id, keep)?;
-                    finished(1);
-                    Ok(vec![ended])
+                return run_groups(realisations, known, &|id, _| {
+                    let goes_on = || goes_on(Under { realisation: id, done: None });
+                    let ended = self.equilibria(load, &cut, id, (keep, &goes_on))?;
+                    Ok(ended.map_or(GroupEnd::Nowhere, |ended| GroupEnd::Ended(vec![ended])))
                 });
             }
         };
         let lanes = L as u64;
         let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
-        self.run_groups(groups, &|group| {
-            let ids = std::array::from_fn(|lane| group * lanes + lane as u64);
+        run_groups(groups, known, &|group, midst| {
+            let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
             let wanted = |id: u64| realisations.contains(&id);
-            let motion = (simulation, n_steps);
-            let ended = self.group::<T, L>(motion, &cut, ids, (keep, &wanted))?;
-            finished(ended.len() as u64);
-            Ok(ended)
+            let part = |step: u64| {
+                let done = Some(step as f64 / n_steps as f64);
+                goes_on(Under { realisation: ids[0].max(realisations.start), done })
+            };
+            let group = Lanes { ids, motion: (simulation, n_steps), cut: &cut, keep };
+            self.group::<T, L>(&group, midst, (&wanted, &part))
         })
     }
 
-    /// Runs groups in parallel and joins their realisations. A virtual call runs a group, so that what is around it is compiled
-    /// once.
-    fn run_groups(
-        &self,
-        groups: std::ops::Range<u64>,
-        run_group: &(dyn Fn(u64) -> Result<Vec<Ended>, Error> + Sync),
-    ) -> Result<CrackRun, Error> {
-        let runs: Result<Vec<_>, Error> = groups.into_par_iter().map(run_group).collect();
+    /// Joins realisations in order.
+    pub(super) fn joined(&self, all: impl IntoIterator<Item = Ended>) -> Result<CrackRun, Error> {
         let mut run = CrackRun {
             records: Vec::new(),
             loads: Vec::new(),
@@ -76,7 +88,7 @@ impl CrackStudy<'_> {
             broken: Vec::new(),
             kept: Vec::new(),
         };
-        for ended in runs?.into_iter().flatten() {
+        for ended in all {
             if let Some(damage) = &ended.damage {
                 run.damage.push(ended.record.realisation, damage)?;
             }
@@ -87,4 +99,26 @@ impl CrackStudy<'_> {
         }
         Ok(run)
     }
+}
+
+type RunGroup<'a> = dyn Fn(u64, Option<GroupEnd>) -> Result<GroupEnd, Error> + Sync + 'a;
+
+/// Runs groups in parallel, each from where it is known to be. A virtual call runs a group, so that what is around it is compiled
+/// once.
+fn run_groups(
+    groups: Range<u64>,
+    known: Vec<HaltedGroup>,
+    run_group: &RunGroup<'_>,
+) -> Result<Vec<HaltedGroup>, Error> {
+    let mut known: BTreeMap<u64, GroupEnd> =
+        known.into_iter().map(|HaltedGroup { group, at }| (group, at)).collect();
+    let all: Vec<_> = groups.map(|group| (group, known.remove(&group))).collect();
+    let run = |(group, known)| {
+        let at = match known {
+            Some(ended @ GroupEnd::Ended(_)) => ended,
+            known => run_group(group, known)?,
+        };
+        Ok(HaltedGroup { group, at })
+    };
+    all.into_par_iter().map(run).collect()
 }

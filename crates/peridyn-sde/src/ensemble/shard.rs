@@ -31,13 +31,12 @@ impl CrackStudy<'_> {
         n_realisations: u64,
         (shard, n_shards): (u64, u64),
         keep: &[u64],
-        finished: &(dyn Fn(u64) + Sync),
     ) -> Result<CrackShard, Error> {
         if shard >= n_shards {
             return Err(Error::NoSuchShard { shard, n_shards });
         }
         let bound = |k: u64| n_realisations / n_shards * k + (n_realisations % n_shards).min(k);
-        let run = self.run::<T, L>(bound(shard)..bound(shard + 1), keep, finished)?;
+        let run = self.run::<T, L>(bound(shard)..bound(shard + 1), keep)?;
         Ok(CrackShard {
             place: (shard, n_shards),
             n_realisations,

@@ -36,6 +36,7 @@ pub(super) struct Plate {
     loading: Loading<2>,
     pub(super) simulation: SimulationConfig,
     upper: Vec<usize>,
+    free: Vec<bool>,
 }
 
 impl Plate {
@@ -65,12 +66,17 @@ impl Plate {
             confinement: 0.0,
             noise: Noise::new(SEED),
         };
-        Self { nodes, bonds, loading, simulation, upper }
+        Self { nodes, bonds, loading, simulation, upper, free }
     }
 
     pub(super) fn lattice() -> Self {
         let condition = Condition::PlaneStress { thickness: 1.0 };
         Self::new(Nodes::lattice(1.0, ([0.0; 2], [N as f64; 2]), condition, |_| true).unwrap())
+    }
+
+    /// Whether each node is free.
+    pub(super) fn free(&self) -> &[bool] {
+        &self.free
     }
 
     pub(super) fn body(&self) -> (&Nodes<2>, &Bonds) {
@@ -103,7 +109,7 @@ impl Plate {
 
     fn run(&self, strength: Strength<'_>, stiffness: Stiffness<'_>) -> Result<CrackRun, Error> {
         let study = self.study(strength, stiffness);
-        study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION], &|_| {})
+        study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION])
     }
 
     pub(super) fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {

@@ -12,6 +12,7 @@ mod fast_bits;
 mod fast_paths;
 mod forces;
 mod given;
+mod halted;
 mod inference;
 mod mobility;
 mod note;

@@ -126,12 +126,12 @@ fn ensemble_with_strengths_by_volume_is_one_in_shards_and_beside_other_lanes() {
     };
     let weibull = WeibullStrength::new(nodes, bonds, law, 0).unwrap();
     let study = plate.study(Strength::Weibull(&weibull), Stiffness::Uniform);
-    let whole = study.run::<f64, 8>(0..11, &[2], &|_| {}).unwrap();
+    let whole = study.run::<f64, 8>(0..11, &[2]).unwrap();
     assert!(whole.broken.iter().all(|&broken| broken > 0), "{:?}", whole.broken);
     assert!(whole.broken.iter().any(|&broken| broken != whole.broken[0]), "{:?}", whole.broken);
-    let shards = [1, 0].map(|k| study.shard::<f64, 8>(11, (k, 2), &[2], &|_| {}).unwrap()).to_vec();
+    let shards = [1, 0].map(|k| study.shard::<f64, 8>(11, (k, 2), &[2]).unwrap()).to_vec();
     assert!(merge_shards(shards).unwrap() == whole);
-    let alone = study.run::<f64, 8>(2..3, &[2], &|_| {}).unwrap();
+    let alone = study.run::<f64, 8>(2..3, &[2]).unwrap();
     assert!(alone.records[0] == whole.records[2] && alone.kept == whole.kept);
     let kept = whole.kept[0].strength.as_ref().unwrap();
     assert_eq!(kept.len(), nodes.positions().len());

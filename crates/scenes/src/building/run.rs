@@ -245,7 +245,7 @@ impl<'a> Passages<'a> {
         let of_threshold = |(threshold, values): (&f64, &mut Vec<Observed>)| Series {
             id: format!("first-passage/{threshold}"),
             quantity: format!("P({demand} > {threshold})"),
-            unit: "",
+            unit: String::new(),
             values: std::mem::take(values),
         };
         let all = self.scene.thresholds.iter().zip(&mut self.values).map(of_threshold);

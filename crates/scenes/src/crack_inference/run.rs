@@ -131,7 +131,8 @@ fn design(
     let DesignScene { points: n, realisations, .. } = inputs.scene.design;
     run.progress.stage(&format!("{n} ensembles of {realisations} realisations"));
     let points = space.design(whole(n))?;
-    let series = Series { name: "point", seed: inputs.scene.seed, realisations };
+    let pace = run.pace("ensembles of the design");
+    let series = Series { name: "point", seed: inputs.scene.seed, realisations, n, pace };
     let Some(ranks) = run.ranks() else {
         return ensembles.run(&series, &points).map(Some);
     };
@@ -176,7 +177,9 @@ impl Study<'_> {
         let draws = inferred.posterior.thinned(whole(scene.predictive.draws))?;
         run.progress
             .stage(&format!("{} draws, each with {realisations} realisations", draws.len()));
-        let series = Series { name: "draw", seed: self.seed(PREDICTION), realisations };
+        let pace = run.pace("ensembles of the prediction");
+        let (seed, n) = (self.seed(PREDICTION), draws.len() as u64);
+        let series = Series { name: "draw", seed, realisations, n, pace };
         let of_draws = ensembles.run(&series, &draws)?;
 
         let clock = CpuClock::start();

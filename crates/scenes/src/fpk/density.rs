@@ -141,6 +141,7 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
                 look(at.simulation, row);
             }
         },
+        &mut |_| true,
     )
 }
 
@@ -149,11 +150,15 @@ pub trait DensitySimulation<S, const D: usize, const M: usize> {
     /// The density.
     fn density(&self) -> &Simulation<S, D, M>;
 
-    /// As [`Simulation::advance_to`].
+    /// As [`Simulation::advance_while`].
     ///
     /// # Errors
     /// Those of the simulation.
-    fn advance_to(&mut self, time: f64) -> Result<(), Error>;
+    fn advance_while(
+        &mut self,
+        time: f64,
+        goes_on: &mut (dyn FnMut(f64) -> bool + Send),
+    ) -> Result<(), Error>;
 
     /// As [`Simulation::snapshot`], at the end of a list of bytes.
     ///
@@ -175,8 +180,12 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> DensitySimulation<S, D, M>
         self
     }
 
-    fn advance_to(&mut self, time: f64) -> Result<(), Error> {
-        Self::advance_to(self, time)
+    fn advance_while(
+        &mut self,
+        time: f64,
+        goes_on: &mut (dyn FnMut(f64) -> bool + Send),
+    ) -> Result<(), Error> {
+        Self::advance_while(self, time, goes_on)
     }
 
     fn snapshot(&self, bytes: &mut Vec<u8>) -> Result<(), Error> {
@@ -196,8 +205,12 @@ impl<S: Sde<DS, 1, Noise = Additive>, const DS: usize, const DF: usize> DensityS
         self.structure()
     }
 
-    fn advance_to(&mut self, time: f64) -> Result<(), Error> {
-        Self::advance_to(self, time)
+    fn advance_while(
+        &mut self,
+        time: f64,
+        goes_on: &mut (dyn FnMut(f64) -> bool + Send),
+    ) -> Result<(), Error> {
+        Self::advance_while(self, time, goes_on)
     }
 
     fn snapshot(&self, bytes: &mut Vec<u8>) -> Result<(), Error> {
@@ -220,14 +233,17 @@ pub struct Reached {
     cpu_seconds: f64,
 }
 
-/// A run at a time of observation.
+/// A run at a time of observation, or where it was halted.
 pub struct Standing<'a, S, const D: usize, const M: usize> {
     /// The density.
     pub simulation: &'a Simulation<S, D, M>,
-    /// Results so far; the last row is for this time.
+    /// Results so far; unless the run was halted, the last row is for this time.
     pub rows: &'a [Row],
+    /// Whether it is between two times of observation.
+    pub is_halted: bool,
     whole: &'a dyn DensitySimulation<S, D, M>,
     work: Work,
+    cpu_seconds: f64,
 }
 
 impl<S, const D: usize, const M: usize> std::fmt::Debug for Standing<'_, S, D, M> {
@@ -245,20 +261,15 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
         let mut snapshot = Vec::new();
         self.whole.snapshot(&mut snapshot)?;
         let Work { evaluations, neighbour_visits, .. } = self.work;
-        let cpu_seconds = self.rows.last().map_or(0.0, |row| row.cpu_seconds);
-        Ok(Reached {
-            rows: self.rows.to_vec(),
-            snapshot,
-            evaluations,
-            neighbour_visits,
-            cpu_seconds,
-        })
+        let (rows, cpu_seconds) = (self.rows.to_vec(), self.cpu_seconds);
+        Ok(Reached { rows, snapshot, evaluations, neighbour_visits, cpu_seconds })
     }
 }
 
 /// Resumes a run with the same choices from a stored state; results are bitwise identical to an uninterrupted run.
 ///
-/// The earlier run may have had fewer times. `look` is not called for times that it has already observed.
+/// The earlier run may have had fewer times. `look` is not called for times that it has already observed. `goes_on` is asked before
+/// each step with the present time; once it says no, the run ends there, with a last look.
 ///
 /// # Errors
 /// As [`run_on`], and those of [`Simulation::restore`].
@@ -267,6 +278,7 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
     asked: &Asked<D>,
     past: Reached,
     mut look: impl FnMut(Standing<'_, S, D, M>),
+    goes_on: &mut (dyn FnMut(f64) -> bool + Send),
 ) -> Result<DensityRun, Error> {
     let clock = CpuClock::start();
     let mut simulation = start()?;
@@ -276,7 +288,8 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
     }
     let mut cpu_seconds = past.cpu_seconds + clock.seconds();
     // The work of the start is already counted in the past.
-    let before = if past.rows.is_empty() { Work::default() } else { simulation.density().work() };
+    let before =
+        if past.snapshot.is_empty() { Work::default() } else { simulation.density().work() };
     let work = |simulation: &Simulation<S, D, M>| {
         let Work { steps, evaluations, neighbour_visits } = simulation.work();
         Work {
@@ -290,18 +303,23 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
     let mut run = DensityRun { rows, n_particles, work: Work::default(), stopped: None };
     for &t in asked.times.iter().skip(run.rows.len()) {
         let start = CpuClock::start();
-        let outcome = simulation.advance_to(t);
+        let outcome = simulation.advance_while(t, goes_on);
         cpu_seconds += start.seconds();
-        let row = outcome.and_then(|()| observe(simulation.density(), asked, cpu_seconds));
+        let is_halted = outcome.is_ok() && simulation.density().time() < t;
+        let row = outcome.and_then(|()| {
+            let observed = || observe(simulation.density(), asked, cpu_seconds);
+            (!is_halted).then(observed).transpose()
+        });
         match row {
             Ok(row) => {
-                run.rows.push(row);
-                look(Standing {
-                    simulation: simulation.density(),
-                    rows: &run.rows,
-                    whole: &simulation,
-                    work: work(simulation.density()),
-                });
+                run.rows.extend(row);
+                let (density, rows) = (simulation.density(), &*run.rows);
+                let work = work(density);
+                let whole = &simulation;
+                look(Standing { simulation: density, rows, is_halted, whole, work, cpu_seconds });
+                if is_halted {
+                    break;
+                }
             }
             Err(error) => {
                 run.stopped = Some(error);

@@ -36,6 +36,7 @@ use crate::fpk::monte_carlo::Sampling;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{FilteredVisitor, System, Visitor};
+use crate::interrupt;
 use crate::kind::{Inputs, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
@@ -195,11 +196,11 @@ impl Solved<'_> {
         let n_times = asked.times.len();
         let mut failure = None;
         let look = |standing: Standing<'_, S, D, M>| {
-            if let Some(pictures) = &mut pictures {
+            if let Some(pictures) = pictures.as_mut().filter(|_| !standing.is_halted) {
                 pictures.look(&standing);
             }
             self.tell(standing.rows, n_times);
-            let is_last = standing.rows.len() == n_times;
+            let is_last = standing.is_halted || standing.rows.len() == n_times;
             if failure.is_none() && (is_last || self.checkpoint.is_due()) {
                 let seen = pictures.as_ref().map_or_else(Seen::default, |p| p.seen().clone());
                 let kept = standing.reached().map(|reached| Kept { reached, seen });
@@ -209,8 +210,12 @@ impl Solved<'_> {
                 };
             }
         };
-        let run = density::run_from(start, asked, past, look);
-        failure.map_or(Ok(run), Err)
+        let pace = self.run.pace("density");
+        let end = asked.times.last().copied().unwrap_or_default();
+        let mut goes_on = |t: f64| !interrupt::is_requested() && pace.at(t / end).is_ok();
+        let run = density::run_from(start, asked, past, look, &mut goes_on);
+        failure.map_or_else(|| Ok(pace.allowed()?), Err)?;
+        Ok(run)
     }
 
     /// Reports the first moment of the scene at the last time.

@@ -21,6 +21,9 @@ pub struct Options {
     pub part: Part,
     /// Whether the results get a page.
     pub page: PageFile,
+    /// A part of the run that would take longer, by what its first ten seconds have done, is refused; no limit if none. On ranks it
+    /// does not count.
+    pub longest: Option<Duration>,
 }
 
 /// Whether the results get a page.
@@ -36,11 +39,12 @@ impl Options {
     /// Default minimum interval between two checkpoints.
     pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(10);
 
-    /// A run from the beginning with the seed of the scene.
+    /// A run from the beginning with the seed of the scene, however long it takes.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         let (seed, start) = (None, Start::Anew);
         let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
-        Self { out: out.into(), seed, start, checkpoint_every, part, page: PageFile::Write }
+        let (page, longest) = (PageFile::Write, None);
+        Self { out: out.into(), seed, start, checkpoint_every, part, page, longest }
     }
 
     /// The same without a page.

@@ -4,6 +4,7 @@ use figures::finite::JsonError;
 use mpi_ensembles::JobError;
 
 use super::blocks_left::BlocksLeft;
+use super::pace::TooLong;
 use super::part::ShardsError;
 use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;
@@ -59,6 +60,10 @@ pub enum RunError {
         /// Why.
         reason: &'static str,
     },
+    /// The run would take longer than allowed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    TooLong(#[from] TooLong),
     /// The shards are not one ensemble.
     #[error(transparent)]
     Shards(#[from] ShardsError),

@@ -13,12 +13,14 @@ use std::path::PathBuf;
 
 use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
-use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
+use peridyn_sde::{CrackRun, HaltedRun};
 use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Content, Record, WorkRecord};
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::clock::CpuClock;
+use crate::interrupt;
 use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
 use crate::models::edit;
 use crate::output::write_drawing;
@@ -26,6 +28,7 @@ use crate::page;
 use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
+use crate::peridyn::so_far::CracksSoFar;
 use crate::run_result::RunResult;
 use crate::scene::{NamedFile, Objection, SceneFile};
 
@@ -42,6 +45,8 @@ pub(crate) const KIND: SceneKind = SceneKind {
 
 /// Name of the finished realisations in a checkpoint.
 const ENDED: &str = "realisations";
+/// Name of those after them, in their midst.
+const HALTED: &str = "halted realisations";
 
 /// Keys that do not affect single realisations: their number, and the output.
 const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
@@ -134,8 +139,8 @@ fn on_ranks(
     let blocks = Cut { n, unit: inputs.scene.n_side_by_side() };
     let compute = |block: u64| {
         let clock = CpuClock::start();
-        let ended = problem.run(inputs.scene, blocks.range(block), None, |_| Ok::<_, RunError>(()));
-        Ok((ended?, clock.seconds()))
+        let ended = problem.run(inputs.scene, blocks.range(block))?;
+        Ok((ended, clock.seconds()))
     };
     let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
     run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)
@@ -156,6 +161,8 @@ fn realisations(
     }
     run.progress.stage(&format!("{asked} realisations"));
     let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();
+    let halted = checkpoint.part::<Option<(HaltedRun, f64)>>(HALTED)?.flatten();
+    let (halted, halted_seconds) = halted.unzip();
     if let Some(past) = &past {
         let (found, start) = (past.records.len() as u64, range.start);
         let first = past.records.first().map_or(start, |record| record.realisation);
@@ -164,16 +171,37 @@ fn realisations(
         }
     }
     let clock = CpuClock::start();
-    let seconds = || past_seconds.unwrap_or(0.0) + clock.seconds();
-    let ended = problem.run(scene, range, past, |so_far| {
-        let done = so_far.records.len() as u64;
-        run.progress.at((done, asked), || load_words([so_far]));
-        if done == asked || checkpoint.is_due() {
-            checkpoint.keep(ENDED, &(so_far, seconds()))?;
+    let past_seconds = halted_seconds.or(past_seconds).unwrap_or(0.0);
+    let seconds = || past_seconds + clock.seconds();
+    let (past, pace) = (CracksSoFar { run: past, halted }, run.pace("realisations"));
+    pace.at(past.n_ended() as f64 / asked as f64)?;
+    let goes_on = |part: Option<f64>| {
+        !interrupt::is_requested() && part.is_none_or(|part| pace.at(part).is_ok())
+    };
+    let ended = problem.run_while(scene, range, past, &goes_on, |so_far| {
+        let done = so_far.n_ended();
+        run.progress.at((done, asked), || load_words(&so_far.run));
+        if done == asked || so_far.halted.is_some() || checkpoint.is_due() {
+            keep(checkpoint, so_far, seconds())?;
         }
-        Ok::<(), RunError>(())
+        pace.at(done as f64 / asked as f64).map_err(RunError::from)
     })?;
     Ok((ended, seconds()))
+}
+
+fn keep(
+    checkpoint: &Checkpoint,
+    so_far: &CracksSoFar,
+    seconds: f64,
+) -> Result<(), CheckpointError> {
+    let halted = so_far.halted.as_ref().map(|halted| (halted, seconds));
+    match &so_far.run {
+        None => checkpoint.keep(HALTED, &halted),
+        Some(run) => {
+            checkpoint.put(HALTED, &halted)?;
+            checkpoint.keep(ENDED, &(run, seconds))
+        }
+    }
 }
 
 /// Current estimate of the failure load with its standard error.

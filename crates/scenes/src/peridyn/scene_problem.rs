@@ -1,16 +1,12 @@
 //! Conversion of a crack scene to the inputs of the solver.
 
-use std::ops::Range;
-
-use peridyn_sde::{
-    Bonds, CrackRun, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain,
-};
+use peridyn_sde::{Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain};
 use serde::Serialize;
 
 use super::held::{Held, LoadEnd, rate};
 use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
-use super::scene::{CrackScene, PrecisionScene};
+use super::scene::CrackScene;
 use super::scene_plate::{Plate, PlateLaw, Variation};
 use crate::scene::{NamedFile, Objection};
 
@@ -165,44 +161,6 @@ impl CrackProblem {
             path: self.path,
             border: self.resolved.exit,
             damage_threshold: scene.output.damage_threshold,
-        }
-    }
-
-    /// Runs a range of the realisations of a scene, or those after `past`.
-    ///
-    /// As many run at a time as threads run side by side; the results are bitwise independent of that number. `ended`
-    /// observes the results so far and may stop the run.
-    ///
-    /// # Errors
-    /// Those of [`CrackStudy::run`] and of `ended`.
-    pub fn run<E: From<Error>>(
-        &self,
-        scene: &CrackScene,
-        range: Range<u64>,
-        past: Option<CrackRun>,
-        mut ended: impl FnMut(&CrackRun) -> Result<(), E>,
-    ) -> Result<CrackRun, E> {
-        let (study, n, keep) = (self.study(scene), range.end, &scene.output.vtu);
-        let precision = scene.ensemble.precision;
-        let each = scene.n_side_by_side() * rayon::current_num_threads() as u64;
-        let next = |from: u64| {
-            let range = from..n.min(from + each);
-            match precision {
-                PrecisionScene::F64 => study.run::<f64, 8>(range, keep, &|_| ()),
-                PrecisionScene::F32 => study.run::<f32, 16>(range, keep, &|_| ()),
-            }
-        };
-        let mut run = match past {
-            Some(past) => past,
-            None => next(range.start)?,
-        };
-        loop {
-            ended(&run)?;
-            let from = range.start + run.records.len() as u64;
-            if from >= n {
-                return Ok(run);
-            }
-            run.append(next(from)?)?;
         }
     }
 }

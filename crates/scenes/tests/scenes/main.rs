@@ -7,6 +7,7 @@ mod building;
 mod drive;
 mod established;
 mod fpk;
+mod long_runs;
 mod peridyn;
 mod run_page;
 mod smpm;

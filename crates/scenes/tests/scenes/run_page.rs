@@ -15,7 +15,7 @@ const MOST_BYTES: usize = 3_000_000;
 /// A title that would run if it were not escaped.
 const HOSTILE: &str = "</script><script>document.body.dataset.hostile = 1</script>";
 
-const DENSITY: &str = r#"{
+pub(crate) const DENSITY: &str = r#"{
   "solver": "fpk-sph",
   "title": "TITLE",
   "system": {
@@ -32,7 +32,7 @@ const DENSITY: &str = r#"{
   "planes": { "states": [["q", "v"]], "times": [0.1, 0.5] }
 }"#;
 
-const BODIES: &str = r#"{
+pub(crate) const BODIES: &str = r#"{
   "solver": "smpm",
   "title": "TITLE",
   "units": "cm_g_us",
@@ -56,7 +56,7 @@ const BODIES: &str = r#"{
   "fields": true
 }"#;
 
-const PLATE: &str = r#"{
+pub(crate) const PLATE: &str = r#"{
   "solver": "peridyn-sde",
   "title": "TITLE",
   "body": { "size": [0.016, 0.016], "spacing": 0.001, "condition": { "plane_stress": { "thickness": 0.001 } } },
@@ -78,7 +78,7 @@ const PLATE: &str = r#"{
   "output": { "vtu": [0, 2], "windows": 10 }
 }"#;
 
-const BUILDING: &str = r#"{
+pub(crate) const BUILDING: &str = r#"{
   "solver": "random-vibration",
   "title": "TITLE",
   "building": {

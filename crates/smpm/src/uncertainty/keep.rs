@@ -19,8 +19,8 @@ pub trait Keep: std::fmt::Debug + Sync {
     /// Where something was kept that cannot be taken: it ends the study.
     fn load(&self, run: &str) -> Result<Option<Standing>, Box<dyn StdError + Send + Sync>>;
 
-    /// Whether a run is to be kept now; asked after every step. At its end it is kept unasked.
-    fn is_due(&self) -> bool;
+    /// Whether a run is to be kept now, of whose time a fraction is done; asked after every step. At its end it is kept unasked.
+    fn is_due(&self, run: &str, done: f64) -> bool;
 
     /// Keeps what a run has come to, in place of what was kept of it before.
     ///
@@ -217,7 +217,9 @@ impl<S: Stored, T: Stored, W: Witness<S, T, D>, const D: usize> Witness<S, T, D>
         gathered: &Gathered<T>,
     ) -> Result<(), Error> {
         let Some(keep) = self.keep else { return Ok(()) };
-        if gathered.steps.len() < self.n_stops && !keep.is_due() {
+        let end = self.windows.iter().fold(0.0, |end: f64, window| end.max(window.to));
+        let is_under_way = gathered.steps.len() < self.n_stops;
+        if is_under_way && !keep.is_due(&self.run, simulation.time() / end) {
             return Ok(());
         }
         let standing = Standing::of(simulation, gathered, self.windows, &mut self.witness)?;

@@ -48,7 +48,8 @@ impl Keep for Mortal {
         Ok(self.kept.lock().unwrap().get(run).cloned())
     }
 
-    fn is_due(&self) -> bool {
+    fn is_due(&self, _: &str, done: f64) -> bool {
+        assert!((0.0..1.0).contains(&done), "{done}");
         let mut done = self.done.lock().unwrap();
         done[0] += 1;
         done[0].is_multiple_of(self.limits[0])

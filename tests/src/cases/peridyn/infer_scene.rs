@@ -52,8 +52,7 @@ fn synthetic(scene: &InferenceScene) -> Result<Vec<Synthetic>, CaseError> {
     let mut plate: CrackScene = file.with_keys(keys).parse()?;
     plate.ensemble.seed = SEED;
     let problem = CrackProblem::new(&plate, None)?;
-    let run =
-        problem.run(&plate, 0..2 * PLATES as u64, None, |_| Ok::<(), peridyn_sde::Error>(()))?;
+    let run = problem.run(&plate, 0..2 * PLATES as u64)?;
     let mut plates = Vec::new();
     // Plates that crack elsewhere are no data: the likelihood is that of complete cracks.
     let complete = run.records.iter().filter(|record| record.exit.is_some());

@@ -103,7 +103,7 @@ fn scatter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 fn ensemble(scene: &CrackScene) -> Result<CrackRun, CaseError> {
     let problem = CrackProblem::new(scene, None).map_err(|refused| refused.message)?;
     let realisations = 0..scene.ensemble.realisations;
-    Ok(problem.run(scene, realisations, None, |_| Ok::<(), Error>(()))?)
+    Ok(problem.run(scene, realisations)?)
 }
 
 fn concrete(scene: &CrackScene) -> Result<Concrete, CaseError> {

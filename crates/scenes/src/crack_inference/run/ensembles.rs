@@ -2,18 +2,22 @@
 
 use std::ops::Range;
 
-use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::CrackRecord;
+use peridyn_sde::{CrackRun, HaltedRun};
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::Checkpoint;
 use crate::clock::CpuClock;
 use crate::crack_inference::plate::{PlateAt, PlateModel};
-use crate::kind::{Progress, RunError};
+use crate::interrupt;
+use crate::kind::{Pace, Progress, RunError, TooLong};
+use crate::peridyn::so_far::CracksSoFar;
 use crate::scene::{Objection, SceneError, SceneFile};
 
 /// Name of the unfinished ensemble in a checkpoint.
 const UNDER_WAY: &str = "under way";
+/// Name of its realisations that are in their midst.
+const HALTED: &str = "halted realisations";
 
 /// A finished ensemble.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +32,8 @@ pub(super) struct Ended {
 
 /// An ensemble that is not finished: its name and point, its realisations so far, and their CPU time (s).
 type UnderWay = (String, Vec<f64>, CrackRun, f64);
+/// The same of realisations that are in their midst.
+type Halted = (String, Vec<f64>, HaltedRun, f64);
 
 /// Runs ensembles of a plate.
 pub(super) struct Ensembles<'a> {
@@ -46,6 +52,16 @@ pub(super) struct Series<'a> {
     pub(super) seed: u64,
     /// Realisations of each.
     pub(super) realisations: u64,
+    /// Number of ensembles.
+    pub(super) n: u64,
+    pub(super) pace: Pace<'a>,
+}
+
+impl Series<'_> {
+    /// Takes note of the part of an ensemble that is done.
+    fn at(&self, number: u64, part: f64) -> Result<(), TooLong> {
+        self.pace.at((number as f64 + part) / self.n as f64)
+    }
 }
 
 impl Ensembles<'_> {
@@ -55,11 +71,10 @@ impl Ensembles<'_> {
         series: &Series<'_>,
         points: &[Vec<f64>],
     ) -> Result<Vec<Ended>, RunError> {
-        let n = points.len() as u64;
         let mut all = Vec::with_capacity(points.len());
         for (number, point) in (0..).zip(points) {
             all.push(self.one(series, (number, point))?);
-            self.progress.at((number + 1, n), || self.plate.words(point));
+            self.progress.at((number + 1, series.n), || self.plate.words(point));
         }
         Ok(all)
     }
@@ -72,7 +87,10 @@ impl Ensembles<'_> {
     ) -> Result<Ended, RunError> {
         let range = series.realisations * number..series.realisations * (number + 1);
         let Some(checkpoint) = self.checkpoint else {
-            return self.compute(series.seed, (point, range), (None, 0.0), &|_, _| Ok(()));
+            let PlateAt { scene, problem } = self.plate_at(series, point)?;
+            let clock = CpuClock::start();
+            let CrackRun { records, .. } = problem.run(&scene, range)?;
+            return Ok(Ended { point: point.to_vec(), records, seconds: clock.seconds() });
         };
         let name = format!("{} {number}", series.name);
         // A draw of the posterior depends on keys that do not identify the checkpoint.
@@ -80,42 +98,53 @@ impl Ensembles<'_> {
         if let Some(ended) = checkpoint.part::<Ended>(&name)?.filter(is_this) {
             return Ok(ended);
         }
-        let past = checkpoint.part::<UnderWay>(UNDER_WAY)?;
-        let past = past
-            .filter(|(of, at, run, _)| *of == name && at == point && starts(&run.records, &range));
-        let past = past.map_or((None, 0.0), |(_, _, run, seconds)| (Some(run), seconds));
-        let keep = |so_far: &CrackRun, seconds: f64| {
-            if checkpoint.is_due() {
-                checkpoint.keep(UNDER_WAY, &(&name, point, so_far, seconds))?;
-            }
-            Ok(())
-        };
-        let ended = self.compute(series.seed, (point, range), past, &keep)?;
+        let ended = self.compute(series, (number, point), (checkpoint, &name, range))?;
         checkpoint.keep_if_due(&name, &ended)?;
         Ok(ended)
     }
 
-    /// Runs realisations at a point after those of an earlier run, which took `before` seconds; `keep` observes those so far.
+    /// Runs the realisations at a point, after those of the checkpoint.
     fn compute(
         &self,
-        seed: u64,
-        (point, range): (&[f64], Range<u64>),
-        (past, before): (Option<CrackRun>, f64),
-        keep: &dyn Fn(&CrackRun, f64) -> Result<(), RunError>,
+        series: &Series<'_>,
+        (number, point): (u64, &[f64]),
+        (checkpoint, name, range): (&Checkpoint, &str, Range<u64>),
     ) -> Result<Ended, RunError> {
-        let plate = self.plate.at(point, seed);
-        let PlateAt { scene, problem } =
-            plate.map_err(|objection| RunError::from(self.refused(point, &objection)))?;
+        let is_this = |of: &str, at: &[f64]| of == name && at == point;
+        let past = checkpoint.part::<UnderWay>(UNDER_WAY)?;
+        let past = past.filter(|(of, at, run, _)| is_this(of, at) && starts(&run.records, &range));
+        let (run, before) = past.map(|(_, _, run, seconds)| (run, seconds)).unzip();
+        let halted = checkpoint.part::<Option<Halted>>(HALTED)?.flatten();
+        let halted = halted.filter(|(of, at, ..)| is_this(of, at));
+        let (halted, halted_before) = halted.map(|(_, _, run, seconds)| (run, seconds)).unzip();
+        let before = halted_before.or(before).unwrap_or(0.0);
+
+        let PlateAt { scene, problem } = self.plate_at(series, point)?;
         let clock = CpuClock::start();
-        let all = range.end - range.start;
-        let run = problem.run(&scene, range, past, |so_far| {
-            if so_far.records.len() as u64 == all {
-                return Ok(());
+        let seconds = || before + clock.seconds();
+        let (past, n) = (CracksSoFar { run, halted }, range.end - range.start);
+        series.at(number, past.n_ended() as f64 / n as f64)?;
+        let goes_on = |part: Option<f64>| {
+            !interrupt::is_requested() && part.is_none_or(|part| series.at(number, part).is_ok())
+        };
+        let run = problem.run_while(&scene, range, past, &goes_on, |so_far| {
+            if so_far.n_ended() < n && (so_far.halted.is_some() || checkpoint.is_due()) {
+                let halted = so_far.halted.as_ref();
+                let halted = halted.map(|halted| (name, point, halted, seconds()));
+                checkpoint.put(HALTED, &halted)?;
+                match &so_far.run {
+                    Some(run) => checkpoint.keep(UNDER_WAY, &(name, point, run, seconds()))?,
+                    None => checkpoint.keep(HALTED, &halted)?,
+                }
             }
-            keep(so_far, before + clock.seconds())
+            series.at(number, so_far.n_ended() as f64 / n as f64).map_err(RunError::from)
         })?;
-        let seconds = before + clock.seconds();
-        Ok(Ended { point: point.to_vec(), records: run.records, seconds })
+        Ok(Ended { point: point.to_vec(), records: run.records, seconds: seconds() })
+    }
+
+    fn plate_at(&self, series: &Series<'_>, point: &[f64]) -> Result<PlateAt, RunError> {
+        let plate = self.plate.at(point, series.seed);
+        plate.map_err(|objection| self.refused(point, &objection).into())
     }
 
     fn refused(&self, point: &[f64], objection: &Objection) -> SceneError {

@@ -37,7 +37,7 @@ pub(crate) struct WorkRecord {
 pub(crate) struct Series {
     pub(crate) id: String,
     pub(crate) quantity: String,
-    pub(crate) unit: &'static str,
+    pub(crate) unit: String,
     pub(crate) values: Vec<Observed>,
 }
 
@@ -53,12 +53,12 @@ const ESTIMATORS: [Estimator; 3] = [
 
 /// All quantities of the scene, without those that the method does not compute.
 pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
-    let series = |id: String, quantity: String, values| Series { id, quantity, unit: "", values };
+    let series =
+        |id: String, quantity: String, values| Series { id, quantity, unit: String::new(), values };
     let mut all = Vec::new();
     for (k, powers) in scene.moments.iter().enumerate() {
         let values = both.values(|row| Some(row.moments[k]));
-        let quantity = moment_words(powers, system.states());
-        all.push(series(moment_id(powers), quantity, values));
+        all.push(moment_series(powers, system, values));
     }
     let demand = demand_name(scene, system);
     for (name, pick) in ESTIMATORS {
@@ -119,16 +119,42 @@ pub(super) fn asked_series(
     moment: &dyn Fn(usize) -> Vec<Observed>,
     exceedance: &dyn Fn(usize) -> Vec<Observed>,
 ) -> Vec<Series> {
-    let series = |id, quantity, values| Series { id, quantity, unit: "", values };
-    let moments = scene.moments.iter().enumerate().map(|(k, powers)| {
-        series(moment_id(powers), moment_words(powers, system.states()), moment(k))
-    });
+    let moments = scene.moments.iter().enumerate();
+    let moments = moments.map(|(k, powers)| moment_series(powers, system, moment(k)));
     let demand = demand_name(scene, system);
     let exceedances = scene.thresholds.iter().enumerate().map(|(k, threshold)| {
         let quantity = format!("P(|{demand}| > {threshold})");
-        series(format!("exceedance/{threshold}"), quantity, exceedance(k))
+        let id = format!("exceedance/{threshold}");
+        Series { id, quantity, unit: String::new(), values: exceedance(k) }
     });
     moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
+}
+
+fn moment_series(powers: &[u32], system: &System, values: Vec<Observed>) -> Series {
+    let (id, quantity) = (moment_id(powers), moment_words(powers, system.states()));
+    Series { id, quantity, unit: moment_unit(powers, system.states()), values }
+}
+
+/// Unit of a moment, e.g. `m^2/s` of `E[q v]`; none of a process whose states have the unit of the user.
+pub(super) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
+    let (mut length, mut time) = (0, 0);
+    for (&power, state) in powers.iter().zip(states) {
+        match *state {
+            "xg" | "xf" => length += power,
+            state if state.starts_with(['q', 'z']) => length += power,
+            state if state.starts_with('v') => (length, time) = (length + power, time + power),
+            _ => return String::new(),
+        }
+    }
+    let power_of = |unit: &str, power: u32| match power {
+        1 => unit.to_owned(),
+        power => format!("{unit}^{power}"),
+    };
+    match (length, time) {
+        (0, _) => String::new(),
+        (length, 0) => power_of("m", length),
+        (length, time) => format!("{}/{}", power_of("m", length), power_of("s", time)),
+    }
 }
 
 /// Id of a moment, e.g. `moment/2-0`.

@@ -115,12 +115,16 @@ impl Sampled<'_> {
         let (range, n_shards) = (run.range(each * parts), each * parts);
         let n = range.end - range.start;
         let shards = (range, n_shards);
+        let pace = run.pace("paths");
+        pace.at(past.n_shards() as f64 / n as f64)?;
         monte_carlo::sample(shard, law, sampling, asked, shards, past, &mut |so_far| {
-            run.progress.at((so_far.n_shards(), n), || words(scene, named, asked, so_far));
-            if so_far.n_shards() == n || checkpoint.is_due() {
+            let n_done = so_far.n_shards();
+            run.progress.at((n_done, n), || words(scene, named, asked, so_far));
+            let allowed = pace.at(n_done as f64 / n as f64);
+            if n_done == n || allowed.is_err() || checkpoint.is_due() {
                 checkpoint.keep(SHARDS, so_far)?;
             }
-            Ok(())
+            Ok(allowed?)
         })
     }
 }

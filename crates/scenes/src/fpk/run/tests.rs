@@ -325,3 +325,21 @@ fn linearisation_refuses_noise_that_depends_on_the_state() {
     assert!(message.contains("linearisation needs additive noise"), "{message}");
     assert!(help.unwrap().contains("`monte_carlo`"));
 }
+
+#[test]
+fn a_moment_has_the_unit_of_its_states() {
+    let unit = |powers: &[u32], states| record::moment_unit(powers, states);
+    let soil = &["q", "v", "xg", "vg"];
+    for (powers, expected) in [
+        ([2, 0, 0, 0], "m^2"),
+        ([1, 1, 0, 0], "m^2/s"),
+        ([0, 0, 1, 0], "m"),
+        ([0, 1, 0, 1], "m^2/s^2"),
+        ([0, 0, 0, 0], ""),
+    ] {
+        assert_eq!(unit(&powers, soil), expected, "{powers:?}");
+    }
+    assert_eq!(unit(&[0, 0, 2], &["q", "v", "z"]), "m^2");
+    // A process in the unit of its user.
+    assert_eq!(unit(&[2, 1], &["x1", "x2"]), "");
+}

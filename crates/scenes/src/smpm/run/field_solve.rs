@@ -9,7 +9,7 @@ use super::kept::KeptRuns;
 use super::response::{Response, Table};
 use super::samples::{Requested, Samples, SeenSamples, sampled, shards};
 use super::solve::{Answer, SolveError, Solved, checkpoint};
-use crate::kind::Run;
+use crate::kind::{Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::method_scene::MethodScene;
 use crate::smpm::scene::SmpmScene;
@@ -20,24 +20,25 @@ const BYTES_OF_A_MEGABYTE: u64 = 1_000_000;
 const SHOWN: u64 = 0;
 
 /// Runs the method of a scene whose constants vary in space.
-pub(super) fn solve_fields<const D: usize>(
+pub(super) fn solve_fields<'a, const D: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
-    fields: &mut Fields,
-    run: &Run<'_>,
+    fields: &mut Fields<'a>,
+    run: &'a Run<'_>,
 ) -> Result<Solved, SolveError> {
-    let kept = KeptRuns::new(checkpoint(scene, run)?);
+    let kept = KeptRuns::new(checkpoint(scene, run)?, run);
+    fields.resume(kept.checkpoint).map_err(RunError::from)?;
     let solved = solve_kept(scene, experiment, plan, fields, run, &kept);
-    // The study knows only that the checkpoint failed.
-    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
+    // The study knows only that it was not kept.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure)))
 }
 
 fn solve_kept<const D: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
-    fields: &mut Fields,
+    fields: &mut Fields<'_>,
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
 ) -> Result<Solved, SolveError> {

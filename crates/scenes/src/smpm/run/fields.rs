@@ -11,6 +11,7 @@ use smpm::uncertainty::{Experiment, FieldStudy, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
 use super::shown::Shown;
+use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::kind::SolverError;
 use crate::output::write_to_disk;
 use crate::smpm::experiment::SceneExperiment;
@@ -19,8 +20,12 @@ use crate::smpm::scene::{SmpmScene, UnitsScene};
 /// Quantities that are always written, besides those of the scene.
 const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];
 
-/// Writes a frame at every time of a scene. Frames before a resumed state exist already.
-pub(super) struct Fields {
+/// Name of the frames for the page in a checkpoint.
+const FRAMES: &str = "frames";
+
+/// Writes a frame at every time of a scene. Frames before a resumed state exist already, and for the page its checkpoint has them.
+pub(super) struct Fields<'a> {
+    checkpoint: Option<&'a Checkpoint>,
     wanted: bool,
     quantities: Vec<Quantity>,
     folder: PathBuf,
@@ -35,7 +40,7 @@ pub(super) struct Fields {
     bodies: Vec<String>,
 }
 
-impl Fields {
+impl<'a> Fields<'a> {
     pub(super) fn new(scene: &SmpmScene, times: Vec<f64>, out: &Path) -> Self {
         let mut quantities: Vec<Quantity> = ALWAYS.to_vec();
         for quantity in scene.quantities.iter().filter_map(|name| name.parse().ok()) {
@@ -43,9 +48,10 @@ impl Fields {
                 quantities.push(quantity);
             }
         }
-        let shown = Shown::new(scene, times.len());
+        let shown = Shown::new(scene, &times);
         let name = |(number, time)| (time, format!("fields-{number:04}.vtu"));
         Self {
+            checkpoint: None,
             wanted: scene.fields,
             quantities,
             folder: out.join("fields"),
@@ -57,6 +63,17 @@ impl Fields {
             units: scene.units,
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
         }
+    }
+
+    /// Takes up the frames of a checkpoint, which keeps those to come.
+    pub(super) fn resume(
+        &mut self,
+        checkpoint: Option<&'a Checkpoint>,
+    ) -> Result<(), CheckpointError> {
+        self.checkpoint = checkpoint;
+        let seen = checkpoint.filter(|_| self.wanted).map(|it| it.part(FRAMES)).transpose()?;
+        seen.flatten().into_iter().for_each(|seen| self.shown.resume(seen));
+        Ok(())
     }
 
     /// Writes a run with derivatives as it passes a time; the first `n_random` lanes are parameters.
@@ -119,13 +136,13 @@ impl Fields {
         let name = self.frames[number].1.clone();
         let written = std::fs::create_dir_all(&self.folder)
             .map_err(SolverError::from)
-            .and_then(|()| self.write((number, &name), time, run, mean, deviation));
+            .and_then(|()| self.write(&name, time, run, mean, deviation));
         self.failure = written.err();
     }
 
     fn write<S: Number, const D: usize>(
         &mut self,
-        (number, name): (usize, &str),
+        name: &str,
         time: f64,
         run: &Simulation<S, D>,
         mean: impl Fn(S) -> f64,
@@ -136,7 +153,7 @@ impl Fields {
         let mut store = ParticleStore::<D>::new(n_particles);
         let places = bodies.iter().flat_map(Body::positions);
         let places: Vec<[f64; D]> = places.map(|x| x.map(Scalar::value)).collect();
-        self.shown.begin(number, time, &places);
+        let is_shown = self.shown.begin(time, &places);
         let places = store.add("position", places)?;
         let numbers = (0_i64..).zip(bodies);
         let body = numbers.flat_map(|(b, body)| std::iter::repeat_n(b, body.n_particles()));
@@ -161,6 +178,9 @@ impl Fields {
         }
         for (name, column) in &self.constants {
             store.add(name, column.clone())?;
+        }
+        if let Some(checkpoint) = self.checkpoint.filter(|_| is_shown) {
+            checkpoint.put(FRAMES, self.shown.seen())?;
         }
         store.set_attribute("time", Attribute::Real(time));
         let texts = self.texts();

@@ -41,21 +41,21 @@ pub(super) fn solve<const D: usize>(
     scene: &SmpmScene,
     method: &MultilevelScene,
     (experiment, plan): (&SceneExperiment<D>, &Plan<D>),
-    fields: &mut Fields,
+    fields: &mut Fields<'_>,
     run: &Run<'_>,
 ) -> Result<Solved, SolveError> {
     let inputs = Inputs { scene, seed: Some(method.seed), files: &[] };
-    let kept = KeptRuns::new(Some(run.checkpoint(&inputs, &ASIDE)?));
+    let kept = KeptRuns::new(Some(run.checkpoint(&inputs, &ASIDE)?), run);
     let solved = solve_kept(scene, method, (experiment, plan), fields, run, &kept);
-    // The study knows only that the checkpoint failed.
-    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
+    // The study knows only that it was not kept.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure)))
 }
 
 fn solve_kept<const D: usize>(
     scene: &SmpmScene,
     method: &MultilevelScene,
     (experiment, plan): (&SceneExperiment<D>, &Plan<D>),
-    fields: &mut Fields,
+    fields: &mut Fields<'_>,
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
 ) -> Result<Solved, SolveError> {
@@ -167,7 +167,8 @@ fn estimated(
     };
     let mut known = known_blocks(kept.checkpoint)?;
     let mut progress = study.begin(grids).map_err(refused)?;
-    let mut n_done = 0;
+    let (mut n_done, pace) = (0, run.pace("samples of the plan"));
+    pace.at(0.0).map_err(RunError::from)?;
     while study.advance(grids, &mut progress).map_err(refused)? {
         let missing = progress.missing();
         for batch in missing.chunks(BLOCKS_OF_THREAD * rayon::current_num_threads()) {
@@ -184,7 +185,9 @@ fn estimated(
             n_done += batch.len();
             let n_planned = n_done + progress.missing().len();
             run.progress.at((n_done as u64, n_planned as u64), || "blocks of samples".to_owned());
-            keep(kept.checkpoint, &known, n_done == n_planned)?;
+            let allowed = pace.at(n_done as f64 / n_planned as f64);
+            keep(kept.checkpoint, &known, n_done == n_planned || allowed.is_err())?;
+            allowed.map_err(RunError::from)?;
         }
     }
     Ok(study.finish(grids, &progress).map_err(Error::from)?)

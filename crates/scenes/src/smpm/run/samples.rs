@@ -121,12 +121,15 @@ pub(super) fn sampled<const D: usize>(
     };
     let known: Responses = checkpoint.part(SAMPLES)?.unwrap_or_default();
     let n = range.end - range.start;
+    let pace = run.pace("samples");
+    pace.at(range.clone().filter(|sample| known.contains_key(sample)).count() as f64 / n as f64)?;
     let mut seen = |so_far: &Sampled, tried: u64| {
         run.progress.at((tried, n), || words(plan, so_far.responses().values()));
-        if tried == n || checkpoint.is_due() {
+        let allowed = pace.at(tried as f64 / n as f64);
+        if tried == n || allowed.is_err() || checkpoint.is_due() {
             keep(checkpoint, &known, so_far.responses())?;
         }
-        Ok::<(), RunError>(())
+        Ok::<(), RunError>(allowed?)
     };
     let sampled = run_samples(design, range.clone(), &known, each, &mut seen)?;
     Ok(match run.part() {

@@ -50,17 +50,18 @@ pub(super) struct Answer {
 }
 
 /// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
-pub(super) fn solve<const D: usize, const N: usize>(
+pub(super) fn solve<'a, const D: usize, const N: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
-    fields: &mut Fields,
-    run: &Run<'_>,
+    fields: &mut Fields<'a>,
+    run: &'a Run<'_>,
 ) -> Result<Solved, SolveError> {
-    let kept = KeptRuns::new(checkpoint(scene, run)?);
+    let kept = KeptRuns::new(checkpoint(scene, run)?, run);
+    fields.resume(kept.checkpoint).map_err(RunError::from)?;
     let solved = solve_kept::<D, N>(scene, experiment, plan, fields, run, &kept);
-    // The study knows only that the checkpoint failed.
-    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure.into())))
+    // The study knows only that it was not kept.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure)))
 }
 
 /// Checkpoint of a scene whose samples are neither merged nor distributed over ranks.
@@ -83,7 +84,7 @@ fn solve_kept<const D: usize, const N: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
-    fields: &mut Fields,
+    fields: &mut Fields<'_>,
     run: &Run<'_>,
     kept: &KeptRuns<'_>,
 ) -> Result<Solved, SolveError> {
@@ -167,7 +168,7 @@ fn of_samples<const D: usize, const N: usize>(
 fn expanded<const D: usize, const N: usize>(
     study: &Study<'_, SceneExperiment<D>, D, N>,
     table: &Table<'_, D>,
-    fields: &mut Fields,
+    fields: &mut Fields<'_>,
     run: &Run<'_>,
 ) -> Result<(Vec<Response>, u64), Error> {
     Ok(match table.scene.method {

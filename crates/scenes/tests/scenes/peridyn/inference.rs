@@ -55,7 +55,7 @@ static PLATES: LazyLock<[String; 2]> = LazyLock::new(|| {
     let text = MODEL.replace("3.8", TRUTH).replace("\"seed\": 7", "\"seed\": 103");
     let scene: CrackScene = SceneFile::from_text("plate.json", text).unwrap().parse().unwrap();
     let problem = CrackProblem::new(&scene, None).unwrap();
-    let run = problem.run(&scene, 0..32, None, |_| Ok::<_, RunError>(())).unwrap();
+    let run = problem.run(&scene, 0..32).unwrap();
     let is_complete =
         |record: &&CrackRecord| record.exit.is_some() && record.failure_load.is_some();
     let records: Vec<&CrackRecord> = run.records.iter().filter(is_complete).take(8).collect();

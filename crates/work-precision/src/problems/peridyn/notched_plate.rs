@@ -153,7 +153,7 @@ impl NotchedPlate {
         realisations: std::ops::Range<u64>,
         seed: u64,
     ) -> Result<CrackRun, CaseError> {
-        self.study(seed, |study| study.run::<T, L>(realisations, &[], &|_| {}))
+        self.study(seed, |study| study.run::<T, L>(realisations, &[]))
     }
 
     /// The same of realisations from 0 on, in shards that are joined from the last to the first.
@@ -167,7 +167,7 @@ impl NotchedPlate {
         seed: u64,
     ) -> Result<CrackRun, CaseError> {
         self.study(seed, |study| {
-            let shard = |at| study.shard::<T, L>(realisations, (at, n_shards), &[], &|_| {});
+            let shard = |at| study.shard::<T, L>(realisations, (at, n_shards), &[]);
             merge_shards((0..n_shards).rev().map(shard).collect::<Result<_, _>>()?)
         })
     }

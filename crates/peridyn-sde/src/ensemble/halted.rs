@@ -1,0 +1,173 @@
+//! Ensembles that end in their midst.
+
+use std::ops::Range;
+
+use super::crack_run::{BrokenInStep, CrackRun};
+use super::ended::Ended;
+use super::study::CrackStudy;
+use crate::error::{Error, same_length};
+use crate::real::Real;
+use crate::saved::SavedState;
+
+/// How far some realisations are that run side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Under {
+    /// The first of them.
+    pub realisation: u64,
+    /// The part of their steps that is done; none under a quasi-static load, where the next bonds to break may be the last.
+    pub done: Option<f64>,
+}
+
+/// What [`CrackStudy::run_while`] came to.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use]
+pub enum Ran {
+    /// All realisations ended.
+    All(CrackRun),
+    /// It was to go on no longer.
+    Halted(HaltedRun),
+}
+
+/// Realisations of which some are in their midst, from which [`CrackStudy::resume_while`] goes on bitwise identically.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HaltedRun {
+    pub(super) realisations: Range<u64>,
+    pub(super) groups: Vec<HaltedGroup>,
+}
+
+/// A group of realisations, by its number.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct HaltedGroup {
+    pub(super) group: u64,
+    pub(super) at: GroupEnd,
+}
+
+/// Where a group of realisations came to.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) enum GroupEnd {
+    /// To its end.
+    Ended(Vec<Ended>),
+    /// To a step, from which it goes on.
+    AtStep(Box<Midst>),
+    /// To nothing that could be saved: it starts again.
+    Nowhere,
+}
+
+/// A group between two steps.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Midst {
+    pub(super) saved: SavedState,
+    pub(super) seen: Seen,
+    /// Why a lane is left out.
+    pub(super) lost: Vec<Option<String>>,
+}
+
+/// What was observed of each lane.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Seen {
+    /// Mean load of each window that has ended (force).
+    pub(super) loads: Vec<Vec<f64>>,
+    /// Loads of the window that has not, step by step (force).
+    pub(super) sums: Vec<f64>,
+    pub(super) histories: Vec<Vec<BrokenInStep>>,
+}
+
+impl Seen {
+    /// Of lanes of which nothing but the cut bonds is broken.
+    pub(super) fn new(lanes: usize, cut: &[usize]) -> Self {
+        let history: Vec<_> = cut.iter().map(|&bond| BrokenInStep { step: 0, bond }).collect();
+        Self {
+            loads: vec![Vec::new(); lanes],
+            sums: vec![0.0; lanes],
+            histories: vec![history; lanes],
+        }
+    }
+}
+
+impl Midst {
+    /// Refuses the state of another study, as far as the state of the simulation itself does not.
+    pub(super) fn check(&self, lanes: usize, n_bonds: usize, n_steps: u64) -> Result<(), Error> {
+        let Self { saved, seen, lost } = self;
+        if saved.step > n_steps {
+            return Err(Error::SavedStep { value: saved.step, limit: n_steps });
+        }
+        for of_lanes in [seen.loads.len(), seen.sums.len(), seen.histories.len(), lost.len()] {
+            same_length("lanes of a halted run", of_lanes, lanes)?;
+        }
+        match seen.histories.iter().flatten().find(|at| at.bond >= n_bonds) {
+            None => Ok(()),
+            Some(at) => Err(Error::Length {
+                name: "the number of a broken bond",
+                value: at.bond,
+                expected: n_bonds,
+            }),
+        }
+    }
+}
+
+impl HaltedGroup {
+    /// Its realisations that have ended.
+    pub(super) fn ended(self) -> Vec<Ended> {
+        match self.at {
+            GroupEnd::Ended(ended) => ended,
+            GroupEnd::AtStep(_) | GroupEnd::Nowhere => Vec::new(),
+        }
+    }
+}
+
+impl HaltedRun {
+    /// Of realisations that have not begun.
+    pub(super) const fn at_start(realisations: Range<u64>) -> Self {
+        Self { realisations, groups: Vec::new() }
+    }
+
+    /// Its realisations.
+    #[must_use]
+    pub fn realisations(&self) -> Range<u64> {
+        self.realisations.clone()
+    }
+}
+
+impl CrackStudy<'_> {
+    /// As [`run`](Self::run), as long as `goes_on` says so, which is asked after every eighth step, or before bonds break
+    /// under a quasi-static load, from all threads. Once it has said no it must keep to it: groups on other threads go on until they
+    /// are told.
+    ///
+    /// Realisations that have ended by then are kept, and those between two steps go on from there; only realisations
+    /// under a quasi-static load start again.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn run_while<T: Real, const L: usize>(
+        &self,
+        realisations: Range<u64>,
+        keep: &[u64],
+        goes_on: &(dyn Fn(Under) -> bool + Sync),
+    ) -> Result<Ran, Error> {
+        self.resume_while::<T, L>(HaltedRun::at_start(realisations), keep, goes_on)
+    }
+
+    /// Goes on with realisations that were halted: the bits are those of a run in one piece.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run); [`Error::Length`], [`Error::SavedStep`], [`Error::SavedBond`] and [`Error::Node`] for realisations
+    /// of another study, as far as it can be seen.
+    pub fn resume_while<T: Real, const L: usize>(
+        &self,
+        halted: HaltedRun,
+        keep: &[u64],
+        goes_on: &(dyn Fn(Under) -> bool + Sync),
+    ) -> Result<Ran, Error> {
+        let realisations = halted.realisations.clone();
+        let groups = self.groups::<T, L>(halted, keep, goes_on)?;
+        if groups.iter().all(|group| matches!(group.at, GroupEnd::Ended(_))) {
+            return self.joined(groups.into_iter().flat_map(HaltedGroup::ended)).map(Ran::All);
+        }
+        Ok(Ran::Halted(HaltedRun { realisations, groups }))
+    }
+}

@@ -181,10 +181,12 @@ fn realisations(
     let ended = problem.run_while(scene, range, past, &goes_on, |so_far| {
         let done = so_far.n_ended();
         run.progress.at((done, asked), || load_words(&so_far.run));
-        if done == asked || so_far.halted.is_some() || checkpoint.is_due() {
+        let allowed = pace.at(done as f64 / asked as f64);
+        let is_halted = so_far.halted.is_some() || allowed.is_err();
+        if done == asked || is_halted || checkpoint.is_due() {
             keep(checkpoint, so_far, seconds())?;
         }
-        pace.at(done as f64 / asked as f64).map_err(RunError::from)
+        allowed.map_err(RunError::from)
     })?;
     Ok((ended, seconds()))
 }

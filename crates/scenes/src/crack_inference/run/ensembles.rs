@@ -128,7 +128,9 @@ impl Ensembles<'_> {
             !interrupt::is_requested() && part.is_none_or(|part| series.at(number, part).is_ok())
         };
         let run = problem.run_while(&scene, range, past, &goes_on, |so_far| {
-            if so_far.n_ended() < n && (so_far.halted.is_some() || checkpoint.is_due()) {
+            let allowed = series.at(number, so_far.n_ended() as f64 / n as f64);
+            let is_halted = so_far.halted.is_some() || allowed.is_err();
+            if so_far.n_ended() < n && (is_halted || checkpoint.is_due()) {
                 let halted = so_far.halted.as_ref();
                 let halted = halted.map(|halted| (name, point, halted, seconds()));
                 checkpoint.put(HALTED, &halted)?;
@@ -137,7 +139,7 @@ impl Ensembles<'_> {
                     None => checkpoint.keep(HALTED, &halted)?,
                 }
             }
-            series.at(number, so_far.n_ended() as f64 / n as f64).map_err(RunError::from)
+            allowed.map_err(RunError::from)
         })?;
         Ok(Ended { point: point.to_vec(), records: run.records, seconds: seconds() })
     }

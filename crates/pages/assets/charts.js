@@ -117,7 +117,12 @@
       label, size, labelSize: 22, stroke: ink, grid: { stroke: theme.colour("--line"), width: 1 },
       ticks: { stroke: theme.colour("--line") }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
     });
-    const tick = (value) => (value === null ? "" : Number(value.toPrecision(4)).toString().replace("e+", "e"));
+    const tick = (value) => {
+      if (value === null) return "";
+      const rounded = Number(value.toPrecision(4));
+      const isSmall = rounded !== 0 && Math.abs(rounded) < 1e-3;
+      return (isSmall ? rounded.toExponential() : rounded.toString()).replace("e+", "e");
+    };
     const ticks = (u, splits) => splits.map(tick);
     // On a logarithmic axis the fewer decades, the more values have a label.
     const labelled = (u, splits) => {

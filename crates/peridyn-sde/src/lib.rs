@@ -54,8 +54,8 @@ pub use crossing::Crossing;
 pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use ensemble::{
-    BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, HaltedRun, Procedure, Ran,
-    Stiffness, Strength, StudyLaw, Under, merge_shards,
+    BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, GroupProgress, HaltedRun,
+    Procedure, RunOutcome, Stiffness, Strength, StudyLaw, merge_shards,
 };
 pub use equilibrium::{
     Breakage, EquilibriumConfig, EquilibriumMethod, LoadStep, NextBreakage, QuasiStatic, Solved,

@@ -2,7 +2,7 @@
 
 use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, failed};
-use super::halted::{GroupEnd, Midst, Seen};
+use super::halted::{GroupState, SavedGroup, Seen};
 use super::study::{CrackStudy, StudyLaw};
 use crate::body::Body;
 use crate::broken_bond::Cause;
@@ -40,24 +40,24 @@ impl CrackStudy<'_> {
     pub(super) fn group<T: Real, const L: usize>(
         &self,
         group: &Lanes<'_, L>,
-        known: Option<GroupEnd>,
+        known: Option<GroupState>,
         (wanted, goes_on): (&dyn Fn(u64) -> bool, &dyn Fn(u64) -> bool),
-    ) -> Result<GroupEnd, Error> {
+    ) -> Result<GroupState, Error> {
         let Lanes { ids, motion: (config, n_steps), cut, keep } = *group;
         let strengths = self.strengths(ids)?;
-        let (mut midst, mut lost) = (None, std::array::from_fn(|_| None));
-        if let Some(GroupEnd::AtStep(known)) = known {
+        let (mut saved_group, mut lost) = (None, std::array::from_fn(|_| None));
+        if let Some(GroupState::AtStep(known)) = known {
             known.check(L, self.bonds.len(), n_steps)?;
-            let Midst { saved, seen, lost: reasons } = *known;
+            let SavedGroup { saved, seen, lost: reasons } = *known;
             lost.iter_mut().zip(reasons).for_each(|(lost, reason)| *lost = reason);
-            midst = Some((saved, seen));
+            saved_group = Some((saved, seen));
         }
         let (simulation, seen) = loop {
             let body = self.body::<T, L>(ids, &strengths.of_bonds, &lost)?;
             let mut simulation = Simulation::new(body, self.loading.clone(), config.clone(), ids)?;
             simulation.cut(cut)?;
             let mut seen = Seen::new(L, cut);
-            if let Some((saved, before)) = midst.take() {
+            if let Some((saved, before)) = saved_group.take() {
                 simulation.restore(&saved)?;
                 seen = before;
             }
@@ -101,7 +101,7 @@ impl CrackStudy<'_> {
                 )
             })
             .collect::<Result<_, _>>()?;
-        Ok(GroupEnd::Ended(ended))
+        Ok(GroupState::Finished(ended))
     }
 
     /// Undamaged, but for lanes that are left out.
@@ -182,13 +182,15 @@ fn halted<T: Real, const L: usize>(
     simulation: &Motion<T, L>,
     seen: Seen,
     lost: &Lost<L>,
-) -> Result<GroupEnd, Error> {
+) -> Result<GroupState, Error> {
     if simulation.steps() == 0 {
-        return Ok(GroupEnd::Nowhere);
+        return Ok(GroupState::Unsaved);
     }
     match simulation.save() {
-        Ok(saved) => Ok(GroupEnd::AtStep(Box::new(Midst { saved, seen, lost: lost.to_vec() }))),
-        Err(Error::NotSaved) => Ok(GroupEnd::Nowhere),
+        Ok(saved) => {
+            Ok(GroupState::AtStep(Box::new(SavedGroup { saved, seen, lost: lost.to_vec() })))
+        }
+        Err(Error::NotSaved) => Ok(GroupState::Unsaved),
         Err(error) => Err(error),
     }
 }

@@ -1,4 +1,4 @@
-//! Ensembles that end in their midst.
+//! Ensembles that are halted before their end, and resumed.
 
 use std::ops::Range;
 
@@ -9,9 +9,9 @@ use crate::error::{Error, same_length};
 use crate::real::Real;
 use crate::saved::SavedState;
 
-/// How far some realisations are that run side by side.
+/// How far a group of realisations that run side by side has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Under {
+pub struct GroupProgress {
     /// The first of them.
     pub realisation: u64,
     /// The part of their steps that is done; none under a quasi-static load, where the next bonds to break may be the last.
@@ -21,14 +21,14 @@ pub struct Under {
 /// What [`CrackStudy::run_while`] came to.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use]
-pub enum Ran {
+pub enum RunOutcome {
     /// All realisations ended.
-    All(CrackRun),
+    Finished(CrackRun),
     /// It was to go on no longer.
     Halted(HaltedRun),
 }
 
-/// Realisations of which some are in their midst, from which [`CrackStudy::resume_while`] goes on bitwise identically.
+/// Realisations of which some are not at their end, from which [`CrackStudy::resume_while`] goes on bitwise identically.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HaltedRun {
@@ -41,25 +41,25 @@ pub struct HaltedRun {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HaltedGroup {
     pub(super) group: u64,
-    pub(super) at: GroupEnd,
+    pub(super) at: GroupState,
 }
 
-/// Where a group of realisations came to.
+/// State of a group of realisations.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum GroupEnd {
-    /// To its end.
-    Ended(Vec<Ended>),
-    /// To a step, from which it goes on.
-    AtStep(Box<Midst>),
-    /// To nothing that could be saved: it starts again.
-    Nowhere,
+pub(super) enum GroupState {
+    /// At its end.
+    Finished(Vec<Ended>),
+    /// After a step, from which it goes on.
+    AtStep(Box<SavedGroup>),
+    /// At a state that cannot be saved: it starts again.
+    Unsaved,
 }
 
 /// A group between two steps.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Midst {
+pub(super) struct SavedGroup {
     pub(super) saved: SavedState,
     pub(super) seen: Seen,
     /// Why a lane is left out.
@@ -89,7 +89,7 @@ impl Seen {
     }
 }
 
-impl Midst {
+impl SavedGroup {
     /// Refuses the state of another study, as far as the state of the simulation itself does not.
     pub(super) fn check(&self, lanes: usize, n_bonds: usize, n_steps: u64) -> Result<(), Error> {
         let Self { saved, seen, lost } = self;
@@ -114,8 +114,8 @@ impl HaltedGroup {
     /// Its realisations that have ended.
     pub(super) fn ended(self) -> Vec<Ended> {
         match self.at {
-            GroupEnd::Ended(ended) => ended,
-            GroupEnd::AtStep(_) | GroupEnd::Nowhere => Vec::new(),
+            GroupState::Finished(ended) => ended,
+            GroupState::AtStep(_) | GroupState::Unsaved => Vec::new(),
         }
     }
 }
@@ -147,8 +147,8 @@ impl CrackStudy<'_> {
         &self,
         realisations: Range<u64>,
         keep: &[u64],
-        goes_on: &(dyn Fn(Under) -> bool + Sync),
-    ) -> Result<Ran, Error> {
+        goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
+    ) -> Result<RunOutcome, Error> {
         self.resume_while::<T, L>(HaltedRun::at_start(realisations), keep, goes_on)
     }
 
@@ -161,13 +161,15 @@ impl CrackStudy<'_> {
         &self,
         halted: HaltedRun,
         keep: &[u64],
-        goes_on: &(dyn Fn(Under) -> bool + Sync),
-    ) -> Result<Ran, Error> {
+        goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
+    ) -> Result<RunOutcome, Error> {
         let realisations = halted.realisations.clone();
         let groups = self.groups::<T, L>(halted, keep, goes_on)?;
-        if groups.iter().all(|group| matches!(group.at, GroupEnd::Ended(_))) {
-            return self.joined(groups.into_iter().flat_map(HaltedGroup::ended)).map(Ran::All);
+        if groups.iter().all(|group| matches!(group.at, GroupState::Finished(_))) {
+            return self
+                .joined(groups.into_iter().flat_map(HaltedGroup::ended))
+                .map(RunOutcome::Finished);
         }
-        Ok(Ran::Halted(HaltedRun { realisations, groups }))
+        Ok(RunOutcome::Halted(HaltedRun { realisations, groups }))
     }
 }

@@ -12,6 +12,6 @@ mod shard;
 mod study;
 
 pub use crack_run::{BrokenInStep, CrackRun, FinalState};
-pub use halted::{HaltedRun, Ran, Under};
+pub use halted::{GroupProgress, HaltedRun, RunOutcome};
 pub use shard::{CrackShard, merge_shards};
 pub use study::{CrackStudy, Procedure, Stiffness, Strength, StudyLaw};

@@ -9,7 +9,7 @@ use super::crack_run::CrackRun;
 use super::ended::Ended;
 use super::equilibria::SlowLoad;
 use super::group::Lanes;
-use super::halted::{GroupEnd, HaltedGroup, HaltedRun, Under};
+use super::halted::{GroupProgress, GroupState, HaltedGroup, HaltedRun};
 use super::study::{CrackStudy, Procedure};
 use crate::error::{Error, positive};
 use crate::real::Real;
@@ -41,7 +41,7 @@ impl CrackStudy<'_> {
         &self,
         halted: HaltedRun,
         keep: &[u64],
-        goes_on: &(dyn Fn(Under) -> bool + Sync),
+        goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
     ) -> Result<Vec<HaltedGroup>, Error> {
         let HaltedRun { realisations, groups: known } = halted;
         let least = |name, value: u64, limit: u64| {
@@ -59,23 +59,23 @@ impl CrackStudy<'_> {
                 positive("last load factor", until)?;
                 let load = SlowLoad { config, until, n_steps };
                 return run_groups(realisations, known, &|id, _| {
-                    let goes_on = || goes_on(Under { realisation: id, done: None });
+                    let goes_on = || goes_on(GroupProgress { realisation: id, done: None });
                     let ended = self.equilibria(load, &cut, id, (keep, &goes_on))?;
-                    Ok(ended.map_or(GroupEnd::Nowhere, |ended| GroupEnd::Ended(vec![ended])))
+                    Ok(ended.map_or(GroupState::Unsaved, |ended| GroupState::Finished(vec![ended])))
                 });
             }
         };
         let lanes = L as u64;
         let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
-        run_groups(groups, known, &|group, midst| {
+        run_groups(groups, known, &|group, known| {
             let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
             let wanted = |id: u64| realisations.contains(&id);
             let part = |step: u64| {
                 let done = Some(step as f64 / n_steps as f64);
-                goes_on(Under { realisation: ids[0].max(realisations.start), done })
+                goes_on(GroupProgress { realisation: ids[0].max(realisations.start), done })
             };
             let group = Lanes { ids, motion: (simulation, n_steps), cut: &cut, keep };
-            self.group::<T, L>(&group, midst, (&wanted, &part))
+            self.group::<T, L>(&group, known, (&wanted, &part))
         })
     }
 
@@ -101,7 +101,7 @@ impl CrackStudy<'_> {
     }
 }
 
-type RunGroup<'a> = dyn Fn(u64, Option<GroupEnd>) -> Result<GroupEnd, Error> + Sync + 'a;
+type RunGroup<'a> = dyn Fn(u64, Option<GroupState>) -> Result<GroupState, Error> + Sync + 'a;
 
 /// Runs groups in parallel, each from where it is known to be. A virtual call runs a group, so that what is around it is compiled
 /// once.
@@ -110,12 +110,12 @@ fn run_groups(
     known: Vec<HaltedGroup>,
     run_group: &RunGroup<'_>,
 ) -> Result<Vec<HaltedGroup>, Error> {
-    let mut known: BTreeMap<u64, GroupEnd> =
+    let mut known: BTreeMap<u64, GroupState> =
         known.into_iter().map(|HaltedGroup { group, at }| (group, at)).collect();
     let all: Vec<_> = groups.map(|group| (group, known.remove(&group))).collect();
     let run = |(group, known)| {
         let at = match known {
-            Some(ended @ GroupEnd::Ended(_)) => ended,
+            Some(ended @ GroupState::Finished(_)) => ended,
             known => run_group(group, known)?,
         };
         Ok(HaltedGroup { group, at })

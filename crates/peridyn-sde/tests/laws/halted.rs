@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use peridyn_sde::{
-    BondValue, CrackRun, CrackStudy, Dynamics, Error, HaltedRun, Mobility, Procedure, Ran, Scheme,
-    Stiffness, Strength, StudyLaw, Under,
+    BondValue, CrackRun, CrackStudy, Dynamics, Error, GroupProgress, HaltedRun, Mobility,
+    Procedure, RunOutcome, Scheme, Stiffness, Strength, StudyLaw,
 };
 
 use crate::given::{Plate, STRETCH};
@@ -27,8 +27,8 @@ fn in_pieces(study: &CrackStudy<'_>, asked: u64) -> (CrackRun, u64) {
     let mut ran = next(None).unwrap();
     for n_halts in 0.. {
         match ran {
-            Ran::All(run) => return (run, n_halts),
-            Ran::Halted(halted) => {
+            RunOutcome::Finished(run) => return (run, n_halts),
+            RunOutcome::Halted(halted) => {
                 assert_eq!(halted.realisations(), 0..N);
                 ran = next(Some(halted)).unwrap();
             }
@@ -66,20 +66,22 @@ fn realisations_under_a_slow_load_start_again_but_those_that_ended_do_not() {
     let (loading, _) = loading(&plate);
     let inputs = (Strength::Uniform(STRETCH), Stiffness::Uniform);
     let study = slow(&plate, &loading, StudyLaw::BondBased, inputs);
-    let Ran::All(whole) = study.run_while::<f64, 8>(0..3, &KEEP, &|_| true).unwrap() else {
+    let RunOutcome::Finished(whole) = study.run_while::<f64, 8>(0..3, &KEEP, &|_| true).unwrap()
+    else {
         panic!("a run that nobody halts ends")
     };
-    let Ran::Halted(halted) =
+    let RunOutcome::Halted(halted) =
         study.run_while::<f64, 8>(0..3, &KEEP, &|it| it.realisation < 1).unwrap()
     else {
         panic!("a run that is halted ended")
     };
     // The first realisation has ended and is not asked again.
-    let asked = |it: Under| {
+    let asked = |it: GroupProgress| {
         assert!(it.realisation >= 1 && it.done.is_none());
         true
     };
-    let Ran::All(run) = study.resume_while::<f64, 8>(halted, &KEEP, &asked).unwrap() else {
+    let RunOutcome::Finished(run) = study.resume_while::<f64, 8>(halted, &KEEP, &asked).unwrap()
+    else {
         panic!("a run that nobody halts ends")
     };
     assert_eq!(run, whole);
@@ -91,7 +93,7 @@ fn the_state_of_another_study_is_refused() {
     let study = plate.study(Strength::Uniform(STRETCH), Stiffness::Uniform);
     let count = AtomicU64::new(0);
     let goes_on = |_| count.fetch_add(1, Ordering::Relaxed) < 5;
-    let Ran::Halted(halted) = study.run_while::<f64, 8>(0..8, &[], &goes_on).unwrap() else {
+    let RunOutcome::Halted(halted) = study.run_while::<f64, 8>(0..8, &[], &goes_on).unwrap() else {
         panic!("a run that is halted ended")
     };
     let error = study.resume_while::<f64, 16>(halted.clone(), &[], &|_| true).unwrap_err();

@@ -45,7 +45,7 @@ pub(crate) const KIND: SceneKind = SceneKind {
 
 /// Name of the finished realisations in a checkpoint.
 const ENDED: &str = "realisations";
-/// Name of those after them, in their midst.
+/// Name of those after them, halted before their end.
 const HALTED: &str = "halted realisations";
 
 /// Keys that do not affect single realisations: their number, and the output.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use peridyn_sde::{CrackRun, CrackStudy, Error, HaltedRun, Ran, Under};
+use peridyn_sde::{CrackRun, CrackStudy, Error, GroupProgress, HaltedRun, RunOutcome};
 use serde::{Deserialize, Serialize};
 
 use super::scene::{CrackScene, PrecisionScene};
@@ -13,7 +13,7 @@ use super::scene_problem::CrackProblem;
 pub struct CracksSoFar {
     /// Those of the rounds that have ended.
     pub run: Option<CrackRun>,
-    /// The round after them, in its midst.
+    /// The round after them, halted.
     pub halted: Option<HaltedRun>,
 }
 
@@ -69,13 +69,13 @@ impl CrackProblem {
             let round =
                 known.as_ref().map_or(first..range.end.min(first + each), |it| it.0.clone());
             let in_round = (round.end - round.start) as f64;
-            let part = |under: Under| {
-                goes_on(under.done.map(|done| (n_ended as f64 + done * in_round) / n))
+            let part = |group: GroupProgress| {
+                goes_on(group.done.map(|done| (n_ended as f64 + done * in_round) / n))
             };
             let known = known.map(|(_, halted)| halted);
             match ran(&study, scene, (round, known), &part)? {
-                Ran::Halted(halted) => so_far.halted = Some(halted),
-                Ran::All(run) => match &mut so_far.run {
+                RunOutcome::Halted(halted) => so_far.halted = Some(halted),
+                RunOutcome::Finished(run) => match &mut so_far.run {
                     None => so_far.run = Some(run),
                     Some(all) => all.append(run)?,
                 },
@@ -90,8 +90,8 @@ fn ran(
     study: &CrackStudy<'_>,
     scene: &CrackScene,
     (round, known): (Range<u64>, Option<HaltedRun>),
-    goes_on: &(dyn Fn(Under) -> bool + Sync),
-) -> Result<Ran, Error> {
+    goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
+) -> Result<RunOutcome, Error> {
     let keep = &scene.output.vtu;
     match (scene.ensemble.precision, known) {
         (PrecisionScene::F64, None) => study.run_while::<f64, 8>(round, keep, goes_on),

@@ -16,7 +16,7 @@ use crate::scene::{Objection, SceneError, SceneFile};
 
 /// Name of the unfinished ensemble in a checkpoint.
 const UNDER_WAY: &str = "under way";
-/// Name of its realisations that are in their midst.
+/// Name of its realisations that were halted before their end.
 const HALTED: &str = "halted realisations";
 
 /// A finished ensemble.
@@ -32,7 +32,7 @@ pub(super) struct Ended {
 
 /// An ensemble that is not finished: its name and point, its realisations so far, and their CPU time (s).
 type UnderWay = (String, Vec<f64>, CrackRun, f64);
-/// The same of realisations that are in their midst.
+/// The same of realisations that were halted before their end.
 type Halted = (String, Vec<f64>, HaltedRun, f64);
 
 /// Runs ensembles of a plate.

@@ -82,10 +82,10 @@ impl<T: Real> Padded<T> {
     #[inline(always)]
     fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
         // The sum of a row is kept apart: adding each to memory would wait for the one before.
-        let mut sum = [T::ZERO; WIDTH];
+        let (nodes, mut sum) = (&mut self.0[..], [T::ZERO; WIDTH]);
         let of_batch = batch.directions.iter().zip(&batch.tensions);
         for ((direction, &tension), &j) in of_batch.zip(partners) {
-            let force_j = &mut self.0[j as usize].force;
+            let force_j = &mut nodes[j as usize].force;
             for k in 0..WIDTH {
                 let force = tension * direction[k];
                 sum[k] += force;
@@ -93,7 +93,7 @@ impl<T: Real> Padded<T> {
             }
         }
         for k in 0..WIDTH {
-            self.0[i].force[k] += sum[k];
+            nodes[i].force[k] += sum[k];
         }
     }
 }
@@ -157,21 +157,17 @@ impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
         let Columns { inverse_squares, stiffness, limits, .. } = self.columns;
         let inverse_squares = inverse_squares[filled.clone()].chunks_exact(lanes);
         let stiffness = stiffness[filled.clone()].chunks_exact(lanes);
-        let limits = limits[filled.clone()].chunks_exact(lanes);
+        let limits = limits[filled].chunks_exact(lanes);
         let columns = inverse_squares.zip(stiffness.zip(limits));
         let squares = batch.squares[..n].chunks_exact(lanes);
         let blocks = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
-        for (first, block) in filled.step_by(lanes).zip(blocks) {
+        let mut first = bonds.start;
+        for block in blocks {
             let ((squares, tensions), (inverse_squares, (stiffness, limits))) = block;
-            let mut square = [T::ZERO; MOST_LANES];
-            for lane in 0..lanes {
-                let parts = &squares[lane];
-                square[lane] = parts[1..D].iter().fold(parts[0], |sum, &part| sum + part);
-            }
             let load = |values: &[T]| registers.load_at(values, 0);
-            let elongation = load(&square) * load(inverse_squares);
+            let elongation = sums::<T, R, D>(registers, squares) * load(inverse_squares);
             let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
-            let limit = load(limits).max(registers.splat(least));
+            let limit = registers.splat(least).max(load(limits));
             let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
                 for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
                     let bond = first + lane;
@@ -179,6 +175,25 @@ impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
                 }
             });
             registers.store_at(load(stiffness) * pull, tensions, 0);
+            first += lanes;
         }
     }
+}
+
+/// Sums over the components of as many bonds as a register has lanes.
+#[inline(always)]
+fn sums<T: Real, R: Registers<T>, const D: usize>(
+    registers: R,
+    squares: &[[T; WIDTH]],
+) -> R::Vector {
+    if let (true, [a, b, c, d]) = (R::N == WIDTH, squares) {
+        // The sum in the same order: what is added beyond the dimensions is zero.
+        return registers.sum_fours([a, b, c, d].map(|four| registers.load_fours(&[four])));
+    }
+    let mut square = [T::ZERO; MOST_LANES];
+    for lane in 0..R::N {
+        let parts = &squares[lane];
+        square[lane] = parts[1..D].iter().fold(parts[0], |sum, &part| sum + part);
+    }
+    registers.load_at(&square, 0)
 }

@@ -54,7 +54,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "",
         ),
         worst.value(),
-        1e-12,
+        7.5e-13,
         "residual 1e-13 of the loads, whose part in the softest modes the condition of the plate, some 1e4, would make larger",
     ));
     claims.extend(corrected(context)?);

@@ -15,7 +15,7 @@ use crate::observables::{CellIntegral, DensityField};
 use crate::remap::{Remapped, Remapping};
 use crate::report::StepReport;
 use crate::score::ScoreEstimator;
-use crate::solver::Solver;
+use crate::solver::{GoesOn, Solver};
 
 /// The passes over a cloud in one dimension.
 pub(crate) struct Passes<const D: usize> {
@@ -31,9 +31,6 @@ pub(crate) struct Passes<const D: usize> {
     pub(crate) cell_integral: fn(&Solver<D>) -> Result<CellIntegral<D>, Error>,
     pub(crate) density_field: fn(&Solver<D>) -> Result<DensityField<D>, Error>,
 }
-
-/// Whether to go on, asked before a step with the present time.
-pub(crate) type GoesOn<'a> = &'a mut (dyn FnMut(f64) -> bool + Send);
 
 /// The solver at the start, with the estimator of the method or that of the caller.
 type Start<const D: usize> = fn(

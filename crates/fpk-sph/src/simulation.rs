@@ -118,8 +118,8 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         self.advance_while(time, |_| true)
     }
 
-    /// Steps to the given time as [`advance_to`](Self::advance_to) does, as long as `goes_on` says so, which is asked before each
-    /// step with the present time. Another call then goes on bitwise identically.
+    /// Steps to the given time as [`advance_to`](Self::advance_to) does, while `goes_on` returns true, which is called before each
+    /// step with the present time. A further call continues bitwise identically.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).

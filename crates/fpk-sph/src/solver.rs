@@ -3,7 +3,6 @@
 use sde_integrators::GaussianMixture;
 
 use crate::coefficients::Coefficients;
-use crate::compiled::GoesOn;
 use crate::config::{COLLAPSED_STEP, Config};
 use crate::discretisation::Discretisation;
 use crate::error::{Error, positive};
@@ -16,6 +15,9 @@ use crate::smoothing::Smoothing;
 use crate::start::{Start, initial_spacing};
 use crate::state::State;
 use crate::time_schemes::Stages;
+
+/// Whether to go on, asked before a step with the present time.
+pub(crate) type GoesOn<'a> = &'a mut (dyn FnMut(f64) -> bool + Send);
 
 /// The method on one cloud of particles. Compiled once for each dimension, whatever the system.
 #[derive(Debug)]
@@ -133,7 +135,7 @@ impl<const D: usize> Solver<D> {
         (1.0 - total).abs() + self.state.n_remaps as f64 * outermost_mass
     }
 
-    /// Steps to the given time, or as long as `goes_on` says at the present one.
+    /// Steps to the given time, while `goes_on` returns true at the present one.
     pub(crate) fn advance_while(
         &mut self,
         system: &dyn Coefficients<D>,

@@ -13,9 +13,9 @@ use crate::real::Real;
 use crate::simulation::Simulation;
 use crate::swing;
 
-/// A group may halt after so many steps, and
+/// Steps after which a group may halt for the first time.
 const ASKED_AT: u64 = 4;
-/// again and again after so many more: between two looks of the check for swings, whose memory is not saved.
+/// Steps from there to the next time. Between them lies the check for swings, whose memory is not saved.
 const ASKED_EVERY: u64 = swing::EVERY;
 
 /// A path that was lost, and why.
@@ -35,7 +35,7 @@ pub(super) struct Lanes<'a, const L: usize> {
 }
 
 impl CrackStudy<'_> {
-    /// Runs a group to its end, or as long as `goes_on` says after a number of steps. A lane that is lost is left out, and the
+    /// Runs a group to its end, while `goes_on` returns true for the steps taken. A lane that is lost is left out, and the
     /// others run again without it: lanes are independent, so their results are bitwise identical.
     pub(super) fn group<T: Real, const L: usize>(
         &self,
@@ -144,7 +144,7 @@ impl CrackStudy<'_> {
         Ok(body)
     }
 
-    /// Steps until the end, or as long as `goes_on` says.
+    /// Steps to the end, while `goes_on` returns true.
     fn follow<T: Real, const L: usize>(
         &self,
         simulation: &mut Motion<T, L>,

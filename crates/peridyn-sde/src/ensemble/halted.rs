@@ -28,7 +28,7 @@ pub enum RunOutcome {
     Halted(HaltedRun),
 }
 
-/// Realisations of which some are not at their end, from which [`CrackStudy::resume_while`] goes on bitwise identically.
+/// Realisations of which some are not at their end. [`CrackStudy::resume_while`] continues them, bitwise identical to one run.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HaltedRun {
@@ -134,12 +134,11 @@ impl HaltedRun {
 }
 
 impl CrackStudy<'_> {
-    /// As [`run`](Self::run), as long as `goes_on` says so, which is asked after every eighth step, or before bonds break
-    /// under a quasi-static load, from all threads. Once it has said no it must keep to it: groups on other threads go on until they
-    /// are told.
+    /// As [`run`](Self::run), while `goes_on` returns true. All threads call it, after every eighth step or, under a quasi-static
+    /// load, before bonds break. Once it has returned false it must not return true again: each group halts at its own next call.
     ///
-    /// Realisations that have ended by then are kept, and those between two steps go on from there; only realisations
-    /// under a quasi-static load start again.
+    /// The outcome holds realisations that have ended, and the state of those between two steps. Realisations under a quasi-static
+    /// load have no such state: they start again.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -152,7 +151,7 @@ impl CrackStudy<'_> {
         self.resume_while::<T, L>(HaltedRun::at_start(realisations), keep, goes_on)
     }
 
-    /// Goes on with realisations that were halted: the bits are those of a run in one piece.
+    /// Continues realisations that were halted; results are bitwise identical to those of a run in one piece.
     ///
     /// # Errors
     /// As [`run`](Self::run); [`Error::Length`], [`Error::SavedStep`], [`Error::SavedBond`] and [`Error::Node`] for realisations

@@ -1,4 +1,4 @@
-//! Ensembles that are halted go on with the same bits.
+//! Ensembles that are halted and resumed, bitwise identical to one run.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

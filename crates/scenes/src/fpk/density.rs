@@ -269,7 +269,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
 /// Resumes a run with the same choices from a stored state; results are bitwise identical to an uninterrupted run.
 ///
 /// The earlier run may have had fewer times. `look` is not called for times that it has already observed. `goes_on` is asked before
-/// each step with the present time; once it says no, the run ends there, with a last look.
+/// each step with the present time; once it returns false, the run ends there, with a last look.
 ///
 /// # Errors
 /// As [`run_on`], and those of [`Simulation::restore`].

@@ -7,6 +7,7 @@ use mpi_ensembles::Ranks;
 
 use super::folder_lock::FolderLock;
 use super::options::{Options, PageFile};
+use super::pace::{Limit, Pace};
 use super::progress::Progress;
 use super::run_error::RunError;
 use crate::checkpoint::Checkpoint;
@@ -35,6 +36,16 @@ impl Run<'_> {
     #[must_use]
     pub fn page(&self) -> PageFile {
         self.options.page
+    }
+
+    /// The pace of a part of this run.
+    pub(crate) fn pace(&self, what: &'static str) -> Pace<'_> {
+        self.limit().pace(what)
+    }
+
+    /// What the parts of this run are held to.
+    pub(crate) fn limit(&self) -> Limit<'_> {
+        Limit { longest: self.options.longest, progress: self.progress }
     }
 
     /// Parses a scene, replaces its seed if requested, and returns it with the result of its check. From then on the folder of the

@@ -3,7 +3,6 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::kind_run::Run;
 use super::progress::Progress;
 
 /// Time after which the duration of a part is estimated.
@@ -38,8 +37,8 @@ pub struct TooLong {
 /// What the parts of a run are held to, for all threads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limit<'a> {
-    longest: Option<Duration>,
-    progress: &'a Progress,
+    pub(super) longest: Option<Duration>,
+    pub(super) progress: &'a Progress,
 }
 
 /// Pace of a part of a run. Its duration is estimated once, from what ten seconds have done.
@@ -57,18 +56,6 @@ enum State {
     Measured(Instant, f64),
     Allowed,
     Refused(TooLong),
-}
-
-impl Run<'_> {
-    /// The pace of a part of this run.
-    pub(crate) fn pace(&self, what: &'static str) -> Pace<'_> {
-        self.limit().pace(what)
-    }
-
-    /// What its parts are held to.
-    pub(crate) fn limit(&self) -> Limit<'_> {
-        Limit { longest: self.options.longest, progress: self.progress }
-    }
 }
 
 impl<'a> Limit<'a> {

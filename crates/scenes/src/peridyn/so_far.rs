@@ -36,10 +36,9 @@ impl CrackProblem {
 
     /// Runs the realisations of a range, or those after `past`.
     ///
-    /// As many run at a time as threads run side by side; the results are bitwise independent of that number. `goes_on` is asked
-    /// from all threads, with the fraction of the range that is done where it is known; once it says no it must keep to it.
-    /// `look` observes the realisations so far after each round, and when one was halted; it must return an error once `goes_on`
-    /// says no.
+    /// As many run at a time as threads run side by side; the results are bitwise independent of that number. All threads call
+    /// `goes_on`, with the fraction of the range that is done where it is known; once it has returned false it must not return true
+    /// again. `look` observes the realisations so far after each round, and when one was halted; then it must return an error.
     ///
     /// # Errors
     /// Those of [`CrackStudy::resume_while`] and of `look`.

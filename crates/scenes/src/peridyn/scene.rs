@@ -105,7 +105,7 @@ pub struct OutputScene {
     pub abscissae: Vec<f64>,
     /// Number of windows of equal length over which the load is averaged (no unit).
     ///
-    /// GroupProgress a quasi-static load it is observed at the end of each.
+    /// Under a quasi-static load it is observed at the end of each.
     pub windows: u64,
     /// Damage above which a node counts as damaged in the map, between 0 and 1 (no unit).
     #[schemars(example = 0.4)]

@@ -192,7 +192,7 @@ pub enum ToughnessScene {
     CriticalStretch(f64),
     /// Bonds that soften, as of concrete: elastic up to the stretch `f_t/E`, from where their tension falls on a line to zero.
     ///
-    /// GroupProgress a quasi-static load alone.
+    /// Under a quasi-static load alone.
     Softening {
         /// `f_t`, the tensile strength (Pa).
         tensile_strength: f64,

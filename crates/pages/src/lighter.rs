@@ -1,4 +1,4 @@
-//! A page that is too large loses frames, fields and rows, and says so.
+//! Frames, fields and rows that are left out of a page that is too large.
 
 use crate::answer::Note;
 use crate::motion::{Motion, Place};

@@ -38,7 +38,8 @@ struct Data<'a> {
 /// The page as one self-contained file.
 ///
 /// Text is escaped: markup in a title is shown as it is written. The page forbids itself every request.
-/// What would make it larger than [`Page::MOST_BYTES`] is left out, with a remark: frames of fields first, then rows of tables.
+/// Of a page larger than [`Page::MOST_BYTES`] parts are left out, with a remark: half of the frames or rows of the largest field or
+/// table.
 ///
 /// # Errors
 /// [`PageError`] for a number that is not finite, or a field with missing values.

@@ -35,7 +35,7 @@ struct Seen {
 }
 
 impl CrackStudy<'_> {
-    /// One realisation, to the last load factor or its separation; none if it was to go on no longer.
+    /// One realisation, to the last load factor or its separation; none if `goes_on` returned false.
     pub(super) fn equilibria(
         &self,
         load: SlowLoad,

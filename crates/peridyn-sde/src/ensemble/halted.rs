@@ -24,7 +24,7 @@ pub struct GroupProgress {
 pub enum RunOutcome {
     /// All realisations ended.
     Finished(CrackRun),
-    /// It was to go on no longer.
+    /// The caller ended it before.
     Halted(HaltedRun),
 }
 

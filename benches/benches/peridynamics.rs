@@ -4,8 +4,8 @@
 //! 100 x 100 nodes. The horizon is 3.015 spacings, strains are about 1e-4, no bond breaks. An element is a bond,
 //! counted once, in one realisation. One thread.
 //!
-//! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces. The list of
-//! one realisation has no registers, and the same rate at every level.
+//! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces. `solid network` is
+//! the reference, one bond after the other without registers, with the same rate at every level.
 //!
 //! A step is one of the Leimkuhler-Matthews method at z = 1 with unit mobility: forces, test of every bond, new
 //! normals for every component of every node, update, test for non-finite numbers. The same step at `kT = 0` draws no
@@ -129,7 +129,7 @@ impl<const D: usize> Shape<D> {
 
     /// Each path at a level, created on demand.
     fn paths(&self, level: SimdLevel) -> impl Iterator<Item = Path> {
-        (0..11).map(move |which| match which {
+        (0..13).map(move |which| match which {
             0 => self.forces("lattice", level, self.lattice::<f64>(level)),
             1 => self.forces("lattice", level, self.lattice::<f32>(level)),
             2 => self.forces("list", level, self.list::<f64, 1>(level)),
@@ -140,7 +140,9 @@ impl<const D: usize> Shape<D> {
             7 => self.forces("solid lattice", level, self.solid_lattice::<f32>(level)),
             8 => self.forces("solid ensemble of 8", level, self.solid_list::<f64, 8>(level)),
             9 => self.forces("solid ensemble of 16", level, self.solid_list::<f32, 16>(level)),
-            _ => self.forces("solid list", level, self.solid_network()),
+            10 => self.forces("solid list", level, self.solid_list::<f64, 1>(level)),
+            11 => self.forces("solid list", level, self.solid_list::<f32, 1>(level)),
+            _ => self.forces("solid network", level, self.solid_network()),
         })
     }
 }

@@ -6,9 +6,9 @@ use super::study::{CrackStudy, StudyLaw};
 use crate::body::Body;
 use crate::equilibrium::{EquilibriumConfig, NextBreakage, QuasiStatic};
 use crate::error::{Error, same_length};
-use crate::fast::BondList;
+use crate::fast::{BondList, SolidList};
 use crate::network::Network;
-use crate::solid::{BondFailure, SolidNetwork};
+
 use crate::strain::Strain;
 
 /// The part of its stiffness that a bond has lost once it counts as broken. Of a bond that breaks at once it is all.
@@ -86,8 +86,8 @@ impl CrackStudy<'_> {
             }
             (StudyLaw::LinearSolid(solid), None) => {
                 same_length("bonds of the solid", solid.bonds().len(), bonds.len())?;
-                let failure = BondFailure::Stretch(strengths);
-                Ok(Box::new(SolidNetwork::new(nodes, solid.clone(), Strain::Linear, failure)?))
+                let (solid, strengths) = (solid.clone(), [strengths]);
+                Ok(Box::new(SolidList::<f64, 2, 1>::new(nodes, solid, Strain::Linear, &strengths)?))
             }
             (StudyLaw::Softening(_), Some(_)) => {
                 Err(Error::UniformStiffness { law: "bonds that soften" })

@@ -23,7 +23,7 @@ use crate::real::Real;
 const WIDTH: usize = 4;
 
 /// Bonds of a node that are gathered before any is computed: as many as let a processor finish writing before it reads them.
-const BATCH: usize = 64;
+pub(super) const BATCH: usize = 64;
 
 /// The nodes as registers hold them.
 #[derive(Debug, Clone)]
@@ -52,7 +52,7 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    fn begin<const D: usize>(&mut self, u: &[T]) {
+    pub(super) fn begin<const D: usize>(&mut self, u: &[T]) {
         for (node, u) in self.0.iter_mut().zip(u.as_chunks::<D>().0) {
             node.u[..D].copy_from_slice(u);
             node.force = [T::ZERO; WIDTH];
@@ -60,14 +60,19 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    fn end<const D: usize>(&self, forces: &mut [T]) {
+    pub(super) fn end<const D: usize>(&self, forces: &mut [T]) {
         for (force, node) in forces.as_chunks_mut::<D>().0.iter_mut().zip(&self.0) {
             force.copy_from_slice(&node.force[..D]);
         }
     }
 
     #[inline(always)]
-    fn gather<const LINEAR: bool>(&self, batch: &mut Batch<T>, i: usize, partners: &[u32]) {
+    pub(super) fn gather<const LINEAR: bool>(
+        &self,
+        batch: &mut Batch<T>,
+        i: usize,
+        partners: &[u32],
+    ) {
         let Node { x: x_i, u: u_i, .. } = self.0[i];
         let of_batch = batch.directions.iter_mut().zip(&mut batch.squares);
         for ((direction, square), &j) in of_batch.zip(partners) {
@@ -80,7 +85,7 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
+    pub(super) fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
         // The sum of a row is kept apart: adding each to memory would wait for the one before.
         let (nodes, mut sum) = (&mut self.0[..], [T::ZERO; WIDTH]);
         let of_batch = batch.directions.iter().zip(&batch.tensions);
@@ -99,12 +104,76 @@ impl<T: Real> Padded<T> {
 }
 
 /// Bonds of a node.
-struct Batch<T> {
+pub(super) struct Batch<T> {
     /// `xi + eta`, or `xi` where strains are linear.
     directions: [[T; WIDTH]; BATCH],
     /// By component, the growth of the squared length: `eta (2 xi + eta)`, or `2 eta xi`.
     squares: [[T; WIDTH]; BATCH],
-    tensions: [T; BATCH],
+    /// What is computed of each bond: for the forces its tension over its length along the direction.
+    pub(super) tensions: [T; BATCH],
+}
+
+impl<T: Real> Batch<T> {
+    pub(super) fn new() -> Self {
+        let none = [[T::ZERO; WIDTH]; BATCH];
+        Self { directions: none, squares: none, tensions: [T::ZERO; BATCH] }
+    }
+
+    /// Computes a number of each gathered bond, registers of bonds one after the other: `of` gets the place of the first in the
+    /// batch, the relative squared elongations, the pulls (none where a bond is at its limit), and what `columns` hold of them.
+    #[inline(always)]
+    pub(super) fn compute<R: Registers<T>, const D: usize, const LINEAR: bool>(
+        &mut self,
+        registers: R,
+        columns: &RowColumns<'_, T>,
+        (bonds, limit): (Range<usize>, Limit),
+        reached: &mut Vec<BrokenBond>,
+        mut of: impl FnMut(usize, [R::Vector; 3]) -> R::Vector,
+    ) {
+        let lanes = R::N;
+        let least = match limit {
+            Limit::Strength => T::ZERO,
+            Limit::Unreached => T::LARGEST,
+        };
+        // The last register holds zeros beside these bonds.
+        let n = bonds.len().next_multiple_of(lanes);
+        self.squares[bonds.len()..n].fill([T::ZERO; WIDTH]);
+        let filled = bonds.start..bonds.start + n;
+        let inverse_squares = columns.inverse_squares[filled.clone()].chunks_exact(lanes);
+        let factors = columns.factors[filled.clone()].chunks_exact(lanes);
+        let limits = columns.limits[filled].chunks_exact(lanes);
+        let columns = inverse_squares.zip(factors.zip(limits));
+        let squares = self.squares[..n].chunks_exact(lanes);
+        let blocks = squares.zip(self.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
+        let mut at = 0;
+        for block in blocks {
+            let ((squares, tensions), (inverse_squares, (factors, limits))) = block;
+            let load = |values: &[T]| registers.load_at(values, 0);
+            let elongation = sums::<T, R, D>(registers, squares) * load(inverse_squares);
+            let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
+            let w = elongation.0;
+            let limit = registers.splat(least).max(load(limits));
+            let pull = elongation.pull::<R, LINEAR>(registers, limit, |of_lanes| {
+                for lane in (0..lanes).filter(|lane| of_lanes & 1 << lane != 0) {
+                    let bond = bonds.start + at + lane;
+                    reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                }
+            });
+            registers.store_at(of(at, [w, pull, load(factors)]), tensions, 0);
+            at += lanes;
+        }
+    }
+}
+
+/// What is read of bonds in a row; each with numbers beyond the last bond that fill a register.
+#[derive(Clone, Copy)]
+pub(super) struct RowColumns<'a, T> {
+    /// `1/|xi|^2`, zero where a bond is broken.
+    pub(super) inverse_squares: &'a [T],
+    /// What the pull or the stretch is multiplied by.
+    pub(super) factors: &'a [T],
+    /// The relative squared elongation at which a bond breaks.
+    pub(super) limits: &'a [T],
 }
 
 /// Forces under `u`, node by node: its bonds are gathered, computed in registers, and their forces added one by one.
@@ -123,61 +192,32 @@ impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for InRows<'_, T, D, L
     type Output = ();
 
     #[inline(always)]
-    fn run<R: Registers<T>>(mut self, registers: R) {
-        let none = [[T::ZERO; WIDTH]; BATCH];
-        let mut batch = Batch { directions: none, squares: none, tensions: [T::ZERO; BATCH] };
-        self.padded.begin::<D>(self.u);
-        for i in 0..self.bonds.n_nodes() {
-            let row = self.bonds.row(i);
-            for first in row.clone().step_by(BATCH) {
-                let bonds = first..row.end.min(first + BATCH);
-                let partners = self.bonds.partners(bonds.clone());
-                self.padded.gather::<LINEAR>(&mut batch, i, partners);
-                self.pull(registers, &mut batch, bonds);
-                self.padded.scatter(&batch, i, partners);
-            }
+    fn run<R: Registers<T>>(self, registers: R) {
+        let Self { bonds, columns, padded, u, forces, limit, reached } = self;
+        let Columns { inverse_squares, stiffness, limits, .. } = columns;
+        let columns = RowColumns { inverse_squares, factors: stiffness, limits };
+        let mut batch = Batch::new();
+        padded.begin::<D>(u);
+        for (i, some) in in_batches(bonds) {
+            let partners = bonds.partners(some.clone());
+            padded.gather::<LINEAR>(&mut batch, i, partners);
+            let tension = |_, [_, pull, stiffness]: [R::Vector; 3]| stiffness * pull;
+            let some = (some, limit);
+            batch.compute::<R, D, LINEAR>(registers, &columns, some, reached, tension);
+            padded.scatter(&batch, i, partners);
         }
-        self.padded.end::<D>(self.forces);
+        padded.end::<D>(forces);
     }
 }
 
-impl<T: Real, const D: usize, const LINEAR: bool> InRows<'_, T, D, LINEAR> {
-    /// Tensions of gathered bonds; those at their limit carry none.
-    #[inline(always)]
-    fn pull<R: Registers<T>>(&mut self, registers: R, batch: &mut Batch<T>, bonds: Range<usize>) {
-        let lanes = R::N;
-        let least = match self.limit {
-            Limit::Strength => T::ZERO,
-            Limit::Unreached => T::LARGEST,
-        };
-        // The last register holds zeros beside these bonds.
-        let n = bonds.len().next_multiple_of(lanes);
-        batch.squares[bonds.len()..n].fill([T::ZERO; WIDTH]);
-        let filled = bonds.start..bonds.start + n;
-        let Columns { inverse_squares, stiffness, limits, .. } = self.columns;
-        let inverse_squares = inverse_squares[filled.clone()].chunks_exact(lanes);
-        let stiffness = stiffness[filled.clone()].chunks_exact(lanes);
-        let limits = limits[filled].chunks_exact(lanes);
-        let columns = inverse_squares.zip(stiffness.zip(limits));
-        let squares = batch.squares[..n].chunks_exact(lanes);
-        let blocks = squares.zip(batch.tensions[..n].chunks_exact_mut(lanes)).zip(columns);
-        let mut first = bonds.start;
-        for block in blocks {
-            let ((squares, tensions), (inverse_squares, (stiffness, limits))) = block;
-            let load = |values: &[T]| registers.load_at(values, 0);
-            let elongation = sums::<T, R, D>(registers, squares) * load(inverse_squares);
-            let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
-            let limit = registers.splat(least).max(load(limits));
-            let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
-                for lane in (0..lanes).filter(|lane| reached & 1 << lane != 0) {
-                    let bond = first + lane;
-                    self.reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
-                }
-            });
-            registers.store_at(load(stiffness) * pull, tensions, 0);
-            first += lanes;
-        }
-    }
+/// The bonds of each node, at most [`BATCH`] at a time.
+#[inline(always)]
+pub(super) fn in_batches(bonds: &Bonds) -> impl Iterator<Item = (usize, Range<usize>)> {
+    (0..bonds.n_nodes()).flat_map(|i| {
+        let row = bonds.row(i);
+        let starts = row.clone().step_by(BATCH);
+        starts.map(move |first| (i, first..row.end.min(first + BATCH)))
+    })
 }
 
 /// Sums over the components of as many bonds as a register has lanes.

@@ -18,6 +18,7 @@ mod solid_lattice;
 mod solid_lattice_body;
 mod solid_list;
 mod solid_list_body;
+mod solid_list_rows;
 mod solid_rows;
 mod stencil;
 

@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Registers, Work};
+use lanes::{MOST_LANES, Registers, Work};
 
 use super::limit::Limit;
 use super::realisations::Realisations;
@@ -16,9 +16,9 @@ use crate::real::Real;
 /// Constants of bonds.
 #[derive(Debug, Clone)]
 pub(super) struct SolidColumns<T> {
-    /// `1/|xi|^2`.
+    /// `1/|xi|^2`; with one lane zero where the bond is broken, so that its elongation is zero.
     pub(super) inverse_squares: Vec<T>,
-    /// `omega beta V_i V_j`.
+    /// `omega beta V_i V_j`; with one lane zero where the bond is broken.
     pub(super) weights: Vec<T>,
     /// The same times `|xi|^2`, in the unit of [`SolidBonds::moment_unit`](crate::SolidBonds).
     pub(super) moments: Vec<T>,
@@ -26,6 +26,17 @@ pub(super) struct SolidColumns<T> {
     pub(super) stiffness: Vec<T>,
     /// The relative squared elongation at which a bond breaks, for each bond and lane.
     pub(super) limits: Vec<T>,
+}
+
+impl<T: Real> SolidColumns<T> {
+    /// Registers that begin at the last bonds end within the columns.
+    pub(super) fn fill_registers(&mut self) {
+        let Self { inverse_squares, weights, moments, stiffness, limits } = self;
+        for column in [inverse_squares, weights, moments, stiffness] {
+            column.extend([T::ZERO; MOST_LANES]);
+        }
+        limits.extend([T::LARGEST; MOST_LANES]);
+    }
 }
 
 /// The first pass: `sum omega beta V_i V_j |xi|^2 s` of each node and lane.

@@ -1,4 +1,4 @@
-//! A linear peridynamic solid in a list of bonds, realisations side by side.
+//! A linear peridynamic solid in a list of bonds, one realisation or several side by side.
 
 use lanes::{MOST_LANES, SimdLevel};
 
@@ -7,6 +7,7 @@ use super::limit::Limit;
 use super::list_columns::{inverse_square, limits};
 use super::realisations::Realisations;
 use super::solid_lanes::{ForceLanes, SolidColumns, SumLanes};
+use super::solid_list_rows::{ForceRows, OneRealisation, SumRows};
 use crate::body::AtStrength;
 use crate::bonds::Bonds;
 use crate::broken_bond::BrokenBond;
@@ -20,8 +21,9 @@ use crate::strain::Strain;
 /// A linear peridynamic solid whose bonds break at a critical stretch, `L` realisations side by side in the lanes of wide registers:
 /// the law of [`SolidBonds`], in the two passes of [`SolidLattice`](crate::SolidLattice).
 ///
-/// `L` is a multiple of 8 in `f64` and of 16 in `f32`, up to 16; one realisation is a [`SolidNetwork`](crate::SolidNetwork). Each
-/// realisation may have strengths of its own. The bits are the same at any level.
+/// With one lane, the bonds of a node are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple
+/// of 8 in `f64` and of 16 in `f32`, up to 16. Each realisation may have strengths of its own. The bits are the same at any level.
+/// Failure by energy needs a [`SolidNetwork`](crate::SolidNetwork), one bond after the other.
 #[derive(Debug, Clone)]
 pub struct SolidList<T, const D: usize, const L: usize> {
     pub(super) nodes: Nodes<D>,
@@ -34,6 +36,8 @@ pub struct SolidList<T, const D: usize, const L: usize> {
     pub(super) intact: Vec<LaneBits>,
     /// Of each node and lane: sums of dilatations, then `tau`.
     tau: Vec<T>,
+    /// With one lane.
+    one: Option<OneRealisation<T>>,
     level: SimdLevel,
 }
 
@@ -50,7 +54,7 @@ impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
         strengths: &[Vec<f64>],
     ) -> Result<Self, Error> {
         const {
-            assert!(L.is_multiple_of(8) && L <= MOST_LANES, "8 or 16 lanes");
+            assert!(L == 1 || L.is_multiple_of(8) && L <= MOST_LANES, "1, 8 or 16 lanes");
         }
         let bonds = solid.bonds();
         same_length("nodes", nodes.positions().len(), bonds.n_nodes())?;
@@ -64,14 +68,18 @@ impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
         }
         let weights = bonds.all().iter().zip(solid.weights());
         let unit = solid.moment_unit();
-        let columns = SolidColumns {
+        let mut columns = SolidColumns {
             inverse_squares: bonds.all().iter().map(inverse_square).collect(),
             weights: solid.weights().iter().map(|&weight| T::of(weight)).collect(),
             moments: weights.map(|(of, w)| T::of(w * of.length * of.length / unit)).collect(),
             stiffness: bonds.all().iter().map(|of| T::of(of.stiffness / of.length)).collect(),
             limits: of_lanes,
         };
+        if L == 1 {
+            columns.fill_registers();
+        }
         Ok(Self {
+            one: (L == 1).then(|| OneRealisation::new(&nodes, bonds)),
             columns,
             nodal: solid.nodal().iter().map(|&n| T::of(n * unit)).collect(),
             intact: vec![all_lanes::<L>(); bonds.len()],
@@ -111,10 +119,6 @@ impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
     }
 
     fn evaluate<const LINEAR: bool>(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) {
-        // By a constant, so that lanes of one realisation, which cannot be made, are not compiled.
-        if L == 1 {
-            return;
-        }
         let mut none = Vec::new();
         let (limit, reached) = Limit::of(at, &mut none);
         let first = reached.len();
@@ -123,26 +127,57 @@ impl<T: Real, const D: usize, const L: usize> SolidList<T, D, L> {
         if !reached.is_empty() {
             // Both ends lose them from their dilatation: once more, without them.
             for found in reached {
-                self.intact[found.bond] &= !found.lanes;
+                self.set(found.bond, self.intact[found.bond] & !found.lanes);
             }
             self.sum::<LINEAR>(u, Limit::Unreached, &mut Vec::new());
         }
         for (tau, &n) in self.tau.as_chunks_mut::<L>().0.iter_mut().zip(&self.nodal) {
             *tau = tau.map(|sum| n * sum);
         }
-        let Self { nodes, solid, columns, intact, tau, level, .. } = self;
-        let realisations = realisations(nodes, solid, columns, intact);
-        level.run(ForceLanes::<T, D, L, LINEAR> { realisations, columns, u, tau, forces });
+        let Self { nodes, solid, columns, intact, tau, one, level, .. } = self;
+        // By a constant, so that lanes of one realisation are not compiled.
+        if L == 1 {
+            let (bonds, Some(one)) = (solid.bonds(), one) else { return };
+            level.run_narrow(ForceRows::<T, D, LINEAR> { bonds, columns, one, u, tau, forces });
+        } else {
+            let realisations = realisations(nodes, solid, columns, intact);
+            level.run(ForceLanes::<T, D, L, LINEAR> { realisations, columns, u, tau, forces });
+        }
         for found in reached {
-            self.intact[found.bond] |= found.lanes;
+            self.set(found.bond, self.intact[found.bond] | found.lanes);
+        }
+    }
+
+    /// Sets in which lanes a bond is intact.
+    pub(super) fn set(&mut self, bond: usize, lanes: LaneBits) {
+        self.intact[bond] = lanes;
+        if L == 1 {
+            let is_intact = lanes & 1 != 0;
+            let value = |of: T| if is_intact { of } else { T::ZERO };
+            self.columns.inverse_squares[bond] =
+                value(inverse_square(&self.solid.bonds().all()[bond]));
+            self.columns.weights[bond] = value(T::of(self.solid.weights()[bond]));
         }
     }
 
     fn sum<const LINEAR: bool>(&mut self, u: &[T], limit: Limit, reached: &mut Vec<BrokenBond>) {
-        let Self { nodes, solid, columns, intact, tau, level, .. } = self;
-        let realisations = realisations(nodes, solid, columns, intact);
+        let Self { nodes, solid, columns, intact, tau, one, level, .. } = self;
         let sums = &mut tau[..];
-        level.run(SumLanes::<T, D, L, LINEAR> { realisations, columns, u, sums, limit, reached });
+        if L == 1 {
+            let (bonds, Some(one)) = (solid.bonds(), one) else { return };
+            let rows = SumRows::<T, D, LINEAR> { bonds, columns, one, u, sums, limit, reached };
+            level.run_narrow(rows);
+        } else {
+            let realisations = realisations(nodes, solid, columns, intact);
+            level.run(SumLanes::<T, D, L, LINEAR> {
+                realisations,
+                columns,
+                u,
+                sums,
+                limit,
+                reached,
+            });
+        }
     }
 }
 

@@ -28,7 +28,7 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for SolidList<T, D, 
     }
 
     fn set_intact(&mut self, bond: usize, lanes: u16) {
-        self.intact[bond] = lanes;
+        self.set(bond, lanes);
     }
 
     fn strain(&self) -> Strain {

@@ -1,8 +1,8 @@
 //! How the load of a crack scene is applied: the dynamics with their step, or equilibria.
 
 use peridyn_sde::{
-    Body, BondFailure, BondList, Bonds, Dynamics, EquilibriumConfig, Error, Loading, Simulation,
-    SimulationConfig, SolidNetwork, Stiffness, between_nodes,
+    Body, BondList, Bonds, Dynamics, EquilibriumConfig, Error, Loading, Simulation,
+    SimulationConfig, SolidList, Stiffness, between_nodes,
 };
 use sde_integrators::Noise;
 
@@ -115,8 +115,7 @@ fn probe(plate: &Plate, stiffness: Stiffness<'_>) -> Result<Box<dyn Body<f64, 2,
     let (nodes, bonds) = (plate.nodes.clone(), plate.bonds.clone());
     let strengths = vec![plate.stretch; bonds.len()];
     if let PlateLaw::LinearSolid(solid) = &plate.law {
-        let failure = BondFailure::Stretch(strengths);
-        let body = SolidNetwork::new(nodes, solid.clone(), plate.strain, failure)?;
+        let body = SolidList::<f64, 2, 1>::new(nodes, solid.clone(), plate.strain, &[strengths])?;
         return Ok(Box::new(body));
     }
     let body = BondList::new(nodes, bonds, plate.strain, &strengths)?;

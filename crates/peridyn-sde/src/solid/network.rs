@@ -27,7 +27,7 @@ pub enum BondFailure {
 }
 
 /// A body of a linear peridynamic solid, whose law is that of [`SolidBonds`]. One realisation, in `f64`, without registers: the
-/// reference of [`SolidLattice`](crate::SolidLattice), and the body of unequal nodes, strengths, and of failure by energy.
+/// reference of [`SolidLattice`](crate::SolidLattice) and [`SolidList`](crate::SolidList), and the body of failure by energy.
 #[derive(Debug, Clone)]
 pub struct SolidNetwork<const D: usize> {
     nodes: Nodes<D>,

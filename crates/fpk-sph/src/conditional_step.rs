@@ -9,6 +9,7 @@ use crate::evaluation::{Evaluation, Stage, check_finite};
 use crate::linear_filter::{FilterMoments, LinearFilter};
 use crate::matrix::{Matrix, scaled};
 use crate::parallel::for_each_block;
+use crate::remap::{Carried, CarriedOn, Remapped};
 use crate::report::StepReport;
 use crate::rim_extrapolation::RimExtrapolation;
 use crate::scheme::Scheme;
@@ -51,6 +52,11 @@ impl<const D: usize> Conditional<D> {
             noise: Vec::with_capacity(1),
             variance: 0.0,
         }
+    }
+
+    /// Takes the moments of particles on another lattice.
+    pub(crate) fn start_on(&mut self, moments: FilterMoments, rim: RimExtrapolation) {
+        *self = Self::new(self.filter.clone(), moments, rim);
     }
 
     /// Velocities `a + g u` with `u = c . m`, and the rates of the moments, at stage `k` of a step, `elapsed` after its start.
@@ -109,10 +115,7 @@ impl<const D: usize> Conditional<D> {
 
     /// The moments in a store.
     pub(crate) fn read(&self, store: &ParticleStore<D>) -> Result<FilterMoments, Error> {
-        let (n, n_particles) = (self.filter.n_states, self.along.len());
-        if store.len() != n_particles {
-            return Err(Error::ForeignSnapshot { found: store.len(), expected: n_particles });
-        }
+        let (n, n_particles) = (self.filter.n_states, store.len());
         let mut moments = FilterMoments::zeros(n_particles, n);
         let check = |quantity, particle, value: f64| {
             let error = Error::SnapshotNumber { quantity, particle, value, must: "finite" };
@@ -149,7 +152,8 @@ impl<const D: usize> Solver<D> {
     /// $$ \frac{dX}{dt} = a + g\, c \cdot m, \qquad \frac{dm}{dt} = A m - C c\, (g \cdot \nabla\log\rho), \qquad
     ///    \frac{dP}{dt} = A P + P A^T + w^2 b b^T, \qquad C = P - \mathrm{Cov}(m) . $$
     ///
-    /// After the step the means at the rim are extrapolated from the inside: one-sided gradients let waves grow there.
+    /// Before it the cloud is remeshed, where the method has a [`Remapping`](crate::Remapping) and the cloud is too uneven. After
+    /// the step the means at the rim are extrapolated from the inside: one-sided gradients let waves grow there.
     pub(crate) fn conditional_step(
         &mut self,
         conditional: &mut Conditional<D>,
@@ -157,14 +161,20 @@ impl<const D: usize> Solver<D> {
         end: f64,
     ) -> Result<StepReport, Error> {
         self.check_end(end)?;
-        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
+        let Self { discretisation, state, evaluation, stages, .. } = self;
         let of_state = (&mut *evaluation, &*discretisation, &*state);
         conditional.stage((0, 0.0), system, of_state, state.stage(), &mut stages.k[0])?;
+        let remapped = self.remap_conditional(conditional)?;
+        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
+        if remapped.is_some() {
+            let of_state = (&mut *evaluation, &*discretisation, &*state);
+            conditional.stage((0, 0.0), system, of_state, state.stage(), &mut stages.k[0])?;
+        }
         smoothing.start_on_lattice(state, &evaluation.estimates.volume);
         self.check_resolved()?;
         let limit = self.wave_limit(conditional, system);
         let length = self.length_within(limit, end)?;
-        let report = self.report(&length);
+        let report = StepReport { remapped, ..self.report(&length) };
         let (dt, t_1) = (length.dt, length.reached);
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
         let t_0 = state.time;
@@ -201,6 +211,33 @@ impl<const D: usize> Solver<D> {
         state.n_steps += 1;
         state.time = t_1;
         Ok(report)
+    }
+
+    /// Remaps a cloud that has become too uneven, with the means that its particles carry, from the evaluation of the present state.
+    fn remap_conditional(
+        &mut self,
+        conditional: &mut Conditional<D>,
+    ) -> Result<Option<Remapped>, Error> {
+        let Some(remapping) = self.discretisation.combination.remapping else { return Ok(None) };
+        if self.unevenness() <= remapping.most_uneven {
+            return Ok(None);
+        }
+        let (time, limit) = (self.state.time, remapping.most_change);
+        let Conditional { filter, moments, .. } = &*conditional;
+        let before = filter.explained_variance(&moments.means, &self.state.masses);
+        let whole = filter.variance(moments);
+        let check = |means: &[f64], masses: &[f64]| {
+            let value = (filter.explained_variance(means, masses) - before) / whole;
+            let quantity = "explained variance of the filter's output";
+            let is_small = value.abs() <= limit;
+            let error = Error::RemappingChangesMass { time, quantity, value, limit };
+            if is_small { Ok(()) } else { Err(error) }
+        };
+        let carried = Carried { values: &moments.means, n: filter.n_states };
+        let (remapped, CarriedOn { values, rim }) = self.remap_with(&remapping, &carried, check)?;
+        let covariance = moments.covariance;
+        conditional.start_on(FilterMoments { means: values, covariance }, rim);
+        Ok(Some(remapped))
     }
 
     /// The particle with the fastest waves and the largest step in which they and the filter are stable, from the first stage:

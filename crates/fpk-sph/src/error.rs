@@ -354,14 +354,14 @@ pub enum Error {
     },
     /// The new lattice does not resolve the density: remeshing changes mass or moments too much.
     #[error(
-        "t = {time}: remeshing changes the {quantity} by {value:e}; at most {limit:e} is allowed"
+        "t = {time}: remeshing changes the {quantity} by {value:e}; at most {limit:e} is allowed: take a finer lattice"
     )]
     RemappingChangesMass {
         /// Time.
         time: f64,
-        /// Mass, mean or covariance.
+        /// Mass, mean or covariance, or the part of the output of a filter that is explained.
         quantity: &'static str,
-        /// The change: relative, in standard deviations, of a whitened entry.
+        /// The change: relative, in standard deviations, of a whitened entry, over the variance of the output.
         value: f64,
         /// The most that is allowed.
         limit: f64,

@@ -68,6 +68,20 @@ impl LinearFilter {
         states.iter().zip(&self.output).map(|(y, c)| c * y).sum()
     }
 
+    /// `c P c`, the variance of the output.
+    pub(crate) fn variance(&self, moments: &FilterMoments) -> f64 {
+        let n = self.n_states;
+        (0..n).map(|k| self.output[k] * self.output(&moments.covariance[k][..n])).sum()
+    }
+
+    /// `c Cov(m) c`: what the states of the structure explain of the variance of the output.
+    pub(crate) fn explained_variance(&self, means: &[f64], masses: &[f64]) -> f64 {
+        let outputs = || means.chunks_exact(self.n_states).map(|m| self.output(m));
+        let total: f64 = masses.iter().sum();
+        let mean: f64 = outputs().zip(masses).map(|(u, mu)| mu / total * u).sum();
+        outputs().zip(masses).map(|(u, mu)| mu / total * (u - mean).powi(2)).sum()
+    }
+
     /// `C c` and `c C c`, the covariance of the states with the output and its variance, given the structure's states:
     /// `C = P - Cov(m)`.
     ///
@@ -85,7 +99,7 @@ impl LinearFilter {
             with_output[k] = self.output(&covariance[k][..n]);
         }
         let variance = self.output(&with_output[..n]);
-        let whole: f64 = (0..n).map(|k| self.output[k] * self.output(&moments.covariance[k])).sum();
+        let whole = self.variance(moments);
         if variance.is_nan() || variance < -ROUNDOFF * whole {
             return Err(Error::NoConditionalVariance { time, value: variance, whole });
         }

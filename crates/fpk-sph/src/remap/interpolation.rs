@@ -47,12 +47,29 @@ struct Grid<const D: usize> {
     ids: Vec<u32>,
 }
 
-/// Position and departure at a point of the lattice, with their derivatives there, per spacing.
+/// Position at a point of the lattice with its derivatives there, per spacing, and what makes the same of other values.
 struct Fit<const D: usize> {
     y: [f64; D],
     edges: [[f64; D]; D],
-    departure: f64,
-    slope: [f64; D],
+    members: Vec<usize>,
+    /// Of each member in a value, then in its derivatives over the reach.
+    weights: Vec<Vec<f64>>,
+}
+
+impl<const D: usize> Fit<D> {
+    /// A value of the particles a step beyond the point, to first order.
+    fn value_at(&self, step: &[f64; D], of: impl Fn(usize) -> f64) -> f64 {
+        let reach = degree_and_reach(D).1;
+        let (mut value, mut slope) = (0.0, [0.0; D]);
+        for (p, &j) in self.members.iter().enumerate() {
+            let of_member = of(j);
+            value += self.weights[0][p] * of_member;
+            for l in 0..D {
+                slope[l] += self.weights[1 + l][p] / reach * of_member;
+            }
+        }
+        value + slope.iter().zip(step).map(|(g, c)| g * c).sum::<f64>()
+    }
 }
 
 const NOBODY: u32 = u32::MAX;
@@ -101,11 +118,29 @@ impl<'a, const D: usize> Departure<'a, D> {
         }
         let Some(first) = nearest.first() else { return Found::Nothing };
         match self.within(place, first.j) {
-            Some(value) => Found::Within(value),
+            Some((fit, step)) => Found::Within(fit.value_at(&step, |j| self.values[j])),
             None if first.r < BEYOND_THE_CLOUD * self.spacing() => {
                 Found::Beyond(self.beyond(&nearest))
             }
             None => Found::Nothing,
+        }
+    }
+
+    /// What particles carry, `n` numbers each, at a place: beyond the cloud that of the nearest particle.
+    pub(super) fn carried(
+        &self,
+        place: &[f64; D],
+        of_particles: &[f64],
+        n: usize,
+        out: &mut [f64],
+    ) {
+        let mut nearest = Vec::new();
+        let _ = self.tree.nearest(place, 1, &mut nearest);
+        let Some(first) = nearest.first() else { return };
+        let within = self.within(place, first.j);
+        for (k, out) in out.iter_mut().take(n).enumerate() {
+            let of = |j: usize| of_particles[j * n + k];
+            *out = within.as_ref().map_or(of(first.j), |(fit, step)| fit.value_at(step, of));
         }
     }
 
@@ -119,8 +154,9 @@ impl<'a, const D: usize> Departure<'a, D> {
         self.y.iter().map(|y| index_of_place(&y.map(|c| c / self.lattice.spacing)))
     }
 
-    /// By the lattice around the place; none where the place lies beyond the lattice or cannot be found on it.
-    fn within(&self, place: &[f64; D], nearest: usize) -> Option<f64> {
+    /// The lattice around the place, and the step that is left to it; none where the place lies beyond the lattice or cannot be
+    /// found on it.
+    fn within(&self, place: &[f64; D], nearest: usize) -> Option<(Fit<D>, [f64; D])> {
         let edges = lattice_jacobian(self.y, &self.lattice.axis_neighbours, nearest)?;
         let mut x = self.lattice.places[nearest];
         let mut step = solve(&edges, &difference(place, &self.y[nearest]));
@@ -137,8 +173,7 @@ impl<'a, const D: usize> Departure<'a, D> {
             let fit = self.fit(&x)?;
             step = solve(&fit.edges, &difference(place, &fit.y));
             if step.iter().all(|c| c.abs() < NEAR_ENOUGH) {
-                let along: f64 = fit.slope.iter().zip(&step).map(|(g, c)| g * c).sum();
-                return Some(fit.departure + along);
+                return Some((fit, step));
             }
         }
         None
@@ -169,23 +204,21 @@ impl<'a, const D: usize> Departure<'a, D> {
         equations.sum_in_all(&Points::of(&points));
         equations.factorise();
         let weights = equations.weights(&points, 1 + D);
-        let mut fit = Fit { y: [0.0; D], edges: [[0.0; D]; D], departure: 0.0, slope: [0.0; D] };
-        for (p, j) in members.into_iter().enumerate() {
-            let (y, departure) = (&self.y[j], self.values[j]);
+        let (mut y, mut edges) = ([0.0; D], [[0.0; D]; D]);
+        for (p, &j) in members.iter().enumerate() {
+            let of_member = &self.y[j];
             let weight = weights[0][p];
-            fit.departure += weight * departure;
             for k in 0..D {
-                fit.y[k] += weight * y[k];
+                y[k] += weight * of_member[k];
             }
             for l in 0..D {
                 let weight = weights[1 + l][p] / reach;
-                fit.slope[l] += weight * departure;
                 for k in 0..D {
-                    fit.edges[k][l] += weight * y[k];
+                    edges[k][l] += weight * of_member[k];
                 }
             }
         }
-        Some(fit)
+        Some(Fit { y, edges, members, weights })
     }
 
     /// The mean of what the nearest particles make of the place, each linearly.

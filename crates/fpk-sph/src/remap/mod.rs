@@ -10,10 +10,25 @@ use self::fresh_lattice::FreshLattice;
 use self::interpolation::Departure;
 use crate::error::Error;
 use crate::lattice::ParticleLattice;
+use crate::linear_filter::FilterVector;
 use crate::metric::{Metric, Whitening, mean_and_covariance};
+use crate::parallel::fill;
+use crate::rim_extrapolation::RimExtrapolation;
 use crate::score::{lattice_jacobian, solve};
 use crate::solver::Solver;
 use crate::state::State;
+
+/// Numbers that particles carry besides their masses, `n` each, particle by particle.
+pub(crate) struct Carried<'a> {
+    pub(crate) values: &'a [f64],
+    pub(crate) n: usize,
+}
+
+/// These numbers on a new lattice, with what extrapolates them to its rim.
+pub(crate) struct CarriedOn {
+    pub(crate) values: Vec<f64>,
+    pub(crate) rim: RimExtrapolation,
+}
 
 impl<const D: usize> Solver<D> {
     /// Remaps the cloud onto a new lattice, whatever its unevenness; an error leaves the state unchanged.
@@ -26,11 +41,47 @@ impl<const D: usize> Solver<D> {
 
     /// As [`Self::remap`], from the evaluation of the present state.
     pub(crate) fn remap_evaluated(&mut self, remapping: &Remapping) -> Result<Remapped, Error> {
-        if self.discretisation.combination.metric != Metric::Whitened {
-            return Err(Error::NotWhitened);
-        }
+        let fresh = self.grow_lattice(&self.departure()?, remapping)?;
+        let (fresh, report) = self.placed(fresh, remapping)?;
+        self.start_on(fresh)?;
+        Ok(report)
+    }
+
+    /// As [`Self::remap_evaluated`], with what the particles carry, which `check` sees with the masses before anything changes.
+    pub(crate) fn remap_with(
+        &mut self,
+        remapping: &Remapping,
+        carried: &Carried<'_>,
+        check: impl FnOnce(&[f64], &[f64]) -> Result<(), Error>,
+    ) -> Result<(Remapped, CarriedOn), Error> {
+        let departure = self.departure()?;
+        let (mut fresh, report) =
+            self.placed(self.grow_lattice(&departure, remapping)?, remapping)?;
+        let whitening = &self.evaluation.cloud.whitening;
+        let mut found = vec![FilterVector::default(); fresh.positions.len()];
+        fill(&mut found, |i| {
+            let mut of_particle = FilterVector::default();
+            let place = whitening.whiten(&fresh.positions[i]);
+            departure.carried(&place, carried.values, carried.n, &mut of_particle);
+            of_particle
+        });
+        let mut values: Vec<f64> = found.iter().flat_map(|of| &of[..carried.n]).copied().collect();
+        fresh.lattice.find_neighbours(self.discretisation.combination.support_over_spacing)?;
+        let rim = RimExtrapolation::new(&fresh.lattice)?;
+        // What lies beyond the cloud lies at the rim.
+        rim.apply(&mut values, carried.n);
+        check(&values, &fresh.masses)?;
+        self.start_on(fresh)?;
+        Ok((report, CarriedOn { values, rim }))
+    }
+
+    /// The particles of a new lattice, with mass, mean and covariance restored.
+    fn placed(
+        &self,
+        fresh: FreshLattice<D>,
+        remapping: &Remapping,
+    ) -> Result<(Placed<D>, Remapped), Error> {
         let (time, spacing) = (self.state.time, self.discretisation.lattice.spacing);
-        let fresh = self.grow_lattice(remapping)?;
         let points: Vec<[f64; D]> =
             fresh.indices.iter().map(|k| k.map(|k| f64::from(k) * spacing)).collect();
         let before = self.state.masses.iter().sum::<f64>();
@@ -50,30 +101,37 @@ impl<const D: usize> Solver<D> {
         let whitening = &self.evaluation.cloud.whitening;
         let positions = points.iter().map(|y| whitening.unwhiten(&own.whiten(y))).collect();
         let masses = fresh.masses.iter().map(|mass| mass * (before / after)).collect();
-        self.start_on(ParticleLattice::new(fresh.indices, spacing), positions, masses)?;
-        Ok(report)
+        let lattice = ParticleLattice::new(fresh.indices, spacing);
+        Ok((Placed { lattice, positions, masses }, report))
     }
 
-    /// The cells of the new lattice with their masses.
-    fn grow_lattice(&self, remapping: &Remapping) -> Result<FreshLattice<D>, Error> {
+    /// The log density of the present evaluation.
+    fn departure(&self) -> Result<Departure<'_, D>, Error> {
         let Self { discretisation, evaluation, .. } = self;
-        let departure = Departure::new(
+        if discretisation.combination.metric != Metric::Whitened {
+            return Err(Error::NotWhitened);
+        }
+        Departure::new(
             &discretisation.lattice,
             &evaluation.cloud.positions,
             &evaluation.estimates.density,
             &evaluation.estimates.score,
-        )?;
-        let reach = discretisation.combination.support_over_spacing;
-        FreshLattice::grow(&departure, self.state.time, reach, remapping)
+        )
+    }
+
+    /// The cells of the new lattice with their masses.
+    fn grow_lattice(
+        &self,
+        departure: &Departure<'_, D>,
+        remapping: &Remapping,
+    ) -> Result<FreshLattice<D>, Error> {
+        let reach = self.discretisation.combination.support_over_spacing;
+        FreshLattice::grow(departure, self.state.time, reach, remapping)
     }
 
     /// Replaces the particles by those of another lattice; an error leaves the state unchanged.
-    fn start_on(
-        &mut self,
-        lattice: ParticleLattice<D>,
-        positions: Vec<[f64; D]>,
-        masses: Vec<f64>,
-    ) -> Result<(), Error> {
+    fn start_on(&mut self, fresh: Placed<D>) -> Result<(), Error> {
+        let Placed { lattice, positions, masses } = fresh;
         let (n, spacing) = (positions.len(), lattice.spacing);
         let reach = self.discretisation.combination.support_over_spacing;
         let h = reach * spacing / self.discretisation.estimator.support();
@@ -124,6 +182,13 @@ impl<const D: usize> Solver<D> {
         }
         most
     }
+}
+
+/// Particles on a new lattice.
+struct Placed<const D: usize> {
+    lattice: ParticleLattice<D>,
+    positions: Vec<[f64; D]>,
+    masses: Vec<f64>,
 }
 
 /// The largest entry of `A - 1`.

@@ -167,21 +167,52 @@ impl Sde<2, 1> for CubicSpring {
 fn a_users_structure_with_a_cubic_spring_and_a_quadratic_damper_has_the_moments_of_paths() {
     let system = behind_soil(CubicSpring { window: Window::CANOR_DENOEL_2013 });
     let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
-    let config = config(5.5, 0.35);
-    // By t = 6 the cubic spring has folded the cloud: -1.9 % in E[q^2] here.
-    let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
-    // 2,000,000 paths as for the damper; standard error 0.09 %. The cubic term is 0.4 of the linear one at one deviation.
+    let mut simulation = ConditionedSimulation::new(&system, &law, &remeshed(5.5, 0.35)).unwrap();
+    // 40,000,000 paths as for the damper; standard error 0.02 %. The cubic term is 0.4 of the linear one at one deviation.
     for (t, q, v) in [
-        (1.0, 0.00333072, 0.0382164),
-        (2.0, 0.0118246, 0.147437),
-        (3.0, 0.0210296, 0.273699),
-        (4.0, 0.0252230, 0.334078),
+        (1.0, 0.00333108, 0.0382060),
+        (2.0, 0.0118166, 0.147356),
+        (3.0, 0.0210247, 0.273686),
+        (4.0, 0.0251843, 0.333670),
+        (6.0, 0.0277193, 0.373742),
     ] {
         simulation.advance_to(t).unwrap();
         for (powers, expected) in [([2, 0], q), ([0, 2], v)] {
             let error = simulation.structure().raw_moment(powers) / expected - 1.0;
-            // 0.11 % seen.
+            // 0.14 % seen; on one lattice -1.9 and -3.1 % at t = 6, where the cubic spring has folded the cloud.
             assert!(error.abs() < 3e-3, "t = {t}, {powers:?}: {error:e}");
+        }
+    }
+    assert!(simulation.structure().n_remaps() > 3);
+}
+
+/// With remeshing.
+fn remeshed<const DS: usize>(reach: f64, spacing: f64) -> Config<DS> {
+    let combination =
+        Combination { remapping: Some(Remapping::MEASURED), ..Method::FlowMapFit.combination() };
+    Config { method: Method::Custom(combination), ..config(reach, spacing) }
+}
+
+/// A normal density and means that are linear are reproduced on any lattice, but for what lies beyond it.
+#[test]
+fn a_linear_structure_keeps_its_moments_through_a_remeshing_in_every_step() {
+    let system = linear();
+    let law = correlated(&system);
+    let mut config = remeshed(6.0, 0.5);
+    if let Method::Custom(combination) = &mut config.method {
+        combination.remapping = Some(Remapping { most_uneven: 1e-14, ..Remapping::MEASURED });
+    }
+    let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
+    simulation.advance_to(1.0).unwrap();
+    assert!(simulation.structure().n_remaps() > 15);
+    let (found, expected) = (simulation.second_moments::<4>(), exact(&system, &law, 1.0));
+    for k in 0..4 {
+        for l in 0..4 {
+            let scale = (expected[k][k] * expected[l][l]).sqrt();
+            let error = (found[k][l] - expected[k][l]) / scale;
+
+            // What lies beyond 6 sigma, in every step: 2.9e-4 seen.
+            assert!(error.abs() < 1e-3, "{k} {l}: {error:e}");
         }
     }
 }
@@ -240,6 +271,23 @@ fn a_snapshot_goes_on_bit_for_bit_and_one_of_another_simulation_is_refused() {
     assert_eq!(resumed.structure().positions(), whole.structure().positions());
     assert!(resumed.conditional_means().eq(whole.conditional_means()));
     assert_eq!(resumed.conditional_covariance(), whole.conditional_covariance());
+    // With another lattice than at the start.
+    let structure = CubicSpring { window: Window::CANOR_DENOEL_2013 };
+    let start_remeshed = || {
+        ConditionedSimulation::new(&behind_soil(structure.clone()), &law, &remeshed(5.5, 0.35))
+            .unwrap()
+    };
+    let mut remeshed = start_remeshed();
+    remeshed.advance_to(3.0).unwrap();
+    let mut snapshot_of_remeshed = Vec::new();
+    remeshed.snapshot(&mut snapshot_of_remeshed).unwrap();
+    let mut resumed = start_remeshed();
+    assert_ne!(resumed.structure().n_particles(), remeshed.structure().n_particles());
+    resumed.restore(snapshot_of_remeshed.as_slice()).unwrap();
+    remeshed.advance_to(3.5).unwrap();
+    resumed.advance_to(3.5).unwrap();
+    assert_eq!(resumed.structure().positions(), remeshed.structure().positions());
+    assert!(resumed.conditional_means().eq(remeshed.conditional_means()));
     let refused = start(0.5).restore(snapshot.as_slice());
     assert!(matches!(refused, Err(Error::ForeignSnapshot { .. })), "{refused:?}");
     let mut of_structure = Vec::new();
@@ -262,10 +310,6 @@ fn what_the_means_are_not_carried_by_is_refused_by_name() {
     assert_eq!(
         message(&|c| c.scheme = Scheme::Heun),
         format!("{begin} the scheme RungeKutta4; the method has the scheme Heun")
-    );
-    assert_eq!(
-        message(&|c| c.remapping = Some(Remapping::MEASURED)),
-        format!("{begin} one lattice; the method has remeshing")
     );
     assert_eq!(
         message(&|c| c.step = StepRule::Courant { number: 0.8 }),

@@ -336,10 +336,6 @@ fn check_conditioned<'a>(
         let message = "filter states are conditioned out with the scheme runge_kutta_4 alone";
         return Err(Objection::new(path("scheme"), message).with_help("leave it out"));
     }
-    if lattice.fresh_lattices.is_some() {
-        let message = "filter states are conditioned out on one lattice, without remeshing";
-        return Err(Objection::new(path("fresh_lattices"), message).with_help("leave it out"));
-    }
     if matches!(initial, LawScene::Mixture(components) if components.len() > 1) {
         let message = "filter states are conditioned out of one normal distribution at the start";
         return Err(Objection::new("initial.mixture", message)

@@ -263,9 +263,11 @@ erased_paths! {
     VanDerPolRayleigh, 2, 1: Shark;
     TwoStorey, 4, 1: Shark;
     Filtered<LinearOscillator, 2, 2>, 4, 1: Shark;
+    Filtered<Duffing, 2, 2>, 4, 1: Shark;
     Filtered<TwoStorey, 4, 2>, 6, 1: Shark;
     Filtered<LinearOscillator, 2, 4>, 6, 1: Shark;
     Filtered<ViscousDamper, 2, 4>, 6, 1: Shark;
+    Filtered<Duffing, 2, 4>, 6, 1: Shark;
     OrnsteinUhlenbeck<1>, 1, 1: Shark;
     OrnsteinUhlenbeck<2>, 2, 2: Shark;
     OrnsteinUhlenbeck<3>, 3, 3: Shark;

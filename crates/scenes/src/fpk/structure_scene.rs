@@ -2,8 +2,9 @@
 
 use fpk_sph::Error;
 use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, TabulatedWindow,
-    TwoStorey, TwoStoreyParameters, ViscousDamper, ViscousDamperParameters, Window,
+    BoucWen, BoucWenParameters, Duffing, DuffingParameters, LinearOscillator,
+    LinearOscillatorParameters, TabulatedWindow, TwoStorey, TwoStoreyParameters, ViscousDamper,
+    ViscousDamperParameters, Window,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,6 +33,16 @@ pub struct DamperScene {
     pub damper_coefficient: f64,
     /// `alpha`, the power of the velocity in that force (no unit).
     pub damper_exponent: f64,
+}
+
+/// An oscillator with a cubic spring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DuffingScene {
+    /// The oscillator without its cubic spring.
+    pub structure: StructureScene,
+    /// `epsilon`, the cubic part of the spring (1/m^2).
+    pub cubic_stiffness: f64,
 }
 
 /// A hysteretic oscillator.
@@ -131,6 +142,13 @@ impl DamperScene {
             damper_coefficient,
             damper_exponent,
         })
+    }
+}
+
+impl DuffingScene {
+    pub(super) fn build(&self) -> Result<Duffing, Error> {
+        let &Self { ref structure, cubic_stiffness } = self;
+        Duffing::new(DuffingParameters { structure: structure.parameters()?, cubic_stiffness })
     }
 }
 

@@ -33,12 +33,16 @@ pub enum System {
     KanaiTajimiDamper(Filtered<ViscousDamper, 2, 2>),
     /// A hysteretic oscillator behind a Kanai-Tajimi filter.
     KanaiTajimiBoucWen(Filtered<BoucWen, 3, 2>),
+    /// A cubic spring behind a Kanai-Tajimi filter.
+    KanaiTajimiDuffing(Filtered<Duffing, 2, 2>),
     /// A building behind a Kanai-Tajimi filter.
     KanaiTajimiTwoStorey(Filtered<TwoStorey, 4, 2>),
     /// A linear oscillator behind a Clough-Penzien filter.
     CloughPenzienLinear(Filtered<LinearOscillator, 2, 4>),
     /// A viscous damper behind a Clough-Penzien filter.
     CloughPenzienDamper(Filtered<ViscousDamper, 2, 4>),
+    /// A cubic spring behind a Clough-Penzien filter.
+    CloughPenzienDuffing(Filtered<Duffing, 2, 4>),
     /// Ornstein-Uhlenbeck in one dimension.
     OrnsteinUhlenbeck1(OrnsteinUhlenbeck<1>),
     /// Ornstein-Uhlenbeck in two dimensions.
@@ -92,10 +96,12 @@ impl System {
             Self::TwoStorey(system) => visitor.visit::<_, 4, 1>(system),
             Self::KanaiTajimiLinear(system) => visitor.visit::<_, 4, 1>(system),
             Self::KanaiTajimiDamper(system) => visitor.visit::<_, 4, 1>(system),
+            Self::KanaiTajimiDuffing(system) => visitor.visit::<_, 4, 1>(system),
             Self::KanaiTajimiBoucWen(system) => visitor.visit::<_, 5, 1>(system),
             Self::KanaiTajimiTwoStorey(system) => visitor.visit::<_, 6, 1>(system),
             Self::CloughPenzienLinear(system) => visitor.visit::<_, 6, 1>(system),
             Self::CloughPenzienDamper(system) => visitor.visit::<_, 6, 1>(system),
+            Self::CloughPenzienDuffing(system) => visitor.visit::<_, 6, 1>(system),
             Self::OrnsteinUhlenbeck1(system) => visitor.visit::<_, 1, 1>(system),
             Self::OrnsteinUhlenbeck2(system) => visitor.visit::<_, 2, 2>(system),
             Self::OrnsteinUhlenbeck3(system) => visitor.visit::<_, 3, 3>(system),
@@ -116,12 +122,14 @@ impl System {
             | Self::VanDerPol(_) => &["q", "v"],
             Self::BoucWen(_) => &["q", "v", "z"],
             Self::TwoStorey(_) => &["q1", "q2", "v1", "v2"],
-            Self::KanaiTajimiLinear(_) | Self::KanaiTajimiDamper(_) => &["q", "v", "xg", "vg"],
+            Self::KanaiTajimiLinear(_)
+            | Self::KanaiTajimiDamper(_)
+            | Self::KanaiTajimiDuffing(_) => &["q", "v", "xg", "vg"],
             Self::KanaiTajimiBoucWen(_) => &["q", "v", "z", "xg", "vg"],
             Self::KanaiTajimiTwoStorey(_) => &["q1", "q2", "v1", "v2", "xg", "vg"],
-            Self::CloughPenzienLinear(_) | Self::CloughPenzienDamper(_) => {
-                &["q", "v", "xg", "vg", "xf", "vf"]
-            }
+            Self::CloughPenzienLinear(_)
+            | Self::CloughPenzienDamper(_)
+            | Self::CloughPenzienDuffing(_) => &["q", "v", "xg", "vg", "xf", "vf"],
             Self::OrnsteinUhlenbeck1(_)
             | Self::Bistable(_)
             | Self::CoxIngersollRoss(_)
@@ -197,10 +205,12 @@ impl System {
         Some(match self {
             Self::KanaiTajimiLinear(system) => visitor.visit::<_, 2, 2, 4>(system),
             Self::KanaiTajimiDamper(system) => visitor.visit::<_, 2, 2, 4>(system),
+            Self::KanaiTajimiDuffing(system) => visitor.visit::<_, 2, 2, 4>(system),
             Self::KanaiTajimiBoucWen(system) => visitor.visit::<_, 3, 2, 5>(system),
             Self::KanaiTajimiTwoStorey(system) => visitor.visit::<_, 4, 2, 6>(system),
             Self::CloughPenzienLinear(system) => visitor.visit::<_, 2, 4, 6>(system),
             Self::CloughPenzienDamper(system) => visitor.visit::<_, 2, 4, 6>(system),
+            Self::CloughPenzienDuffing(system) => visitor.visit::<_, 2, 4, 6>(system),
             _ => return None,
         })
     }
@@ -211,10 +221,12 @@ impl System {
         Some(match self {
             Self::KanaiTajimiLinear(system) => system.structure().period(),
             Self::KanaiTajimiDamper(system) => system.structure().period(),
+            Self::KanaiTajimiDuffing(system) => system.structure().period(),
             Self::KanaiTajimiBoucWen(system) => system.structure().period(),
             Self::KanaiTajimiTwoStorey(system) => frame_period(system.structure()),
             Self::CloughPenzienLinear(system) => system.structure().period(),
             Self::CloughPenzienDamper(system) => system.structure().period(),
+            Self::CloughPenzienDuffing(system) => system.structure().period(),
             _ => return None,
         })
     }
@@ -241,6 +253,9 @@ impl System {
             Self::KanaiTajimiDamper(system) => {
                 system.structure().period().min(system.filter().period())
             }
+            Self::KanaiTajimiDuffing(system) => {
+                system.structure().period().min(system.filter().period())
+            }
             Self::KanaiTajimiBoucWen(system) => {
                 system.structure().period().min(system.filter().period())
             }
@@ -251,6 +266,9 @@ impl System {
                 system.structure().period().min(system.filter().period())
             }
             Self::CloughPenzienDamper(system) => {
+                system.structure().period().min(system.filter().period())
+            }
+            Self::CloughPenzienDuffing(system) => {
                 system.structure().period().min(system.filter().period())
             }
             Self::OrnsteinUhlenbeck1(system) => fastest(&system.parameters().rates),
@@ -273,10 +291,12 @@ impl System {
         Some(match self {
             Self::KanaiTajimiLinear(system) => rows(system.filter().stationary_covariance()),
             Self::KanaiTajimiDamper(system) => rows(system.filter().stationary_covariance()),
+            Self::KanaiTajimiDuffing(system) => rows(system.filter().stationary_covariance()),
             Self::KanaiTajimiBoucWen(system) => rows(system.filter().stationary_covariance()),
             Self::KanaiTajimiTwoStorey(system) => rows(system.filter().stationary_covariance()),
             Self::CloughPenzienLinear(system) => rows(system.filter().stationary_covariance()),
             Self::CloughPenzienDamper(system) => rows(system.filter().stationary_covariance()),
+            Self::CloughPenzienDuffing(system) => rows(system.filter().stationary_covariance()),
             _ => return None,
         })
     }

@@ -3,15 +3,14 @@
 use fpk_sph::Error;
 use fpk_sph::systems::{
     Bistable, BistableParameters, CloughPenzienParameters, CoxIngersollRoss,
-    CoxIngersollRossParameters, Duffing, DuffingParameters, Filter, Filtered,
-    GeometricBrownianMotion, KanaiTajimiParameters, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
-    VanDerPolRayleigh, VanDerPolRayleighParameters,
+    CoxIngersollRossParameters, Filter, Filtered, GeometricBrownianMotion, KanaiTajimiParameters,
+    OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters, VanDerPolRayleigh, VanDerPolRayleighParameters,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::structure_scene::{
-    BoucWenScene, DamperScene, StructureScene, TwoStoreyScene, WindowScene,
+    BoucWenScene, DamperScene, DuffingScene, StructureScene, TwoStoreyScene, WindowScene,
 };
 use super::system::System;
 use crate::scene::Objection;
@@ -33,12 +32,7 @@ pub enum SystemScene {
     /// The hysteretic oscillator (Canor & Denoël 2013, eq 28).
     BoucWen(BoucWenScene),
     /// `q'' + 2 xi w q' + w^2 (q + epsilon q^3) = a(t) W`.
-    Duffing {
-        /// The oscillator without its cubic spring.
-        structure: StructureScene,
-        /// `epsilon`, the cubic part of the spring (1/m^2).
-        cubic_stiffness: f64,
-    },
+    Duffing(DuffingScene),
     /// `q'' + (-a + b (w^2 q^2 + q'^2)) q' + w^2 q = W` (van der Pol, Rayleigh).
     VanDerPol {
         /// `w`, the natural circular frequency (rad/s).
@@ -128,6 +122,8 @@ pub enum ShakenScene {
     ViscousDamper(DamperScene),
     /// A hysteretic oscillator.
     BoucWen(BoucWenScene),
+    /// An oscillator with a cubic spring.
+    Duffing(DuffingScene),
     /// A building of two storeys.
     TwoStorey(TwoStoreyScene),
 }
@@ -252,10 +248,7 @@ impl SystemScene {
             Self::LinearOscillator(structure) => System::LinearOscillator(structure.build()?),
             Self::ViscousDamper(damper) => System::ViscousDamper(damper.build()?),
             Self::BoucWen(hysteretic) => System::BoucWen(hysteretic.build()?),
-            Self::Duffing { structure, cubic_stiffness } => {
-                let (structure, cubic_stiffness) = (structure.parameters()?, *cubic_stiffness);
-                System::Duffing(Duffing::new(DuffingParameters { structure, cubic_stiffness })?)
-            }
+            Self::Duffing(hardening) => System::Duffing(hardening.build()?),
             &Self::VanDerPol {
                 natural_frequency,
                 self_excitation,
@@ -309,6 +302,16 @@ impl SystemScene {
         })
     }
 
+    /// Whether it is a structure with a cubic spring behind a filter.
+    #[must_use]
+    pub fn shakes_cubic_spring(&self) -> bool {
+        let (Self::KanaiTajimi { structure, .. } | Self::CloughPenzien { structure, .. }) = self
+        else {
+            return false;
+        };
+        matches!(structure, ShakenScene::Duffing(hardening) if hardening.cubic_stiffness > 0.0)
+    }
+
     /// The objection for a system error, at the key that it names.
     #[must_use]
     pub fn objection(&self, error: &SystemError) -> Objection {
@@ -344,6 +347,9 @@ fn behind_kanai_tajimi(
         ShakenScene::BoucWen(hysteretic) => {
             System::KanaiTajimiBoucWen(Filtered::new(hysteretic.build()?, filter, window)?)
         }
+        ShakenScene::Duffing(hardening) => {
+            System::KanaiTajimiDuffing(Filtered::new(hardening.build()?, filter, window)?)
+        }
         ShakenScene::TwoStorey(frame) => {
             System::KanaiTajimiTwoStorey(Filtered::new(frame.build()?, filter, window)?)
         }
@@ -363,6 +369,9 @@ fn behind_clough_penzien(
         }
         ShakenScene::ViscousDamper(damper) => {
             System::CloughPenzienDamper(Filtered::new(damper.build()?, filter, window)?)
+        }
+        ShakenScene::Duffing(hardening) => {
+            System::CloughPenzienDuffing(Filtered::new(hardening.build()?, filter, window)?)
         }
         ShakenScene::BoucWen(_) => return too_many("hysteretic oscillator", 7),
         ShakenScene::TwoStorey(_) => return too_many("building of two storeys", 8),

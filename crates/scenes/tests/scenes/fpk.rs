@@ -215,6 +215,30 @@ fn a_filter_that_is_conditioned_out_leaves_the_questions_about_the_structure() {
 }
 
 #[test]
+fn a_cubic_spring_behind_soil_needs_fresh_lattices_and_its_run_says_so() {
+    let planes = ",\n  \"planes\": { \"states\": [[\"q\", \"v\"]], \"times\": [6] }";
+    let fresh = ", \"fresh_lattices\": {}";
+    let text = include_str!("../../../../tests/scenes/fpk/duffing_kanai_tajimi.json");
+    assert!(text.contains(fresh) && text.contains(planes));
+    let text = text.replace(planes, "").replace("\"spacing\": 0.25", "\"spacing\": 0.5");
+    let folder = std::env::temp_dir().join(format!("fpk-folded-{}", std::process::id()));
+    let unknown = |text: &str, until: f64| {
+        let text = text.replace("\"until\": 6", &format!("\"until\": {until}"));
+        run_in(&folder, &text, Start::Anew).unwrap();
+        let result = std::fs::read(folder.join("result.json")).unwrap();
+        let result: Value = serde_json::from_slice(&result).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        result["unknown"].to_string()
+    };
+    let folded = "add `fresh_lattices`";
+    for (text, is_on_one) in [(text.clone(), false), (text.replace(fresh, ""), true)] {
+        let said = unknown(&text, 1.0);
+        assert!(said.contains("one covariance"), "{said}");
+        assert_eq!(said.contains(folded), is_on_one, "{said}");
+    }
+}
+
+#[test]
 fn questions_about_a_filter_that_is_conditioned_out_are_refused_where_they_stand() {
     let text = behind_soil(1.0);
     for (from, to, path, part) in [

@@ -14,7 +14,7 @@ use crate::report::Claim;
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/errors-of-four-states",
     title: "Cubic spring, quadratic damper and soil in four states: estimated over true error of second moments",
-    source: "2e6 paths of Heun's method by an independent program",
+    source: "4e7 paths of Heun's method by an independent program",
     cost: Profile::Default,
     schedule: Schedule::Together,
     run,

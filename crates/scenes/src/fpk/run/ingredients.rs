@@ -4,7 +4,7 @@ use crate::fpk::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
 use crate::fpk::law_scene::LawScene;
 use crate::fpk::method_scene::MethodScene;
 use crate::fpk::scene::{DemandScene, FpkScene};
-use crate::fpk::structure_scene::{BoucWenScene, StructureScene, WindowScene};
+use crate::fpk::structure_scene::{BoucWenScene, DuffingScene, StructureScene, WindowScene};
 use crate::fpk::system_scene::{ShakenScene, SystemScene};
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
@@ -49,6 +49,7 @@ fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
         ShakenScene::LinearOscillator(structure) => SystemScene::LinearOscillator(structure),
         ShakenScene::ViscousDamper(damper) => SystemScene::ViscousDamper(damper),
         ShakenScene::BoucWen(hysteretic) => SystemScene::BoucWen(hysteretic),
+        ShakenScene::Duffing(hardening) => SystemScene::Duffing(hardening),
         ShakenScene::TwoStorey(frame) => SystemScene::TwoStorey(frame),
     };
     if let LawScene::StationaryFilter { mean, standard_deviation } = scene.initial {
@@ -62,7 +63,7 @@ fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
 fn linear(scene: &FpkScene) -> Option<Ingredient> {
     let (name, structure, states_lost) = match scene.system.clone() {
         SystemScene::ViscousDamper(damper) => ("the damper", damper.structure, 0),
-        SystemScene::Duffing { structure, .. } => ("the cubic spring", structure, 0),
+        SystemScene::Duffing(hardening) => ("the cubic spring", hardening.structure, 0),
         SystemScene::BoucWen(hysteretic) => {
             let BoucWenScene { natural_frequency, damping_ratio, noise_intensity, window, .. } =
                 hysteretic;
@@ -131,9 +132,8 @@ fn undamp_storeys(scene: &mut FpkScene) -> bool {
 /// Modulating function of the noise or of the ground motion, if the system has one.
 fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
     Some(match system {
-        SystemScene::LinearOscillator(structure) | SystemScene::Duffing { structure, .. } => {
-            &mut structure.window
-        }
+        SystemScene::LinearOscillator(structure)
+        | SystemScene::Duffing(DuffingScene { structure, .. }) => &mut structure.window,
         SystemScene::ViscousDamper(damper) => &mut damper.structure.window,
         SystemScene::BoucWen(hysteretic) => &mut hysteretic.window,
         SystemScene::VanDerPol { window, .. } => window,
@@ -143,6 +143,7 @@ fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
             ShakenScene::LinearOscillator(structure) => &mut structure.window,
             ShakenScene::ViscousDamper(damper) => &mut damper.structure.window,
             ShakenScene::BoucWen(hysteretic) => &mut hysteretic.window,
+            ShakenScene::Duffing(hardening) => &mut hardening.structure.window,
             ShakenScene::TwoStorey(frame) => &mut frame.window,
         },
         SystemScene::OrnsteinUhlenbeck { .. }

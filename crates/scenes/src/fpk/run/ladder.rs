@@ -98,10 +98,13 @@ fn conditioned(scene: &Arc<FpkScene>, system: &System) -> Option<(MethodScene, M
     // A ball: waves grow in the corners of a fine box.
     let default = || LatticeScene { count: None, spacing: Some(1.0), ..default_lattice(states) };
     let own = own_lattice(&scene.method).filter(|_| scene.method.conditions_filter());
-    let lattice = LatticeScene {
+    let mut lattice = LatticeScene {
         filter: Some(FilterScene::Conditioned),
         ..own.cloned().unwrap_or_else(default)
     };
+    if scene.system.shakes_cubic_spring() {
+        lattice.fresh_lattices.get_or_insert_default();
+    }
     let method = MethodScene::FlowMapFit(lattice.clone());
     let asked = FpkScene { method: method.clone(), ..FpkScene::clone(scene) };
     asked.check().ok()?;

@@ -50,8 +50,16 @@ impl Drop for Folder {
 }
 
 /// The scene is refused by its pace, and then resumed to the result of one run.
-fn refused_and_resumed(name: &str, scene: &str) {
+pub(crate) fn refused_and_resumed(name: &str, scene: &str) {
+    refused_and_resumed_beside(name, scene, &[]);
+}
+
+/// As [`refused_and_resumed`], with files beside the scene.
+pub(crate) fn refused_and_resumed_beside(name: &str, scene: &str, files: &[(&str, &str)]) {
     let folder = Folder::new(name);
+    for (name, text) in files {
+        std::fs::write(folder.0.join(name), text).unwrap();
+    }
     let refused = folder.run(scene, "pieces", &NEXT_TO_NOTHING);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
     let words = String::from_utf8(refused.stderr).unwrap();

@@ -9,6 +9,8 @@ use scenes::checkpoint::Start;
 use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
 
+use crate::long_runs::refused_and_resumed;
+
 /// An elastic bar runs into a wall, in uniaxial strain.
 const BAR: &str = r#"{
   "solver": "smpm",
@@ -134,6 +136,11 @@ fn on_grids(tolerance: f64, more: &str) -> String {
     let text =
         BAR.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false");
     text.replace("\"times\"", "\"levels\": { \"position_1\": [19.867] },\n  \"times\"")
+}
+
+#[test]
+fn a_plan_that_would_take_too_long_is_refused_and_goes_on_where_it_was() {
+    refused_and_resumed("levels", &on_grids(0.4, ""));
 }
 
 #[test]

@@ -12,6 +12,7 @@ use scenes::scene::SceneFile;
 use serde_json::Value;
 
 use super::*;
+use crate::long_runs::refused_and_resumed_beside;
 
 const INFERENCE: &str = r#"{
   "solver": "peridyn-sde-inference",
@@ -88,6 +89,13 @@ fn changed(changes: &[(&str, &str)]) -> String {
 fn run_changed(name: &str, changes: &[(&str, &str)]) -> Ran {
     let [paths, loads] = &*PLATES;
     inferred(name, &changed(changes), &MODEL, paths, loads)
+}
+
+#[test]
+fn ensembles_that_would_take_too_long_are_refused_and_go_on_where_they_were() {
+    let [paths, loads] = &*PLATES;
+    let files = [("plate.json", MODEL.as_str()), ("paths.csv", paths), ("loads.csv", loads)];
+    refused_and_resumed_beside("inference", INFERENCE, &files);
 }
 
 #[test]

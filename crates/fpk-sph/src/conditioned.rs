@@ -181,7 +181,7 @@ where
     ///
     /// # Errors
     /// As [`Simulation::step`]; [`Error::NoConditionalVariance`] where the means leave the filter no variance. The state is then
-    /// that before the step.
+    /// that before the step, or that after the remeshing before it.
     pub fn step(&mut self) -> Result<StepReport, Error> {
         self.step_towards(f64::INFINITY)
     }

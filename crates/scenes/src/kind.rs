@@ -26,9 +26,11 @@ pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
 pub use self::kind_run::Run;
 pub use self::options::{Options, PageFile};
-pub use self::pace::TooLong;
+#[cfg(feature = "smpm")]
+pub(crate) use self::pace::Limit;
 #[cfg(any(feature = "fpk", feature = "smpm", feature = "peridyn"))]
-pub(crate) use self::pace::{Limit, Pace};
+pub(crate) use self::pace::Pace;
+pub use self::pace::TooLong;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};

@@ -28,7 +28,7 @@ pub use self::kind_run::Run;
 pub use self::options::{Options, PageFile};
 #[cfg(feature = "smpm")]
 pub(crate) use self::pace::Limit;
-#[cfg(any(feature = "fpk", feature = "smpm", feature = "peridyn"))]
+#[cfg(any(feature = "smpm", feature = "peridyn"))]
 pub(crate) use self::pace::Pace;
 pub use self::pace::TooLong;
 pub use self::part::{Part, Place};

@@ -78,7 +78,7 @@ impl Pace<'_> {
     ///
     /// # Errors
     /// [`TooLong`].
-    #[cfg(any(feature = "fpk", feature = "smpm"))]
+    #[cfg(feature = "fpk")]
     pub(crate) fn allowed(&self) -> Result<(), TooLong> {
         match &*self.state.lock().unwrap_or_else(PoisonError::into_inner) {
             State::Refused(too_long) => Err(too_long.clone()),

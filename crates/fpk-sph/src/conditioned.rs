@@ -39,7 +39,7 @@ use crate::systems::Filtered;
 ///
 /// **Use it** for four to six states, of which the last are a filter's: two states in place of four, three in place of
 /// five. **Do not use it** where the filter is slow beside the structure and the structure is strongly nonlinear (two wells): then the
-/// filter's states given those of the structure are not near a normal distribution of one covariance. Where a stiffening
+/// filter's states given those of the structure are not near a normal distribution of one covariance. Where a hardening
 /// spring winds the cloud up, give the method a [`Remapping`](crate::Remapping): on one lattice the tail is lost first, then the
 /// moments. With it the moments of a cubic spring stay within 0.2 %.
 ///

@@ -359,9 +359,9 @@ pub enum Error {
     RemappingChangesMass {
         /// Time.
         time: f64,
-        /// Mass, mean or covariance, or the part of the output of a filter that is explained.
+        /// Mass, mean, covariance, or explained variance of a filter's output.
         quantity: &'static str,
-        /// The change: relative, in standard deviations, of a whitened entry, over the variance of the output.
+        /// The change: relative, in standard deviations, of a whitened entry, over the variance of the output, in this order.
         value: f64,
         /// The most that is allowed.
         limit: f64,

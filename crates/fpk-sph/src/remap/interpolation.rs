@@ -47,7 +47,7 @@ struct Grid<const D: usize> {
     ids: Vec<u32>,
 }
 
-/// Position at a point of the lattice with its derivatives there, per spacing, and what makes the same of other values.
+/// Position at a point of the lattice with its derivatives there, per spacing, and the weights that interpolate other values.
 struct Fit<const D: usize> {
     y: [f64; D],
     edges: [[f64; D]; D],

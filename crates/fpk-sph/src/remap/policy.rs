@@ -18,7 +18,8 @@ pub struct Remapping {
     /// beyond the last particle by [`BEYOND_THE_CLOUD`] spacings at most.
     pub outermost_mass: f64,
     /// Most relative change of the mass, and most change of an entry of the whitened mean and covariance, permitted
-    /// before they are restored: beyond it the new lattice does not resolve the density.
+    /// before they are restored: beyond it the new lattice does not resolve the density. With a filter conditioned out, also most
+    /// change of the explained variance of its output, over the variance of the output.
     pub most_change: f64,
     /// Largest number of particles on a new lattice.
     pub most_particles: usize,

@@ -179,7 +179,7 @@ fn a_users_structure_with_a_cubic_spring_and_a_quadratic_damper_has_the_moments_
         simulation.advance_to(t).unwrap();
         for (powers, expected) in [([2, 0], q), ([0, 2], v)] {
             let error = simulation.structure().raw_moment(powers) / expected - 1.0;
-            // 0.14 % seen; on one lattice -1.9 and -3.1 % at t = 6, where the cubic spring has folded the cloud.
+            // 0.15 % seen; on one lattice -1.9 and -3.0 % at t = 6, where the cubic spring has folded the cloud.
             assert!(error.abs() < 3e-3, "t = {t}, {powers:?}: {error:e}");
         }
     }
@@ -210,8 +210,7 @@ fn a_linear_structure_keeps_its_moments_through_a_remeshing_in_every_step() {
         for l in 0..4 {
             let scale = (expected[k][k] * expected[l][l]).sqrt();
             let error = (found[k][l] - expected[k][l]) / scale;
-
-            // What lies beyond 6 sigma, in every step: 2.9e-4 seen.
+            // 2.9e-4 seen.
             assert!(error.abs() < 1e-3, "{k} {l}: {error:e}");
         }
     }

@@ -12,6 +12,7 @@ mod words;
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 pub use self::curve::{Curve, Needed, Point, Unreached};
 pub use self::judgement::{Judgement, judge};
@@ -19,18 +20,22 @@ pub use self::page::write_page;
 pub use self::within::{Within, print_within, run_within};
 pub use self::words::print;
 use crate::kind::{Progress, RunError, SceneKind, kind_of};
-use crate::ladder::{self, Ladder, LadderError, Outcome, Rung, Trial};
+use crate::ladder::{self, Ladder, LadderError, Limits, Outcome, Rung, Trial};
 use crate::scene::SceneFile;
 
 /// Sizes are chosen for this fraction of the tolerance, because an extrapolated error is itself uncertain.
 const MARGIN: f64 = 0.8;
+
+/// A trial of one method of several ends where it would take this many budgets.
+const PATIENCE: f64 = 10.0;
 
 /// Options of the advice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Largest admissible error, relative to the scale of each quantity.
     pub tolerance: f64,
-    /// Largest expected cost of a trial run (CPU s); the first trial of each method always runs.
+    /// Largest expected cost of a trial run (CPU s). The first trial of each method begins in any case; where other methods are tried
+    /// too, it ends once its pace says that it would take over ten times as long.
     pub budget: f64,
     /// Prefixes of ids of quantities; an empty list selects all.
     pub quantities: Vec<String>,
@@ -214,9 +219,12 @@ pub fn advise_on(
     if tried == Tried::Own {
         ladder.methods.truncate(1);
     }
+    // A scene whose only method is dear has no other to turn to.
+    let longest = Duration::try_from_secs_f64(PATIENCE * budget).ok();
+    let limits = Limits { budget, longest: longest.filter(|_| tried == Tried::All) };
     let mut trials = Vec::new();
     for method in 0..ladder.methods.len() {
-        trials.extend(ladder::climb(kind, file, &ladder, method, budget, |method, rung| {
+        trials.extend(ladder::climb(kind, file, &ladder, method, limits, |method, rung| {
             progress.stage(&format!("trial: {}", method.at(&rung.label)));
         })?);
         // A misspelt quantity is reported before the other methods have run.
@@ -271,7 +279,7 @@ fn ids(trials: &[Trial]) -> Result<Vec<String>, AdviseError> {
     }
     if ids.is_empty() {
         let reason = trials.iter().find_map(|trial| match &trial.outcome {
-            Outcome::Failed { reason } => Some(reason.clone()),
+            Outcome::Failed { reason, .. } => Some(reason.clone()),
             Outcome::Answered(_) => None,
         });
         let reason = reason.unwrap_or_else(|| "a result without quantities".to_owned());

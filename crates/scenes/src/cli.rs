@@ -138,7 +138,7 @@ pub struct Advise {
 /// Options of trial runs.
 #[derive(Debug, Args)]
 struct Wanted {
-    /// Largest expected cost of a trial run in CPU seconds; the first trial of each method always runs
+    /// Largest expected cost of a trial run in CPU seconds; the first trial of each method may take ten times as long
     #[arg(long, value_name = "SECONDS", default_value_t = advise::Options::BUDGET)]
     budget: f64,
     /// Prefix of the id of a quantity, e.g. moment/ or exceedance/1; may be repeated; all if not given

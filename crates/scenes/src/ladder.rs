@@ -13,8 +13,8 @@ use serde_json::{Map, Value};
 
 pub use self::built_in::{BuiltIn, BuiltInError};
 pub use self::trial::{
-    LadderError, Outcome, Trial, climb, is_next_beyond, read_answer, repeated_costs, try_rung,
-    try_scene,
+    LadderError, Limits, Outcome, Trial, climb, is_next_beyond, read_answer, repeated_costs,
+    try_rung, try_scene,
 };
 
 /// A scene and the methods that solve it.

@@ -7,7 +7,7 @@ pub mod edit;
 mod ingredient;
 
 pub use self::ingredient::Ingredient;
-use crate::ladder::{Answer, BuiltIn, LadderError, Outcome, Trial, climb, try_scene};
+use crate::ladder::{Answer, BuiltIn, LadderError, Limits, Outcome, Trial, climb, try_scene};
 
 /// Effect of leaving out an ingredient.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +61,8 @@ pub fn study(
     tolerance: f64,
     mut tell: impl FnMut(&str),
 ) -> Result<Option<Study>, LadderError> {
-    let trials = climb(scene.kind, &scene.file, &scene.ladder, 0, budget, |method, rung| {
+    let limits = Limits { budget, longest: None };
+    let trials = climb(scene.kind, &scene.file, &scene.ladder, 0, limits, |method, rung| {
         tell(&method.at(&rung.label));
     })?;
     let base = trials.iter().rev().find_map(|trial| Some((trial, trial.answer()?)));
@@ -69,7 +70,7 @@ pub fn study(
     let mut effects = Vec::new();
     for ingredient in (scene.kind.ingredients)(&rung.trial) {
         tell(&format!("without {}", ingredient.name));
-        let outcome = try_scene(scene.kind, &scene.file, &ingredient.scene)?;
+        let outcome = try_scene(scene.kind, &scene.file, &ingredient.scene, None)?;
         effects.push((ingredient.name.clone(), effect(answer, &outcome, &ingredient, tolerance)));
     }
     let base = scene.ladder.methods[0].at(&rung.label);
@@ -79,7 +80,7 @@ pub fn study(
 fn effect(with: &Answer, without: &Outcome, ingredient: &Ingredient, tolerance: f64) -> Effect {
     let without = match without {
         Outcome::Answered(answer) => answer,
-        Outcome::Failed { reason } => return Effect::Fails { reason: reason.clone() },
+        Outcome::Failed { reason, .. } => return Effect::Fails { reason: reason.clone() },
     };
     let cost_ratio = without.cpu_seconds / with.cpu_seconds;
     let change = |quantity: &crate::ladder::Quantity| {

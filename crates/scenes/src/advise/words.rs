@@ -44,9 +44,9 @@ pub(super) fn tried_rows(advice: &Advice) -> (Vec<String>, Vec<Vec<String>>) {
         let method = advice.ladder.methods[trial.method].name.clone();
         let mut row = vec![method, trial.rung.label.clone()];
         match &trial.outcome {
-            Outcome::Failed { reason } => {
+            Outcome::Failed { reason, cpu_seconds } => {
                 row.extend([
-                    String::new(),
+                    short(Some(*cpu_seconds)),
                     String::new(),
                     format!("ended: {reason}"),
                     String::new(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Ladder, LadderError, Method, Rung, Trial, climb, repeated_costs};
+use super::{Ladder, LadderError, Limits, Method, Rung, Trial, climb, repeated_costs};
 use crate::kind::{RunError, SceneKind, kind_of};
 use crate::scene::SceneFile;
 
@@ -85,7 +85,7 @@ impl BuiltIn {
         }
     }
 
-    /// Climbs the ladders of all methods; see [`climb`].
+    /// Climbs the ladders of all methods until a trial would cost more than the budget (CPU s); see [`climb`].
     ///
     /// # Errors
     /// [`LadderError`].
@@ -94,9 +94,9 @@ impl BuiltIn {
         budget: f64,
         mut tell: impl FnMut(&Method, &Rung),
     ) -> Result<Vec<Trial>, LadderError> {
-        let mut trials = Vec::new();
+        let (mut trials, limits) = (Vec::new(), Limits { budget, longest: None });
         for method in 0..self.ladder.methods.len() {
-            trials.extend(climb(self.kind, &self.file, &self.ladder, method, budget, &mut tell)?);
+            trials.extend(climb(self.kind, &self.file, &self.ladder, method, limits, &mut tell)?);
         }
         Ok(trials)
     }

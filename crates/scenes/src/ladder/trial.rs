@@ -1,11 +1,13 @@
 //! Trial runs of rungs.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde_json::{Map, Value};
 
 use super::{Answer, Ladder, Method, Rung};
 use crate::causes::with_causes;
+use crate::clock::CpuClock;
 use crate::kind::{Options, Progress, SceneKind};
 use crate::scene::SceneFile;
 
@@ -29,7 +31,18 @@ pub enum Outcome {
     Failed {
         /// Text of the error.
         reason: String,
+        /// CPU time until then (s).
+        cpu_seconds: f64,
     },
+}
+
+/// Limits of trials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Largest expected cost of a trial (CPU s); the first of each method is not expected to cost anything.
+    pub budget: f64,
+    /// A trial with a part that would take longer at its pace ends; no limit if none.
+    pub longest: Option<Duration>,
 }
 
 /// Error that prevents a trial.
@@ -52,7 +65,7 @@ pub enum LadderError {
     Missing {
         /// Path of the result.
         path: PathBuf,
-        /// JSON pointer.
+        /// Its keys.
         what: &'static str,
     },
 }
@@ -66,12 +79,21 @@ impl Trial {
             Outcome::Failed { .. } => None,
         }
     }
+
+    /// CPU time (s), whether it ended in a result or in an error.
+    #[must_use]
+    pub const fn cpu_seconds(&self) -> f64 {
+        match &self.outcome {
+            Outcome::Answered(Answer { cpu_seconds, .. }) | Outcome::Failed { cpu_seconds, .. } => {
+                *cpu_seconds
+            }
+        }
+    }
 }
 
 /// Runs a method at increasing sizes, each about three times as expensive as the last.
 ///
-/// It stops when the next run would cost more than `budget` (CPU s), or after two failures in a row. `tell` is called
-/// before each run.
+/// It stops when the next run would cost more than the budget, or after two failures in a row. `tell` is called before each run.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.
@@ -80,7 +102,7 @@ pub fn climb(
     file: &SceneFile,
     ladder: &Ladder,
     method: usize,
-    budget: f64,
+    limits: Limits,
     mut tell: impl FnMut(&Method, &Rung),
 ) -> Result<Vec<Trial>, LadderError> {
     let climbed = &ladder.methods[method];
@@ -93,14 +115,13 @@ pub fn climb(
             continue;
         }
         tell(climbed, &rung);
-        let trial = try_rung(kind, file, method, rung)?;
-        let cost = trial.answer().map(|answer| answer.cpu_seconds);
+        let outcome = try_scene(kind, file, &rung.trial, limits.longest)?;
+        let trial = Trial { method, rung, outcome };
+        let (cost, is_answered) = (trial.cpu_seconds(), trial.answer().is_some());
         trials.push(trial);
-        match cost {
-            Some(cost) if is_next_beyond(cost, budget) => break,
-            Some(_) => failures = 0,
-            None if failures == MOST_FAILURES => break,
-            None => failures += 1,
+        failures = if is_answered { 0 } else { failures + 1 };
+        if is_next_beyond(cost, limits.budget) || failures > MOST_FAILURES {
+            break;
         }
     }
     Ok(trials)
@@ -125,7 +146,7 @@ pub fn try_rung(
     method: usize,
     rung: Rung,
 ) -> Result<Trial, LadderError> {
-    let outcome = try_scene(kind, file, &rung.trial)?;
+    let outcome = try_scene(kind, file, &rung.trial, None)?;
     Ok(Trial { method, rung, outcome })
 }
 
@@ -142,7 +163,7 @@ pub fn repeated_costs(
     let Some(answer) = trial.answer() else { return Ok(Vec::new()) };
     let mut costs = vec![answer.cpu_seconds];
     for _ in 0..again {
-        let outcome = try_scene(kind, file, &trial.rung.trial)?;
+        let outcome = try_scene(kind, file, &trial.rung.trial, None)?;
         if let Outcome::Answered(answer) = outcome {
             costs.push(answer.cpu_seconds);
         }
@@ -151,7 +172,8 @@ pub fn repeated_costs(
     Ok(costs)
 }
 
-/// Runs a scene derived from `file`; relative paths start from the folder of `file`.
+/// Runs a scene derived from `file`; relative paths start from the folder of `file`. It ends in an error where a part of it would
+/// take longer than `longest`.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.
@@ -159,13 +181,15 @@ pub fn try_scene(
     kind: &SceneKind,
     file: &SceneFile,
     scene: &Map<String, Value>,
+    longest: Option<Duration>,
 ) -> Result<Outcome, LadderError> {
     let folder = tempfile::tempdir().map_err(LadderError::Folder)?;
     let scene = file.with_keys(Value::Object(scene.clone()));
-    let options = Options::new(folder.path()).without_page();
+    let options = Options { longest, ..Options::new(folder.path()).without_page() };
+    let clock = CpuClock::start();
     Ok(match kind.run_file(&scene, &options, &Progress::silent()) {
         Ok(_) => Outcome::Answered(read_answer(kind, folder.path())?),
-        Err(error) => Outcome::Failed { reason: with_causes(&error) },
+        Err(error) => Outcome::Failed { reason: with_causes(&error), cpu_seconds: clock.seconds() },
     })
 }
 
@@ -174,12 +198,12 @@ pub fn try_scene(
 /// # Errors
 /// [`LadderError::Result`], [`LadderError::Missing`].
 pub fn read_answer(kind: &SceneKind, folder: &Path) -> Result<Answer, LadderError> {
-    const COST: &str = "/work/cpu_seconds";
+    const COST: &str = "work.cpu_seconds";
     let path = folder.join("result.json");
     let to_error = |source| LadderError::Result { path: path.clone(), source };
     let text = std::fs::read_to_string(&path).map_err(to_error)?;
     let result: Value = serde_json::from_str(&text).map_err(|error| to_error(error.into()))?;
-    let cost = result.pointer(COST).and_then(Value::as_f64);
+    let cost = result["work"]["cpu_seconds"].as_f64();
     let cpu_seconds =
         cost.ok_or_else(|| LadderError::Missing { path: path.clone(), what: COST })?;
     Ok(Answer { cpu_seconds, quantities: (kind.quantities)(&result) })

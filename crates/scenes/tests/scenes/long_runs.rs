@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::Duration;
 
+use scenes::ladder::{Ladder, Limits, Outcome, climb};
+use scenes::{ALL, SceneFile, kind_of};
 use serde_json::Value;
 
 use crate::run_page::{BODIES, BUILDING, DENSITY, PLATE};
@@ -140,4 +143,29 @@ fn the_page_of_a_resumed_run_moves_from_the_beginning() {
     };
     assert!(!motion("whole").is_empty());
     assert_eq!(motion("pieces"), motion("whole"));
+}
+
+#[test]
+fn a_method_whose_trials_are_dear_or_fail_is_left_after_the_first() {
+    let file = SceneFile::from_text("density.json", DENSITY.to_owned()).unwrap();
+    let kind = kind_of(ALL, &file).unwrap();
+    let mut ladder = (kind.ladder)(&file).unwrap();
+    let climbed = |ladder: &Ladder, budget, longest| {
+        climb(kind, &file, ladder, 0, Limits { budget, longest }, |_, _| {}).unwrap()
+    };
+    let microsecond = Some(Duration::from_micros(1));
+    let dear = climbed(&ladder, 1e-9, microsecond);
+    assert_eq!(dear.len(), 1);
+    let Outcome::Failed { reason, .. } = &dear[0].outcome else { panic!("{dear:?}") };
+    assert!(reason.contains("so the rest takes about"), "{reason}");
+    assert!(dear[0].cpu_seconds() > 0.0);
+    // Trials that fail at no cost: three are made.
+    let rung = std::mem::replace(&mut ladder.methods[0].rung, Box::new(|_| None));
+    ladder.methods[0].rung = Box::new(move |size| {
+        let mut rung = rung(size)?;
+        rung.trial.insert("thresholds".to_owned(), "none".into());
+        Some(rung)
+    });
+    assert_eq!(climbed(&ladder, 1e9, None).len(), 3);
+    assert_eq!(climbed(&ladder, 1e-9, None).len(), 1);
 }

@@ -13,6 +13,7 @@ mod perturbation_moments;
 mod random_fields;
 mod ranks;
 mod resume;
+mod scene_result;
 mod sde;
 mod sde_ensembles;
 mod smoothing_kernels;

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use scenes::checkpoint::{CheckpointError, Start};
 use scenes::scene::SceneError;
 use scenes::{ALL, Options, Part, Progress, RunError, run};
+use tempfile::TempDir;
 
 /// A plate of 16 by 16 nodes with a field of strength and a little noise.
 const PLATE: &str = r#"{
@@ -39,7 +40,7 @@ const PLATE: &str = r#"{
 }"#;
 
 struct Ran {
-    folder: PathBuf,
+    folder: TempDir,
     written: Result<Vec<PathBuf>, RunError>,
 }
 
@@ -53,30 +54,27 @@ impl Ran {
 
     /// Runs the current scene in the folder again.
     fn again(&self, options: &Options) -> Result<Vec<PathBuf>, RunError> {
-        run(ALL, &self.folder.join("scene.json"), options, &Progress::silent())
+        run(ALL, &self.folder().join("scene.json"), options, &Progress::silent())
+    }
+
+    fn folder(&self) -> &Path {
+        self.folder.path()
     }
 }
 
-impl Drop for Ran {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
-    }
-}
-
-fn run_text(name: &str, text: &str) -> Ran {
-    run_beside(name, text, &[])
+fn run_text(text: &str) -> Ran {
+    run_beside(text, &[])
 }
 
 /// Runs a text with files in the same folder.
-fn run_beside(name: &str, text: &str, files: &[(&str, &[u8])]) -> Ran {
-    let folder = std::env::temp_dir().join(format!("peridyn-scene-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let scene = folder.join("scene.json");
+fn run_beside(text: &str, files: &[(&str, &[u8])]) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
     std::fs::write(&scene, text).unwrap();
     for (file, bytes) in files {
-        std::fs::write(folder.join(file), bytes).unwrap();
+        std::fs::write(folder.path().join(file), bytes).unwrap();
     }
-    let written = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
+    let written = run(ALL, &scene, &Options::new(folder.path().join("out")), &Progress::silent());
     Ran { folder, written }
 }
 
@@ -89,7 +87,7 @@ fn with(changes: &[(&str, &str)]) -> String {
 
 #[test]
 fn a_scene_tells_its_resolved_inputs_and_every_number_with_its_error() {
-    let ran = run_text("whole", PLATE);
+    let ran = run_text(PLATE);
     let result = ran.result();
     let resolved = |key: &str| result["resolved"][key].as_f64().unwrap();
     assert_eq!((resolved("nodes"), resolved("z")), (256.0, 0.9));
@@ -151,8 +149,8 @@ fn every_dynamics_mobility_and_strength_runs() {
             ("\"clamped\"", "\"sliding\""),
         ],
     ];
-    for (number, changes) in cases.into_iter().enumerate() {
-        let ran = run_text(&format!("kind-{number}"), &with(changes));
+    for changes in cases {
+        let ran = run_text(&with(changes));
         let result = ran.result();
         let broken = result["broken_bonds"]["value"].as_f64().unwrap();
         assert!(broken.is_finite() && result["failures"].as_array().unwrap().is_empty());
@@ -165,7 +163,7 @@ fn a_velocity_of_the_grips_is_a_strain_at_the_end() {
     let velocity = "\"velocity\": { \"speed\": 1e-3 }";
     let changes =
         [(stretch, velocity), ("\"z\": 0.9", "\"dt\": 1e-9"), ("\"value\": 1 ", "\"value\": 2 ")];
-    let ran = run_text("velocity", &with(&changes));
+    let ran = run_text(&with(&changes));
     let strain = ran.result()["resolved"]["final_strain"].as_f64().unwrap();
     // Both edges, 400 steps, over 16 mm.
     assert!((strain / (2.0 * 1e-3 * 400e-9 / 0.016) - 1.0).abs() < 1e-12, "{strain}");
@@ -181,7 +179,7 @@ fn mistake_beside(
     text: &str,
     files: &[(&str, &[u8])],
 ) -> (String, String, usize, String) {
-    let ran = run_beside(name, text, files);
+    let ran = run_beside(text, files);
     let Err(RunError::Scene(SceneError::Mistake(mistake))) = &ran.written else {
         panic!("{name}: {:?}", ran.written)
     };
@@ -296,20 +294,20 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
             ("[0, 11]", "[]"),
         ])
     };
-    let ran = run_text("others-kept", &of(6));
+    let ran = run_text(&of(6));
     ran.result();
     let second = Part::Shard("2/2".parse().unwrap());
-    let shard = || Options { part: second.clone(), ..Options::new(ran.folder.join("shard")) };
+    let shard = || Options { part: second.clone(), ..Options::new(ran.folder().join("shard")) };
     ran.again(&shard()).unwrap();
     for (n, options, words) in [
         (
             4,
-            Options::new(ran.folder.join("out")),
+            Options::new(ran.folder().join("out")),
             "6 realisations from number 0 on; requested are 4",
         ),
         (8, shard(), "3 realisations from number 3 on; requested are 4 from number 4 on"),
     ] {
-        std::fs::write(ran.folder.join("scene.json"), of(n)).unwrap();
+        std::fs::write(ran.folder().join("scene.json"), of(n)).unwrap();
         let checkpoint = options.out.join("checkpoint-1.bin");
         let kept = std::fs::read(&checkpoint).unwrap();
         let refused = ran.again(&Options { start: Start::GoOn, ..options }).unwrap_err();
@@ -322,16 +320,16 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
 /// The step exceeds every stable step, which only the built body shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_the_body_is_built() {
-    let ran = run_text("no-shard", &with(&[("\"z\": 0.9", "\"dt\": 1")]));
+    let ran = run_text(&with(&[("\"z\": 0.9", "\"dt\": 1")]));
     assert!(matches!(&ran.written, Err(RunError::Scene(_))), "{:?}", ran.written);
-    let part = Part::Merged(vec![ran.folder.join("scene.json")]);
-    let joined = ran.again(&Options { part, ..Options::new(ran.folder.join("joined")) });
+    let part = Part::Merged(vec![ran.folder().join("scene.json")]);
+    let joined = ran.again(&Options { part, ..Options::new(ran.folder().join("joined")) });
     assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
 }
 
 #[test]
 fn an_unknown_key_is_told_the_nearest() {
-    let ran = run_text("key", &with(&[("\"spacing\"", "\"spaceing\"")]));
+    let ran = run_text(&with(&[("\"spacing\"", "\"spaceing\"")]));
     let Err(RunError::Scene(error)) = &ran.written else { panic!("{:?}", ran.written) };
     let help = error.mistake().and_then(|mistake| mistake.help.clone());
     assert_eq!(help.as_deref(), Some("did you mean `spacing`?"));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use scenes::checkpoint::{CheckpointError, Reason, Start};
 use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
+use tempfile::TempDir;
 use twox_hash::XxHash64;
 
 /// A steel plate impacts a wall, in uniaxial strain.
@@ -29,12 +30,11 @@ const PLATE: &str = r#"{
   "fields": true
 }"#;
 
-fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>) {
-    let folder = std::env::temp_dir().join(format!("smpm-scene-{}-{name}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let scene = folder.join("scene.json");
+fn run_text(text: &str) -> (TempDir, Result<Vec<PathBuf>, RunError>) {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
     std::fs::write(&scene, text).unwrap();
-    let result = run(ALL, &scene, &Options::new(folder.join("out")), &Progress::silent());
+    let result = run(ALL, &scene, &Options::new(folder.path().join("out")), &Progress::silent());
     (folder, result)
 }
 
@@ -81,39 +81,35 @@ fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
         "{ \"finite_difference\": { \"step\": 0.01 } }",
         "\"sigma_points\"",
     ];
-    for (number, method) in methods.into_iter().enumerate() {
+    for method in methods {
         let of = |times: &str| PLATE.replace("\"propagated\"", method).replace(TIMES, times);
-        let (whole, written) = run_text(&format!("long-{number}"), &of(LONGER));
+        let (whole, written) = run_text(&of(LONGER));
         written.unwrap();
-        let (folder, written) = run_text(&format!("short-{number}"), &of(TIMES));
+        let (folder, written) = run_text(&of(TIMES));
         written.unwrap();
-        let (out, short) = (folder.join("out"), gauges(&folder.join("out")));
-        again(&folder, &of(LONGER), Start::GoOn).unwrap();
-        assert_eq!(all_of(&out), all_of(&whole.join("out")), "{method}");
+        let (out, short) = (folder.path().join("out"), gauges(&folder.path().join("out")));
+        again(folder.path(), &of(LONGER), Start::GoOn).unwrap();
+        assert_eq!(all_of(&out), all_of(&whole.path().join("out")), "{method}");
         let kept = checkpoints(&out);
-        again(&folder, &of(TIMES), Start::GoOn).unwrap();
+        again(folder.path(), &of(TIMES), Start::GoOn).unwrap();
         assert_eq!((gauges(&out), checkpoints(&out)), (short, kept), "{method}");
-        let error = again(&folder, &of("[3.5, 4]"), Start::GoOn).unwrap_err();
+        let error = again(folder.path(), &of("[3.5, 4]"), Start::GoOn).unwrap_err();
         let RunError::Scene(error) = error else { panic!("{error}") };
         let mistake = error.mistake().unwrap();
         assert_eq!(mistake.path, "times");
         assert!(mistake.help.as_deref().is_some_and(|help| help.contains("--overwrite")));
-        for folder in [whole, folder] {
-            std::fs::remove_dir_all(&folder).unwrap();
-        }
     }
 }
 
 #[test]
 fn a_frame_that_is_gone_is_missed_by_its_name() {
-    let (folder, written) = run_text("gone", PLATE);
+    let (folder, written) = run_text(PLATE);
     written.unwrap();
-    std::fs::remove_file(folder.join("out/fields/fields-0000.vtu")).unwrap();
-    let error = again(&folder, PLATE, Start::GoOn).unwrap_err();
+    std::fs::remove_file(folder.path().join("out/fields/fields-0000.vtu")).unwrap();
+    let error = again(folder.path(), PLATE, Start::GoOn).unwrap_err();
     let RunError::Solver(error) = error else { panic!("{error}") };
     assert!(error.to_string().contains("fields-0000.vtu"), "{error}");
-    again(&folder, PLATE, Start::Overwrite).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
+    again(folder.path(), PLATE, Start::Overwrite).unwrap();
 }
 
 /// The content follows eight letters and its length; its hash follows the content.
@@ -128,9 +124,9 @@ fn with_right_hash(mut bytes: Vec<u8>) -> Vec<u8> {
 fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in_a_panic() {
     let text = PLATE.replace("\"fields\": true", "\"fields\": false");
     let text = text.replace("\"propagated\"", "\"deterministic\"");
-    let (folder, written) = run_text("forged", &text);
+    let (folder, written) = run_text(&text);
     written.unwrap();
-    let out = folder.join("out");
+    let out = folder.path().join("out");
     let newest = checkpoints(&out).into_iter().flatten().max_by_key(Vec::len);
     let newest = &newest.expect("a run leaves a checkpoint at its end");
     let resume = |bytes: &[u8]| {
@@ -138,7 +134,7 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
             std::fs::write(out.join(name), bytes).unwrap();
         }
         // The final state is not restored: more steps follow.
-        again(&folder, &text.replace(TIMES, LONGER), Start::GoOn)
+        again(folder.path(), &text.replace(TIMES, LONGER), Start::GoOn)
     };
     let refused = |bytes: &[u8]| {
         let error = resume(bytes).unwrap_err();
@@ -165,7 +161,6 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
     }
     // A sum may be any number; a snapshot has a hash of its own, and the head is that of the scene.
     assert!(n_refused > 60, "{n_refused} refused, {n_same} the same, {n_other} other");
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// A method by eight replicas of scrambled Sobol' points.
@@ -187,19 +182,19 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
     // p = rho_0 (C + S_1 u) u: variances as the squares of 0.02 C and 0.05 S_1 u.
     let (by_c, by_s) = ((0.02 * 0.457_f64).powi(2), (0.05 * 1.49 * 0.1_f64).powi(2));
     let exact = [by_c / (by_c + by_s), by_s / (by_c + by_s)];
-    let (folder, written) = run_text("indices", &of(&quasi("sobol_indices", 4, "")));
+    let (folder, written) = run_text(&of(&quasi("sobol_indices", 4, "")));
     written.unwrap();
-    let out = folder.join("out");
-    again(&folder, &of(&quasi("sobol_indices", 8, "")), Start::GoOn).unwrap();
+    let out = folder.path().join("out");
+    again(folder.path(), &of(&quasi("sobol_indices", 8, "")), Start::GoOn).unwrap();
     let continued = gauges(&out);
-    let (anew, written) = run_text("indices-anew", &of(&quasi("sobol_indices", 8, "")));
+    let (anew, written) = run_text(&of(&quasi("sobol_indices", 8, "")));
     written.unwrap();
-    assert_eq!(continued, gauges(&anew.join("out")));
+    assert_eq!(continued, gauges(&anew.path().join("out")));
     let fitted = of(&quasi("quasi_monte_carlo", 8, ", \"control\": true"));
-    let (of_fit, written) = run_text("indices-fitted", &fitted);
+    let (of_fit, written) = run_text(&fitted);
     written.unwrap();
     // 64 points: the design knows indices to a tenth, the polynomial much better.
-    for (out, largest) in [(out, 0.25), (of_fit.join("out"), 0.02)] {
+    for (out, largest) in [(out, 0.25), (of_fit.path().join("out"), 0.02)] {
         let shares = shares(&out);
         for (k, exact) in exact.into_iter().enumerate() {
             for index in ["first", "total"] {
@@ -210,9 +205,6 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
                 assert!(error < largest, "{shares}");
             }
         }
-    }
-    for folder in [folder, anew, of_fit] {
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }
 
@@ -231,9 +223,9 @@ fn a_scene_runs_to_its_end_by_every_method() {
         (&quasi("sobol_indices", 4, ""), true),
         ("{ \"multilevel\": { \"tolerance\": 0.06, \"seed\": 1 } }", true),
     ];
-    for (number, (method, varies)) in methods.into_iter().enumerate() {
+    for (method, varies) in methods {
         let text = PLATE.replace("\"propagated\"", method);
-        let (folder, written) = run_text(&format!("method-{number}"), &text);
+        let (_folder, written) = run_text(&text);
         let written = written.unwrap();
         assert!(written.iter().all(|path| path.exists()), "{written:?}");
         let result = std::fs::read_to_string(&written[0]).unwrap();
@@ -250,7 +242,6 @@ fn a_scene_runs_to_its_end_by_every_method() {
             let frozen = if method.contains("frozen") { 2.08 } else { 1.0 };
             assert!((deviation / exact / frozen - 1.0).abs() < 0.1, "{method}: {deviation}");
         }
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }
 
@@ -262,22 +253,19 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
         );
         PLATE.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false")
     };
-    let (folder, written) = run_text("fewer", &of(20));
+    let (folder, written) = run_text(&of(20));
     written.unwrap();
-    let out = folder.join("out");
+    let out = folder.path().join("out");
     let (of_all, kept) = (gauges(&out), checkpoints(&out));
     let resume = |samples: u64| {
-        again(&folder, &of(samples), Start::GoOn).unwrap();
+        again(folder.path(), &of(samples), Start::GoOn).unwrap();
         gauges(&out)
     };
-    let (anew, written) = run_text("few", &of(8));
+    let (anew, written) = run_text(&of(8));
     written.unwrap();
-    assert_eq!(resume(8), gauges(&anew.join("out")));
+    assert_eq!(resume(8), gauges(&anew.path().join("out")));
     assert_eq!(checkpoints(&out), kept);
     assert_eq!(resume(20), of_all);
-    for folder in [folder, anew] {
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
 }
 
 /// The plate is too fast for its equation of state, which only a run shows.
@@ -285,29 +273,27 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
 fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
     let sampled = r#"{ "monte_carlo": { "samples": 8, "seed": 1, "control": false } }"#;
     let text = PLATE.replace("[-0.1]", "[-5]").replace("\"propagated\"", sampled);
-    let (folder, whole) = run_text("no-shard", &text);
+    let (folder, whole) = run_text(&text);
     assert!(matches!(whole, Err(RunError::Solver(_))), "{whole:?}");
-    let file = folder.join("scene.json");
+    let file = folder.path().join("scene.json");
     let part = Part::Merged(vec![file.clone()]);
-    let options = Options { part, ..Options::new(folder.join("joined")) };
+    let options = Options { part, ..Options::new(folder.path().join("joined")) };
     let joined = run(ALL, &file, &options, &Progress::silent());
     assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
-fn assert_mistake(name: &str, (right, wrong): (&str, &str), path: &str, words: &str) {
+fn assert_mistake((right, wrong): (&str, &str), path: &str, words: &str) {
     assert!(PLATE.contains(right), "{right}");
-    let (folder, result) = run_text(name, &PLATE.replace(right, wrong));
+    let (_folder, result) = run_text(&PLATE.replace(right, wrong));
     let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
     let mistake = error.mistake().unwrap();
     assert_eq!(mistake.path, path, "{}", mistake.message);
     assert!(mistake.message.contains(words), "{}", mistake.message);
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn mistakes_in_gravity_and_polygons_are_shown_where_they_are() {
-    for (number, (right, wrong, path, words)) in [
+    for (right, wrong, path, words) in [
         (
             "\"dimension\": 1",
             "\"dimension\": 1, \"gravity_history\": [[0, 0], [1, 1]]",
@@ -326,17 +312,14 @@ fn mistakes_in_gravity_and_polygons_are_shown_where_they_are() {
             "bodies[0].shape.polygon",
             "in two dimensions",
         ),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert_mistake(&format!("shape-{number}"), (right, wrong), path, words);
+    ] {
+        assert_mistake((right, wrong), path, words);
     }
 }
 
 #[test]
 fn mistakes_are_shown_where_they_stand() {
-    for (number, (right, wrong, path, words)) in [
+    for (right, wrong, path, words) in [
         (
             "\"mie_gruneisen\": { \"library\": \"steel\" }",
             "\"mie_gruneisen\": { \"library\": \"steel\", \"set\": { \"density\": -7.8 } }",
@@ -374,11 +357,8 @@ fn mistakes_are_shown_where_they_stand() {
             "method.quasi_monte_carlo.replicas",
             "4 replicas, at least 8 needed",
         ),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        assert_mistake(&format!("mistake-{number}"), (right, wrong), path, words);
+    ] {
+        assert_mistake((right, wrong), path, words);
     }
 }
 
@@ -425,13 +405,12 @@ fn bodies_that_cannot_be_are_refused_before_anything_runs() {
         ),
     ] {
         assert!(CHARGE.contains(from));
-        let (folder, written) = run_text("refused", &CHARGE.replacen(from, to, 1));
+        let (_folder, written) = run_text(&CHARGE.replacen(from, to, 1));
         let error = written.unwrap_err();
         let RunError::Scene(error) = error else { panic!("{error}") };
         let mistake = error.mistake().unwrap();
         assert_eq!(mistake.path, path);
         assert!(mistake.message.contains(part), "{}", mistake.message);
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }
 
@@ -443,9 +422,9 @@ fn a_size_off_the_lattice_is_noted_in_the_result() {
         ("[3.2, 2.1]", 2),
     ] {
         let text = CHARGE.replacen("\"to\": [3, 2]", &format!("\"to\": {to}"), 1);
-        let (folder, written) = run_text("noted", &text);
+        let (folder, written) = run_text(&text);
         written.unwrap();
-        let result = std::fs::read_to_string(folder.join("out/result.json")).unwrap();
+        let result = std::fs::read_to_string(folder.path().join("out/result.json")).unwrap();
         let result: Value = serde_json::from_str(&result).unwrap();
         let noted = result["notes"].as_array().map_or(&[][..], Vec::as_slice);
         assert_eq!(noted.len(), notes);
@@ -453,6 +432,5 @@ fn a_size_off_the_lattice_is_noted_in_the_result() {
             let text = noted[0].as_str().unwrap();
             assert!(text.contains("`plate` is 1.25 along axis 1, not 1.2"), "{text}");
         }
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

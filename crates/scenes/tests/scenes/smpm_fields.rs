@@ -8,6 +8,7 @@ use random_fields::{
 use scenes::checkpoint::Start;
 use scenes::{ALL, Options, Part, Progress, RunError, run};
 use serde_json::Value;
+use tempfile::TempDir;
 
 use crate::long_runs::refused_and_resumed;
 
@@ -43,9 +44,9 @@ const BAR: &str = r#"{
   "fields": true
 }"#;
 
-fn run_text(name: &str, text: &str) -> (PathBuf, Result<Vec<PathBuf>, RunError>) {
-    let folder = std::env::temp_dir().join(format!("smpm-field-{}-{name}", std::process::id()));
-    let result = run_in(&folder, text, &Options::new(folder.join("out")));
+fn run_text(text: &str) -> (TempDir, Result<Vec<PathBuf>, RunError>) {
+    let folder = tempfile::tempdir().unwrap();
+    let result = run_in(folder.path(), text, &Options::new(folder.path().join("out")));
     (folder, result)
 }
 
@@ -71,9 +72,9 @@ fn every_method_gives_the_deviation_of_the_samples() {
     ];
     let runs = [3, 19, 10, 3, 83];
     let mut deviations = Vec::new();
-    for (number, (method, n_runs)) in methods.into_iter().zip(runs).enumerate() {
+    for (method, n_runs) in methods.into_iter().zip(runs) {
         let text = BAR.replace("\"propagated\"", method);
-        let (folder, written) = run_text(&format!("method-{number}"), &text);
+        let (_folder, written) = run_text(&text);
         let written = written.unwrap();
         let result = std::fs::read_to_string(&written[0]).unwrap();
         let result: Value = serde_json::from_str(&result).unwrap();
@@ -90,7 +91,6 @@ fn every_method_gives_the_deviation_of_the_samples() {
         let fields = String::from_utf8_lossy(&std::fs::read(fields.unwrap()).unwrap()).into_owned();
         assert!(fields.contains("steel.equation.bulk_modulus"));
         assert!(fields.contains("\"position_1\"") && !fields.contains("position_1_mean"));
-        std::fs::remove_dir_all(&folder).unwrap();
     }
     for deviation in &deviations[1..] {
         // Third derivatives, and the samples' own error with a control variate.
@@ -114,7 +114,7 @@ fn a_polygon_with_a_separable_field_is_expanded_on_the_box_of_its_corners() {
         )
         .replace("\"at\": [19.9]", "\"at\": [0.25, 0.25]")
         .replace("\"propagated\"", "\"deterministic\"");
-    let (folder, written) = run_text("polygon", &text);
+    let (_folder, written) = run_text(&text);
     let result = std::fs::read_to_string(&written.unwrap()[0]).unwrap();
     let result: Value = serde_json::from_str(&result).unwrap();
     // Half of the places of a lattice of 40 by 20; none is on the inclined edge.
@@ -126,7 +126,6 @@ fn a_polygon_with_a_separable_field_is_expanded_on_the_box_of_its_corners() {
     let left_out = &result["random_fields"][0]["mean_left_out_variance"];
     let expected = field.mean_left_out_variance();
     assert_eq!(left_out.as_f64().map(f64::to_bits), Some(expected.to_bits()));
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// The bar by multilevel Monte Carlo, to a tolerance, with more keys of the method.
@@ -145,13 +144,13 @@ fn a_plan_that_would_take_too_long_is_refused_and_goes_on_where_it_was() {
 
 #[test]
 fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_one() {
-    let (folder, written) = run_text("levels", &on_grids(0.2, ""));
+    let (folder, written) = run_text(&on_grids(0.2, ""));
     written.unwrap();
-    let out = folder.join("out");
+    let out = folder.path().join("out");
     let resumed = Options { start: Start::GoOn, ..Options::new(&out) };
-    run_in(&folder, &on_grids(0.1, ""), &resumed).unwrap();
+    run_in(folder.path(), &on_grids(0.1, ""), &resumed).unwrap();
     let on = |n_threads: usize| {
-        let (folder, text) = (folder.join(format!("{n_threads}")), on_grids(0.1, ""));
+        let (folder, text) = (folder.path().join(format!("{n_threads}")), on_grids(0.1, ""));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         pool.install(|| run_in(&folder, &text, &Options::new(folder.join("out")))).unwrap();
         result(&folder.join("out"))
@@ -181,9 +180,9 @@ fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_on
     let (variance, error) = (number(&end["variance"]), number(&end["variance_standard_error"]));
     assert!((0.02..=0.1).contains(&(error / variance)), "{end}");
     // The deviation by derivatives, whose third order is at most a few per cent.
-    let (of_series, written) = run_text("levels-series", BAR);
+    let (of_series, written) = run_text(BAR);
     written.unwrap();
-    let series = &result(&of_series.join("out"))["gauges"][0]["quantities"][0]["values"][0];
+    let series = &result(&of_series.path().join("out"))["gauges"][0]["quantities"][0]["values"][0];
     let apart = number(&series["variance"]) - variance;
     assert!(apart.abs() < 4.0 * error + 0.05 * variance, "{series} {end}");
     // The same point on each grid; the nearest particle of the coarser one starts an eighth to the side.
@@ -198,14 +197,11 @@ fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_on
         (number(&chance["probability"]) - 0.5).abs() < 0.06 + 4.0 * error && error < 0.1,
         "{chance}"
     );
-    for folder in [folder, of_series] {
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
 }
 
 #[test]
 fn what_multilevel_cannot_have_is_refused() {
-    for (number, (text, path, words)) in [
+    for (text, path, words) in [
         (on_grids(0.0, ""), "tolerance", "must be greater than 0"),
         (on_grids(0.1, ", \"pilot\": 7"), "pilot", "there must be 8"),
         (on_grids(0.1, ", \"most_runs\": 0"), "most_runs", "0 runs"),
@@ -222,24 +218,19 @@ fn what_multilevel_cannot_have_is_refused() {
             "",
             "no grid with twice the cell 4 of the scene: length 1 of body `bar` is 2.5 cells of 8",
         ),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let (folder, result) = run_text(&format!("level-mistake-{number}"), &text);
+    ] {
+        let (_folder, result) = run_text(&text);
         let RunError::Scene(error) = result.unwrap_err() else { panic!("{words}") };
         let mistake = error.mistake().unwrap();
         let path = ["method.multilevel", path].join(".");
         assert_eq!(mistake.path, path.trim_end_matches('.'), "{}", mistake.message);
         assert!(mistake.message.contains(words), "{}", mistake.message);
-        std::fs::remove_dir_all(&folder).unwrap();
     }
-    let folder = std::env::temp_dir().join(format!("smpm-field-{}-shard", std::process::id()));
+    let folder = tempfile::tempdir().unwrap();
     let part = Part::Shard("1/2".parse().unwrap());
-    let options = Options { part, ..Options::new(folder.join("out")) };
-    let refused = run_in(&folder, &on_grids(0.1, ""), &options);
+    let options = Options { part, ..Options::new(folder.path().join("out")) };
+    let refused = run_in(folder.path(), &on_grids(0.1, ""), &options);
     assert!(matches!(refused, Err(RunError::NoShardsOfAPlan)), "{refused:?}");
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 const MARGINAL: &str = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
@@ -308,17 +299,16 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
 
 #[test]
 fn mistakes_in_random_fields_are_shown_where_they_are() {
-    for (number, &(right, wrong, path, words)) in MISTAKES.iter().enumerate() {
+    for &(right, wrong, path, words) in MISTAKES {
         assert!(BAR.contains(right), "{right}");
         let mut text = BAR.replacen(right, wrong, 1);
         if wrong.contains("neo_hookean") {
             text = text.replace(", \"steel.strength.shear_modulus\"", "");
         }
-        let (folder, result) = run_text(&format!("mistake-{number}"), &text);
+        let (_folder, result) = run_text(&text);
         let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
         let mistake = error.mistake().unwrap();
         assert_eq!(mistake.path, path, "{}", mistake.message);
         assert!(mistake.message.contains(words), "{}", mistake.message);
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

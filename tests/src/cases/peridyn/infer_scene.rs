@@ -1,6 +1,6 @@
 //! The built-in scene of inference: does it recover the toughness and the scatter of strength of its synthetic plates?
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
@@ -8,7 +8,7 @@ use scenes::crack_inference::measured::Measured as Plates;
 use scenes::crack_inference::scene::InferenceScene;
 use scenes::peridyn::scene::CrackScene;
 use scenes::peridyn::scene_problem::CrackProblem;
-use scenes::{ALL, Options, Progress, SceneFile};
+use scenes::{Options, SceneFile};
 use sde_integrators::{Noise, Purpose};
 use serde_json::{Value, json};
 use work_precision::processes::outcome;
@@ -16,6 +16,7 @@ use work_precision::record::workspace;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::scene_result::result_of;
 use crate::claim::Criterion;
 use crate::report::Claim;
 
@@ -93,15 +94,8 @@ fn distance(plates: &[Synthetic], files: &Plates) -> Result<[f64; 2], CaseError>
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let folder = std::env::temp_dir().join(format!("infer-scene-{}", std::process::id()));
-    let claims = claims(context, &folder);
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder)?;
-    }
-    claims
-}
-
-fn claims(context: &Context<'_>, folder: &Path) -> Result<Vec<Claim>, CaseError> {
+    let folder = tempfile::tempdir()?;
+    let folder = folder.path();
     let file = SceneFile::read(&workspace().join(SCENE))?;
     let scene: InferenceScene = file.parse()?;
     context.progress("synthetic plates");
@@ -235,8 +229,5 @@ fn resumed(lines: &Lines<'_>, file: &SceneFile, folder: &Path) -> Result<Claim, 
 }
 
 fn run_file(file: &SceneFile, out: &Path, start: Start) -> Result<Value, CaseError> {
-    let options = Options { start, ..Options::new(PathBuf::from(out)) };
-    let kind = scenes::kind_of(ALL, file)?;
-    kind.run_file(file, &options, &Progress::silent())?;
-    Ok(serde_json::from_str(&std::fs::read_to_string(out.join("result.json"))?)?)
+    result_of(file, &Options { start, ..Options::new(out) })
 }

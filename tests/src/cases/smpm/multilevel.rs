@@ -1,19 +1,20 @@
 //! Multilevel Monte Carlo over grids: a column against its integral, and two responses behind an explosion, one of which differs
 //! from grid to grid.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use figures::{ErrorKind, Measured, Reference};
 use rayon::ThreadPoolBuilder;
 use scenes::checkpoint::Start;
 use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
 use scenes::smpm::scene::SmpmScene;
-use scenes::{ALL, Options, Progress};
+use scenes::{Options, SceneFile};
 use serde_json::Value;
 use work_precision::problems::smpm::problems::Problem;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
+use crate::cases::scene_result;
 use crate::cases::smpm::contact_explosion;
 use crate::cases::smpm::random_fields::{SCENE_COLUMN, column_moments, standard_error};
 use crate::claim::Criterion;
@@ -39,22 +40,6 @@ pub(crate) const EXPLOSION: Case = Case {
 
 const STRENGTH: f64 = 0.15;
 
-/// Folder of results, removed at the end of a case.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        Self(std::env::temp_dir().join(format!("multilevel-{name}-{}", std::process::id())))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // One that cannot be removed is left to the system.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 /// The result of a scene by multilevel Monte Carlo, run in a folder.
 fn result_of(
     scene: &SmpmScene,
@@ -64,12 +49,9 @@ fn result_of(
 ) -> Result<Value, CaseError> {
     let method = MultilevelScene::new(tolerance, 11);
     let scene = SmpmScene { method: MethodScene::Multilevel(method), ..scene.clone() };
-    std::fs::create_dir_all(out)?;
-    let file = out.join("scene.json");
-    scenes::output::write_json(&file, &scene)?;
-    let options = Options { start, ..Options::new(out) };
-    scenes::run(ALL, &file, &options, &Progress::silent())?;
-    Ok(serde_json::from_str(&std::fs::read_to_string(out.join("result.json"))?)?)
+    let text = serde_json::to_string(&scene)?;
+    let file = SceneFile::from_text("scene.json", text)?;
+    scene_result::result_of(&file, &Options { start, ..Options::new(out) })
 }
 
 fn number(value: &Value) -> f64 {
@@ -108,12 +90,12 @@ fn used_cells(result: &Value) -> Vec<f64> {
 }
 
 fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let folder = Folder::new("column");
+    let folder = tempfile::tempdir()?;
     let mut scene = Problem::RandomColumn.scene()?;
     scene.grid.cell = 0.0625;
     let tolerance = 0.02;
     context.progress("samples on grids");
-    let result = result_of(&scene, tolerance, &folder.0.join("fine"), Start::Anew)?;
+    let result = result_of(&scene, tolerance, &folder.path().join("fine"), Start::Anew)?;
     let response = decisive(&result);
     let start = number(&result["gauges"][0]["quantities"][0]["values"][0]["mean"]);
     let [mean, variance, _] = column_moments(&SCENE_COLUMN, start);
@@ -154,7 +136,7 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         ),
     ];
     scene.grid.cell = 0.25;
-    claims.push(same_bits(context, &scene, &folder.0)?);
+    claims.push(same_bits(context, &scene, folder.path())?);
     Ok(claims)
 }
 
@@ -185,12 +167,12 @@ fn same_bits(context: &Context<'_>, scene: &SmpmScene, folder: &Path) -> Result<
 
 fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let solved = contact_explosion::solved(context, Problem::ContactExplosion, STRENGTH)?;
-    let folder = Folder::new("explosion");
+    let folder = tempfile::tempdir()?;
     let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &contact_explosion::TIMES)?;
     scene.fields = false;
     scene.levels.clear();
     context.progress("flow stress on three grids");
-    let flow = result_of(&scene, 0.03, &folder.0.join("flow"), Start::Anew)?;
+    let flow = result_of(&scene, 0.03, &folder.path().join("flow"), Start::Anew)?;
     let method = format!(
         "flow stress at H to 0.03, cells {:?}, {} runs",
         used_cells(&flow),
@@ -220,7 +202,7 @@ fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ));
     context.progress("S11 on three grids");
     scene.quantities.swap(0, 1);
-    let deviator = result_of(&scene, 0.2, &folder.0.join("deviator"), Start::Anew)?;
+    let deviator = result_of(&scene, 0.2, &folder.path().join("deviator"), Start::Anew)?;
     let notes = deviator["notes"].to_string();
     let kept =
         used_cells(&deviator).len() as f64 - f64::from(u8::from(!notes.contains("does not pay")));

@@ -73,10 +73,10 @@ static PLATES: LazyLock<[String; 2]> = LazyLock::new(|| {
     [paths, loads]
 });
 
-fn inferred(name: &str, text: &str, plate: &str, paths: &str, loads: &str) -> Ran {
+fn inferred(text: &str, plate: &str, paths: &str, loads: &str) -> Ran {
     let files = [("plate.json", plate), ("paths.csv", paths), ("loads.csv", loads)]
         .map(|(name, text)| (name, text.as_bytes()));
-    run_beside(name, text, &files)
+    run_beside(text, &files)
 }
 
 fn changed(changes: &[(&str, &str)]) -> String {
@@ -86,9 +86,9 @@ fn changed(changes: &[(&str, &str)]) -> String {
     })
 }
 
-fn run_changed(name: &str, changes: &[(&str, &str)]) -> Ran {
+fn run_changed(changes: &[(&str, &str)]) -> Ran {
     let [paths, loads] = &*PLATES;
-    inferred(name, &changed(changes), &MODEL, paths, loads)
+    inferred(&changed(changes), &MODEL, paths, loads)
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn ensembles_that_would_take_too_long_are_refused_and_go_on_where_they_were() {
 
 #[test]
 fn every_number_of_a_posterior_has_its_error_and_the_truth_lies_in_it() {
-    let ran = run_changed("posterior", &[]);
+    let ran = run_changed(&[]);
     let result = ran.result();
     let of = &result["parameters"][0];
     assert_eq!(of["key"], "material.toughness.energy_release_rate");
@@ -144,7 +144,7 @@ fn every_number_of_a_posterior_has_its_error_and_the_truth_lies_in_it() {
 
 #[test]
 fn warnings_name_what_makes_a_posterior_untrustworthy() {
-    let ran = run_changed("warnings", &[("\"draws\": 500", "\"draws\": 2000")]);
+    let ran = run_changed(&[("\"draws\": 500", "\"draws\": 2000")]);
     let result = ran.result();
     let file = SceneFile::from_text("scene.json", INFERENCE.to_owned()).unwrap();
     let findings = scenes::kind_of(ALL, &file).unwrap().findings;
@@ -188,7 +188,7 @@ fn the_horizon_is_a_parameter_where_the_plate_gives_it_as_a_length() {
         ("\"points\": 8", "\"points\": 7"),
     ];
     let [paths, loads] = &*PLATES;
-    let ran = inferred("horizon", &changed(&changes), &plate, paths, loads);
+    let ran = inferred(&changed(&changes), &plate, paths, loads);
     let result = ran.result();
     let mean = result["parameters"][0]["mean"]["value"].as_f64().unwrap();
     assert!((0.0042..0.0068).contains(&mean), "{mean}");
@@ -211,41 +211,41 @@ fn numbers(folder: &Path) -> Value {
 
 #[test]
 fn finished_ensembles_serve_more_points_and_other_data_bitwise() {
-    let ran = run_changed("resumed", &[("\"points\": 8", "\"points\": 7")]);
+    let ran = run_changed(&[("\"points\": 8", "\"points\": 7")]);
     ran.result();
     let longer = changed(&[("0.01 }", "0.02 }"), ("[0.02]", "[0.018]")]);
-    std::fs::write(ran.folder.join("scene.json"), &longer).unwrap();
-    let options = Options { start: Start::GoOn, ..Options::new(ran.folder.join("out")) };
+    std::fs::write(ran.folder().join("scene.json"), &longer).unwrap();
+    let options = Options { start: Start::GoOn, ..Options::new(ran.folder().join("out")) };
     ran.again(&options).unwrap();
     let [paths, loads] = &*PLATES;
-    let undisturbed = inferred("undisturbed", &longer, &MODEL, paths, loads);
+    let undisturbed = inferred(&longer, &MODEL, paths, loads);
     undisturbed.result();
-    assert_eq!(numbers(&ran.folder), numbers(&undisturbed.folder));
+    assert_eq!(numbers(ran.folder()), numbers(undisturbed.folder()));
     // Other realisations and another plate are other ensembles.
     for (file, text) in [
         ("scene.json", changed(&[("\"realisations\": 32", "\"realisations\": 48")])),
         ("plate.json", MODEL.replace("\"steps\": 300", "\"steps\": 301")),
     ] {
-        let before = std::fs::read(ran.folder.join(file)).unwrap();
-        std::fs::write(ran.folder.join(file), text).unwrap();
+        let before = std::fs::read(ran.folder().join(file)).unwrap();
+        std::fs::write(ran.folder().join(file), text).unwrap();
         let refused = ran.again(&options);
         assert!(
             matches!(refused, Err(RunError::Checkpoint(CheckpointError::Refused(_)))),
             "{file}: {refused:?}"
         );
-        std::fs::write(ran.folder.join(file), before).unwrap();
+        std::fs::write(ran.folder().join(file), before).unwrap();
     }
 }
 
 #[test]
 fn ranks_share_the_points_of_the_design_bitwise() {
-    let ran = run_changed("on-one", &[]);
+    let ran = run_changed(&[]);
     ran.result();
-    let shared = run_changed("on-ranks", &[("\"points\": 8", "\"points\": 6")]);
+    let shared = run_changed(&[("\"points\": 8", "\"points\": 6")]);
     assert!(shared.written.is_err());
-    let scene = shared.folder.join("scene.json");
+    let scene = shared.folder().join("scene.json");
     std::fs::write(&scene, INFERENCE).unwrap();
-    let options = &Options::new(shared.folder.join("out"));
+    let options = &Options::new(shared.folder().join("out"));
     std::thread::scope(|scope| {
         for rank in ThreadRank::all(3) {
             let scene = &scene;
@@ -254,14 +254,14 @@ fn ranks_share_the_points_of_the_design_bitwise() {
             });
         }
     });
-    assert_eq!(numbers(&ran.folder), numbers(&shared.folder));
+    assert_eq!(numbers(ran.folder()), numbers(shared.folder()));
 }
 
 #[test]
 fn shards_and_ladders_are_refused_with_a_reason() {
-    let ran = run_changed("shards", &[]);
+    let ran = run_changed(&[]);
     let part = Part::Shard("1/2".parse().unwrap());
-    let shard = ran.again(&Options { part, ..Options::new(ran.folder.join("shard")) });
+    let shard = ran.again(&Options { part, ..Options::new(ran.folder().join("shard")) });
     assert!(matches!(shard, Err(RunError::NoShards)), "{shard:?}");
     let file = SceneFile::from_text("scene.json", INFERENCE.to_owned()).unwrap();
     let ladder = (scenes::kind_of(ALL, &file).unwrap().ladder)(&file);
@@ -390,7 +390,7 @@ fn an_unknown_parameter_is_told_the_nearest_or_all() {
         ("shape.of.length", "did you mean `strength.field.correlation.length`?"),
         ("q", "its numbers are `body."),
     ] {
-        let ran = run_changed("infer-nearest", &[(KEY, key)]);
+        let ran = run_changed(&[(KEY, key)]);
         let Err(RunError::Scene(error)) = &ran.written else { panic!("{:?}", ran.written) };
         let help = error.mistake().and_then(|mistake| mistake.help.clone()).unwrap();
         assert!(help.starts_with(expected), "{help}");
@@ -401,7 +401,7 @@ fn an_unknown_parameter_is_told_the_nearest_or_all() {
 fn an_error_of_the_plate_is_shown_in_its_own_file() {
     let [paths, loads] = &*PLATES;
     let plate = MODEL.replace("\"spacing\": 0.002", "\"spacing\": -1");
-    let ran = inferred("infer-plate", INFERENCE, &plate, paths, loads);
+    let ran = inferred(INFERENCE, &plate, paths, loads);
     let Err(RunError::Scene(error)) = &ran.written else { panic!("{:?}", ran.written) };
     assert!(error.to_string().contains("plate.json line"), "{error}");
     assert_eq!(error.mistake().unwrap().path, "body.spacing");

@@ -37,10 +37,10 @@ fn field() -> &'static str {
 
 #[test]
 fn points_on_the_lattice_crack_as_the_lattice_does() {
-    let lattice = run_text("lattice", PLATE).result();
+    let lattice = run_text(PLATE).result();
     let file = csv("", &places(0.0), |_| String::new());
     let text = with(&[(BODY, &named("points.csv"))]);
-    let cloud = run_beside("cloud", &text, &[("points.csv", file.as_bytes())]).result();
+    let cloud = run_beside(&text, &[("points.csv", file.as_bytes())]).result();
     assert!(lattice["broken_bonds"]["value"].as_f64().unwrap() > 0.0);
     for key in ["resolved", "realisations", "load", "path"] {
         assert_eq!(cloud[key], lattice[key], "{key}");
@@ -57,7 +57,7 @@ fn columns_of_a_file_are_the_strength_and_the_stiffness_of_every_realisation() {
     let head = ",volume,strength_factor,stiffness_factor";
     let lines = csv(head, &places(0.2), rest);
     let text = with(&[(BODY, &named("points.csv")), (&strength, column)]);
-    let of_csv = run_beside("columns-csv", &text, &[("points.csv", lines.as_bytes())]);
+    let of_csv = run_beside(&text, &[("points.csv", lines.as_bytes())]);
 
     let mut store = ParticleStore::<2>::new(256);
     let position = store.add("position", places(0.2)).unwrap();
@@ -67,7 +67,7 @@ fn columns_of_a_file_are_the_strength_and_the_stiffness_of_every_realisation() {
     let mut bytes = Vec::new();
     store.write_vtu(position, &mut bytes).unwrap();
     let text = text.replace("points.csv", "Points.VTU");
-    let of_vtu = run_beside("columns-vtu", &text, &[("Points.VTU", &bytes)]);
+    let of_vtu = run_beside(&text, &[("Points.VTU", &bytes)]);
 
     let (of_csv, of_vtu) = (of_csv.result(), of_vtu.result());
     assert!(of_csv["failures"].as_array().unwrap().is_empty());
@@ -76,7 +76,7 @@ fn columns_of_a_file_are_the_strength_and_the_stiffness_of_every_realisation() {
     }
     // The body of uniform strength and stiffness breaks differently.
     let even = with(&[(BODY, &named("points.csv")), (field(), "\"uniform\"")]);
-    let even = run_beside("columns-even", &even, &[("points.csv", lines.as_bytes())]).result();
+    let even = run_beside(&even, &[("points.csv", lines.as_bytes())]).result();
     assert_ne!(even["load"], of_csv["load"]);
 }
 
@@ -84,7 +84,7 @@ fn columns_of_a_file_are_the_strength_and_the_stiffness_of_every_realisation() {
 fn a_field_is_drawn_on_points_of_no_lattice() {
     let file = csv("", &places(0.2), |_| String::new());
     let text = with(&[(BODY, &named("points.csv"))]);
-    let result = run_beside("scattered", &text, &[("points.csv", file.as_bytes())]).result();
+    let result = run_beside(&text, &[("points.csv", file.as_bytes())]).result();
     assert!(result["failures"].as_array().unwrap().is_empty());
     let realisations = result["realisations"].as_array().unwrap();
     let loads = realisations.iter().filter_map(|realisation| realisation["failure_load"].as_f64());
@@ -98,7 +98,7 @@ fn holes_are_taken_out_of_the_lattice() {
     let circle = "{ \"circle\": { \"centre\": [0.012, 0.004], \"radius\": 0.0021 } }";
     let square = "{ \"box\": { \"low\": [0.008, 0.011], \"high\": [0.011, 0.013] } }";
     let holes = format!("{BODY} \"holes\": [{circle}, {square}],");
-    let result = run_text("holes", &with(&[(BODY, &holes)])).result();
+    let result = run_text(&with(&[(BODY, &holes)])).result();
     // Around a corner of boxes: 4 at 0.71 spacings, 8 at 1.58; 4 more at 2.12 lie outside.
     assert_eq!(result["resolved"]["nodes"], 256 - 12 - 6);
     for (hole, path, words) in [
@@ -199,19 +199,19 @@ fn neither_a_checkpoint_nor_a_shard_is_taken_after_the_file_of_points_was_change
         ("[0, 11]", "[]"),
     ]);
     let file = csv("", &places(0.0), |_| String::new());
-    let ran = run_beside("changed", &text, &[("points.csv", file.as_bytes())]);
+    let ran = run_beside(&text, &[("points.csv", file.as_bytes())]);
     let record = &ran.result()["files"][0];
     assert_eq!(record["path"], "points.csv");
     let hash = record["xxh64"].as_str().unwrap().to_owned();
 
-    let out = |name: &str| Options::new(ran.folder.join(name));
+    let out = |name: &str| Options::new(ran.folder().join(name));
     let whole = Part::Shard("1/1".parse().unwrap());
     let shards = ran.again(&Options { part: whole, ..out("shard") }).unwrap();
     let go_on = || ran.again(&Options { start: Start::GoOn, ..out("out") });
     let merge = || ran.again(&Options { part: Part::Merged(shards.clone()), ..out("merged") });
     go_on().unwrap();
     merge().unwrap();
-    std::fs::write(ran.folder.join("points.csv"), csv("", &places(0.01), |_| String::new()))
+    std::fs::write(ran.folder().join("points.csv"), csv("", &places(0.01), |_| String::new()))
         .unwrap();
     for refused in [go_on(), merge()] {
         let Err(RunError::Checkpoint(CheckpointError::Refused(refused))) = refused else {
@@ -262,12 +262,12 @@ fn a_hole_draws_cracks_that_run_through_the_plate_without_it() {
     let text = std::fs::read_to_string(file).unwrap();
     let hole = text.lines().find(|line| line.contains("\"holes\"")).unwrap();
     let whole = text.replace(&format!(",\n{hole}"), "");
-    let outcomes = |name: &str, text: &str| {
-        let result = run_text(name, text).result();
+    let outcomes = |text: &str| {
+        let result = run_text(text).result();
         let realisations = result["realisations"].as_array().unwrap().clone();
         move |outcome: &str| realisations.iter().filter(|one| one["outcome"] == outcome).count()
     };
-    let (with_hole, without) = (outcomes("hole", &text), outcomes("whole-plate", &whole));
+    let (with_hole, without) = (outcomes(&text), outcomes(&whole));
     assert!(with_hole("arrested") >= 12, "{}", with_hole("arrested"));
     assert!(without("through") >= 10, "{}", without("through"));
 }

@@ -34,7 +34,7 @@ fn every_law_runs_slowly_and_its_load_is_over_strain_or_displacement() {
         &[(GRIPS, SUPPORTS), (STRETCH, LIFTED)],
     ];
     for (number, changes) in cases.into_iter().enumerate() {
-        let ran = run_text(&format!("slow-{number}"), &slow(changes));
+        let ran = run_text(&slow(changes));
         let result = ran.result();
         assert!(result["failures"].as_array().unwrap().is_empty(), "{}", result["failures"]);
         assert!(result["broken_bonds"]["value"].as_f64().unwrap() > 10.0);
@@ -58,7 +58,7 @@ fn a_solid_runs_in_time_and_in_single_precision() {
     let heun = ("\"leimkuhler_matthews\"", "\"heun\"");
     let solid = ("\"young_modulus\": 72e9", SOLID);
     for precision in ["\"f64\"", "\"f32\""] {
-        let ran = run_text("solid", &with(&[steps, heun, solid, ("\"f64\"", precision)]));
+        let ran = run_text(&with(&[steps, heun, solid, ("\"f64\"", precision)]));
         let result = ran.result();
         assert!(result["failures"].as_array().unwrap().is_empty());
         assert!(result["failure_load"]["mean"]["value"].as_f64().unwrap() > 0.0);
@@ -68,15 +68,15 @@ fn a_solid_runs_in_time_and_in_single_precision() {
 #[test]
 fn a_slow_ensemble_has_the_same_bits_in_shards_and_after_a_checkpoint() {
     let text = slow(&[]);
-    let ran = run_text("slow-shards", &text);
+    let ran = run_text(&text);
     let whole = ran.result();
     let shard = |k: u64| {
         let part = Part::Shard(format!("{k}/2").parse().unwrap());
-        let out = ran.folder.join(format!("shard-{k}"));
+        let out = ran.folder().join(format!("shard-{k}"));
         ran.again(&Options { part, ..Options::new(out) }).unwrap().remove(0)
     };
     let part = Part::Merged([2, 1].map(shard).to_vec());
-    let merged = ran.again(&Options { part, ..Options::new(ran.folder.join("merged")) }).unwrap();
+    let merged = ran.again(&Options { part, ..Options::new(ran.folder().join("merged")) }).unwrap();
     let read = |path: &Path| -> serde_json::Value {
         serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
     };
@@ -84,10 +84,10 @@ fn a_slow_ensemble_has_the_same_bits_in_shards_and_after_a_checkpoint() {
     // Two realisations, then one more after the checkpoint of these.
     let fewer = [("\"realisations\": 3", "\"realisations\": 2"), ("[0, 2]", "[0]")];
     let fewer = fewer.iter().fold(text.clone(), |text, (from, to)| text.replace(from, to));
-    std::fs::write(ran.folder.join("scene.json"), fewer).unwrap();
-    let out = || Options::new(ran.folder.join("grown"));
+    std::fs::write(ran.folder().join("scene.json"), fewer).unwrap();
+    let out = || Options::new(ran.folder().join("grown"));
     ran.again(&out()).unwrap();
-    std::fs::write(ran.folder.join("scene.json"), text.replace("[0, 2]", "[0]")).unwrap();
+    std::fs::write(ran.folder().join("scene.json"), text.replace("[0, 2]", "[0]")).unwrap();
     let grown = ran.again(&Options { start: Start::GoOn, ..out() }).unwrap();
     let grown = read(&grown[0]);
     for key in ["realisations", "load", "path", "failure_load", "outcomes"] {

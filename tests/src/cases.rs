@@ -41,6 +41,7 @@ pub const ALL: &[Case] = &[
     fpk::linear_systems::KANAI_TAJIMI,
     fpk::known_densities::CASE,
     fpk::effectivity::CASE,
+    fpk::stated_errors::CASE,
     fpk::four_states::CASE,
     fpk::first_passage::DAMPER,
     fpk::first_passage::CROSSINGS,

@@ -22,6 +22,7 @@ pub(crate) mod rivals;
 pub(crate) mod schemes;
 pub(crate) mod shear_building;
 pub(crate) mod spatial_order;
+pub(crate) mod stated_errors;
 pub(crate) mod stationary_oscillators;
 pub(crate) mod steps;
 pub(crate) mod time_schemes;

@@ -12,11 +12,11 @@ mod on_grid;
 mod outcome;
 mod pictures;
 pub(crate) mod record;
+mod resolutions;
 mod sampled;
 mod tails;
 #[cfg(test)]
 mod tests;
-mod two_resolutions;
 
 use std::path::PathBuf;
 
@@ -50,9 +50,9 @@ use observed::Observed;
 use outcome::Outcome;
 use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
+use resolutions::Resolutions;
 use sampled::Sampled;
 use tails::{Driven, Estimator, TailsOf};
-use two_resolutions::TwoResolutions;
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
@@ -191,7 +191,7 @@ impl From<PathsError> for RunError {
     }
 }
 
-/// The density solver at two resolutions.
+/// The density solver at several resolutions.
 struct Solved<'a> {
     scene: &'a FpkScene,
     system: &'a System,
@@ -284,23 +284,23 @@ impl FilteredVisitor for Solved<'_> {
         let erased = erased.map_err(RunError::solver)?;
         let period =
             self.system.structure_period().unwrap_or_else(|| self.system.reference_period());
-        self.at_two_resolutions(period, |config| ConditionedSimulation::new(&erased, &law, config))
+        self.at_resolutions(period, |config| ConditionedSimulation::new(&erased, &law, config))
     }
 }
 
 impl Solved<'_> {
-    /// The density at two resolutions, compiled once for each dimension and class of noise.
+    /// The density at several resolutions, compiled once for each dimension and class of noise.
     fn solved<N: NoiseClass, const D: usize, const M: usize>(
         self,
         system: &dyn Sde<D, M, Noise = N>,
     ) -> Result<Outcome, RunError> {
         let law: GaussianMixture<D> = law(self.scene, self.system)?;
         let period = self.system.reference_period();
-        self.at_two_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
+        self.at_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
     }
 
-    /// The density of a simulation that `start` returns, at two resolutions.
-    fn at_two_resolutions<S, O, const D: usize, const M: usize>(
+    /// The density of a simulation that `start` returns, at several resolutions.
+    fn at_resolutions<S, O, const D: usize, const M: usize>(
         self,
         period: f64,
         start: impl Fn(&Config<D>) -> Result<O, fpk_sph::Error>,
@@ -328,8 +328,8 @@ impl Solved<'_> {
                 Some(&mut pictures),
             )?
             .map_err(RunError::solver)?;
-        run.progress.stage("density at the coarser resolution, for its error");
-        let both = TwoResolutions::new(fine, config, |name, config| {
+        run.progress.stage("density at coarser resolutions, for its error");
+        let both = Resolutions::new(fine, config, |name, config| {
             let Kept { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
             let density = Density { start: || start(config), asked, past: reached };
             self.density(name, density, None)

@@ -31,7 +31,7 @@ pub(crate) const CASE: Case = Case {
 #[derive(Debug, Deserialize)]
 pub(super) struct Derived {
     pub(super) viscous_damper: Paths,
-    bouc_wen: Paths,
+    pub(super) bouc_wen: Paths,
     pub(super) cubic_spring: Paths,
 }
 
@@ -55,6 +55,30 @@ pub(super) struct Row {
     pub(super) t: f64,
     pub(super) second_moments: Vec<[f64; 2]>,
     exceedance: Vec<[f64; 2]>,
+}
+
+impl Paths {
+    /// `P(|q| > T)` at a time, with its standard error.
+    pub(super) fn exceedance(&self, threshold: f64, t: f64) -> Option<Reference> {
+        let row = self.at(t)?;
+        let &[_, p] = row.exceedance.iter().find(|[of, _]| of.to_bits() == threshold.to_bits())?;
+        Some(probability(p, self.paths))
+    }
+
+    /// The second moment of a state at a time, with its standard error.
+    pub(super) fn second_moment(&self, state: usize, t: f64) -> Option<Reference> {
+        let &[value, error] = self.at(t)?.second_moments.get(state)?;
+        Some(Reference::uncertain(value, error))
+    }
+
+    fn at(&self, t: f64) -> Option<&Row> {
+        self.rows.iter().find(|row| (row.t - t).abs() < 1e-9)
+    }
+}
+
+/// A probability with its standard error, where `n` paths give it.
+fn probability(p: f64, n: f64) -> Reference {
+    Reference::uncertain(p, (p * (1.0 - p) / n).sqrt())
 }
 
 /// Id, quantity and unit of a moment.
@@ -164,7 +188,7 @@ fn exceedances<S: Sde<D, 1>, const D: usize>(
     let claim = |(&&[threshold, p], found): (&&[f64; 2], &Exceedance)| {
         let name = format!("exceedance-cell/threshold-{threshold}/t{}", row.t);
         let quantity = format!("P(|q| > {threshold})");
-        let reference = Reference::uncertain(p, (p * (1.0 - p) / n).sqrt());
+        let reference = probability(p, n);
         let what = (name.as_str(), quantity.as_str(), "");
         lines.judge(what, ErrorKind::Log10, estimate(found.probability()), reference, within)
     };

@@ -242,9 +242,9 @@ fn facts(read: &Read, findings: &mut Findings) {
         .collect();
     if let Some((worst, id)) = by_two.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
         findings.fact(
-            "two resolutions",
+            "resolutions",
             format!(
-                "errors of {} come from a coarser run; the largest relative one at the last time is {} ({id})",
+                "errors of {} come from coarser runs; the largest relative one at the last time is {} ({id})",
                 counted(by_two.len(), "quantity").replace("quantitys", "quantities"),
                 percent(*worst)
             ),

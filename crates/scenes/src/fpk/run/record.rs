@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::observed::Observed;
-use super::two_resolutions::TwoResolutions;
+use super::resolutions::Resolutions;
 use crate::fpk::density::{Exceedances, Row};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
@@ -52,7 +52,7 @@ const ESTIMATORS: [Estimator; 3] = [
 ];
 
 /// All quantities of the scene, without those that the method does not compute.
-pub(super) fn series(both: &TwoResolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
+pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
     let series =
         |id: String, quantity: String, values| Series { id, quantity, unit: String::new(), values };
     let mut all = Vec::new();

@@ -12,8 +12,11 @@ use crate::run_result::Unknown;
 /// longer resolves the density.
 const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 
+/// Order in the spacing that errors have at most: that of the cubic fit.
+const MOST_ORDER: i32 = 4;
+
 /// A fine run, and the coarser runs for its error.
-pub(super) struct TwoResolutions {
+pub(super) struct Resolutions {
     pub(super) fine: DensityRun,
     coarser: Vec<Coarser>,
     /// Why coarser runs are missing.
@@ -22,7 +25,7 @@ pub(super) struct TwoResolutions {
     shared: Shared,
 }
 
-/// An error that runs at two resolutions share.
+/// An error that runs at all resolutions share.
 #[derive(Debug, Clone, PartialEq)]
 enum Shared {
     /// None that is known.
@@ -40,11 +43,13 @@ struct Coarser {
     ratio: f64,
     /// The same run with settling half as fast, in four states and more.
     slower: Option<DensityRun>,
+    /// A run coarser once more, with its spacing over that of this one; none where that lattice is too coarse for the problem.
+    coarsest: Option<(DensityRun, f64)>,
 }
 
-impl TwoResolutions {
-    /// Runs coarser configurations by `solve` until their results cover every time of the fine run. In four states and more, where
-    /// lattices are coarse, the flow-map fit runs once more with settling half as fast
+impl Resolutions {
+    /// Runs coarser configurations by `solve` until their results cover every time of the fine run, each with one coarser by the same
+    /// ratio once more. In four states and more, where lattices are coarse, the flow-map fit runs also with settling half as fast
     /// ([`Config::with_slower_settling`]).
     ///
     /// The argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
@@ -61,15 +66,20 @@ impl TwoResolutions {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
         let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
         let mut slow_failure = "no coarser run came so far".to_owned();
-        for part in COARSER {
-            let Some(config) = config(part) else { continue };
+        // Its steps are longer too; with its spacing over that of the fine run.
+        let at = |part: f64| {
+            let config = config(part)?;
             let ratio = resolution / per_length(&config.lattice);
+            Some((with_longer_steps(config, part), ratio))
+        };
+        let name_of = |part: f64| format!("density at {part:.3} of the resolution");
+        for part in COARSER {
+            let Some((config, ratio)) = at(part) else { continue };
             if ratio.is_nan() || ratio <= 1.0 {
                 failed.push(format!("at {part:.2} of the resolution the lattice is the same"));
                 continue;
             }
-            let config = with_longer_steps(config, part);
-            let name = format!("density at {part:.3} of the resolution");
+            let name = name_of(part);
             match solve(&name, &config)? {
                 Ok(run) => {
                     let complete = run.rows.len() >= fine.rows.len();
@@ -89,7 +99,15 @@ impl TwoResolutions {
                             Err(error) => slow_failure = error.to_string(),
                         }
                     }
-                    coarser.push(Coarser { run, ratio, slower });
+                    // A lattice too coarse for the problem leaves the error to two resolutions.
+                    let coarsest = match at(part * part) {
+                        Some((config, of_fine)) if of_fine > ratio => {
+                            let run = solve(&name_of(part * part), &config)?;
+                            run.ok().map(|run| (run, of_fine / ratio))
+                        }
+                        _ => None,
+                    };
+                    coarser.push(Coarser { run, ratio, slower, coarsest });
                     if complete {
                         break;
                     }
@@ -156,7 +174,9 @@ impl TwoResolutions {
     /// The fine value with Richardson's error estimate and that of settling where a run shows it, as independent parts.
     ///
     /// The first is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the verification
-    /// measures; the second `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast.
+    /// measures, but at least `|coarse - coarsest| / (s^2 - 1) / r^4`: an error of the coarse run falls with the order 4 at most, so
+    /// that a smaller difference is one that crosses zero. The second is `2 |coarse - slow| / r^2`, of the coarse run and the
+    /// same with settling half as fast.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -165,7 +185,12 @@ impl TwoResolutions {
                 let square = coarser.ratio * coarser.ratio;
                 let slow = coarser.slower.as_ref().and_then(|slow| pick(slow.at(row.t)?));
                 let settling = slow.map_or(0.0, |slow| 2.0 * (coarse - slow).abs() / square);
-                let error = ((value - coarse) / (square - 1.0)).hypot(settling);
+                let coarsest = coarser.coarsest.as_ref();
+                let error_of_coarse = coarsest.and_then(|(run, ratio)| {
+                    Some((coarse - pick(run.at(row.t)?)?).abs() / (ratio * ratio - 1.0))
+                });
+                let least = error_of_coarse.unwrap_or(0.0) / coarser.ratio.powi(MOST_ORDER);
+                let error = ((value - coarse).abs() / (square - 1.0)).max(least).hypot(settling);
                 error.is_finite().then_some(error)
             };
             Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
@@ -233,6 +258,17 @@ mod tests {
         }
     }
 
+    #[test]
+    fn an_error_that_crosses_zero_between_two_lattices_is_seen_on_the_third() {
+        let both = of(|config| {
+            let value = if spacing(config) > 1.9 { 1.5 } else { 1.1 };
+            Ok(run(value, &[1.0, 2.0]))
+        });
+        let error = both.values(|row| Some(row.moments[0]))[0].error.unwrap();
+        // The error of the coarser run is 0.4 / (2 - 1); that of the fine one falls with the order 4 at most, by 2^2.
+        assert!((error - 0.1).abs() < 1e-12, "{error}");
+    }
+
     #[allow(clippy::unnecessary_wraps, reason = "the shape that is asked for")]
     fn config(part: f64) -> Option<Config<2>> {
         Some(Config {
@@ -247,9 +283,9 @@ mod tests {
         1.0 / per_length(&config.lattice)
     }
 
-    fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> TwoResolutions {
+    fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> Resolutions {
         let solve = |_: &str, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
-        TwoResolutions::new(run(1.1, &[1.0, 2.0]), config, solve).unwrap()
+        Resolutions::new(run(1.1, &[1.0, 2.0]), config, solve).unwrap()
     }
 
     #[test]
@@ -277,7 +313,7 @@ mod tests {
         let error_of = |order: i32| {
             // The value at the step s is 1 + s^order; the spacing has no error.
             let fine = step(&config(1.0).unwrap()).powi(order);
-            let both = TwoResolutions::new(run(1.0 + fine, &[1.0]), config, |_, config| {
+            let both = Resolutions::new(run(1.0 + fine, &[1.0]), config, |_, config| {
                 let value = 1.0 + step(config).powi(order);
                 Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
             });
@@ -288,7 +324,7 @@ mod tests {
         assert!((error_of(2) - 3.0).abs() < 1e-9, "{}", error_of(2));
     }
 
-    fn in_four_states(method: Method, slow: f64) -> TwoResolutions {
+    fn in_four_states(method: Method, slow: f64) -> Resolutions {
         let config = |part: f64| {
             Some(Config::<4> {
                 method,
@@ -297,7 +333,7 @@ mod tests {
                 most_steps: DEFAULT_MOST_STEPS,
             })
         };
-        TwoResolutions::new(run(1.0, &[1.0]), config, |name, _| {
+        Resolutions::new(run(1.0, &[1.0]), config, |name, _| {
             let value = if name.contains("half as fast") { slow } else { 1.1 };
             Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
         })
@@ -328,7 +364,7 @@ mod tests {
                 most_steps: DEFAULT_MOST_STEPS,
             })
         };
-        let both = TwoResolutions::new(run(1.0, &[1.0, 2.0]), config, |name, _| {
+        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), config, |name, _| {
             Ok::<_, std::convert::Infallible>(if name.contains("half as fast") {
                 Err(Error::NotPositive { name: "a name", value: 0.0 })
             } else {

@@ -93,7 +93,7 @@ pub fn main() -> ExitCode {
 fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitCode> {
     match command {
         Command::Chart(Chart { ladder: true, drawn }) => {
-            execute_chart(charts::MODELS, "ladder of models", drawn, output)
+            execute_chart(charts::MODELS, "model ladder", drawn, output)
         }
         Command::Chart(Chart { ladder: false, drawn }) => {
             execute_chart(charts::ALL, "chart", drawn, output)

@@ -65,7 +65,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         BOUC_WEN,
         json!({
             "method": { "log_density_fit": { "spacing": 0.6, "reach": 5 } },
-            "times": { "until": 3.6, "every": 0.5 }
+            "times": { "until": 3.6, "every": 0.2 }
         }),
         &bouc_wen,
     )?;
@@ -74,7 +74,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         BOUC_WEN,
         json!({
             "method": { "flow_map_fit": { "spacing": 0.6, "reach": 5 } },
-            "times": { "until": 3.6, "every": 0.5 }
+            "times": { "until": 3.6, "every": 0.2 }
         }),
         &bouc_wen,
     )?;

@@ -26,7 +26,7 @@ use crate::scene::SceneFile;
 /// Sizes are chosen for this fraction of the tolerance, because an extrapolated error is itself uncertain.
 const MARGIN: f64 = 0.8;
 
-/// A trial of one method of several ends where it would take this many budgets.
+/// Longest projected time (s) of a part of a trial over the budget (CPU s), where several methods are tried.
 const PATIENCE: f64 = 10.0;
 
 /// Options of the advice.
@@ -34,8 +34,8 @@ const PATIENCE: f64 = 10.0;
 pub struct Options {
     /// Largest admissible error, relative to the scale of each quantity.
     pub tolerance: f64,
-    /// Largest expected cost of a trial run (CPU s). The first trial of each method begins in any case; where other methods are tried
-    /// too, it ends once its pace says that it would take over ten times as long.
+    /// Largest expected cost of a trial run (CPU s). The first trial of each method always begins; where several methods are tried, it
+    /// ends if the projected time of a part exceeds ten times this number.
     pub budget: f64,
     /// Prefixes of ids of quantities; an empty list selects all.
     pub quantities: Vec<String>,
@@ -219,7 +219,7 @@ pub fn advise_on(
     if tried == Tried::Own {
         ladder.methods.truncate(1);
     }
-    // A scene whose only method is dear has no other to turn to.
+    // A single method has no cheaper alternative: its first trial runs to its end.
     let longest = Duration::try_from_secs_f64(PATIENCE * budget).ok();
     let limits = Limits { budget, longest: longest.filter(|_| tried == Tried::All) };
     let mut trials = Vec::new();

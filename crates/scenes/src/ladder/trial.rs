@@ -39,9 +39,9 @@ pub enum Outcome {
 /// Limits of trials.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Largest expected cost of a trial (CPU s); the first of each method is not expected to cost anything.
+    /// Largest expected cost of a trial (CPU s); the first trial of each method always begins.
     pub budget: f64,
-    /// A trial with a part that would take longer at its pace ends; no limit if none.
+    /// Longest projected time of a part of a trial, beyond which the trial ends with an error; no limit if none.
     pub longest: Option<Duration>,
 }
 
@@ -65,7 +65,7 @@ pub enum LadderError {
     Missing {
         /// Path of the result.
         path: PathBuf,
-        /// Its keys.
+        /// Its keys, with a dot between them.
         what: &'static str,
     },
 }
@@ -93,7 +93,7 @@ impl Trial {
 
 /// Runs a method at increasing sizes, each about three times as expensive as the last.
 ///
-/// It stops when the next run would cost more than the budget, or after two failures in a row. `tell` is called before each run.
+/// It stops when the next run would cost more than the budget, or after three failures in a row. `tell` is called before each run.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.
@@ -133,7 +133,7 @@ pub fn is_next_beyond(cost: f64, budget: f64) -> bool {
     cost * super::COST_FACTOR > budget
 }
 
-/// Number of consecutive failures after which a method is abandoned: a lattice can be too coarse, not too fine.
+/// Consecutive failures that a method may have; one more ends its trials. A lattice can be too coarse, not too fine.
 const MOST_FAILURES: u32 = 2;
 
 /// Runs one rung.
@@ -172,8 +172,8 @@ pub fn repeated_costs(
     Ok(costs)
 }
 
-/// Runs a scene derived from `file`; relative paths start from the folder of `file`. It ends in an error where a part of it would
-/// take longer than `longest`.
+/// Runs a scene derived from `file`; relative paths start from the folder of `file`. The run ends with an error if the projected time
+/// of a part exceeds `longest`.
 ///
 /// # Errors
 /// [`LadderError`]; a run that ends in an error is an outcome.

@@ -12,7 +12,7 @@ use crate::run_result::Unknown;
 /// longer resolves the density.
 const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 
-/// Order in the spacing that errors have at most: that of the cubic fit.
+/// Largest order of the error in the spacing: that of the cubic fit.
 const MOST_ORDER: i32 = 4;
 
 /// A fine run, and the coarser runs for its error.
@@ -43,14 +43,14 @@ struct Coarser {
     ratio: f64,
     /// The same run with settling half as fast, in four states and more.
     slower: Option<DensityRun>,
-    /// A run coarser once more, with its spacing over that of this one; none where that lattice is too coarse for the problem.
+    /// A third, coarser run and the ratio of its spacing to that of this run; none if its lattice is too coarse for the problem.
     coarsest: Option<(DensityRun, f64)>,
 }
 
 impl Resolutions {
-    /// Runs coarser configurations by `solve` until their results cover every time of the fine run, each with one coarser by the same
-    /// ratio once more. In four states and more, where lattices are coarse, the flow-map fit runs also with settling half as fast
-    /// ([`Config::with_slower_settling`]).
+    /// Runs coarser configurations by `solve` until their results cover every time of the fine run, and for each of them one that is
+    /// coarser by the same ratio. In four states and more, where lattices are coarse, the flow-map fit also runs with settling half
+    /// as fast ([`Config::with_slower_settling`]).
     ///
     /// The argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
     /// The steps of a coarser run are longer too ([`with_longer_steps`]). A failure of a coarser run does not count against
@@ -66,7 +66,7 @@ impl Resolutions {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
         let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
         let mut slow_failure = "no coarser run came so far".to_owned();
-        // Its steps are longer too; with its spacing over that of the fine run.
+        // Configuration at a part of the resolution, with longer steps, and the ratio of its spacing to that of the fine run.
         let at = |part: f64| {
             let config = config(part)?;
             let ratio = resolution / per_length(&config.lattice);
@@ -99,7 +99,7 @@ impl Resolutions {
                             Err(error) => slow_failure = error.to_string(),
                         }
                     }
-                    // A lattice too coarse for the problem leaves the error to two resolutions.
+                    // If this lattice is too coarse for the problem, the estimate uses two resolutions.
                     let coarsest = match at(part * part) {
                         Some((config, of_fine)) if of_fine > ratio => {
                             let run = solve(&name_of(part * part), &config)?;
@@ -174,8 +174,8 @@ impl Resolutions {
     /// The fine value with Richardson's error estimate and that of settling where a run shows it, as independent parts.
     ///
     /// The first is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the verification
-    /// measures, but at least `|coarse - coarsest| / (s^2 - 1) / r^4`: an error of the coarse run falls with the order 4 at most, so
-    /// that a smaller difference is one that crosses zero. The second is `2 |coarse - slow| / r^2`, of the coarse run and the
+    /// measures (Roache 1994). It is at least `|coarse - coarsest| / (s^2 - 1) / r^4`, with `s` the ratio of their spacings: the
+    /// error of the coarse run decreases with order 4 at most, so a smaller difference is a change of sign. The second is `2 |coarse - slow| / r^2`, of the coarse run and the
     /// same with settling half as fast.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {

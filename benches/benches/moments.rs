@@ -10,10 +10,10 @@ use std::hint::black_box;
 use benches::CpuTime;
 use criterion::measurement::Measurement;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use lanes::dispatch;
 use num_dual::Dual2_64;
 use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{Jet, Response, Scalar};
+use simd_lanes::dispatch;
 
 const N_STATES: usize = 1024;
 

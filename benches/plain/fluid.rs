@@ -9,7 +9,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::dispatch;
+use simd_lanes::dispatch;
 
 use crate::case::{Failure, Run, State};
 use crate::grid::{EMPTY, Grid};

@@ -11,8 +11,8 @@
 
 use std::collections::BTreeMap;
 
-use lanes::dispatch;
 use peridyn_sde::{Bonds, Nodes};
+use simd_lanes::dispatch;
 
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};

@@ -5,8 +5,8 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::dispatch;
 use peridyn_sde::{Bonds, Nodes};
+use simd_lanes::dispatch;
 
 use crate::bonded::{DENSITY, Start};
 use crate::case::{Failure, Run, State};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::record::{Measured, RecordError, Recorded, TARGETS, read};
-use figures::markdown::{table, text};
+use result_figures::markdown::{table, text};
 use scenes::machine::{commit_words, short};
 
 /// The page, from the root of the workspace.

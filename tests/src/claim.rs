@@ -6,7 +6,7 @@
 #[cfg(test)]
 mod tests;
 
-use figures::{ErrorKind, Measured, Reference, Spread};
+use result_figures::{ErrorKind, Measured, Reference, Spread};
 
 use crate::report::{Claim, ClaimKind};
 

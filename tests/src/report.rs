@@ -1,11 +1,11 @@
 //! What a run of the proof leaves behind: the schema `verification-report/1`.
 //!
 //! The fields and their order are the schema; they are kept stable.
-//! Numbers are finite or `null`: [`figures::finite`] refuses the rest.
+//! Numbers are finite or `null`: [`result_figures::finite`] refuses the rest.
 
 use std::fmt;
 
-use figures::{ErrorKind, number};
+use result_figures::{ErrorKind, number};
 use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
 use work_precision::context::Profile;
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn the_keys_of_the_schema_are_the_agreed_ones_in_their_order() {
-        let text = figures::finite::to_json(&sample()).unwrap();
+        let text = result_figures::finite::to_json(&sample()).unwrap();
         let keys = [
             "schema",
             "version",
@@ -279,7 +279,7 @@ mod tests {
         let mut report = sample();
         let bound = Claim::as_measured(
             Subject::new("self-check/pi/steps", "steps", "", "by hand"),
-            figures::Measured::exact(3.0),
+            result_figures::Measured::exact(3.0),
             2.0,
             4.0,
             "counted",
@@ -311,7 +311,7 @@ mod tests {
     #[test]
     fn a_report_survives_writing_and_reading() {
         let report = sample();
-        let text = figures::finite::to_json(&report).unwrap();
+        let text = result_figures::finite::to_json(&report).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
         assert_eq!((report.passed, report.failed), (1, 0));
     }

@@ -12,8 +12,8 @@ mod table;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use figures::finite::{self, JsonError};
-use figures::number;
+use result_figures::finite::{self, JsonError};
+use result_figures::number;
 use work_precision::record::{self, RecordError, Recording};
 
 pub use self::fingerprint::{Change, Fingerprint, SourceError};
@@ -253,7 +253,7 @@ fn write_file(path: &Path, text: &str) -> Result<(), VerifyError> {
 
 #[cfg(test)]
 mod tests {
-    use figures::{ErrorKind, Measured, Reference};
+    use result_figures::{ErrorKind, Measured, Reference};
 
     use super::*;
     use crate::case::{Context, Schedule};

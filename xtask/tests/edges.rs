@@ -75,12 +75,12 @@ fn solvers_do_not_know_each_other_and_figures_knows_no_solver() {
     let edges = edges();
     let solvers = ["fpk-sph", "smpm", "peridyn-sde"];
     for package in
-        [&solvers[..], &["figures", "mpi-ensembles", "random-vibration", "xtask"]].concat()
+        [&solvers[..], &["result-figures", "mpi-ensembles", "random-vibration", "xtask"]].concat()
     {
         let [always, _] = &edges[package];
         assert!(solvers.iter().all(|solver| !always.contains(*solver)), "{package}: {always:?}");
     }
-    assert!(edges["lanes"][0].is_empty() && edges["xtask"][0].is_empty());
+    assert!(edges["simd-lanes"][0].is_empty() && edges["xtask"][0].is_empty());
 }
 
 /// A program that embeds one solver compiles no other.

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
 const CRATES: [&str; 12] = [
-    "estimators",
+    "uq-estimators",
     "fpk-sph",
     "mpi-ensembles",
     "neighbour-search",

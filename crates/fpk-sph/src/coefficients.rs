@@ -46,7 +46,7 @@ fn velocities<S: Sde<D, M>, const D: usize, const M: usize>(
     }
     let [x, score, out] = columns;
     for p in 0..CHUNK {
-        let (x, score) = (lanes::from_fn(|k| x[k][p]), lanes::from_fn(|k| score[k][p]));
+        let (x, score) = (simd_lanes::from_fn(|k| x[k][p]), simd_lanes::from_fn(|k| score[k][p]));
         let v = velocity_at(system, t, shared, &x, &score);
         for k in 0..D {
             out[k][p] = v[k];
@@ -92,7 +92,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Coefficients<D> for OfSystem<
         // Additive noise spreads every particle alike: one diffusion matrix serves all.
         let shared = self.0.diffusion(t, first);
         let mut columns = [[[0.0; CHUNK]; D]; 3];
-        lanes::dispatch(
+        simd_lanes::dispatch(
             #[inline(always)]
             || {
                 for ((v, x), score) in

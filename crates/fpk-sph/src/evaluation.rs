@@ -76,7 +76,7 @@ impl<const D: usize> WhitenedCloud<D> {
         }
         let support = discretisation.estimator.support();
         let Self { whitening, positions, radii, .. } = self;
-        lanes::dispatch(
+        simd_lanes::dispatch(
             #[inline(always)]
             || {
                 for (y, x) in positions.iter_mut().zip(x) {
@@ -247,7 +247,7 @@ impl<const D: usize> Evaluation<D> {
             let mut score = [[0.0; D]; BLOCK];
             let (block, score) = (first..first + v.len(), &mut score[..v.len()]);
             let score_y = &score_y[block.clone()];
-            lanes::dispatch(
+            simd_lanes::dispatch(
                 #[inline(always)]
                 || {
                     for (score, score_y) in score.iter_mut().zip(score_y) {
@@ -375,7 +375,7 @@ fn are_proportional<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> bool {
 
 /// Whether a condition holds for all values; it looks at all, so that registers take several.
 fn all(values: &[f64], holds: impl Fn(f64) -> bool) -> bool {
-    lanes::dispatch(
+    simd_lanes::dispatch(
         #[inline(always)]
         || values.iter().fold(true, |all, value| all & holds(*value)),
     )

@@ -17,7 +17,7 @@ pub(crate) fn last_greatest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (u
     let (mut place, mut greatest, mut values) = (0, f64::NEG_INFINITY, [0.0; BLOCK]);
     for first in (0..n).step_by(BLOCK) {
         let values = &mut values[..BLOCK.min(n - first)];
-        let here = lanes::dispatch(
+        let here = simd_lanes::dispatch(
             #[inline(always)]
             || {
                 compute(first, values);
@@ -57,7 +57,7 @@ pub(crate) fn last_greatest_but(
     let (mut histogram, mut values) = ([0.0; BINS], [0.0; BLOCK]);
     for first in (0..n).step_by(BLOCK) {
         let values = &mut values[..BLOCK.min(n - first)];
-        lanes::dispatch(
+        simd_lanes::dispatch(
             #[inline(always)]
             || compute(first, values),
         );
@@ -94,7 +94,7 @@ pub(crate) fn first_smallest(n: usize, compute: impl Fn(usize, &mut [f64])) -> (
     let (mut place, mut smallest, mut values) = (0, f64::INFINITY, [0.0; BLOCK]);
     for first in (0..n).step_by(BLOCK) {
         let values = &mut values[..BLOCK.min(n - first)];
-        let here = lanes::dispatch(
+        let here = simd_lanes::dispatch(
             #[inline(always)]
             || {
                 compute(first, values);

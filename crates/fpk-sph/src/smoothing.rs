@@ -41,7 +41,7 @@ fn root<const D: usize>(volume: f64) -> f64 {
     match D {
         1 => volume,
         2 => volume.sqrt(),
-        _ => lanes::power(volume, 1.0 / D as f64),
+        _ => simd_lanes::power(volume, 1.0 / D as f64),
     }
 }
 
@@ -67,7 +67,7 @@ impl Smoothing {
         self.rates.clear();
         let n = self.at_first.len();
         let (ratios, volume) = (&state.smoothing_ratios[..n], &volume[..n]);
-        lanes::dispatch(
+        simd_lanes::dispatch(
             #[inline(always)]
             || {
                 for (i, h) in self.at_first.iter_mut().enumerate() {

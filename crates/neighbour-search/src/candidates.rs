@@ -1,6 +1,6 @@
 //! Comparison of one point with all candidates of its group.
 
-use lanes::{Lanes, Mask, Registers};
+use simd_lanes::{Lanes, Mask, Registers};
 
 /// Whose radius bounds decide about a candidate.
 pub(crate) trait Sight: Copy {

@@ -30,7 +30,7 @@
 
 use core::ops::Range;
 
-use lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
+use simd_lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
 
 use crate::aligned::Aligned;
 use crate::candidates::{Candidates, Larger, Middle, Mine, Sight};

@@ -1,6 +1,6 @@
 //! Lists and visits from an order of the points.
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use crate::domain::square;
 use crate::list::{CHUNK, NeighbourList};
@@ -116,7 +116,7 @@ macro_rules! lists_rows {
             /// The lists are the same; use it for comparison.
             #[must_use]
             pub fn with_portable_instructions(self) -> Self {
-                Self { rows: Rows::at(lanes::SimdLevel::PORTABLE), ..self }
+                Self { rows: Rows::at(simd_lanes::SimdLevel::PORTABLE), ..self }
             }
 
             #[doc = concat!("The order of the ", $groups, ": `order()[slot]` is the point in that slot at the last build.")]

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use lanes::MOST_LANES;
+use simd_lanes::MOST_LANES;
 
 use crate::criterion::Criterion;
 use crate::domain::Domain;

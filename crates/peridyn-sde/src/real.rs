@@ -7,7 +7,7 @@
 
 use std::ops::{AddAssign, Neg, SubAssign};
 
-use lanes::Float;
+use simd_lanes::Float;
 
 /// `f64` or `f32`.
 pub trait Real: Float + Neg<Output = Self> + AddAssign + SubAssign {

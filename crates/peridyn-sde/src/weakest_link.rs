@@ -148,7 +148,7 @@ impl WeibullStrength {
         // A box without a node, as in a hole, has no bond that its strength is one of.
         let scale = |&volume: &f64| {
             let over = if volume > 0.0 { law.reference_volume / volume } else { 1.0 };
-            law.scale * lanes::power(over, law.modulus.recip())
+            law.scale * simd_lanes::power(over, law.modulus.recip())
         };
         let scales = volumes.iter().map(scale).collect();
         Ok(Self { law, number, volumes, scales, of_bonds, n_nodes })
@@ -182,7 +182,7 @@ impl WeibullStrength {
         for (element, scale) in self.scales.iter().enumerate() {
             // The probability to be stronger, in (0, 1) without its ends.
             let stronger = ((stream.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64;
-            let strength = scale * lanes::power(-lanes::ln(stronger), exponent);
+            let strength = scale * simd_lanes::power(-simd_lanes::ln(stronger), exponent);
             if !(strength > 0.0 && strength.is_finite()) {
                 return Err(Error::StrengthOfElement { element, realisation, value: strength });
             }

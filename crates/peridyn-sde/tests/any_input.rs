@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
 
-#[path = "../../lanes/tests/shared/number.rs"]
+#[path = "../../simd-lanes/tests/shared/number.rs"]
 mod any_number;
 
 use std::alloc::System;

@@ -72,13 +72,13 @@ impl Real for Gradient {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let y = lanes::exp(self.value);
+        let y = simd_lanes::exp(self.value);
         self.compose(y, y)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
-        self.compose(lanes::ln(self.value), 1.0 / self.value)
+        self.compose(simd_lanes::ln(self.value), 1.0 / self.value)
     }
 }
 
@@ -95,7 +95,7 @@ impl Scalar for Gradient {
 
     #[inline(always)]
     fn exp_scaled(self, factor: f64) -> Self {
-        let y = lanes::exp(self.value * factor);
+        let y = simd_lanes::exp(self.value * factor);
         self.compose(y, factor * y)
     }
 

@@ -24,7 +24,7 @@ pub const LANES: usize = 8;
 /// inputs: `q(u + v) = q(u) + q(v) + 2 u^T H v`.
 ///
 /// An operation costs one evaluation on the value (`exp`, `ln`, `powf` are evaluated once, not once per lane) and a
-/// few lane-wise multiplications. Everything is `#[inline(always)]`: inside the closure of `lanes::dispatch` it is
+/// few lane-wise multiplications. Everything is `#[inline(always)]`: inside the closure of `simd_lanes::dispatch` it is
 /// compiled for the widest registers of the machine. No operations are fused, so all machines give bitwise identical
 /// results where the functions of the value do.
 ///
@@ -135,14 +135,14 @@ impl Real for Jet {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        let y = lanes::exp(self.value);
+        let y = simd_lanes::exp(self.value);
         self.compose(y, y, y)
     }
 
     #[inline(always)]
     fn ln(self) -> Self {
         let inverse = 1.0 / self.value;
-        self.compose(lanes::ln(self.value), inverse, -(inverse * inverse))
+        self.compose(simd_lanes::ln(self.value), inverse, -(inverse * inverse))
     }
 }
 
@@ -159,7 +159,7 @@ impl Scalar for Jet {
 
     #[inline(always)]
     fn exp_scaled(self, factor: f64) -> Self {
-        let y = lanes::exp(self.value * factor);
+        let y = simd_lanes::exp(self.value * factor);
         let derivative = factor * y;
         self.compose(y, derivative, factor * derivative)
     }

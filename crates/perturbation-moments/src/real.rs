@@ -8,7 +8,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use lanes::{Lanes, Mask};
+use simd_lanes::{Lanes, Mask};
 /// A real number of a formula: a value, possibly with derivatives, or a value in each lane of a register.
 ///
 /// A formula over `Real` serves `f64`, [`Jet`](crate::Jet) and [`Gradient`](crate::Gradient), and several `f64` at once in the lanes

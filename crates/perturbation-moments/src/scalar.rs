@@ -89,11 +89,11 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        lanes::exp(self)
+        simd_lanes::exp(self)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        lanes::ln(self)
+        simd_lanes::ln(self)
     }
 }
 

@@ -61,12 +61,12 @@ impl CorrelationFunction {
     /// The correlation at `q = r/l >= 0`.
     pub(crate) fn at(self, q: f64) -> f64 {
         match self {
-            Self::Exponential => lanes::exp(-q),
-            Self::Gaussian => lanes::exp(-std::f64::consts::FRAC_PI_4 * q * q),
-            Self::Matern32 => (1.0 + 2.0 * q) * lanes::exp(-2.0 * q),
+            Self::Exponential => simd_lanes::exp(-q),
+            Self::Gaussian => simd_lanes::exp(-std::f64::consts::FRAC_PI_4 * q * q),
+            Self::Matern32 => (1.0 + 2.0 * q) * simd_lanes::exp(-2.0 * q),
             Self::Matern52 => {
                 let x = 8.0 / 3.0 * q;
-                (1.0 + x + x * x / 3.0) * lanes::exp(-x)
+                (1.0 + x + x * x / 3.0) * simd_lanes::exp(-x)
             }
             Self::Matern { smoothness } => matern(smoothness, integral_scale(smoothness) * q),
             // The kernel ends at two smoothing lengths, the correlation at three of its own.

@@ -1,7 +1,7 @@
 //! Distributions of a field at one point, and the correlation that their translation keeps.
 
-use lanes::{exp, power};
 use sde_integrators::normal_probability;
+use simd_lanes::{exp, power};
 
 use crate::error::{Error, between, finite, positive};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use lanes::exp;
+use simd_lanes::exp;
 
 /// Step of the trapezoidal rule. Its error falls as $e^{-2 \pi d / s}$ with the half-width $d < \pi/2$ of the strip in which the
 /// integrand is bounded: below 1e-25 times the growth of the integrand there.

@@ -8,8 +8,8 @@
 
 pub(crate) mod sources;
 
-use figures::number::short;
-use pages::{Answer, Cell, Chart, Fact, Note, Source, Table};
+use result_figures::number::short;
+use result_pages::{Answer, Cell, Chart, Fact, Note, Source, Table};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -137,13 +137,16 @@ pub(crate) fn how(error_kind: &str) -> String {
 
 /// A cell with six digits; empty for none.
 pub(crate) fn cell(value: Option<f64>) -> Cell {
-    value.map_or_else(|| Cell::text(""), |value| Cell::number(figures::number::long(value), value))
+    value.map_or_else(
+        || Cell::text(""),
+        |value| Cell::number(result_figures::number::long(value), value),
+    )
 }
 
 /// A cell with a number that was given, all its digits.
 #[cfg(any(feature = "smpm", feature = "peridyn"))]
 pub(crate) fn given_cell(value: f64) -> Cell {
-    Cell::number(figures::number::exact(value), value)
+    Cell::number(result_figures::number::exact(value), value)
 }
 
 /// A cell with three digits; empty for none.

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufWriter, IntoInnerError};
 use std::path::{Path, PathBuf};
 
-use figures::finite::{self, JsonError};
-use figures::{Drawing, Face};
+use result_figures::finite::{self, JsonError};
+use result_figures::{Drawing, Face};
 use serde::Serialize;
 
 /// A result could not be written.

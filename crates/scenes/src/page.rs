@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use pages::{Motion, Page};
+use result_pages::{Motion, Page};
 use serde_json::Value;
 
 use crate::kind::{PageFile, Run, RunError, SceneKind};
@@ -33,7 +33,7 @@ pub(crate) fn write(
     }
     let result = read(&run.out().join("result.json"))?;
     let page = page(kind, file, &result, motions, (run.out(), written))?;
-    let html = pages::render(&page).map_err(RunError::page)?;
+    let html = result_pages::render(&page).map_err(RunError::page)?;
     let path = run.out().join(NAME);
     write_text(&path, &html).map_err(|source| OutputError::Io { path: path.clone(), source })?;
     Ok(Some(path))

@@ -18,7 +18,7 @@ mod value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use figures::finite;
+use result_figures::finite;
 use serde_json::{Value, json};
 
 pub use self::error::SchemaError;

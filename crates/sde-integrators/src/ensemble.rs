@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use crate::blocks::reduce_blocks;
 use crate::error::Error;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use lanes::{Registers, SimdLevel, Work};
+use simd_lanes::{Registers, SimdLevel, Work};
 
 use crate::error::Error;
 use crate::integrator::{Integrator, Joints};

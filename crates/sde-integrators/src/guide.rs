@@ -133,7 +133,7 @@ pub(crate) fn hazard(b: f64) -> f64 {
     const PEAK: f64 = 0.398_942_280_401_432_7;
     let a = b.abs();
     let over_mills = (2.0 * a + (STEEPNESS * a * a + TAU).sqrt()) / PI;
-    let density = PEAK * lanes::exp(-0.5 * a * a);
+    let density = PEAK * simd_lanes::exp(-0.5 * a * a);
     let likely = density / (1.0 - density / over_mills);
     if b > 0.0 { likely } else { over_mills }
 }

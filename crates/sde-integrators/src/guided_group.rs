@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Registers, SimdLevel, Work};
+use simd_lanes::{Registers, SimdLevel, Work};
 
 use crate::error::Error;
 use crate::follow::{Lives, all_finite};

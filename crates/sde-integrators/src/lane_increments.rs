@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use crate::chacha::key;
 use crate::noise::{Increment, Purpose};
@@ -99,8 +99,8 @@ impl<const M: usize> LaneNoise<M> {
     pub(crate) fn deviations(&self, dt: f64) -> Deviations {
         let (brownian, area) = (dt.sqrt(), (dt / 12.0).sqrt());
         Deviations {
-            brownian: lanes::map(self.signs, |sign| sign * brownian),
-            area: lanes::map(self.signs, |sign| sign * area),
+            brownian: simd_lanes::map(self.signs, |sign| sign * brownian),
+            area: simd_lanes::map(self.signs, |sign| sign * area),
         }
     }
 

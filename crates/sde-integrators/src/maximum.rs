@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use crate::blocks::reduce_blocks;
 use crate::error::Error;

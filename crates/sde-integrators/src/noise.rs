@@ -1,8 +1,8 @@
 //! Noise as a pure function of its address: (seed, purpose, realisation, step).
 
-use lanes::{Registers, SimdLevel, Work};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use simd_lanes::{Registers, SimdLevel, Work};
 
 use crate::chacha::{BLOCK_WORDS, blocks, key};
 use crate::normal::{BLOCK_NORMALS, normal_blocks, normal_pair};
@@ -252,7 +252,7 @@ impl Work<f64> for FillField<'_> {
         let mut rows = [[0.0; FIELD_BLOCKS]; BLOCK_NORMALS];
         let mut block = self.block;
         for part in self.normals.chunks_mut(FIELD_NORMALS) {
-            let counters = lanes::from_fn(|lane| block.wrapping_add(lane as u64));
+            let counters = simd_lanes::from_fn(|lane| block.wrapping_add(lane as u64));
             normal_blocks(self.key, &[self.stream; FIELD_BLOCKS], &counters, &mut rows);
             if let Ok(whole) = <&mut [f64; FIELD_NORMALS]>::try_from(&mut *part) {
                 for lane in 0..FIELD_BLOCKS {
@@ -328,7 +328,7 @@ impl Work<f64> for DrawAhead<'_> {
     #[inline(always)]
     fn run<R: Registers<f64>>(self, _: R) {
         let Self { ahead: Ahead { key, stream, rows }, block } = self;
-        let counters = lanes::from_fn(|lane| block.wrapping_add(lane as u64));
+        let counters = simd_lanes::from_fn(|lane| block.wrapping_add(lane as u64));
         normal_blocks(key, &[*stream; AHEAD_BLOCKS], &counters, rows);
     }
 }

@@ -10,7 +10,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use lanes::{Registers, SimdLevel, Work, minus_twice_ln, sin_cos};
+use simd_lanes::{Registers, SimdLevel, Work, minus_twice_ln, sin_cos};
 
 use crate::chacha::{BLOCK_WORDS, blocks};
 
@@ -47,14 +47,14 @@ pub(crate) fn normal_pair(radial: u64, angular: u64) -> [f64; 2] {
 #[inline(always)]
 fn normal_pairs<const K: usize>(radial: [u64; K], angular: [u64; K]) -> ([f64; K], [f64; K]) {
     // The highest 52 bits as the mantissa of a number in [1, 2): exact and without conversion.
-    let u = lanes::map(radial, |word| 2.0 - f64::from_bits(ONE | word >> 12));
+    let u = simd_lanes::map(radial, |word| 2.0 - f64::from_bits(ONE | word >> 12));
     // The two highest bits select the quadrant, the next 52 the angle within it, from -pi/4 to pi/4.
-    let angle = lanes::map(angular, |word| {
+    let angle = simd_lanes::map(angular, |word| {
         ((f64::from_bits(ONE | (word << 2) >> 12) - 1.5) + HALF_SPACING) * FRAC_PI_2
     });
     let squares = minus_twice_ln(u);
     let (sin, cos) = sin_cos(angle);
-    let radius = lanes::map(squares, f64::sqrt);
+    let radius = simd_lanes::map(squares, f64::sqrt);
     let (mut first, mut second) = ([0.0; K], [0.0; K]);
     for i in 0..K {
         // (c, s) -> (-s, c) per quarter turn, branch-free: a random branch would be mispredicted.
@@ -80,8 +80,8 @@ pub(crate) fn normal_blocks<const L: usize>(
     for pair in 0..BLOCK_NORMALS / 2 {
         let [first, second] = &mut normals[2 * pair..2 * pair + 2] else { continue };
         let [a, b, c, d] = &words[4 * pair..4 * pair + 4] else { continue };
-        let radial = lanes::from_fn(|lane| u64::from(a[lane]) | u64::from(b[lane]) << 32);
-        let angular = lanes::from_fn(|lane| u64::from(c[lane]) | u64::from(d[lane]) << 32);
+        let radial = simd_lanes::from_fn(|lane| u64::from(a[lane]) | u64::from(b[lane]) << 32);
+        let angular = simd_lanes::from_fn(|lane| u64::from(c[lane]) | u64::from(d[lane]) << 32);
         (*first, *second) = normal_pairs(radial, angular);
     }
 }

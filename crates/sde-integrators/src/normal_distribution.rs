@@ -27,12 +27,12 @@ pub fn normal_quantile(p: f64) -> f64 {
 
 fn lower(p: f64) -> f64 {
     let p = p.max(f64::MIN_POSITIVE);
-    let t = (-2.0 * lanes::ln(p)).sqrt();
+    let t = (-2.0 * simd_lanes::ln(p)).sqrt();
     let above = 2.515517 + t * (0.802853 + t * 0.010328);
     let beneath = 1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308));
     let mut z = above / beneath - t;
     for _ in 0..3 {
-        let density = lanes::exp(-0.5 * z * z) / TAU.sqrt();
+        let density = simd_lanes::exp(-0.5 * z * z) / TAU.sqrt();
         let step = (normal_probability(z) - p) / density;
         z -= step / (1.0 + 0.5 * z * step);
     }

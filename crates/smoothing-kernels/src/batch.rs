@@ -1,6 +1,6 @@
 //! A function of the distance over slices, on the widest registers of the machine.
 
-use lanes::dispatch;
+use simd_lanes::dispatch;
 
 use crate::error::Error;
 

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use lanes::dispatch;
+use simd_lanes::dispatch;
 
 use crate::tile_size::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 

@@ -306,7 +306,7 @@ pub enum Error {
     Moments(#[from] perturbation_moments::Error),
     /// Samples from which moments cannot be estimated.
     #[error(transparent)]
-    Sampling(#[from] estimators::Error),
+    Sampling(#[from] uq_estimators::Error),
     /// A run of a quasi-random design failed: without it the others are no net.
     #[error(
         "sample {sample} of a quasi-random design failed: {reason}; all samples are needed: use independent samples (monte_carlo), or parameters that stay in range"

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::dispatch;
+use simd_lanes::dispatch;
 
 use crate::blocks::{BlockSums, Fields, fill, fill_images, place};
 use crate::body::Body;

@@ -8,7 +8,7 @@
     reason = "what is not inlined into the dispatched work is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Registers, SimdLevel, Work};
+use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::grid::Grid;
 use crate::group::{Group, LANES, PAIR, components, group_outer, lanes_of, of_groups, parts};

@@ -9,7 +9,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Registers, SimdLevel, Work};
+use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::grid::Grid;
 use crate::node::Node;

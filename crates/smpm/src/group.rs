@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched work is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Registers};
+use simd_lanes::{Lanes, Registers};
 
 use crate::group_axis::GroupAxis;
 use crate::lattice::Lattice;

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched work is not compiled for its registers"
 )]
 
-use lanes::Lanes;
+use simd_lanes::Lanes;
 
 use crate::shape::Shape;
 use crate::tile_size::MOST_NODES;

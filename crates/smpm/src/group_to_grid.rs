@@ -9,7 +9,7 @@
     reason = "what is not inlined into the dispatched work is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Registers, SimdLevel, Work};
+use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::body::Body;
 use crate::conditions::Columns;

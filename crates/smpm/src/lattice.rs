@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::dispatch;
+use simd_lanes::dispatch;
 
 use crate::config::Config;
 use crate::number::Number;

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use lanes::{Mask, dispatch};
 use perturbation_moments::{Real, when};
+use simd_lanes::{Mask, dispatch};
 
 use crate::binning::permute;
 use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};

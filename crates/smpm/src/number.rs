@@ -2,8 +2,8 @@
 
 use std::any::Any;
 
-use lanes::dispatch;
 use perturbation_moments::{Gradient, LANES, Scalar};
+use simd_lanes::dispatch;
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`](perturbation_moments::Jet), which carries the derivatives of
 /// its history, or a [`Gradient`]. Any [`Scalar`] that threads may share becomes one by `impl Number for MyScalar {}`.

@@ -10,8 +10,8 @@
 
 use std::ops::Range;
 
-use lanes::{Registers, SimdLevel, Work, dispatch};
 use perturbation_moments::InLanes;
+use simd_lanes::{Registers, SimdLevel, Work, dispatch};
 
 use crate::binning::permute_by;
 use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};

@@ -13,8 +13,8 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Registers};
 use perturbation_moments::LANES;
+use simd_lanes::{Lanes, Registers};
 
 use crate::lattice::Lattice;
 use crate::number::Number;

@@ -7,8 +7,8 @@
 
 use std::ops::{Add, Sub};
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar, when};
+use simd_lanes::Mask;
 
 // No closures: they are not always inlined, and then not compiled for the widest registers.
 

@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use crate::body::Body;
 use crate::config::Config;

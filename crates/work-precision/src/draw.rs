@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use figures::Drawing;
-use figures::number::counted;
+use result_figures::Drawing;
+use result_figures::number::counted;
 use scenes::nearest::nearest;
 use scenes::output::{write_drawing, write_text};
 
@@ -175,7 +175,7 @@ fn belongs(kind: &ChartKind, name: &str) -> bool {
 mod tests {
     use std::path::Path;
 
-    use figures::WorkPrecision;
+    use result_figures::WorkPrecision;
 
     use super::*;
 
@@ -186,7 +186,7 @@ mod tests {
             draw: |_| {
                 Ok(vec![Drawing::work_precision(
                     "sample_cost",
-                    &figures::samples::work_precision(),
+                    &result_figures::samples::work_precision(),
                 )?])
             },
         },
@@ -209,11 +209,11 @@ mod tests {
         assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
         let mut numbers: serde_json::Value = serde_json::from_str(&json).unwrap();
         let cheapest = numbers.as_object_mut().unwrap().remove("cheapest").unwrap();
-        let sample = figures::samples::work_precision();
+        let sample = result_figures::samples::work_precision();
         assert_eq!(serde_json::from_value::<WorkPrecision>(numbers).unwrap(), sample);
         assert_eq!(
-            serde_json::from_value::<Vec<figures::Choice>>(cheapest).unwrap(),
-            figures::choices(&sample)
+            serde_json::from_value::<Vec<result_figures::Choice>>(cheapest).unwrap(),
+            result_figures::choices(&sample)
         );
         let output = String::from_utf8(output).unwrap();
         assert!(output.contains("sample_cost.svg") && output.contains("| error within |"));
@@ -240,7 +240,8 @@ mod tests {
 
     #[test]
     fn rows_of_a_chart_stand_before_its_choices() {
-        let drawing = Drawing::work_precision("a", &figures::samples::work_precision()).unwrap();
+        let drawing =
+            Drawing::work_precision("a", &result_figures::samples::work_precision()).unwrap();
         let table = drawing.table.clone();
         assert_eq!(drawing.with_rows("  row").table, format!("  row\n{table}"));
     }

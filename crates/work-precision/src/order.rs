@@ -1,6 +1,6 @@
 //! Observed order of convergence, with its error.
 
-use figures::Measured;
+use result_figures::Measured;
 
 /// Smallest number of levels for an order with a meaningful error.
 pub const MIN_LEVELS: usize = 4;

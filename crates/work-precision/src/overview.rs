@@ -3,8 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use figures::markdown::text;
-use figures::{Choice, Reading, Words, choices_table};
+use result_figures::markdown::text;
+use result_figures::{Choice, Reading, Words, choices_table};
 use serde::Deserialize;
 
 /// Name of the page in the folder of the pictures.
@@ -141,7 +141,7 @@ fn entry(folder: &Path, file: &str) -> Result<String, OverviewError> {
 
 #[cfg(test)]
 mod tests {
-    use figures::{Drawing, Scale, samples};
+    use result_figures::{Drawing, Scale, samples};
 
     use super::*;
 

@@ -12,11 +12,11 @@ pub(crate) mod peridyn;
 pub(crate) mod sde;
 pub(crate) mod smpm;
 
-use figures::{
+use rayon::prelude::*;
+use result_figures::{
     Drawing, DrawingError, Face, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
     finite, time_series,
 };
-use rayon::prelude::*;
 use scenes::causes::with_causes;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! What is claimed of `advise`: on the built-in scenes its short trials find what longer ones confirm.
 
-use figures::Measured;
+use result_figures::Measured;
 use scenes::advise::{Advice, Candidate, Options, from_trials};
 use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_rung};
 

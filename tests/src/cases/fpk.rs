@@ -28,7 +28,7 @@ pub(crate) mod steps;
 pub(crate) mod time_schemes;
 pub(crate) mod viscous_damper;
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
 use scenes::fpk::scene::FpkScene;
 use work_precision::problems::fpk::problem::Problem;

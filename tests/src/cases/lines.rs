@@ -1,6 +1,6 @@
 //! Claims of one run of any dimension.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 
 use crate::case::Context;
 use crate::claim::{Criterion, Subject};

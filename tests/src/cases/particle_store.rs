@@ -1,7 +1,7 @@
 //! What is claimed of `particle-store`: columns stay together, and a snapshot comes back bit for bit.
 
-use figures::ErrorKind;
 use particle_store::{Lattice, ParticleStore, morton_order};
+use result_figures::ErrorKind;
 use sde_integrators::{Noise, Purpose, Stream};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -6,8 +6,8 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use figures::ErrorKind;
 use mpi_ensembles::ThreadRank;
+use result_figures::ErrorKind;
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
 use serde_json::Value;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 use sde_integrators::{Noise, Purpose};
 use work_precision::processes::{
     Scene, command_of_scenes, finish, outcome, piped, scenes, started,

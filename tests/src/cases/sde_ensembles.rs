@@ -6,7 +6,7 @@ pub(crate) mod first_passage;
 pub(crate) mod rare_events;
 pub(crate) mod reproducibility;
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, SecondOrder};
 
 use crate::case::{CaseError, Context};

@@ -1,6 +1,6 @@
 //! What is claimed of `smoothing-kernels`: every kernel integrates to one and has the gradient it says.
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 use std::f64::consts::PI;
 
 use smoothing_kernels::{Kernel, all};

@@ -48,7 +48,7 @@ fn what_is_not_a_number_fails_and_says_so() {
         within(ErrorKind::Ratio, -1.0, 1.0, 9.0),
     ] {
         assert!(!claim.passed && claim.reason.contains("[failed: "), "{claim:?}");
-        assert!(figures::finite::check(&claim).is_ok());
+        assert!(result_figures::finite::check(&claim).is_ok());
     }
 }
 

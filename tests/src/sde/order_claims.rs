@@ -1,6 +1,6 @@
 //! Claims on orders of convergence.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use work_precision::problems::sde::orders::{Errors, Level};
 
 use crate::case::Context;

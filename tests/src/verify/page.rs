@@ -1,7 +1,7 @@
 //! The report as one self-contained page, in the style of the page of a run: no request, no file beside it.
 
-use figures::number;
 use minijinja::{AutoEscape, Environment, Value, context};
+use result_figures::number;
 use scenes::machine;
 
 use crate::case::InlineChart;
@@ -22,8 +22,8 @@ pub fn render_page(report: &Report, charts: &[InlineChart]) -> Result<String, mi
     let cases: Vec<Value> =
         report.cases.iter().enumerate().map(|(i, case)| case_value(i, case, charts)).collect();
     environment.get_template("page.html")?.render(context! {
-        style => Value::from_safe_string(pages::STYLE.to_owned()),
-        programs => Value::from_safe_string([pages::THEME, pages::SORT].join("\n")),
+        style => Value::from_safe_string(result_pages::STYLE.to_owned()),
+        programs => Value::from_safe_string([result_pages::THEME, result_pages::SORT].join("\n")),
         counts => counts_value(counts),
         failed => report.failed,
         version => &report.version,
@@ -91,7 +91,7 @@ fn claim_value(claim: &Claim, case_id: &str) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use figures::{ErrorKind, Measured, Reference};
+    use result_figures::{ErrorKind, Measured, Reference};
     use scenes::machine::Machine;
 
     use super::*;
@@ -180,7 +180,8 @@ mod tests {
             case("self-check/oscillator", "Made-up rows of an oscillator", None),
             case("self-check/damper", "Made-up rows of a damper", Some(failed)),
         ];
-        let svg = figures::work_precision(&figures::samples::work_precision()).unwrap();
+        let svg =
+            result_figures::work_precision(&result_figures::samples::work_precision()).unwrap();
         let chart = InlineChart {
             case_id: "self-check/oscillator".into(),
             title: "Error against cost".into(),

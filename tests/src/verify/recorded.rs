@@ -2,8 +2,8 @@
 
 mod rows;
 
-use figures::markdown::{self, text};
-use figures::number::{counted, short};
+use result_figures::markdown::{self, text};
+use result_figures::number::{counted, short};
 use scenes::machine;
 
 use self::rows::{Rows, of_case};

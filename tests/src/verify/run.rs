@@ -201,7 +201,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use figures::ErrorKind;
+    use result_figures::ErrorKind;
 
     use super::super::table::Rows;
     use super::*;

@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
-use figures::{ErrorKind, number};
+use result_figures::{ErrorKind, number};
 
 use crate::report::{CaseRecord, Claim, ClaimKind, Counts, Report};
 

@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::Lanes;
+use simd_lanes::Lanes;
 
 use super::cell_geometry::determinant;
 use super::small_matrices::{eigen, solve_transposed};

@@ -1,7 +1,7 @@
 //! The estimator that follows the flow: local polynomials over the lattice that the particles started from.
 
-use lanes::SimdLevel;
 use neighbour_search::Criterion;
+use simd_lanes::SimdLevel;
 
 use super::cell_geometry::determinant;
 use super::cells::trace_on_lattice;

@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{MOST_LANES, Registers, Work};
+use simd_lanes::{MOST_LANES, Registers, Work};
 
 use super::Carried;
 use super::cells::{damped_push_forward, is_thick, push_forward, volume};
@@ -258,7 +258,7 @@ impl<const D: usize> Work<f64> for Settle<'_, D> {
         let rest = (1.0 - share).ln();
         let mut shares = [0.0; PART];
         for (share, rate) in shares.iter_mut().zip(&rates[here]) {
-            *share = 1.0 - lanes::exp(rate * rest);
+            *share = 1.0 - simd_lanes::exp(rate * rest);
         }
         for ((x, before), share) in x.iter_mut().zip(before).zip(&shares) {
             for k in 0..D {
@@ -280,6 +280,6 @@ fn logarithm(x: f64) -> f64 {
     const LIFT: f64 = (1_u64 << 54) as f64;
     const LN_LIFT: f64 = 54.0 * std::f64::consts::LN_2;
     let is_small = x < f64::MIN_POSITIVE;
-    let lifted = lanes::ln(if is_small { x * LIFT } else { x });
+    let lifted = simd_lanes::ln(if is_small { x * LIFT } else { x });
     lifted - if is_small { LN_LIFT } else { 0.0 }
 }

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use lanes::{MOST_LANES, Registers};
+use simd_lanes::{MOST_LANES, Registers};
 
 use super::arrangement::Turn;
 use super::pattern::Pattern;
@@ -92,7 +92,8 @@ impl<const D: usize> Folded<D> {
         for block in 0..D.div_ceil(4) {
             let blocks = blocks.iter_mut().skip(block).step_by(D.div_ceil(4));
             for (f, out) in f.iter().zip(blocks) {
-                *out = lanes::from_fn(|k| if 4 * block + k < D { f[4 * block + k] } else { 0.0 });
+                *out =
+                    simd_lanes::from_fn(|k| if 4 * block + k < D { f[4 * block + k] } else { 0.0 });
             }
         }
     }
@@ -137,7 +138,7 @@ impl<const D: usize> Folded<D> {
         for pack in &self.packs[packs] {
             let weights = &self.classes[pack.class].value;
             self.splat_sums(registers, pack, weights, block_of, |point, [sums]| {
-                found(point.i, lanes::from_fn(|k| sums[k]));
+                found(point.i, simd_lanes::from_fn(|k| sums[k]));
             });
         }
     }
@@ -215,7 +216,7 @@ impl<const D: usize> Folded<D> {
                 for block in 0..D.div_ceil(3) {
                     fours[block] = registers.four(sums[at / wide][block], at % wide);
                 }
-                let of_class = lanes::from_fn(|l| fours[l / 3][l % 3]);
+                let of_class = simd_lanes::from_fn(|l| fours[l / 3][l % 3]);
                 found(*i, turn.back(&of_class), fours[0][3]);
             }
         }

@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use lanes::Registers;
+use simd_lanes::Registers;
 
 use super::folded::Folded;
 use super::runs::{self, Run, runs_of};
@@ -143,9 +143,9 @@ impl<const D: usize> LatticeSums<D> {
 
 #[cfg(test)]
 mod tests {
-    use lanes::{SimdLevel, Work};
     use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
     use particle_store::Lattice;
+    use simd_lanes::{SimdLevel, Work};
 
     use super::*;
 

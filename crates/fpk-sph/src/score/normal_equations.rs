@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Mask, Registers, SimdLevel, Work};
+use simd_lanes::{Lanes, Mask, Registers, SimdLevel, Work};
 
 use super::aligned::Aligned;
 use super::monomials::{MOST_UNKNOWNS, Monomials};

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use lanes::{MOST_LANES, Registers};
+use simd_lanes::{MOST_LANES, Registers};
 
 use super::arrangement::Turn;
 use super::stencils::{Stencil, Stencils};

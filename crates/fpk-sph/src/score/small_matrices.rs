@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Lanes, Mask};
+use simd_lanes::{Lanes, Mask};
 
 /// `x` with `A^T x = b`, by elimination with partial pivoting; infinite or NaN where `A` is singular.
 pub(crate) fn solve_transposed<const D: usize>(a: &[[f64; D]; D], b: &[f64; D]) -> [f64; D] {

@@ -1,9 +1,9 @@
 //! The hysteretic oscillator of Bouc and Wen.
 
-use lanes::power;
 use sde_integrators::{
     Additive, Increment, Integrator, LinearFlows, Sde, SecondOrder, StepError, StrangOscillator,
 };
+use simd_lanes::power;
 
 use super::Window;
 use crate::error::{Error, finite, not_negative, positive, within};

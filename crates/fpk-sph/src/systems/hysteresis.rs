@@ -2,7 +2,7 @@
 
 #![allow(clippy::inline_always, reason = "used in dispatched functions")]
 
-use lanes::power;
+use simd_lanes::power;
 
 use crate::error::{Error, positive, within};
 

@@ -1,7 +1,7 @@
 //! The oscillator with a nonlinear viscous damper.
 
-use lanes::{exp, power};
 use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+use simd_lanes::{exp, power};
 
 use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};

@@ -12,7 +12,7 @@ pub(super) fn combine<const D: usize, const S: usize>(
     let factors = terms.map(|(c, _)| c);
     let rates = terms.map(|(_, k)| &k.as_flattened()[..x_0.len()]);
     let x = &mut x[..x_0.len()];
-    lanes::dispatch(
+    simd_lanes::dispatch(
         #[inline(always)]
         || {
             for i in 0..x_0.len() {
@@ -34,7 +34,7 @@ pub(super) fn transform<const D: usize, const S: usize>(
     let n = out.len();
     let matrices = terms.map(|(matrix, _)| matrix);
     let vectors = terms.map(|(_, vectors)| &vectors[..n]);
-    lanes::dispatch(
+    simd_lanes::dispatch(
         #[inline(always)]
         || {
             for (i, out) in out.iter_mut().enumerate() {
@@ -55,7 +55,7 @@ pub(super) fn transform<const D: usize, const S: usize>(
 /// `v -= A x` for every particle: what remains of a velocity.
 pub(super) fn subtract<const D: usize>(v: &mut [[f64; D]], a: &Matrix<D>, x: &[[f64; D]]) {
     let x = &x[..v.len()];
-    lanes::dispatch(
+    simd_lanes::dispatch(
         #[inline(always)]
         || {
             for (i, v) in v.iter_mut().enumerate() {

@@ -16,7 +16,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
+use simd_lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
 
 use super::LaneBits;
 use crate::real::Real;

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use lanes::{Registers, Work};
+use simd_lanes::{Registers, Work};
 
 use super::LaneBits;
 use super::bond_force::Separation;

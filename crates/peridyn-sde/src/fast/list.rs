@@ -1,6 +1,6 @@
 //! Bonds in a list, realisations side by side.
 
-use lanes::{MOST_LANES, SimdLevel};
+use simd_lanes::{MOST_LANES, SimdLevel};
 
 use super::LaneBits;
 use super::limit::Limit;

@@ -1,6 +1,6 @@
 //! The numbers of bonds that a force evaluation reads.
 
-use lanes::MOST_LANES;
+use simd_lanes::MOST_LANES;
 
 use crate::bonds::{Bond, Bonds};
 use crate::error::{Error, positive, same_length};

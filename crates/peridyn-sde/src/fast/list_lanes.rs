@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Registers, Work};
+use simd_lanes::{Registers, Work};
 
 use super::limit::Limit;
 use super::list_columns::Columns;

@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use lanes::{Lanes, MOST_LANES, Registers, Work};
+use simd_lanes::{Lanes, MOST_LANES, Registers, Work};
 
 use super::LaneBits;
 use super::bond_force::{SquaredElongation, component};

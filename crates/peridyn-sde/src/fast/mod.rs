@@ -27,5 +27,5 @@ pub use list::BondList;
 pub use solid_lattice::SolidLattice;
 pub use solid_list::SolidList;
 
-/// In which lanes a bond is intact: a bit for each of at most [`MOST_LANES`](lanes::MOST_LANES).
+/// In which lanes a bond is intact: a bit for each of at most [`MOST_LANES`](simd_lanes::MOST_LANES).
 type LaneBits = u16;

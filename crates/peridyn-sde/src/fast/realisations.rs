@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::Registers;
+use simd_lanes::Registers;
 
 use super::LaneBits;
 use super::bond_force::Separation;

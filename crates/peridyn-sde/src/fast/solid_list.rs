@@ -1,6 +1,6 @@
 //! A linear peridynamic solid in a list of bonds, one realisation or several side by side.
 
-use lanes::{MOST_LANES, SimdLevel};
+use simd_lanes::{MOST_LANES, SimdLevel};
 
 use super::LaneBits;
 use super::limit::Limit;

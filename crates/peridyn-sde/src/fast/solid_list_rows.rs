@@ -6,7 +6,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{MOST_LANES, Registers, Work};
+use simd_lanes::{MOST_LANES, Registers, Work};
 
 use super::limit::Limit;
 use super::list_rows::{BATCH, Batch, Padded, RowColumns, in_batches};

@@ -5,7 +5,7 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use lanes::{Lanes, MOST_LANES, Registers, Work};
+use simd_lanes::{Lanes, MOST_LANES, Registers, Work};
 
 use super::LaneBits;
 use super::bond_force::Separation;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use lanes::MOST_LANES;
+use simd_lanes::MOST_LANES;
 
 use super::LaneBits;
 use crate::bonds::Bonds;

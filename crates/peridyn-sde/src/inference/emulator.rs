@@ -214,7 +214,7 @@ impl Emulator {
             }
             let ugu: f64 = (0..k).map(|l| place.mixing[l * k + i] * gu[l * k + i]).sum();
             let number = self.layout.log_variance(i);
-            slopes[number] = lanes::exp(place.numbers[number]) * ugu;
+            slopes[number] = simd_lanes::exp(place.numbers[number]) * ugu;
         }
         slopes
     }

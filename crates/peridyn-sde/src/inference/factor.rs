@@ -48,7 +48,7 @@ impl Factor {
 
     /// `ln |A|`.
     pub(super) fn log_determinant(&self) -> f64 {
-        (0..self.n).map(|i| 2.0 * lanes::ln(self.at(i, i))).sum()
+        (0..self.n).map(|i| 2.0 * simd_lanes::ln(self.at(i, i))).sum()
     }
 
     /// `L z` into `out`.

@@ -73,7 +73,7 @@ impl Observations {
         let away: Vec<f64> = (0..k).map(|i| self.mean[i] - mean[i]).collect();
         let inverse = factor.inverse();
         let distance = trace_of_product(&inverse, &self.scatter) + quadratic(&inverse, &away);
-        let constant = k as f64 * lanes::ln(2.0 * PI);
+        let constant = k as f64 * simd_lanes::ln(2.0 * PI);
         let value = -0.5 * self.n_plates * (constant + factor.log_determinant() + distance);
         finite("the log-likelihood", value)?;
         Ok(At { value, inverse, away })

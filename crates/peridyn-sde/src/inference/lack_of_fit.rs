@@ -65,7 +65,7 @@ struct Residual {
 fn unit(layout: Layout, numbers: &[f64], component: Component) -> f64 {
     let covariance = layout.covariance(numbers, &layout.mixing(numbers));
     let deviation = |i: usize| covariance[i * (layout.n_summaries + 1)].sqrt();
-    let rest = |i: usize| lanes::exp(0.5 * numbers[layout.log_variance(i)]);
+    let rest = |i: usize| simd_lanes::exp(0.5 * numbers[layout.log_variance(i)]);
     match component {
         Component::Mean(i) => deviation(i),
         Component::Slope(i, j) => rest(i) / deviation(j),

@@ -1,8 +1,8 @@
 //! A likelihood that does not take the noise of its ensembles for information.
 
-use lanes::{exp, ln};
 use random_fields::{Enough, LowRank, pivoted_cholesky};
 use sde_integrators::{Noise, Purpose};
+use simd_lanes::{exp, ln};
 
 use super::emulator::Emulator;
 use super::gaussian::Observations;

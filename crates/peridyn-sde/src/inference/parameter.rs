@@ -75,7 +75,7 @@ impl Parameter {
     pub(super) fn on_scale(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
-            Scale::Logarithmic => lanes::ln(value),
+            Scale::Logarithmic => simd_lanes::ln(value),
         }
     }
 
@@ -90,7 +90,7 @@ impl Parameter {
         let on_scale = middle + half * unit;
         match self.scale {
             Scale::Linear => on_scale,
-            Scale::Logarithmic => lanes::exp(on_scale),
+            Scale::Logarithmic => simd_lanes::exp(on_scale),
         }
     }
 
@@ -131,7 +131,7 @@ impl Parameter {
             return 1.0 / 3.0;
         };
         // Johnson, Kotz and Balakrishnan 1994, Continuous univariate distributions 1, section 13.10.
-        let density = |z: f64| lanes::exp(-0.5 * z * z) / (2.0 * PI).sqrt();
+        let density = |z: f64| simd_lanes::exp(-0.5 * z * z) / (2.0 * PI).sqrt();
         let (a, b) = ((-1.0 - mean) / deviation, (1.0 - mean) / deviation);
         let mass = normal_probability(b) - normal_probability(a);
         let shift = (density(a) - density(b)) / mass;

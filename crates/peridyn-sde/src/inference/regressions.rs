@@ -47,7 +47,7 @@ impl Layout {
     /// `U D U^T`.
     pub(super) fn covariance(self, numbers: &[f64], mixing: &[f64]) -> Vec<f64> {
         let k = self.n_summaries;
-        let variance = |i: usize| lanes::exp(numbers[self.log_variance(i)]);
+        let variance = |i: usize| simd_lanes::exp(numbers[self.log_variance(i)]);
         let variances: Vec<f64> = (0..k).map(variance).collect();
         let mut covariance = vec![0.0; k * k];
         for i in 0..k {
@@ -93,7 +93,7 @@ impl Regressions {
                 numbers[layout.slope(i, j)] = slopes[j];
             }
             let variance = factor.at(i, i) * factor.at(i, i) * inflation(i);
-            numbers[layout.log_variance(i)] = lanes::ln(variance) + 1.0 / freedom(i);
+            numbers[layout.log_variance(i)] = simd_lanes::ln(variance) + 1.0 / freedom(i);
         }
         let mut errors = vec![0.0; layout.len() * layout.len()];
         let scale = 1.0 / (n as f64 * (n - 1) as f64);

@@ -183,7 +183,7 @@ impl SummaryConfig {
             LoadSummary::LogFailureLoad => match record.failure_load {
                 Some(load) => {
                     crate::error::positive("a failure load", load)?;
-                    Some(alone(lanes::ln(load)))
+                    Some(alone(simd_lanes::ln(load)))
                 }
                 None => None,
             },

@@ -1,7 +1,7 @@
 //! What is sampled, and one step of Metropolis's algorithm on it.
 
-use lanes::exp;
 use sde_integrators::Stream;
+use simd_lanes::exp;
 
 use super::factor::Factor;
 use super::parameter_space::ParameterSpace;

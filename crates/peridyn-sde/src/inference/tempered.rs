@@ -1,8 +1,8 @@
 //! A cloud of points that goes from the prior to the posterior.
 
-use lanes::exp;
 use rayon::prelude::*;
 use sde_integrators::Purpose;
+use simd_lanes::exp;
 
 use super::sampler_config::SamplerConfig;
 use super::target::{Proposal, Target, Walker};

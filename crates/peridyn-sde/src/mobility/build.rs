@@ -137,7 +137,7 @@ impl Mobility {
                 for j in row_with_itself(&list, i).filter(|&j| free[j]) {
                     let r = distance(&positions[i], &positions[j]);
                     columns.push(j);
-                    values.push(lanes::exp(-r * r / square));
+                    values.push(simd_lanes::exp(-r * r / square));
                 }
                 let sum: f64 = values[first..].iter().map(|g| g * g).sum();
                 let scale = (mobility / sum).sqrt();

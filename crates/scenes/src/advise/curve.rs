@@ -1,6 +1,6 @@
 //! Error and cost of a method over its size, extrapolated to the size that a tolerance requires.
 
-use figures::settled;
+use result_figures::settled;
 
 use crate::ladder::Growth;
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use figures::number::{percent, short};
-use pages::{Answer, Cell, Chart, Fact, Note, Page, Point, Series, Table};
+use result_figures::number::{percent, short};
+use result_pages::{Answer, Cell, Chart, Fact, Note, Page, Point, Series, Table};
 
 use super::words::{Verdict, cheapest_rows, errors, tried_rows, verdict};
 use super::{Advice, AdviseError};
@@ -24,7 +24,7 @@ pub fn write_page(
 ) -> Result<PathBuf, AdviseError> {
     let file = SceneFile::read(scene)?;
     let kind = kind_of(table, &file)?;
-    let html = pages::render(&page(kind, &file, advice)).map_err(RunError::page)?;
+    let html = result_pages::render(&page(kind, &file, advice)).map_err(RunError::page)?;
     let path = out.join(NAME);
     let failed = |source| RunError::from(OutputError::Io { path: path.clone(), source });
     std::fs::create_dir_all(out).map_err(failed)?;

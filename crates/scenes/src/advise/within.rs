@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use figures::number::short;
+use result_figures::number::short;
 use serde_json::Value;
 
 use super::{Advice, AdviseError, Options, Tried, Unreached, advise_on};

@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use figures::markdown;
-use figures::number::{percent, short};
+use result_figures::markdown;
+use result_figures::number::{percent, short};
 use serde_json::Value;
 
 use super::{Advice, AdviseError, Candidate, Unreached};

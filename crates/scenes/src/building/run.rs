@@ -4,12 +4,12 @@ mod ladder;
 
 use std::path::PathBuf;
 
-use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use fpk_sph::systems::ShearBuilding;
 use random_vibration::{
     FreePassages, GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig,
     TailError, subset_passage,
 };
+use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::Error;
 
 use super::method_scene::BuildingMethod;

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use figures::number::counted;
-use pages::{Answer, Note};
+use result_figures::number::counted;
+use result_pages::{Answer, Note};
 use serde_json::Value;
 
 use crate::built_in::ALL;

@@ -1,6 +1,6 @@
 //! Sources of the methods, as a page cites them.
 
-use pages::Source;
+use result_pages::Source;
 
 const fn source(key: &'static str, text: &'static str, role: &'static str) -> Source {
     Source { key, text, role }

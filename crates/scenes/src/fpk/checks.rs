@@ -1,6 +1,6 @@
 //! Checks of the numbers and lists of a scene.
 
-use figures::number::exact;
+use result_figures::number::exact;
 
 use crate::scene::Objection;
 

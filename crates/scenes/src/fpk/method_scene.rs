@@ -1,7 +1,7 @@
 //! The method of a scene.
 
-use figures::number::exact;
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
+use result_figures::number::exact;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -20,10 +20,10 @@ mod tests;
 
 use std::path::PathBuf;
 
-use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use fpk_sph::systems::Filtered;
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
+use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 

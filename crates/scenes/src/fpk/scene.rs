@@ -1,6 +1,6 @@
 //! A density scene as written in its JSON file.
 
-use figures::number::{exact, tidy};
+use result_figures::number::{exact, tidy};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,6 +1,6 @@
 //! Inputs that determine the results of a run, and so identify its checkpoints and shards.
 
-use figures::finite::JsonError;
+use result_figures::finite::JsonError;
 use serde::Serialize;
 
 use super::kind_run::Run;

@@ -16,7 +16,7 @@ const WORTH_A_LINE: Duration = Duration::from_secs(60);
 #[derive(Debug, Clone, PartialEq, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{what}: {} % took {}, so the rest takes about {}; at most {} are allowed",
-    figures::number::short(Some(100.0 * done)), words(*elapsed), words(*left), words(*longest)
+    result_figures::number::short(Some(100.0 * done)), words(*elapsed), words(*left), words(*longest)
 )]
 #[diagnostic(help(
     "make the scene smaller, or allow it by --yes or a larger --longest; what is done is kept for --resume"
@@ -127,7 +127,7 @@ fn words(duration: Duration) -> String {
     let units = [("years", 31_557_600.0), ("days", 86_400.0), ("h", 3600.0), ("min", 60.0)];
     let (unit, length) =
         units.into_iter().find(|(_, length)| seconds > 2.0 * length).unwrap_or(("s", 1.0));
-    format!("{} {unit}", figures::number::short(Some(seconds / length)))
+    format!("{} {unit}", result_figures::number::short(Some(seconds / length)))
 }
 
 #[cfg(test)]

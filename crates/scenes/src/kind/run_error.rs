@@ -1,7 +1,7 @@
 //! Errors of a run.
 
-use figures::finite::JsonError;
 use mpi_ensembles::JobError;
+use result_figures::finite::JsonError;
 
 use super::blocks_left::BlocksLeft;
 use super::pace::TooLong;

@@ -11,10 +11,10 @@ mod record;
 
 use std::path::PathBuf;
 
-use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use peridyn_sde::{CrackRun, HaltedRun};
+use result_figures::number::with_uncertainty;
 use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Content, Record, WorkRecord};

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use figures::finite::JsonError;
+use result_figures::finite::JsonError;
 
 use crate::output::OutputError;
 use crate::scene::SceneError;

@@ -1,6 +1,6 @@
 //! Every key of a scene with its value and unit, defaults included.
 
-use pages::SceneKey;
+use result_pages::SceneKey;
 use serde_json::Value;
 
 use super::rows::{is_list_of_words, join};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use figures::markdown::table;
+use result_figures::markdown::table;
 
 use super::example::{BuiltIn, Example, Examples};
 use super::rows::{Row, is_list_of_words, label, rows};

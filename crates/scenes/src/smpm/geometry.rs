@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use figures::number::tidy;
+use result_figures::number::tidy;
 use smpm::Fill;
 
 use super::coordinates::point;

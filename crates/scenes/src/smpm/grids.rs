@@ -1,6 +1,6 @@
 //! Grids of doubling cells for multilevel Monte Carlo.
 
-use figures::number::tidy;
+use result_figures::number::tidy;
 
 use super::method_scene::{MethodScene, MultilevelScene};
 use super::scene::{GridScene, SmpmScene, SolidScene};

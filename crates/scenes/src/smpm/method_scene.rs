@@ -1,10 +1,10 @@
 //! Methods of a scene of bodies as written in its JSON file.
 
-use estimators::{Sampling, UnitCube};
 use perturbation_moments::MonteCarlo;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::uncertainty::Design;
+use uq_estimators::{Sampling, UnitCube};
 
 /// Method for mean and variance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]

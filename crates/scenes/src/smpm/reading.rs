@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use estimators::{Error as SamplingError, SobolPoints};
 use perturbation_moments::{Marginal, RandomVector};
 use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
     Quantity, Shape, Side, Transfer, UpdateOrder,
 };
+use uq_estimators::{Error as SamplingError, SobolPoints};
 
 use super::coordinates::point;
 use super::material_scene::{MaterialScene, Numbers, Part};

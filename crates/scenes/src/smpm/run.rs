@@ -16,7 +16,7 @@ mod solve;
 
 use std::path::PathBuf;
 
-use figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
+use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 

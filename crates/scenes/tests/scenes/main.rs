@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 mod building;
-#[path = "../../../pages/tests/drive/mod.rs"]
+#[path = "../../../result-pages/tests/drive/mod.rs"]
 mod drive;
 mod established;
 mod fpk;

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use figures::number::short;
+use result_figures::number::short;
 use scenes::{ALL, Options, Progress, run};
 use serde_json::Value;
 

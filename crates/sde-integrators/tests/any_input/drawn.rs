@@ -1,6 +1,6 @@
 //! Numbers of any kind, a system with any constants, and what every answer must be.
 
-#[path = "../../../lanes/tests/shared/number.rs"]
+#[path = "../../../simd-lanes/tests/shared/number.rs"]
 mod any_number;
 
 use proptest::prelude::*;

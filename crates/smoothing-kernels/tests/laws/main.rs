@@ -4,7 +4,7 @@
 #[path = "../../src/exponential.rs"]
 mod exponential;
 mod published;
-#[path = "../../../lanes/tests/shared/reference.rs"]
+#[path = "../../../simd-lanes/tests/shared/reference.rs"]
 #[allow(dead_code, reason = "only the exponential is asked for")]
 mod reference;
 

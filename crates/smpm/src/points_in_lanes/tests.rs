@@ -1,6 +1,6 @@
 //! Materials in lanes against the same particles one by one, bit for bit, at every level.
 
-use lanes::SimdLevel;
+use simd_lanes::SimdLevel;
 
 use super::PointsInLanes;
 use crate::config::BulkViscosity;

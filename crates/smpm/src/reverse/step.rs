@@ -1,7 +1,7 @@
 //! One step, reversed from the state at its begin.
 
-use lanes::dispatch;
 use perturbation_moments::Jet;
+use simd_lanes::dispatch;
 
 use super::adjoint::BodyAdjoint;
 use super::local::LocalUpdate;

@@ -1,7 +1,7 @@
 //! Which parameters complete runs are sampled at.
 
-use estimators::{DesignedRuns, UnitCube};
 use perturbation_moments::MonteCarlo;
+use uq_estimators::{DesignedRuns, UnitCube};
 
 use crate::error::Error;
 

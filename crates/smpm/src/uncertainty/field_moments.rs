@@ -1,7 +1,7 @@
 //! Mean and variance of a response from its derivatives by the coefficients of random fields.
 
-use estimators::SampledMoments;
 use perturbation_moments::MonteCarlo;
+use uq_estimators::SampledMoments;
 
 use super::sampled::Sampled;
 use crate::error::Error;

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use estimators::{ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate};
 use perturbation_moments::{Estimate, Moments, MonteCarlo};
+use uq_estimators::{
+    ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate,
+};
 
 use super::design::Design;
 use super::experiment::Experiment;

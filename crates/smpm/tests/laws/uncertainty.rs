@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use estimators::{Sampling, UnitCube};
 use perturbation_moments::{Marginal, MonteCarlo, RandomVector};
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};
@@ -11,6 +10,7 @@ use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan,
     Quantity, Shape, Side, Simulation, Transfer, Window,
 };
+use uq_estimators::{Sampling, UnitCube};
 
 /// A plate that runs into a rigid wall at a speed; `C`, `S_1` and `gamma_0` of its steel are random. Centimetres, grams,
 /// microseconds.

@@ -2,7 +2,7 @@
 //!
 //! These charts and `advise` share one definition: the ladder of the scene's kind.
 
-use figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
+use result_figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::advise::{Advice, Judgement, Options, from_trials};
 use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
 use scenes::machine::Machine;

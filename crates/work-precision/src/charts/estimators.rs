@@ -4,7 +4,7 @@ mod bodies;
 mod measured;
 mod paths;
 
-use figures::Drawing;
+use result_figures::Drawing;
 
 use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use figures::{
+use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule};
+use result_figures::{
     Drawing, Line, Measure, Method, Reading, Reference, ReferencePoint, ReferencePoints, Run,
     RunOutcome, Scale, TimeSeries, Words, WorkPrecision,
 };
-use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule};
 use scenes::clock::CpuClock;
 use scenes::fpk::density::{Asked, Demand};
 use scenes::fpk::integrator_scene::IntegratorScene;

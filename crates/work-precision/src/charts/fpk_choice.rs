@@ -5,10 +5,10 @@ mod runs;
 mod surface;
 mod table;
 
-use figures::{Drawing, Reference};
 use fpk_sph::InitialLattice;
 use fpk_sph::systems::StrangBoucWen;
 use random_vibration::{Linearisation, Quadrature};
+use result_figures::{Drawing, Reference};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use sde_integrators::{Shark, StrangOscillator};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use figures::{Drawing, Line, Scale, TimeSeries, Words};
+use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smoothing_kernels::{Kernel, all};
 
 use crate::context::{CaseError, Context};

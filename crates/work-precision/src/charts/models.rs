@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use figures::number::{percent, short};
-use figures::{Drawing, markdown};
+use result_figures::number::{percent, short};
+use result_figures::{Drawing, markdown};
 use scenes::ladder::BuiltIn;
 use scenes::machine::{Machine, commit, commit_words};
 use scenes::models::{Change, Effect, Study, study};

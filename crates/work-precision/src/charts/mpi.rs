@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use scenes::kind::{BlockRecord, JobRecord};
 use scenes::machine::Machine;
 use sde_integrators::{Noise, Purpose, Stream};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use figures::Drawing;
+use result_figures::Drawing;
 use serde::Serialize;
 
 use super::papers_figures::{density_of_canor_denoel, moments_of_canor_denoel, of_chen};

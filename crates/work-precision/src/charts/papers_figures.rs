@@ -1,9 +1,9 @@
 //! Figures of the source documents: the same quantities over the same axes, ours beside what is printed.
 
-use figures::{
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use result_figures::{
     Band, Drawing, Line, Plane, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
 };
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use scenes::fpk::density::{self, Asked, Demand, DensityRun};
 use scenes::fpk::plane_density::{PlaneDensity, plane_density};
 use scenes::machine::Machine;

@@ -1,9 +1,9 @@
 //! Error against cost for the schemes of peridyn-sde: stationary distribution, bond failure rate, crack paths.
 
-use figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
 use peridyn_sde::statistics::Bootstrap;
 use peridyn_sde::{Breaking, Dynamics, Mobility, Real, Scheme, Simulation, SimulationConfig};
 use rayon::ThreadPoolBuilder;
+use result_figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::machine::Machine;
 use sde_integrators::Noise;
 

@@ -2,10 +2,12 @@
 
 mod maps;
 
-use figures::{Drawing, Measure, Method as Series, Reading, Run, RunOutcome, Words, WorkPrecision};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use result_figures::{
+    Drawing, Measure, Method as Series, Reading, Run, RunOutcome, Words, WorkPrecision,
+};
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 use sde_integrators::{

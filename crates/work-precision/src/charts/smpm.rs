@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use estimators::{ControlledSamples, SampledMoments, Surrogate};
-use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
+use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
 use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
 use crate::context::{CaseError, Context, Profile};

@@ -1,8 +1,8 @@
 //! Mean and standard deviation of a response over a plate under an explosion: fields from one run with jets. They show
 //! what figures 4 and 8 of Chen et al. 2019 show, the bodies at the end, with the response of each example over them.
 
-use figures::{Drawing, Field, Region, Words};
 use perturbation_moments::{Jet, Scalar};
+use result_figures::{Drawing, Field, Region, Words};
 use scenes::machine::Machine;
 use smpm::uncertainty::Study;
 use smpm::{Body, Quantity, Simulation};

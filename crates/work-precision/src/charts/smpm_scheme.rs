@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
+use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
 use scenes::causes::with_causes;
 use scenes::machine::Machine;
 use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};

@@ -1,6 +1,6 @@
 //! Axes and labels common to all maps.
 
-use figures::Words;
+use result_figures::Words;
 
 /// `n` equally spaced values.
 pub(super) fn linear(n: u32, from: f64, to: f64) -> Vec<f64> {

@@ -4,8 +4,8 @@
 //! the negative real axis, `b` against 2.785. It falls with the square of the spacing. The trace of the diffusion on the lattice
 //! comes from a run with 81 x 81 particles.
 
-use figures::{Drawing, Scale};
 use fpk_sph::{Combination, InitialLattice, Method, Scheme, StepRule};
+use result_figures::{Drawing, Scale};
 
 use super::axes::{logarithmic, words};
 use super::fpk::{Damper, FINE, MOST_STEPS, TIME, TOLERANCE, drawn, odd};

@@ -13,8 +13,8 @@ pub(crate) mod nugget;
 pub(crate) mod quasi_static;
 pub(crate) mod z;
 
-use figures::CurvePoint;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use result_figures::CurvePoint;
 use scenes::causes::with_causes;
 
 use crate::context::CaseError;

@@ -1,6 +1,6 @@
 //! Largest steps of the methods of `sde-integrators`: oscillator, cubic drift, multiplicative noise.
 
-use figures::{Drawing, Scale};
+use result_figures::{Drawing, Scale};
 use sde_integrators::{
     Baoab, EnsembleConfig, EulerMaruyama, Heun, Integrator, Observable, SemiImplicitEuler, Shark,
     StateSpace, StochasticTheta, StrangOscillator, simulate,

@@ -8,7 +8,7 @@ mod fracture;
 mod plasticity;
 mod shock;
 
-use figures::Drawing;
+use result_figures::Drawing;
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;

@@ -1,12 +1,12 @@
 //! How often nominal intervals of 95 % hold, for each estimator.
 
-use estimators::{
+use fpk_sph::systems::GeometricBrownianMotion;
+use result_figures::{ErrorKind, Measured};
+use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
+use uq_estimators::{
     Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
     Sampling, Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
-use figures::{ErrorKind, Measured};
-use fpk_sph::systems::GeometricBrownianMotion;
-use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::estimators::multilevel::GROWTH;
@@ -18,7 +18,7 @@ use crate::claim::Subject;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
-    id: "estimators/coverage",
+    id: "uq-estimators/coverage",
     title: "200 repetitions of each estimator: how often its interval of 95 % holds the true value",
     source: "closed forms: geometric Brownian motion, lognormal moments, Ishigami's function",
     cost: Profile::Default,

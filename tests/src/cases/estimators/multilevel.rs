@@ -1,14 +1,14 @@
 //! Multilevel Monte Carlo: cost against tolerance, ladders that do not pay, same bits.
 
-use estimators::{
-    Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
-    Target, Tolerance,
-};
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::GeometricBrownianMotion;
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Noise, Observable, Purpose, StateSpace, StrangOscillator,
     simulate,
+};
+use uq_estimators::{
+    Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
+    Target, Tolerance,
 };
 use work_precision::order;
 use work_precision::problems::sde::damper::viscous_damper_at_rest;
@@ -18,7 +18,7 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const COST: Case = Case {
-    id: "estimators/multilevel-cost",
+    id: "uq-estimators/multilevel-cost",
     title: "cost of multilevel Monte Carlo against its tolerance, in steps, beside plain Monte Carlo",
     source: "closed form of geometric Brownian motion; the damped oscillator by Strang's splitting; Giles 2008, theorem 3.1",
     cost: Profile::Default,
@@ -27,7 +27,7 @@ pub(crate) const COST: Case = Case {
 };
 
 pub(crate) const LADDERS: Case = Case {
-    id: "estimators/ladders",
+    id: "uq-estimators/ladders",
     title: "ladders whose coarse levels do not pay; blocks apart and threads",
     source: "responses of a uniform number with known means",
     cost: Profile::Quick,

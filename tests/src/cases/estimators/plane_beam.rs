@@ -1,9 +1,9 @@
 //! A plane cantilever of four-node elements whose Young's modulus is a random field.
 
-use estimators::{Failure, NormalModel};
 use random_fields::{
     Correlation, CorrelationFunction, Enough, SpatialCorrelation, pivoted_cholesky,
 };
+use uq_estimators::{Failure, NormalModel};
 
 use crate::case::CaseError;
 

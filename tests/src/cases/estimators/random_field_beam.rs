@@ -1,8 +1,8 @@
 //! The cantilever of Xian and Wang 2024: a thousand normals, a probability of 3.6e-5.
 
-use estimators::{NormalModel, TailEstimate, TailPoint, TailSampling};
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{DesignPoint, Estimate, Noise, Purpose, importance_sampling};
+use uq_estimators::{NormalModel, TailEstimate, TailPoint, TailSampling};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::estimators::plane_beam::{Beam, CELLS, Choice, Loads, Plane};
@@ -11,7 +11,7 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
-    id: "estimators/random-field-beam",
+    id: "uq-estimators/random-field-beam",
     title: "A cantilever whose modulus is a random field of 1,000 normals: tip displacement above 3.2 mm by line sampling",
     source: "Xian & Wang 2024, example 1; beam theory; plain samples and importance sampling of the same model",
     cost: Profile::Default,

@@ -1,10 +1,10 @@
 //! Rare events of many standard normals: closed forms in 2 to 500 dimensions, and what another sampling makes of them.
 
-use estimators::{Error, Failure, NormalModel, SubsetConfig, TailSampling};
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     DesignPoint, Estimate, Noise, Purpose, importance_sampling, normal_probability,
 };
+use uq_estimators::{Error, Failure, NormalModel, SubsetConfig, TailSampling};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::sde_ensembles::{against_exact, sampled};
@@ -12,7 +12,7 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
-    id: "estimators/rare-events",
+    id: "uq-estimators/rare-events",
     title: "Line sampling and subset simulation of many standard normals: hyperplane, paraboloids, sphere, sum of lognormals",
     source: "closed forms: normal and chi-square distributions; plain samples",
     cost: Profile::Quick,

@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use estimators::{Estimate, Failure, Sampling, SobolIndices, UnitCube};
-use figures::ErrorKind;
+use result_figures::ErrorKind;
+use uq_estimators::{Estimate, Failure, Sampling, SobolIndices, UnitCube};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
-    id: "estimators/sobol-indices",
+    id: "uq-estimators/sobol-indices",
     title: "first-order and total Sobol' indices of Ishigami's function and of a product of twenty factors",
     source: "closed forms: Ishigami and Homma 1990; Sobol' 1993",
     cost: Profile::Quick,

@@ -1,11 +1,11 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
-use figures::ErrorKind;
 use fpk_sph::observables::Probability;
 use fpk_sph::systems::BoucWen;
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
+use result_figures::ErrorKind;
 use scenes::clock::CpuClock;
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;

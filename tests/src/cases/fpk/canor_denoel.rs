@@ -1,6 +1,6 @@
 //! The paper's method as printed, on both oscillators: reproduced, with its errors.
 
-use figures::Measured;
+use result_figures::Measured;
 use scenes::fpk::density::DensityRun;
 use work_precision::problems::fpk::methods::papers_config;
 use work_precision::problems::fpk::problem::Problem;

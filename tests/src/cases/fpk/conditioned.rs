@@ -1,12 +1,12 @@
 //! Structures behind a Kanai-Tajimi soil whose states are conditioned out: two and three states in place of four and five.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::observables::Exceedance;
 use fpk_sph::systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 use fpk_sph::{
     Combination, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method,
     Remapping, Simulation,
 };
+use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::{Additive, GaussianMixture, Sde};

@@ -1,8 +1,8 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
-use figures::Reference;
 use fpk_sph::systems::GeometricBrownianMotion;
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
+use result_figures::Reference;
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use work_precision::problems::fpk::oscillator::Oscillator;

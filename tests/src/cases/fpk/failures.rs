@@ -1,8 +1,8 @@
 //! Where the method leaves its range it says so.
 
-use figures::Measured;
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Combination, Config, Error, Estimator, Method, StepRule};
+use result_figures::Measured;
 use work_precision::problems::fpk::problem::Problem;
 
 use super::asked;

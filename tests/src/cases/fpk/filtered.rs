@@ -1,7 +1,7 @@
 //! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};

@@ -1,12 +1,12 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound, Probability};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method, Simulation,
 };
+use result_figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
 use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,

@@ -1,7 +1,7 @@
 //! A mixture of two Gaussians in the linear oscillator: not Gaussian, and known exactly at all times.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::estimate;
 use sde_integrators::{GaussianComponent, GaussianMixture, Sde};
 use work_precision::order;

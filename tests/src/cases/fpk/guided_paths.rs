@@ -1,10 +1,10 @@
 //! Guided paths: unbiased at 1e-3 to 1e-9, intervals that hold, first passage, refusals, threads.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::ViscousDamper;
 use random_vibration::{
     Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails, upper_tail,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side};

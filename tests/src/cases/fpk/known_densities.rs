@@ -1,6 +1,5 @@
 //! Densities that are known: a double well, processes with multiplicative noise, and a rotated pair of them.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{
     Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
     GeometricBrownianMotion, RotatedPair,
@@ -8,6 +7,7 @@ use fpk_sph::systems::{
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation, StepRule,
 };
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{GaussianMixture, Sde};
 use work_precision::order;
 use work_precision::problems::fpk::reference::BistableReference;

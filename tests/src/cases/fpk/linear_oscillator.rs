@@ -1,8 +1,8 @@
 //! The linear oscillator, whose answer is exact, by the better method.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{Config, Estimator, Method, Simulation};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{DensityRun, Row, estimate, run_on};
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::Problem;

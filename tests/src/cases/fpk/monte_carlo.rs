@@ -1,6 +1,6 @@
 //! The rival: Monte Carlo on the same declarations.
 
-use figures::{ErrorKind, Measured};
+use result_figures::{ErrorKind, Measured};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling};
 use work_precision::charts;

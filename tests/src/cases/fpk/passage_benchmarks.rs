@@ -1,11 +1,11 @@
 //! First-passage problems of the literature by guided paths.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{
     CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
     ShearBuildingParameters, Storey, Window,
 };
 use random_vibration::{GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Between, Estimate, Response, Side};
 use serde::Deserialize;
 

@@ -1,7 +1,7 @@
 //! Problems of structural reliability in few normals, by subset simulation.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{BoucWen, BoucWenParameters, Window};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Error, Estimate, Noise, Sde, SubsetConfig, subset_simulation};
 use serde::Deserialize;
 

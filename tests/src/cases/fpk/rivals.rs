@@ -1,10 +1,10 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{BoucWen, Duffing, LinearOscillator};
 use random_vibration::{
     GridConfig, GridDensity, Linearisation, Quadrature, SubsetConfig, TailPaths, Tails,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Additive, GaussianMixture, Sde, StrangOscillator};
 use work_precision::order;
 use work_precision::problems::fpk::linear_moments::linear_moments;

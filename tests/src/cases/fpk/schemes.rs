@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Scheme, Simulation,
     StepRule,
 };
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::GaussianMixture;
 use work_precision::problems::fpk::problem::Problem;
 

@@ -1,11 +1,11 @@
 //! A shear building of ten storeys: exact where it is linear, crude Monte Carlo where it yields, rare passages by guided paths.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 use random_vibration::{
     GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, free_passages,
     upper_tail,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::SceneFile;
 use scenes::building::scene::PassageScene;
 use sde_integrators::{Between, LaneSde, Response, Side};

@@ -1,10 +1,10 @@
 //! The order in which the error falls with the spacing of the particles.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::{
     Combination, Config, DEFAULT_REACH, Estimator, InitialLattice, InitialSmoothing, Method,
     StepRule,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Asked, Demand};
 use work_precision::order;
 use work_precision::problems::fpk::problem::Problem;

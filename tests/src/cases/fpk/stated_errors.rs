@@ -1,6 +1,6 @@
 //! The error that a run of a scene states against the error that it makes: second moments, and probabilities integrated over cells.
 
-use figures::Reference;
+use result_figures::Reference;
 use scenes::fpk::scene::FpkScene;
 use scenes::{Options, SceneFile};
 use serde_json::{Value, json};

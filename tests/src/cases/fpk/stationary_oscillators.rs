@@ -1,11 +1,11 @@
 //! Oscillators with an exact stationary law, from a Gaussian, with remeshing.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::systems::StationaryOscillator;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
     StepRule,
 };
+use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};

@@ -1,11 +1,11 @@
 //! The error of the step where the density depends on smoothing lengths: its order, and its size for Bouc-Wen.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::score::{Degree, VolumeEstimate};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation,
     StepRule,
 };
+use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::estimate;
 use sde_integrators::{GaussianMixture, Sde};
 use work_precision::order;

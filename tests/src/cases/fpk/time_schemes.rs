@@ -1,10 +1,10 @@
 //! The schemes in time with few evaluations, on the damped building and on one that yields.
 
-use figures::ErrorKind;
 use fpk_sph::systems::ViscousDamper;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, Simulation, StepRule,
 };
+use result_figures::ErrorKind;
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 

@@ -1,7 +1,7 @@
 //! The building with a viscous damper of the paper's section 4.1, by the better method.
 
-use figures::Measured;
 use fpk_sph::{Config, Error, Method, Remapping};
+use result_figures::Measured;
 use work_precision::charts;
 use work_precision::problems::fpk::problem::Problem;
 

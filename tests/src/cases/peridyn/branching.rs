@@ -1,7 +1,7 @@
 //! A plate of glass with a notch, pulled at once: the crack branches.
 
-use figures::{Field, Words, field};
 use peridyn_sde::{Loading, Notch, Program};
+use result_figures::{Field, Words, field};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

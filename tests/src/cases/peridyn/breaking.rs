@@ -1,7 +1,7 @@
 //! Plates in noise and without load: how many bonds break, by step and by temperature.
 
-use figures::{ErrorKind, Reference};
 use peridyn_sde::Scheme;
+use result_figures::{ErrorKind, Reference};
 use work_precision::problems::peridyn::background::{
     MOST_DEVIATIONS, broken, noise_of_bonds, rate_in_equilibrium, temperature,
 };

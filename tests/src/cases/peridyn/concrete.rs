@@ -1,7 +1,7 @@
 //! Concrete in bending against experiments: constants from a notched beam, prediction of one without a notch; an L-shaped panel
 //! from its given constants.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use serde::Deserialize;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

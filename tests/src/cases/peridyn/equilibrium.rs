@@ -1,12 +1,12 @@
 //! The stationary law of each scheme on small networks: exactly, and sampled.
 
-use figures::{ErrorKind, Measured, Reference};
 use nalgebra::{DMatrix, SymmetricEigen};
 use peridyn_sde::{
     Breaking, CompactMobility, CorrelatedMobility, Error, Mobility, Scheme, Simulation,
     SimulationConfig,
 };
 use random_fields::{Correlation, CorrelationFunction};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::network::{
     Network, distance, foster, lanes, rate, stationary,

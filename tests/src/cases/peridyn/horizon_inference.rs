@@ -1,10 +1,10 @@
 //! From frequencies of waves back to the horizon and Young's modulus.
 
-use figures::{ErrorKind, Reference};
 use peridyn_sde::VolumeCorrection;
 use peridyn_sde::inference::{
     Parameter, ParameterPosterior, ParameterSpace, Posterior, Prior, SamplerConfig, Scale,
 };
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{Noise, Purpose};
 
 use super::dispersion::frequency;

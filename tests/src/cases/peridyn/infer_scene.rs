@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::crack_inference::measured::Measured as Plates;
 use scenes::crack_inference::scene::InferenceScene;

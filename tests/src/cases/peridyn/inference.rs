@@ -1,10 +1,10 @@
 //! From cracks back to strength, correlation length and `kT`: do posterior intervals hold the truth?
 
-use figures::Measured;
 use peridyn_sde::inference::{
     Emulator, EmulatorMixture, LoadSummary, Observations, Parameter, ParameterPosterior,
     ParameterSpace, Posterior, Prior, SamplerConfig, Scale, Summaries, SummaryConfig, Verdict,
 };
+use result_figures::Measured;
 use sde_integrators::{Estimate, Noise, Purpose};
 use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 

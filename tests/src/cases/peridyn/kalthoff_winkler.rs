@@ -1,7 +1,7 @@
 //! A plate of steel with two notches that is struck between them: two cracks at a steep angle to the notches.
 
-use figures::{ErrorKind, Field, Reference, Words, field};
 use peridyn_sde::{Loading, Notch};
+use result_figures::{ErrorKind, Field, Reference, Words, field};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

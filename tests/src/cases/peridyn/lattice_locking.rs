@@ -1,7 +1,7 @@
 //! Whether the scatter of cracks is that of the material or of the lattice: one horizon, other spacings, rotated lattices.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::statistics::{Bootstrap, Interval};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::notched_plate::{
     CORRELATION, Cause, NOTCH, NotchedPlate, StrengthLaw, Varies, three_shells,

@@ -1,8 +1,8 @@
 //! The invariant measure `exp(-V/kT)` of bonds whose tension is not linear, sampled and by quadrature.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::law::SmoothStretch;
 use peridyn_sde::{CompactMobility, Dynamics, Mobility, Scheme};
+use result_figures::{ErrorKind, Measured, Reference};
 use work_precision::problems::peridyn::nonlinear::{
     DoubleWell, End, Followed, GROUPS, Observable, expected, groups, sampled,
 };

@@ -1,8 +1,8 @@
 //! How far cracks from a notch scatter, and whether that survives another lattice.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, Interval};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use work_precision::problems::peridyn::sample::mean;

@@ -1,7 +1,7 @@
 //! One bond in noise: when it first comes to its strength.
 
-use figures::{ErrorKind, Reference};
 use peridyn_sde::{Breaking, Scheme};
+use result_figures::{ErrorKind, Reference};
 use work_precision::problems::peridyn::first_passage::{rate, rate_at_ends, rate_with_bridge};
 use work_precision::problems::peridyn::one_bond::{BONDS, seen};
 

@@ -1,8 +1,8 @@
 //! Scenes of concrete under slow loads: without scatter against the same tests built by hand, and the scatter of their loads.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::peridyn::scene::CrackScene;
 use scenes::peridyn::scene_body::ToughnessScene;
 use scenes::peridyn::scene_field::VariationScene;

@@ -1,10 +1,10 @@
 //! A plate with two notches of which neither is preferred: noise chooses.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::{
     BondList, Bonds, Breaking, Dynamics, Fractured, Loading, Mobility, Nodes, Notch, PathConfig,
     Program, Scheme, Simulation, SimulationConfig, Strain, crack_path,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 use work_precision::problems::peridyn::sample::mean;
 

@@ -1,11 +1,11 @@
 //! Measured strengths of fibres and bars: parameters from one test, prediction of another with intervals.
 
-use figures::{ErrorKind, Measured, Reference};
 use peridyn_sde::{
     BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
     Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain, StrengthElement,
     SurfaceCorrection, VolumeCorrection, WeibullByVolume, WeibullStrength,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
 use serde::Deserialize;
 

@@ -1,10 +1,10 @@
 //! The Monte Carlo judge: raw and controlled, against quadrature; the other ways to differentiate.
 
-use figures::{ErrorKind, Measured, Reference};
 use perturbation_moments::{
     CentralDifferences, Expansion, ForwardDifferentiation, HighestOrder, JetCurvature,
     JetDifferentiation, Judgement, Moments, MonteCarlo, RandomVector, Response,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Estimate;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,6 +1,6 @@
 //! 51 cases against automatic differentiation, OpenTURNS and quadrature.
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::worst::Worst;

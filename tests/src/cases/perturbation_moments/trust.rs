@@ -1,7 +1,7 @@
 //! The warning against the truth: how often it is right.
 
-use figures::ErrorKind;
 use perturbation_moments::{Trust, Verdict};
+use result_figures::ErrorKind;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Subject;

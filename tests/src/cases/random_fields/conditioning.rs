@@ -1,8 +1,8 @@
 //! Fields given measurements.
 
-use figures::ErrorKind;
 use nalgebra::{DMatrix, DVector};
 use random_fields::{ConditionedField, Measurement, RandomField, Truncation};
+use result_figures::ErrorKind;
 use sde_integrators::Noise;
 
 use super::{CORNERS, largest, lattice, soil};

@@ -1,9 +1,9 @@
 //! Realisations against the correlation that was asked for.
 
-use figures::{ErrorKind, Measured, Reference};
 use random_fields::{
     Correlation, CorrelationFunction, GaussianField, RandomField, SpatialCorrelation, Truncation,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 
 use super::{CORNERS, largest, lattice, soil};

@@ -1,8 +1,8 @@
 //! Eigenvalues, truncation, and one function on every mesh.
 
-use figures::ErrorKind;
 use nalgebra::DMatrix;
 use random_fields::{ConditionedField, Measurement, RandomField, Truncation};
+use result_figures::ErrorKind;
 use sde_integrators::Noise;
 
 use super::{CORNERS, exponential, largest, lattice, soil};

@@ -1,7 +1,7 @@
 //! Marginals by translation, and the correlation that they keep.
 
-use figures::{ErrorKind, Measured, Reference};
 use random_fields::Marginal;
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
 
 use super::largest;

@@ -1,6 +1,6 @@
 //! Where Euler-Maruyama explodes on `dX = -X^3 dt + sigma dB`, and how the library says so.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, Error, EulerMaruyama, Increment, Integrator, Observable, Sra1, StepError,
     StochasticTheta, TamedEuler, simulate,

@@ -1,7 +1,7 @@
 //! Fields: the noisy heat equation on a rod, short and long.
 
-use figures::{ErrorKind, Measured, Reference};
 use rayon::prelude::*;
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     DenseFactor, DiagonalFactor, Error, FieldIntegrator, FieldPath, LinearTheta, Noise,
     NoiseFactor, Shark, SkRock, SparseFactor,

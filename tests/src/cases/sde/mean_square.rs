@@ -1,6 +1,6 @@
 //! Mean-square stability on `dX = l X dt + m X dB`: the amplification of one step by quadrature, never by sampling.
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 use sde_integrators::{
     DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, Milstein, SkRock, StochasticTheta,
     StratonovichForm,

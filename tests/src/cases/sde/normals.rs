@@ -1,6 +1,6 @@
 //! Moments and tail of the normals that drive all integrators.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

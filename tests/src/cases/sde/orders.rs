@@ -1,6 +1,6 @@
 //! Strong, weak and noise-free orders of every method of the tables.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
 use work_precision::order;
 use work_precision::problems::sde::linear::StepMap;

@@ -1,7 +1,7 @@
 //! The bias of `E[q^2]` of the oscillator with a viscous damper against the step length, by coupled differences.
 
-use figures::{ErrorKind, Measured, Reference};
 use fpk_sph::systems::ViscousDamper;
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, Sra1, StrangOscillator};
 use work_precision::problems::sde::damper::viscous_damper_at_rest;
 use work_precision::problems::sde::methods::{Method, follow, method};

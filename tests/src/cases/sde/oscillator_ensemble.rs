@@ -1,10 +1,10 @@
 //! Ensembles of the paper's oscillator with viscous damper against an independent code; and proof that the comparison
 //! can fail: with a constant changed, it does.
 
-use figures::{ErrorKind, Reference};
 use fpk_sph::systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     Baoab, EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
     StrangOscillator, simulate,

@@ -1,6 +1,6 @@
 //! The largest stable step of a linear oscillator: the spectral radius of one step against formulas.
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 use work_precision::problems::sde::oscillator_limits::{Limited, METHODS, formula, measured};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,7 +1,7 @@
 //! The stationary law of `dX = -X^3 dt + sqrt(2) dB` under each method, by iterating its transition operator: no
 //! sampling.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Shark, Sra1, StepError,
     StochasticTheta, TamedEuler,

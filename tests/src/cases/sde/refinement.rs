@@ -1,6 +1,6 @@
 //! Increments that are halved, and a Stratonovich system in its Itô form: against what defines them.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Accumulator, BrownianTree, Increment, ItoForm, Noise, Sde, StratonovichSde};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

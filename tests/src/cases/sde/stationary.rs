@@ -1,6 +1,6 @@
 //! Stationary laws of the linear oscillator by the discrete Lyapunov equation: no sampling.
 
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     Additive, Baoab, EulerMaruyama, Increment, Integrator, LastKick, LeimkuhlerMatthews, Sde,
     SecondOrder, SemiImplicitEuler, Sra1, StateSpace, StepError, StochasticTheta, StrangOscillator,

@@ -1,6 +1,6 @@
 //! Failed paths are counted and reported, never dropped.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, Observable, Sampling, Sde, SimdLevel, Study,
 };

@@ -1,6 +1,6 @@
 //! First passage: what happens between the steps, by the right rule and by the wrong ones.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     Additive, Between, EnsembleConfig, Estimate, EulerMaruyama, GaussianMixture, Response, Sde,
     Side, StrangOscillator, maxima,

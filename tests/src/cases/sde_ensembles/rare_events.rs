@@ -1,6 +1,6 @@
 //! Rare events and smaller errors: importance sampling, subset simulation, control variates, antithetic paths.
 
-use figures::ErrorKind;
+use result_figures::ErrorKind;
 use sde_integrators::{
     Additive, DrivenPath, Ensemble, EnsembleConfig, Error, EulerMaruyama, Noise, Observable,
     Sampling, Sde, SimdLevel, StrangOscillator, Study, SubsetConfig, design_point,

@@ -1,6 +1,6 @@
 //! Two elastic disks that collide: time of contact, momentum, energy, rebound. And friction on an incline.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{

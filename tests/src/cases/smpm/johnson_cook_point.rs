@@ -1,8 +1,8 @@
 //! A point of steel at a constant rate: what jets carry and what the frozen formulas say, against quadrature.
 
-use figures::{ErrorKind, Reference};
 use perturbation_moments::{AlongDirections, Jet, Moments, RandomVector, Scalar};
 use rayon::prelude::*;
+use result_figures::{ErrorKind, Reference};
 use serde::Deserialize;
 use smpm::Number;
 use smpm::material::{JohnsonCook, JohnsonCookParameters, Now, Observed, Strength};

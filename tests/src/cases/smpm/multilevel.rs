@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use figures::{ErrorKind, Measured, Reference};
 use rayon::ThreadPoolBuilder;
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
 use scenes::smpm::scene::SmpmScene;

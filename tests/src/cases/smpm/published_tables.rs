@@ -150,7 +150,7 @@ fn flow_stress(context: &Context<'_>, rows: &[Row]) -> Vec<Claim> {
             &format!("variance of sigma_y by whole runs over the frozen one; lowest in print {:.4}", lowest.2),
             "",
         ),
-        figures::Measured::sampled(lowest.0, lowest.1),
+        result_figures::Measured::sampled(lowest.0, lowest.1),
         (0.93, 0.97),
         "the state depends on the parameters; whole runs do not agree with frozen formulas to 0.9 %, as printed",
     ));

@@ -3,13 +3,13 @@
 mod factor;
 mod setup;
 
-use estimators::{
-    Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target, Tolerance,
-};
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, normal_probability};
 use serde::Deserialize;
 use smpm::uncertainty::FieldStudy;
+use uq_estimators::{
+    Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target, Tolerance,
+};
 use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use self::setup::{Realisations, Setup};

@@ -1,7 +1,7 @@
 //! The radial return of von Mises plasticity against closed forms: one direction, the opposite one, a right angle.
 
-use figures::{ErrorKind, Reference};
 use perturbation_moments::{Jet, Scalar};
+use result_figures::{ErrorKind, Reference};
 use smpm::Number;
 use smpm::material::{Now, Strength, VonMises, VonMisesParameters, VonMisesState};
 use work_precision::order;

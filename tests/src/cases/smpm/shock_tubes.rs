@@ -1,6 +1,6 @@
 //! Riemann problems between gases, liquids and metal as stiffened gases: profiles against the exact solution.
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Shape, Side, Simulation, Transfer,

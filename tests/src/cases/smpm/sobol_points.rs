@@ -1,8 +1,8 @@
 //! Explosion with random steel at Sobol' points: variance by few runs, and which constant causes it.
 
-use estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
 use smpm::Plan;
 use smpm::uncertainty::{Design, Study};
+use uq_estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
 use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

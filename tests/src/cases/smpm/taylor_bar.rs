@@ -3,7 +3,7 @@
 mod bar;
 mod reference;
 
-use figures::{ErrorKind, Reference};
+use result_figures::{ErrorKind, Reference};
 use scenes::smpm::material_scene::{EquationScene, MaterialScene, ParameterScene, StrengthScene};
 
 use self::bar::{Specimen, axisymmetric, quarter};

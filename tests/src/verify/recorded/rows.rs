@@ -1,8 +1,8 @@
 //! The rows of a case: all claims where they are few, the worst of each family where they are many.
 
-use figures::ErrorKind;
-use figures::markdown::{self, text};
-use figures::number::{self, counted};
+use result_figures::ErrorKind;
+use result_figures::markdown::{self, text};
+use result_figures::number::{self, counted};
 
 use crate::report::{CaseRecord, Claim, ClaimKind};
 

@@ -1,4 +1,4 @@
-use figures::{ErrorKind, Measured, Reference};
+use result_figures::{ErrorKind, Measured, Reference};
 use scenes::machine::Machine;
 
 use super::rows::MOST_ROWS;

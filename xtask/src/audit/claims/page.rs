@@ -109,8 +109,11 @@ mod tests {
 
     #[test]
     fn the_page_counts_what_was_run_and_what_was_caught() {
-        let mutants =
-            [mutant("a", "smpm", "smpm"), mutant("b", "smpm", "smpm"), mutant("c", "lanes", "x")];
+        let mutants = [
+            mutant("a", "smpm", "smpm"),
+            mutant("b", "smpm", "smpm"),
+            mutant("c", "simd-lanes", "x"),
+        ];
         let names = ["a", "b", "c"].map(|name| (name.to_owned(), String::new()));
         let mut outcomes = Outcomes::read(&[], BTreeMap::from(names));
         let caught = Outcome { accuracy: 2, first: "smpm/x/y".into(), ..Outcome::default() };
@@ -120,7 +123,7 @@ mod tests {
         for expected in [
             "3 mutants, 1 caught, 0 caught before a change, 1 survived, 1 not run. a machine.",
             "| smpm | 2 | 1 | 0 | 1 | 0 |",
-            "| lanes | 1 | 0 | 0 | 0 | 1 |",
+            "| simd-lanes | 1 | 0 | 0 | 0 | 1 |",
             "| a | a constant | caught | 2 | 0 | 0 | 0 | `smpm/x/y` | 0 | 1234 |",
             "| b | a constant | SURVIVED | 0 | 0 | 1 |",
             "| c | a constant | not run |",

@@ -1,7 +1,7 @@
 //! What a run of the schema `crack-inference/1` found: posteriors, their convergence, and whether the model fits.
 
-use figures::number::{counted, percent, short};
-use pages::{Answer, Cell, Chart, Note, Point, Series, Table};
+use result_figures::number::{counted, percent, short};
+use result_pages::{Answer, Cell, Chart, Note, Point, Series, Table};
 use serde::Deserialize;
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! Pictures of an inference: measured paths over their prediction, and marginal posteriors over their priors.
 
-use figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
+use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 
 use super::posterior_record::{Bin, ParameterRecord};
 use super::record::PathBand;

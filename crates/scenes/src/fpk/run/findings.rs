@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use figures::number::{counted, percent, short};
-use pages::{Answer, Cell, Chart, Note, Point, Series, Source, Table, below};
+use result_figures::number::{counted, percent, short};
+use result_pages::{Answer, Cell, Chart, Note, Point, Series, Source, Table, below};
 use serde::Deserialize;
 use serde_json::Value;
 

@@ -1,7 +1,7 @@
 //! The marginal densities of a run as moving fields of its page.
 
-use figures::{Drawing, Plane};
-use pages::{Cells, Frame, Layer, Motion, Place, Scale};
+use result_figures::{Drawing, Plane};
+use result_pages::{Cells, Frame, Layer, Motion, Place, Scale};
 use serde_json::Value;
 
 use super::findings;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use figures::Drawing;
+use result_figures::Drawing;
 
 use super::record::{Series, WorkRecord};
 use crate::run_result::Unknown;

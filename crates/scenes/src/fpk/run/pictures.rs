@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use figures::{Drawing, Plane, Words};
 use fpk_sph::{Config, InitialLattice, Simulation};
 use particle_store::{Attribute, ParticleStore, write_pvd};
+use result_figures::{Drawing, Plane, Words};
 use sde_integrators::Sde;
 use serde::{Deserialize, Serialize};
 

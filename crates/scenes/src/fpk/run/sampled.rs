@@ -1,7 +1,7 @@
 //! Runs a density scene by Monte Carlo: shards in sequence, a part of them, or merged shards of other runs.
 
-use figures::number::with_uncertainty;
 use mpi_ensembles::Ranks;
+use result_figures::number::with_uncertainty;
 use sde_integrators::{Estimate, GaussianMixture};
 
 use super::asked::{asked, law};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use figures::number::{counted, tidy};
-use pages::{Answer, Cell, Chart, Note, Point, Series, Table};
 use peridyn_sde::statistics::CrackOutcome;
+use result_figures::number::{counted, tidy};
+use result_pages::{Answer, Cell, Chart, Note, Point, Series, Table};
 use serde::Deserialize;
 use serde_json::Value;
 

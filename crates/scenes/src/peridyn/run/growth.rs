@@ -1,7 +1,7 @@
 //! Damage of the kept realisations at some times: how their cracks grew.
 
-use pages::Motion;
 use peridyn_sde::{Bonds, FinalState};
+use result_pages::Motion;
 
 use crate::kind::RunError;
 use crate::peridyn::held::LoadEnd;

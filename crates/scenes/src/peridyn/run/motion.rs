@@ -1,8 +1,8 @@
 //! The map of damage of an ensemble and the growth of cracks in single realisations, as fields of its page.
 
-use figures::number::short;
-use pages::{Frame, Layer, Motion, Place, Points, Scale};
 use peridyn_sde::{CrackRun, FinalState};
+use result_figures::number::short;
+use result_pages::{Frame, Layer, Motion, Place, Points, Scale};
 use sde_integrators::Estimate;
 
 use super::growth::Growth;

@@ -1,8 +1,8 @@
 //! Pictures of an ensemble of cracks: crack paths and loads.
 
-use figures::{Band, Drawing, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{self, Bootstrap, CrackEnsemble, QUANTILES};
+use result_figures::{Band, Drawing, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
 
 use super::record::{LoadAt, Record, from_tip_to_exit};
 use crate::kind::RunError;

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use pages::Motion;
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use perturbation_moments::{Jet, Scalar};
+use result_pages::Motion;
 use smpm::uncertainty::{Experiment, FieldStudy, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 

@@ -1,9 +1,9 @@
 //! A scene on grids of doubling cells, as the levels of a multilevel estimate.
 
-use estimators::{Failure, Ladder, Pair};
 use perturbation_moments::MonteCarlo;
 use smpm::uncertainty::{Experiment, FieldExperiment, FieldStudy, Keep, Study};
 use smpm::{Error, Plan};
+use uq_estimators::{Failure, Ladder, Pair};
 
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::scene::SmpmScene;

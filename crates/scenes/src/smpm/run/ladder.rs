@@ -1,6 +1,6 @@
 //! Ladder of methods for mean and variance of a scene of bodies.
 
-use figures::number::percent;
+use result_figures::number::percent;
 use serde::Serialize;
 use serde_json::Value;
 

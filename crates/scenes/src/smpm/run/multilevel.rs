@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use estimators::{
-    Bias, Block, BlockId, Error as SamplingError, Multilevel, MultilevelResult, Pair, Statistic,
-    Target, TargetResult, Tolerance,
-};
 use rayon::prelude::*;
 use smpm::uncertainty::FieldStudy;
 use smpm::{Error, Plan};
+use uq_estimators::{
+    Bias, Block, BlockId, Error as SamplingError, Multilevel, MultilevelResult, Pair, Statistic,
+    Target, TargetResult, Tolerance,
+};
 
 use super::fields::Fields;
 use super::grid_level::{Grids, Level, for_coarser_grids, on_grid};

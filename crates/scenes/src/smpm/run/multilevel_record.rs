@@ -1,8 +1,8 @@
 //! What a multilevel estimate reports of its grids.
 
-use estimators::{LevelReport, MultilevelResult, Statistic, Target, TargetResult, Tolerance};
-use figures::number::{percent, tidy};
+use result_figures::number::{percent, tidy};
 use serde::Serialize;
+use uq_estimators::{LevelReport, MultilevelResult, Statistic, Target, TargetResult, Tolerance};
 
 use super::grid_level::{Grids, Level};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use figures::number::with_uncertainty;
+use result_figures::number::with_uncertainty;
 use sde_integrators::Accumulator;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Sampled};

@@ -1,6 +1,6 @@
 //! Frames of the particles for the page of a run.
 
-use pages::{Frame, Layer, Motion, Place, Points, Scale};
+use result_pages::{Frame, Layer, Motion, Place, Points, Scale};
 use serde::{Deserialize, Serialize};
 use smpm::Quantity;
 

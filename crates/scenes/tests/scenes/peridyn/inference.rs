@@ -150,7 +150,7 @@ fn warnings_name_what_makes_a_posterior_untrustworthy() {
     let findings = scenes::kind_of(ALL, &file).unwrap().findings;
     let warnings = |result: &Value| -> Vec<String> {
         let notes = findings(result).unwrap().notes.into_iter();
-        notes.filter(pages::Note::is_warning).map(|note| note.text().to_owned()).collect()
+        notes.filter(result_pages::Note::is_warning).map(|note| note.text().to_owned()).collect()
     };
     let of_run = warnings(&result);
     for (pointer, value, words) in [

@@ -1,7 +1,7 @@
 //! Detonation products and their programmed burn.
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
+use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};

@@ -1,7 +1,7 @@
 //! The equation of state of Mie and Grueneisen.
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar, when};
+use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, finite, not_negative, positive};

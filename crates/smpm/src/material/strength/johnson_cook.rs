@@ -1,7 +1,7 @@
 //! The flow stress of Johnson and Cook with the heat of plastic work.
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar, when};
+use simd_lanes::Mask;
 
 use super::johnson_cook_return::{LEAST_STRAIN, Return};
 use super::johnson_cook_state::JohnsonCookState;

@@ -1,7 +1,7 @@
 //! Johnson and Cook's fracture on top of their flow stress.
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
+use simd_lanes::Mask;
 
 use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
 use crate::error::{Error, Fault, finite, not_negative, positive};

@@ -1,7 +1,7 @@
 //! The return to the yield surface of Johnson and Cook, as numbers.
 
-use lanes::Mask;
 use perturbation_moments::Real;
+use simd_lanes::Mask;
 
 use crate::error::Fault;
 

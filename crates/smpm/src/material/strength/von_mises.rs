@@ -1,7 +1,7 @@
 //! Von Mises plasticity with linear hardening.
 
-use lanes::Mask;
 use perturbation_moments::{Real, Scalar};
+use simd_lanes::Mask;
 
 use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive};

@@ -1,11 +1,11 @@
 //! Random parameters of bodies: samples, Sobol' points, and what corrects them.
 
-use estimators::{Sampling, UnitCube};
-use figures::{Drawing, Words};
 use perturbation_moments::MonteCarlo;
+use result_figures::{Drawing, Words};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{Design, Study};
+use uq_estimators::{Sampling, UnitCube};
 
 use super::measured::{Size, drawing, method};
 use crate::context::{CaseError, Context, Profile};

@@ -1,6 +1,6 @@
 //! Estimators run with several seeds: root mean square errors and costs.
 
-use figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 

@@ -1,6 +1,8 @@
 //! Cost and error of a run of a method, and their charts.
 
-use figures::{Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
+use result_figures::{
+    Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision,
+};
 use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use figures::Reference;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Scheme, Settling,
     StepRule,
@@ -10,6 +9,7 @@ use fpk_sph::{
 use random_vibration::{
     GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
 };
+use result_figures::Reference;
 use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
 use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{self, Sampling};

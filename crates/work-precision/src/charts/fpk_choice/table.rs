@@ -1,7 +1,7 @@
 //! Table of the cheapest method for a tolerance.
 
-use figures::markdown::{table, text};
-use figures::{Drawing, DrawingError, settled};
+use result_figures::markdown::{table, text};
+use result_figures::{Drawing, DrawingError, settled};
 use scenes::machine::{Machine, date};
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! Stability maps: the largest stable step, by formula and as measured on a step of the code.
 
-use figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
+use result_figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 use sde_integrators::Sriw1;
 
 use crate::context::CaseError;

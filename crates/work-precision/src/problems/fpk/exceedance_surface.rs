@@ -1,6 +1,6 @@
 //! Reference surfaces `P(|q| > T)` over time and threshold.
 
-use figures::Reference;
+use result_figures::Reference;
 use serde::Deserialize;
 
 use crate::context::CaseError;

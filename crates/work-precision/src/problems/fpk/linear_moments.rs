@@ -1,7 +1,7 @@
 //! Exact first and second moments of a linear system, and the tails of its normal law.
 
-use figures::Reference;
 use random_vibration::upper_tail;
+use result_figures::Reference;
 use sde_integrators::{GaussianMixture, Sde};
 
 /// The normal law of a linear system at a time, with the error of its integration.

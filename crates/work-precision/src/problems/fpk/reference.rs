@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use figures::Reference;
+use result_figures::Reference;
 use serde::Deserialize;
 use serde_json::Value;
 

@@ -1,10 +1,10 @@
 //! Plates in noise and without load: how many bonds break, and how many should.
 
-use figures::Measured;
 use nalgebra::{DMatrix, DVector};
 use peridyn_sde::{
     Bond, Breaking, Dynamics, Error, Mobility, Real, Scheme, Simulation, SimulationConfig,
 };
+use result_figures::Measured;
 use sde_integrators::{Noise, Purpose};
 
 use super::network::{Network, lanes, lanes_of, rate as stiffest};

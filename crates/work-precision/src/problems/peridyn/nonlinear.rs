@@ -3,11 +3,11 @@
 //! A chain whose every third node is held falls into groups of two free nodes with displacements `u` and `v` and two or three bonds,
 //! of stiffness and length one.
 
-use figures::Measured;
 use peridyn_sde::law::BondLaw;
 use peridyn_sde::{
     Breaking, Cause, Dynamics, Error, Loading, Network as Body, Simulation, SimulationConfig,
 };
+use result_figures::Measured;
 use sde_integrators::Noise;
 
 use super::network::Network;

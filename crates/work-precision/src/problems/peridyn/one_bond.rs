@@ -1,9 +1,9 @@
 //! Many bonds side by side, each for itself, whose stretches are Ornstein-Uhlenbeck paths: when do they break?
 
-use figures::Measured;
 use peridyn_sde::{
     Breaking, Cause, Dynamics, Loading, Mobility, Real, Scheme, Simulation, SimulationConfig,
 };
+use result_figures::Measured;
 use sde_integrators::Noise;
 
 use crate::context::CaseError;

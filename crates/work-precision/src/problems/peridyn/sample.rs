@@ -1,6 +1,6 @@
 //! Means of samples.
 
-use figures::Measured;
+use result_figures::Measured;
 
 /// The mean of independent values, with its standard error.
 #[must_use]

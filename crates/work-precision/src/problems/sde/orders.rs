@@ -4,8 +4,8 @@
 //! errors are differences to the reference on the same path, so that their sampling noise is small; the error of a
 //! slope is that of the jackknife over batches of paths, together with the scatter about the line.
 
-use figures::Measured;
 use rayon::prelude::*;
+use result_figures::Measured;
 use sde_integrators::{Increment, Noise, StepError};
 
 use super::methods::Method;

@@ -1,7 +1,7 @@
 //! Step size of a damage law with memory: exact step of the crate and explicit Euler step.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::BondLaw;
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;

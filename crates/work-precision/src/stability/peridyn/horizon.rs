@@ -1,10 +1,10 @@
 //! Horizon in spacings: stiffness, anisotropy, and the effect of a horizon that passes through nodes.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondConfig, Condition, Error, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
     VolumeCorrection,
 };
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use super::point;
 use crate::context::{CaseError, Context, Profile};

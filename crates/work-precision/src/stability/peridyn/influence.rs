@@ -1,10 +1,10 @@
 //! Influence functions: critical step, energy deficit at a surface, energy of a lattice and of a crack.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility, Nodes,
     Scheme, Simulation, SimulationConfig, Strain, VolumeCorrection,
 };
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use sde_integrators::Noise;
 
 use crate::context::{CaseError, Context, Profile};

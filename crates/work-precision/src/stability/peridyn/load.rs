@@ -1,11 +1,11 @@
 //! Loading rate limit of a plate, with and without the affine predictor.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{
     BondConfig, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence, LatticeBody,
     Loading, Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain,
     SurfaceCorrection, VolumeCorrection,
 };
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use sde_integrators::Noise;
 
 use crate::context::{CaseError, Context, Profile};

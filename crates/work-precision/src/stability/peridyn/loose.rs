@@ -1,7 +1,7 @@
 //! Nodes without bonds: their random walk, and the bias of a confinement.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{Breaking, Dynamics, Mobility, Scheme, Simulation, SimulationConfig};
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use sde_integrators::Noise;
 
 use super::{modes, point};

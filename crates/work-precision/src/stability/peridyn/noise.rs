@@ -1,7 +1,7 @@
 //! Strength over noise: fraction of bonds of an unloaded plate that break.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::Scheme;
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;

@@ -1,9 +1,9 @@
 //! A mobility that couples nodes: the cost of a smooth correlation without a nugget.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use nalgebra::DVector;
 use peridyn_sde::{CorrelatedMobility, Error, Mobility, Scheme};
 use random_fields::{Correlation, CorrelationFunction};
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use scenes::causes::with_causes;
 use sde_integrators::Noise;
 

@@ -1,7 +1,7 @@
 //! Load step against batch of bonds in a quasi-static run.
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::EquilibriumConfig;
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use super::point;
 use crate::context::{CaseError, Context, Profile};

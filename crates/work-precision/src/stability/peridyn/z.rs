@@ -2,8 +2,8 @@
 
 mod stretched;
 
-use figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use peridyn_sde::{Mobility, Scheme};
+use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use super::{modes, point};
 use crate::context::{CaseError, Context, Profile};

@@ -1,10 +1,10 @@
 //! Limits of Taylor series: coefficient of variation, first yield, arrival of a shock.
 
-use figures::{
+use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use result_figures::{
     Drawing, Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
     TimeSeries, Words, WorkPrecision,
 };
-use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
 use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};

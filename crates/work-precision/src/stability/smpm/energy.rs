@@ -1,7 +1,7 @@
 //! Energy of an explosion over the Courant number.
 
-use figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use rayon::prelude::*;
+use result_figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::causes::with_causes;
 use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene, TransferScene};
 

@@ -1,6 +1,6 @@
 //! Numerical fracture: a gas whose particles separate until they no longer interact.
 
-use figures::{Drawing, Line, Scale, TimeSeries, Words};
+use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Config, Fill, Shape, Simulation, Transfer};
 

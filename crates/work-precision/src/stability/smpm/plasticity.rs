@@ -1,7 +1,7 @@
 //! Plastic strain caused by cell-crossing noise, at gauge H of an explosion.
 
-use figures::{Drawing, Line, Scale, TimeSeries, Words};
 use rayon::prelude::*;
+use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use scenes::smpm::scene::TransferScene;
 
 use crate::context::CaseError;

@@ -1,6 +1,6 @@
 //! A plane shock in steel: Courant number against linear viscosity and against particles per cell.
 
-use figures::{Drawing, Scale};
+use result_figures::{Drawing, Scale};
 use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene};
 
 use crate::context::CaseError;

@@ -1,11 +1,11 @@
 //! A stretched body: its transverse bond stiffness exceeds that of the initial step check.
 
-use figures::{Drawing, Scale};
 use nalgebra::DMatrix;
 use peridyn_sde::{
     BondList, Breaking, Dynamics, Loading, Mobility, Program, Scheme, Simulation, SimulationConfig,
     Strain,
 };
+use result_figures::{Drawing, Scale};
 use sde_integrators::Noise;
 
 use super::super::modes;

@@ -77,15 +77,22 @@ fn names_differ_and_every_crate_with_cases_has_a_mutant() {
 }
 
 #[test]
-fn the_cases_that_have_to_catch_a_mutant_exist() {
+fn the_cases_and_tests_that_have_to_catch_a_mutant_exist() {
     let sources = files(&root().join("tests/src/cases"), ".rs").expect("the cases");
     let text: String = sources.iter().filter_map(|path| fs::read_to_string(path).ok()).collect();
     for mutant in mutants() {
-        let filters = mutant["verify"].as_array().cloned().unwrap_or_default();
-        assert!(!filters.is_empty(), "{}", word(&mutant, "name"));
+        let name = word(&mutant, "name");
+        let list = |key: &str| mutant[key].as_array().cloned().unwrap_or_default();
+        let (filters, packages) = (list("verify"), list("test"));
+        assert!(!filters.is_empty() || !packages.is_empty(), "{name}");
         for filter in filters {
             let id = format!("id: \"{}", filter.as_str().unwrap_or_default());
-            assert!(text.contains(&id), "{}: no case begins with {filter}", word(&mutant, "name"));
+            assert!(text.contains(&id), "{name}: no case begins with {filter}");
+        }
+        for package in packages {
+            let tests =
+                root().join("crates").join(package.as_str().unwrap_or_default()).join("tests");
+            assert!(tests.is_dir(), "{name}: {package} has no tests");
         }
     }
 }

@@ -1,64 +1,44 @@
-//! `cargo xtask audit claims`: mutation of the solvers, judged by the claims of the proof.
+//! `cargo xtask audit claims`: physical mutants, judged by the claims of the proof and by the tests of crates.
 //!
-//! The workspace is built with one constant or sign of a crate wrong, and the crate's own cases are run. A mutant is caught if at
-//! least one claim of accuracy fails (or, where it breaks a structure, one of structure). Mutants are data, in `mutants.json`; they
-//! are applied to a copy of the tree. Those whose cases reach no other mutated crate share a build.
+//! A mutant of `mutants.json` replaces one constant or sign, in a git worktree of its own below `target/mutants`. It is caught if a
+//! test of a package under its key `test` fails, or a claim of accuracy of a case under its key `verify` (where the mutant breaks a
+//! structure, also a structural claim). cargo-mutants makes mutants from syntax; these break a formula that a reader can name.
 
 mod mutant;
-mod outcome;
 mod page;
 mod proof;
-mod rounds;
-mod scratch;
-mod subject;
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
+use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use crate::{USAGE, print, say, workspace};
 use mutant::Mutant;
-use outcome::{Outcome, Outcomes};
+use page::{Outcome, Outcomes};
 use proof::Proof;
-use scratch::Scratch;
-use subject::Sources;
 
 const HELP: &str = "\
-Builds the workspace with one constant or sign wrong at a time and runs the cases of the crate.
+Builds the workspace with one constant or sign wrong at a time, then runs the tests and cases that have to notice.
 
-Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--missing] [--list] [--record] [--kept]
+Usage: cargo xtask audit claims [--only NAME]... [--crate NAME]... [--missing] [--list] [--record]
 
   --only NAME    run this mutant
   --crate NAME   run the mutants of this crate
   --missing      of these, run those without an outcome, or whose source or cases changed since
   --list         list the mutants
-  --record       write docs/mutants.md and docs/mutants.json too, from all outcomes that were kept
-  --kept         run nothing: print, or record, the outcomes that were kept
+  --record       write docs/mutants.md and docs/mutants.json too, from all outcomes so far
 
-The tree is copied to target/mutants, where outcomes are kept as well. They are merged with those of
-docs/mutants.json. The exit code is 1 if a mutant survived, did not compile or did not end.
+Needs git and `timeout` (coreutils). Tracked files, changes included, are checked out into target/mutants,
+which also holds the outcomes. The exit code is 1 if a mutant survived, did not compile or did not end.
 ";
 
-/// The command line.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     names: Vec<String>,
     crates: Vec<String>,
-    run: Run,
+    is_missing: bool,
+    is_list: bool,
     is_record: bool,
-}
-
-/// Which of the chosen mutants to run.
-#[derive(Debug, Default, PartialEq)]
-enum Run {
-    #[default]
-    All,
-    /// Those without an outcome that is up to date.
-    Missing,
-    /// None: outcomes that were kept.
-    Kept,
-    /// None: a list.
-    List,
 }
 
 /// The command line after `audit claims`.
@@ -68,17 +48,16 @@ pub(super) fn run(arguments: &[String]) -> ExitCode {
     }
     let parsed = mutant::all().and_then(|all| {
         let options = options(arguments)?;
-        let chosen = choose(&all, &options)?;
-        Ok((options, chosen, all))
+        Ok((choose(&all, &options)?, options, all))
     });
-    let (options, chosen, all) = match parsed {
+    let (chosen, options, all) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => {
             say(&format!("error: {error}\n"));
             return ExitCode::from(USAGE);
         }
     };
-    if options.run == Run::List {
+    if options.is_list {
         return print(&page::list(&chosen));
     }
     match audit(&chosen, &all, &options) {
@@ -99,10 +78,9 @@ fn options(arguments: &[String]) -> Result<Options, String> {
         match argument.as_str() {
             "--only" => options.names.push(value()?),
             "--crate" => options.crates.push(value()?),
-            "--missing" => options.run = Run::Missing,
-            "--list" => options.run = Run::List,
+            "--missing" => options.is_missing = true,
+            "--list" => options.is_list = true,
             "--record" => options.is_record = true,
-            "--kept" => options.run = Run::Kept,
             other => return Err(format!("`audit claims` has no argument `{other}`\n\n{HELP}")),
         }
     }
@@ -112,13 +90,10 @@ fn options(arguments: &[String]) -> Result<Options, String> {
 /// The mutants of these names and crates; all without either.
 fn choose(all: &[Mutant], options: &Options) -> Result<Vec<Mutant>, String> {
     let Options { names, crates, .. } = options;
-    if let Some(unknown) = names.iter().find(|name| all.iter().all(|m| m.name != **name)) {
-        return Err(format!("there is no mutant `{unknown}`; `audit claims --list` lists them"));
-    }
-    if let Some(unknown) = crates.iter().find(|name| all.iter().all(|m| m.package != **name)) {
-        return Err(format!(
-            "no mutant is of a crate `{unknown}`; `audit claims --list` lists them"
-        ));
+    let unknown_name = names.iter().find(|name| all.iter().all(|m| m.name != **name));
+    let unknown_crate = crates.iter().find(|name| all.iter().all(|m| m.package != **name));
+    if let Some(unknown) = unknown_name.or(unknown_crate) {
+        return Err(format!("no mutant has the name or crate `{unknown}`; `--list` lists all"));
     }
     let is_chosen = |mutant: &&Mutant| {
         names.is_empty() && crates.is_empty()
@@ -128,24 +103,33 @@ fn choose(all: &[Mutant], options: &Options) -> Result<Vec<Mutant>, String> {
     Ok(all.iter().filter(is_chosen).cloned().collect())
 }
 
-/// Runs these mutants, or takes what was kept of them; whether all were caught.
+/// Runs these mutants and writes their outcomes; whether all were caught.
 fn audit(chosen: &[Mutant], all: &[Mutant], options: &Options) -> Result<bool, String> {
-    let root = workspace();
-    let folder = root.join("target").join("mutants");
+    let (root, folder) = (workspace(), workspace().join("target/mutants"));
     let (recorded, recent) = (root.join("docs/mutants.json"), folder.join("outcomes.json"));
-    let sources = Sources::read(&root, all)?;
-    let hashes = all.iter().map(|mutant| (mutant.name.clone(), sources.hash(mutant))).collect();
-    let mut outcomes = Outcomes::read(&[&recorded, &recent], hashes);
-    if options.run != Run::Kept {
-        let is_due = |mutant: &&Mutant| options.run == Run::All || outcomes.of(mutant).is_none();
-        let due: Vec<Mutant> = chosen.iter().filter(is_due).cloned().collect();
-        run_rounds(&due, &folder, &mut outcomes)?;
+    let mut outcomes = Outcomes::read(&[&recorded, &recent], mutant::hashes(&root, all)?);
+    let is_due = |mutant: &&Mutant| !options.is_missing || !outcomes.is_current(mutant);
+    let due: Vec<Mutant> = chosen.iter().filter(is_due).cloned().collect();
+    if !due.is_empty() {
+        let (tree, commit) = (folder.join("tree"), check_out(&root, &folder.join("tree"))?);
+        say("building and running the tree without a mutant ...\n");
+        let proof = Proof::prepare(tree, folder.join("build"), &due)?;
+        for (k, mutant) in due.iter().enumerate() {
+            let started = Instant::now();
+            let verdict = judge(mutant, &proof)?;
+            let seconds = started.elapsed().as_secs_f64();
+            let outcome = Outcome { commit: commit.clone(), verdict, seconds };
+            say(&format!("[{}/{}] {}: {}\n", k + 1, due.len(), mutant.name, outcome.words()));
+            outcomes.insert(mutant, outcome);
+            // After each mutant, so that an interrupted audit loses one at most.
+            outcomes.write(&recent)?;
+        }
     }
     print(&format!("\n{}", page::table(chosen, &outcomes)));
     if options.is_record {
-        let text = page::render(all, &outcomes, &scratch::machine());
         let path = root.join("docs/mutants.md");
-        std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        std::fs::write(&path, page::render(all, &outcomes))
+            .map_err(|error| format!("{}: {error}", path.display()))?;
         outcomes.write(&recorded)?;
     }
     let n_caught = chosen.iter().filter(|mutant| outcomes.is_caught(mutant)).count();
@@ -153,60 +137,39 @@ fn audit(chosen: &[Mutant], all: &[Mutant], options: &Options) -> Result<bool, S
     Ok(n_caught == chosen.len())
 }
 
-/// Outcomes are written after each round, so that an audit that is interrupted keeps them.
-fn run_rounds(chosen: &[Mutant], folder: &Path, outcomes: &mut Outcomes) -> Result<(), String> {
-    if chosen.is_empty() {
-        return Ok(());
-    }
-    let scratch = Scratch::copy(&workspace(), &folder.join("tree"))?;
-    let commit = scratch::commit(&workspace());
-    let proof = Proof { tree: scratch.root().to_owned(), target: build_folder(folder) };
-    say("building and proving the tree without a mutant ...\n");
-    let limit = proof.check_unchanged(chosen)?;
-    let reaches = rounds::reaches(scratch.root())?;
-    let rounds = rounds::rounds(chosen, &reaches);
-    for (k, round) in rounds.iter().enumerate() {
-        let names: Vec<&str> = round.iter().map(|mutant| mutant.name.as_str()).collect();
-        say(&format!("[{}/{}] {}\n", k + 1, rounds.len(), names.join(", ")));
-        for (mutant, outcome) in carry_out(round, &scratch, &proof, limit)? {
-            say(&format!("    {}: {}\n", mutant.name, outcome.words()));
-            outcomes.keep(mutant, commit.clone(), outcome);
-        }
-        outcomes.write(&folder.join("outcomes.json"))?;
-    }
-    Ok(())
+/// Applies a mutant, runs what has to catch it, and puts the file back.
+fn judge(mutant: &Mutant, proof: &Proof) -> Result<page::Verdict, String> {
+    let path = proof.tree.join(&mutant.file);
+    let error = |error: std::io::Error| format!("{}: {error}", path.display());
+    let original = std::fs::read_to_string(&path).map_err(error)?;
+    std::fs::write(&path, mutant.applied(&original)?).map_err(error)?;
+    let verdict = proof.judge(mutant);
+    std::fs::write(&path, original).map_err(error)?;
+    verdict
 }
 
-/// Builds and proves a round; if its mutants do not compile together, each by itself.
-fn carry_out<'a>(
-    round: &[&'a Mutant],
-    scratch: &Scratch,
-    proof: &Proof,
-    limit: f64,
-) -> Result<Vec<(&'a Mutant, Outcome)>, String> {
-    let started = Instant::now();
-    let originals = scratch.apply(round)?;
-    let built = proof.build();
-    let result = match &built {
-        Ok(()) => proof.judge(round, limit),
-        Err(error) if round.len() == 1 => Ok(vec![Outcome::not_compiled(error)]),
-        Err(_) => Ok(Vec::new()),
-    };
-    scratch::restore(&originals)?;
-    let outcomes = result?;
-    if outcomes.is_empty() {
-        let alone = round.iter().map(|&mutant| carry_out(&[mutant], scratch, proof, limit));
-        return Ok(alone.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect());
+/// Checks the tracked files out into a worktree, with their changes; returns the commit, `-dirty` appended if there are any.
+fn check_out(root: &Path, tree: &Path) -> Result<String, String> {
+    let head = git(root, &["rev-parse", "--short=12", "HEAD"])?;
+    // A commit of the changes that is on no branch; nothing without changes.
+    let changed = git(root, &["stash", "create"])?;
+    let commit = if changed.is_empty() { &head } else { &changed };
+    if tree.join(".git").exists() {
+        git(tree, &["checkout", "--quiet", "--force", "--detach", commit])?;
+    } else {
+        let path = tree.to_string_lossy();
+        git(root, &["worktree", "add", "--quiet", "--force", "--detach", &path, commit])?;
     }
-    let seconds = started.elapsed().as_secs_f64() / round.len() as f64;
-    let timed = outcomes.into_iter().map(|outcome| Outcome { seconds, ..outcome });
-    Ok(round.iter().copied().zip(timed).collect())
+    Ok(if changed.is_empty() { head } else { format!("{head}-dirty") })
 }
 
-/// Where mutants are built: of a folder of its own, since their profile is.
-fn build_folder(folder: &Path) -> PathBuf {
-    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    target.map_or_else(|| folder.join("build"), |target| target.join("mutants"))
+fn git(folder: &Path, arguments: &[&str]) -> Result<String, String> {
+    let output = Command::new("git").args(arguments).current_dir(folder).output();
+    let output = output.map_err(|error| format!("cannot start git: {error}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    }
+    Err(format!("git {}: {}", arguments.join(" "), String::from_utf8_lossy(&output.stderr)))
 }
 
 #[cfg(test)]
